@@ -1,0 +1,1 @@
+//! Files of Emmy: the input, meshes of other programs, and results.

@@ -1,0 +1,171 @@
+//! Everything that can go wrong in the library, as one enum with fields.
+
+use crate::mesh::CellKind;
+
+/// Result of the library.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// An error of the library. Every message says what, where, and what to try.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A mesh without cells.
+    #[error("the mesh has no cells that carry a body (hex8, hex20, hex27, tet4, tet10)")]
+    EmptyMesh,
+    /// A cell that names a node which does not exist.
+    #[error("cell {cell} names node {node}, but the mesh has {n_nodes} nodes")]
+    NodeOutOfRange {
+        /// Index of the cell.
+        cell: usize,
+        /// Index of the node.
+        node: usize,
+        /// Number of nodes.
+        n_nodes: usize,
+    },
+    /// A cell with a number of nodes that its kind does not have.
+    #[error("a {kind} cell has {expected} nodes, not {found}")]
+    WrongNodeCount {
+        /// Kind of the cell.
+        kind: CellKind,
+        /// What the kind has.
+        expected: usize,
+        /// What was given.
+        found: usize,
+    },
+    /// A node whose coordinates are NaN or infinite.
+    #[error("node {node} has a coordinate that is not a finite number")]
+    CoordinateNotFinite {
+        /// Index of the node.
+        node: usize,
+    },
+    /// A scale factor or size that must be positive and finite.
+    #[error("{what} must be positive and finite, not {value}")]
+    NotPositive {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A cell size that does not divide the edges of the l-block.
+    #[error("the l-block needs a cell size of 1, 1/2, 1/3, ..., so that it divides its edges; not {value}")]
+    CellSize {
+        /// The cell size.
+        value: f64,
+    },
+    /// A value that must be a finite number.
+    #[error("{what} must be a finite number, not {value}")]
+    NotFinite {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A facet of a group that is not a face of any cell.
+    #[error("group \"{group}\": the facet with nodes {nodes:?} is not a face of any cell of the body")]
+    FacetWithoutCell {
+        /// Name of the group.
+        group: String,
+        /// Corner nodes of the facet (indices into the points).
+        nodes: Vec<u32>,
+    },
+    /// A cell that is inverted or degenerate in the reference configuration.
+    #[error("cell {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {det:e} at one of its points")]
+    InvertedCell {
+        /// Index of the cell.
+        cell: usize,
+        /// Kind of the cell.
+        kind: CellKind,
+        /// The smallest determinant.
+        det: f64,
+    },
+    /// A group that the mesh does not have.
+    #[error("there is no {what} group \"{group}\" in the mesh; it has: {available}")]
+    UnknownGroup {
+        /// What kind of group was asked for (`cell`, `facet`, ...).
+        what: &'static str,
+        /// Name of the group.
+        group: String,
+        /// Names of the groups that are there.
+        available: String,
+    },
+    /// A mesh whose cells do not all have a material, or have several.
+    #[error("cell {cell} belongs to {count} regions; every cell must belong to exactly one")]
+    RegionCover {
+        /// Index of the cell.
+        cell: usize,
+        /// Number of regions that claim it.
+        count: usize,
+    },
+    /// A parameter of a material outside its range.
+    #[error("{material}: {parameter} = {value} {requirement}")]
+    MaterialParameter {
+        /// Key word of the material.
+        material: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must fulfil.
+        requirement: &'static str,
+    },
+    /// A history whose times go back, or with an entry that is not finite.
+    #[error("history: {reason} (entry {entry})")]
+    History {
+        /// Index of the entry.
+        entry: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A scheme that does not parse or cannot go with the degree.
+    #[error("scheme \"{scheme}\": {reason}")]
+    Scheme {
+        /// The text.
+        scheme: String,
+        /// What is wrong, and what there is.
+        reason: String,
+    },
+    /// A step plan that goes back in time or has a step size that is not positive.
+    #[error("phase {phase} of the step plan: {reason}")]
+    Plan {
+        /// Index of the phase.
+        phase: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A body whose determinant of the deformation gradient became zero or negative, or NaN.
+    #[error("cell {cell} is turned inside out: det F = {det:e}; try a smaller step")]
+    Inverted {
+        /// Index of the cell.
+        cell: usize,
+        /// Smallest determinant seen.
+        det: f64,
+    },
+    /// Newton's iteration that did not converge.
+    #[error(
+        "no convergence in the step to t = {time}: residual {residual:e} after {iterations} iterations \
+         (wanted {target:e}), largest at node {node} near {position:?}; try a smaller step"
+    )]
+    NoConvergence {
+        /// Time at the end of the step that failed.
+        time: f64,
+        /// Number of Newton iterations done.
+        iterations: usize,
+        /// Norm of the last residual.
+        residual: f64,
+        /// What the norm had to fall below.
+        target: f64,
+        /// Node with the largest residual.
+        node: usize,
+        /// Its last good position.
+        position: [f64; 3],
+        /// What stopped the iteration, if it was not the number of iterations.
+        #[source]
+        cause: Option<Box<Error>>,
+    },
+    /// A linear system that could not be factorised or solved.
+    #[error("linear solver: {reason}")]
+    Linear {
+        /// What went wrong.
+        reason: String,
+    },
+}

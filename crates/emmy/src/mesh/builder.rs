@@ -1,0 +1,222 @@
+//! Construction of a mesh: the one place where nodes, cells and groups are checked against each other.
+
+use std::collections::HashMap;
+
+use super::{CellKind, Facet, Groups, Mesh};
+use crate::error::{Error, Result};
+
+/// Collects nodes, cells and groups and checks them once, in [`MeshBuilder::build`].
+///
+/// ```
+/// use emmy::mesh::{CellKind, MeshBuilder};
+/// let mut builder = MeshBuilder::new();
+/// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+///     builder.point(point);
+/// }
+/// let cell = builder.cell(CellKind::Tet4, &[0, 1, 2, 3])?;
+/// builder.cell_group("body", [cell]);
+/// builder.facet_group_by_nodes("floor", vec![vec![0, 2, 1]]);
+/// let mesh = builder.build()?;
+/// assert_eq!(mesh.groups().facets("floor")?.len(), 1);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct MeshBuilder {
+    points: Vec<[f64; 3]>,
+    kinds: Vec<CellKind>,
+    offsets: Vec<u32>,
+    connectivity: Vec<u32>,
+    groups: Groups,
+    facets_by_nodes: Vec<(String, Vec<Vec<u32>>)>,
+}
+
+impl MeshBuilder {
+    /// A builder without nodes or cells.
+    pub fn new() -> Self {
+        MeshBuilder { offsets: vec![0], ..Default::default() }
+    }
+
+    /// Adds a node at its reference position and returns its index.
+    pub fn point(&mut self, point: [f64; 3]) -> u32 {
+        self.points.push(point);
+        (self.points.len() - 1) as u32
+    }
+
+    /// Adds a cell with its nodes in VTK order and returns its index.
+    ///
+    /// # Errors
+    /// [`Error::WrongNodeCount`] if the number of nodes is not that of the kind.
+    pub fn cell(&mut self, kind: CellKind, nodes: &[u32]) -> Result<u32> {
+        if nodes.len() != kind.n_nodes() {
+            return Err(Error::WrongNodeCount { kind, expected: kind.n_nodes(), found: nodes.len() });
+        }
+        self.kinds.push(kind);
+        self.connectivity.extend_from_slice(nodes);
+        self.offsets.push(self.connectivity.len() as u32);
+        Ok((self.kinds.len() - 1) as u32)
+    }
+
+    /// Adds cells to a named group.
+    pub fn cell_group(&mut self, name: &str, cells: impl IntoIterator<Item = u32>) {
+        self.groups.cells.entry(name.to_string()).or_default().extend(cells);
+    }
+
+    /// Adds facets, given as faces of cells, to a named group.
+    pub fn facet_group(&mut self, name: &str, facets: impl IntoIterator<Item = Facet>) {
+        self.groups.facets.entry(name.to_string()).or_default().extend(facets);
+    }
+
+    /// Adds facets, given by their nodes in any order (corners suffice), to a named group.
+    pub fn facet_group_by_nodes(&mut self, name: &str, facets: Vec<Vec<u32>>) {
+        self.facets_by_nodes.push((name.to_string(), facets));
+    }
+
+    /// Adds nodes to a named group.
+    pub fn node_group(&mut self, name: &str, nodes: impl IntoIterator<Item = u32>) {
+        self.groups.nodes.entry(name.to_string()).or_default().extend(nodes);
+    }
+
+    /// The mesh, checked. Nodes that no cell uses are kept out: they would have no mass.
+    ///
+    /// # Errors
+    /// [`Error::EmptyMesh`], [`Error::NodeOutOfRange`], [`Error::CoordinateNotFinite`], [`Error::FacetWithoutCell`].
+    pub fn build(mut self) -> Result<Mesh> {
+        self.check()?;
+        self.resolve_facets()?;
+        self.drop_unused_nodes();
+        let MeshBuilder { points, kinds, offsets, connectivity, mut groups, .. } = self;
+        groups.cells.values_mut().for_each(sort_unique);
+        groups.facets.values_mut().for_each(sort_unique);
+        groups.nodes.values_mut().for_each(sort_unique);
+        Ok(Mesh { points, kinds, offsets, connectivity, groups })
+    }
+
+    fn check(&self) -> Result<()> {
+        if self.kinds.is_empty() {
+            return Err(Error::EmptyMesh);
+        }
+        let n_nodes = self.points.len();
+        for (cell, range) in self.offsets.windows(2).enumerate() {
+            let nodes = &self.connectivity[range[0] as usize..range[1] as usize];
+            if let Some(&node) = nodes.iter().find(|&&node| node as usize >= n_nodes) {
+                return Err(Error::NodeOutOfRange { cell, node: node as usize, n_nodes });
+            }
+        }
+        match self.points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+            Some(node) => Err(Error::CoordinateNotFinite { node }),
+            None => Ok(()),
+        }
+    }
+
+    /// Finds the face of a cell for every facet that was given by its nodes.
+    fn resolve_facets(&mut self) -> Result<()> {
+        let wanted = std::mem::take(&mut self.facets_by_nodes);
+        if wanted.is_empty() {
+            return Ok(());
+        }
+        let faces = self.faces_by_corners();
+        for (name, facets) in wanted {
+            let group = self.groups.facets.entry(name.clone()).or_default();
+            for nodes in facets {
+                let found = corner_keys(&nodes).find_map(|key| faces.get(&key));
+                let missing = || Error::FacetWithoutCell { group: name.clone(), nodes: nodes.clone() };
+                group.push(*found.ok_or_else(missing)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Every face of every cell by its sorted corners; an inner face belongs to the first of its two cells.
+    fn faces_by_corners(&self) -> HashMap<[u32; 4], Facet> {
+        let mut faces = HashMap::new();
+        for (cell, (&kind, range)) in self.kinds.iter().zip(self.offsets.windows(2)).enumerate() {
+            let nodes = &self.connectivity[range[0] as usize..range[1] as usize];
+            for (local, facet) in kind.facets().iter().enumerate() {
+                let mut key = [u32::MAX; 4];
+                for (slot, &corner) in key.iter_mut().zip(&facet.nodes[..facet.kind.n_corners()]) {
+                    *slot = nodes[corner];
+                }
+                key.sort_unstable();
+                faces.entry(key).or_insert(Facet { cell: cell as u32, local: local as u8 });
+            }
+        }
+        faces
+    }
+
+    fn drop_unused_nodes(&mut self) {
+        let mut new_index = vec![u32::MAX; self.points.len()];
+        self.connectivity.iter().for_each(|&node| new_index[node as usize] = 0);
+        let mut next = 0;
+        for index in new_index.iter_mut().filter(|index| **index == 0) {
+            *index = next;
+            next += 1;
+        }
+        let mut node = 0;
+        self.points.retain(|_| {
+            node += 1;
+            new_index[node - 1] != u32::MAX
+        });
+        self.connectivity.iter_mut().for_each(|node| *node = new_index[*node as usize]);
+        for nodes in self.groups.nodes.values_mut() {
+            let used = nodes.iter().filter_map(|&node| new_index.get(node as usize).copied());
+            *nodes = used.filter(|&index| index != u32::MAX).collect();
+        }
+    }
+}
+
+/// Corner sets that a node list can stand for: the first four nodes, else the first three.
+fn corner_keys(nodes: &[u32]) -> impl Iterator<Item = [u32; 4]> + '_ {
+    [4, 3].into_iter().filter(|&n| n <= nodes.len()).map(|n| {
+        let mut key = [u32::MAX; 4];
+        key[..n].copy_from_slice(&nodes[..n]);
+        key.sort_unstable();
+        key
+    })
+}
+
+fn sort_unique<T: Ord>(items: &mut Vec<T>) {
+    items.sort_unstable();
+    items.dedup();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> MeshBuilder {
+        let mut builder = MeshBuilder::new();
+        builder.point([9.0, 9.0, 9.0]); // no cell uses it
+        for point in [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+            builder.point(point);
+        }
+        builder.cell(CellKind::Tet4, &[1, 2, 3, 4]).unwrap();
+        builder
+    }
+
+    #[test]
+    fn unused_nodes_are_dropped_and_groups_follow() {
+        let mut builder = tetrahedron();
+        builder.node_group("some", [0, 4, 4]);
+        builder.facet_group_by_nodes("slope", vec![vec![4, 2, 3]]);
+        let mesh = builder.build().unwrap();
+        assert_eq!(mesh.n_nodes(), 4);
+        assert_eq!(mesh.groups().nodes["some"], [3]);
+        assert_eq!(mesh.group_nodes("slope").unwrap(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        assert_eq!(MeshBuilder::new().build().unwrap_err(), Error::EmptyMesh);
+        let mut builder = tetrahedron();
+        builder.facet_group_by_nodes("nowhere", vec![vec![0, 1, 2]]);
+        assert!(
+            matches!(builder.build().unwrap_err(), Error::FacetWithoutCell { group, .. } if group == "nowhere")
+        );
+        let mut builder = tetrahedron();
+        builder.cell(CellKind::Tet4, &[1, 2, 3, 7]).unwrap();
+        assert_eq!(builder.build().unwrap_err(), Error::NodeOutOfRange { cell: 1, node: 7, n_nodes: 5 });
+        let mut builder = tetrahedron();
+        builder.point([f64::NAN, 0.0, 0.0]);
+        assert_eq!(builder.build().unwrap_err(), Error::CoordinateNotFinite { node: 5 });
+    }
+}

@@ -1,0 +1,173 @@
+//! Kinds of cells and facets: topology only. The shape functions live in [`crate::element`].
+
+use std::fmt;
+
+/// Kind of a cell of the mesh. Node order is that of VTK for every kind.
+///
+/// ```
+/// use emmy::mesh::CellKind;
+/// assert_eq!(CellKind::Hex20.n_nodes(), 20);
+/// assert_eq!(CellKind::Tet10.facets().len(), 4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CellKind {
+    /// Trilinear hexahedron, 8 nodes.
+    Hex8,
+    /// Serendipity hexahedron, 20 nodes.
+    Hex20,
+    /// Triquadratic hexahedron, 27 nodes.
+    Hex27,
+    /// Linear tetrahedron, 4 nodes.
+    Tet4,
+    /// Quadratic tetrahedron, 10 nodes.
+    Tet10,
+}
+
+/// Kind of a facet (a face of a cell). Node order is that of VTK for every kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum FacetKind {
+    /// Linear triangle.
+    Tri3,
+    /// Quadratic triangle.
+    Tri6,
+    /// Bilinear quadrilateral.
+    Quad4,
+    /// Serendipity quadrilateral.
+    Quad8,
+    /// Biquadratic quadrilateral.
+    Quad9,
+}
+
+/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LocalFacet {
+    /// Kind of the facet.
+    pub kind: FacetKind,
+    /// Local node numbers, in the facet's own node order.
+    pub nodes: &'static [usize],
+}
+
+impl FacetKind {
+    /// Number of nodes.
+    pub const fn n_nodes(self) -> usize {
+        match self {
+            FacetKind::Tri3 => 3,
+            FacetKind::Tri6 => 6,
+            FacetKind::Quad4 => 4,
+            FacetKind::Quad8 => 8,
+            FacetKind::Quad9 => 9,
+        }
+    }
+
+    /// Number of corner nodes; they come first in the node order.
+    pub const fn n_corners(self) -> usize {
+        match self {
+            FacetKind::Tri3 | FacetKind::Tri6 => 3,
+            _ => 4,
+        }
+    }
+}
+
+impl CellKind {
+    /// All kinds, in the order of `emmy list elements`.
+    pub const ALL: [CellKind; 5] =
+        [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10];
+
+    /// Number of nodes.
+    pub const fn n_nodes(self) -> usize {
+        match self {
+            CellKind::Hex8 => 8,
+            CellKind::Hex20 => 20,
+            CellKind::Hex27 => 27,
+            CellKind::Tet4 => 4,
+            CellKind::Tet10 => 10,
+        }
+    }
+
+    /// Number of corner nodes; they come first in the node order.
+    pub const fn n_corners(self) -> usize {
+        match self {
+            CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => 8,
+            CellKind::Tet4 | CellKind::Tet10 => 4,
+        }
+    }
+
+    /// Faces with outward orientation, numbered as in [`crate::mesh::Facet::local`].
+    pub const fn facets(self) -> &'static [LocalFacet] {
+        match self {
+            CellKind::Hex8 => &HEX8_FACETS,
+            CellKind::Hex20 => &HEX20_FACETS,
+            CellKind::Hex27 => &HEX27_FACETS,
+            CellKind::Tet4 => &TET4_FACETS,
+            CellKind::Tet10 => &TET10_FACETS,
+        }
+    }
+
+    /// Key word of the kind, as in `emmy list elements`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            CellKind::Hex8 => "hex8",
+            CellKind::Hex20 => "hex20",
+            CellKind::Hex27 => "hex27",
+            CellKind::Tet4 => "tet4",
+            CellKind::Tet10 => "tet10",
+        }
+    }
+}
+
+impl fmt::Display for CellKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Faces from one kind and one list of node lists.
+macro_rules! facets {
+    ($kind:ident; $([$($node:literal),*]),* $(,)?) => {
+        [$(LocalFacet { kind: FacetKind::$kind, nodes: &[$($node),*] }),*]
+    };
+}
+
+// Order of the hexahedron's faces: x-min, x-max, y-min, y-max, z-min, z-max of the reference cube.
+const HEX8_FACETS: [LocalFacet; 6] = facets![Quad4;
+    [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]];
+const HEX20_FACETS: [LocalFacet; 6] = facets![Quad8;
+    [0, 4, 7, 3, 16, 15, 19, 11],
+    [1, 2, 6, 5, 9, 18, 13, 17],
+    [0, 1, 5, 4, 8, 17, 12, 16],
+    [3, 7, 6, 2, 19, 14, 18, 10],
+    [0, 3, 2, 1, 11, 10, 9, 8],
+    [4, 5, 6, 7, 12, 13, 14, 15]];
+const HEX27_FACETS: [LocalFacet; 6] = facets![Quad9;
+    [0, 4, 7, 3, 16, 15, 19, 11, 20],
+    [1, 2, 6, 5, 9, 18, 13, 17, 21],
+    [0, 1, 5, 4, 8, 17, 12, 16, 22],
+    [3, 7, 6, 2, 19, 14, 18, 10, 23],
+    [0, 3, 2, 1, 11, 10, 9, 8, 24],
+    [4, 5, 6, 7, 12, 13, 14, 15, 25]];
+const TET4_FACETS: [LocalFacet; 4] = facets![Tri3; [1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+const TET10_FACETS: [LocalFacet; 4] = facets![Tri6;
+    [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn facets_list_corners_then_the_edges_between_them() {
+        for kind in CellKind::ALL {
+            let mut edge_nodes: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+            for facet in kind.facets() {
+                assert_eq!(facet.nodes.len(), facet.kind.n_nodes());
+                let n = facet.kind.n_corners();
+                for (i, &mid) in facet.nodes[n..].iter().take(n).enumerate() {
+                    let mut edge = [facet.nodes[i], facet.nodes[(i + 1) % n]];
+                    edge.sort();
+                    // Both faces of an edge must name the same mid-side node.
+                    assert_eq!(*edge_nodes.entry(edge).or_insert(mid), mid, "{kind} {edge:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The mesh: nodes, cells, named groups, quality, built-in shapes.
+
+mod builder;
+mod cell;
+mod groups;
+mod shapes;
+
+pub use builder::MeshBuilder;
+pub use cell::{CellKind, FacetKind, LocalFacet};
+pub use groups::{Facet, Groups};
+pub use shapes::{block, l_block};
+
+use crate::error::{Error, Result};
+
+/// A cell as it stands in the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cell<'a> {
+    /// Kind of the cell.
+    pub kind: CellKind,
+    /// Nodes in VTK order, indices into [`Mesh::points`].
+    pub nodes: &'a [u32],
+}
+
+/// Nodes, cells of any mix of kinds, and named groups. Made by a [`MeshBuilder`], so always consistent.
+///
+/// ```
+/// let mesh = emmy::mesh::l_block(1.0)?;
+/// assert_eq!((mesh.n_nodes(), mesh.n_cells()), (224, 117));
+/// assert_eq!(mesh.groups().facets("face-a")?.len(), 9);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    points: Vec<[f64; 3]>,
+    kinds: Vec<CellKind>,
+    offsets: Vec<u32>,
+    connectivity: Vec<u32>,
+    groups: Groups,
+}
+
+impl Mesh {
+    /// Reference positions of the nodes, `[n_nodes][3]` \[length\].
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// Number of nodes.
+    pub fn n_nodes(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// Number of degrees of freedom: three components a node.
+    pub fn n_dofs(&self) -> usize {
+        3 * self.n_nodes()
+    }
+
+    /// The cell with an index.
+    pub fn cell(&self, index: usize) -> Cell<'_> {
+        let range = self.offsets[index] as usize..self.offsets[index + 1] as usize;
+        Cell { kind: self.kinds[index], nodes: &self.connectivity[range] }
+    }
+
+    /// All cells in order.
+    pub fn cells(&self) -> impl Iterator<Item = Cell<'_>> {
+        (0..self.n_cells()).map(|index| self.cell(index))
+    }
+
+    /// Named groups.
+    pub fn groups(&self) -> &Groups {
+        &self.groups
+    }
+
+    /// Nodes of a facet in the facet's own order.
+    pub fn facet_nodes(&self, facet: Facet) -> impl Iterator<Item = u32> + '_ {
+        let cell = self.cell(facet.cell as usize);
+        cell.kind.facets()[facet.local as usize].nodes.iter().map(move |&local| cell.nodes[local])
+    }
+
+    /// Nodes of every group of a name: of its facets, cells and nodes together, ascending, without repetition.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`] with the names that are there.
+    pub fn group_nodes(&self, name: &str) -> Result<Vec<u32>> {
+        let groups = &self.groups;
+        let mut nodes: Vec<u32> = groups.nodes.get(name).cloned().unwrap_or_default();
+        for &facet in groups.facets.get(name).into_iter().flatten() {
+            nodes.extend(self.facet_nodes(facet));
+        }
+        for &cell in groups.cells.get(name).into_iter().flatten() {
+            nodes.extend_from_slice(self.cell(cell as usize).nodes);
+        }
+        if nodes.is_empty() {
+            let available = groups.names().join(", ");
+            return Err(Error::UnknownGroup { what: "node", group: name.to_string(), available });
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        Ok(nodes)
+    }
+
+    /// The node nearest to a point in the reference configuration; the first one of several.
+    pub fn nearest_node(&self, point: [f64; 3]) -> usize {
+        let distance = |p: &[f64; 3]| (0..3).map(|i| (p[i] - point[i]).powi(2)).sum::<f64>();
+        let nodes = 0..self.n_nodes();
+        nodes.min_by(|&a, &b| distance(&self.points[a]).total_cmp(&distance(&self.points[b]))).unwrap_or(0)
+    }
+
+    /// The mesh with every coordinate multiplied by a factor.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] unless the factor is positive and finite.
+    pub fn scaled(mut self, factor: f64) -> Result<Mesh> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(Error::NotPositive { what: "mesh scale".into(), value: factor });
+        }
+        self.points.iter_mut().flatten().for_each(|x| *x *= factor);
+        Ok(self)
+    }
+}

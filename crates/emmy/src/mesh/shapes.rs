@@ -1,0 +1,146 @@
+//! Built-in shapes: a block of bricks, and the L-shaped block of Betsch and Steinmann (2001), Section 5.
+
+use std::collections::HashMap;
+
+use super::{CellKind, Facet, Mesh, MeshBuilder};
+use crate::error::{Error, Result};
+
+/// Box `[0, size]` of equal hex8 cells, groups `body` and `x-min` ... `z-max`.
+///
+/// `size`: edge lengths \[length\]; `cells`: number of cells along each edge.
+///
+/// # Errors
+/// [`Error::NotPositive`] if an edge or a number of cells is not positive.
+///
+/// ```
+/// let mesh = emmy::mesh::block([2.0, 8.0, 2.0], [2, 8, 2])?;
+/// assert_eq!((mesh.n_nodes(), mesh.n_cells()), (81, 32));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
+    for i in 0..3 {
+        positive("box size", size[i])?;
+        positive("number of box cells", cells[i] as f64)?;
+    }
+    let mut grid = Grid::new([0, 1, 2].map(|i| size[i] / cells[i] as f64));
+    grid.fill([[0, cells[0]], [0, cells[1]], [0, cells[2]]])?;
+    for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+        grid.facet_group(&format!("{letter}-min"), 2 * axis, |cell| cell[axis] == 0);
+        grid.facet_group(&format!("{letter}-max"), 2 * axis + 1, |cell| cell[axis] + 1 == cells[axis]);
+    }
+    grid.build()
+}
+
+/// L-shaped block, the union of `[0,3]x[0,10]x[0,3]` and `[3,6]x[0,3]x[0,3]`, of cubes with edge `cell_size`.
+///
+/// Groups: `body`, `face-a` (y = 10), `face-b` (x = 6). The edges 3, 10 and 6 ask for a cell size of 1/n.
+///
+/// # Errors
+/// [`Error::NotPositive`], or [`Error::CellSize`] if the cell size is not 1/n for a whole number n.
+pub fn l_block(cell_size: f64) -> Result<Mesh> {
+    positive("cell size", cell_size)?;
+    let r = (1.0 / cell_size).round() as usize;
+    if r == 0 || (cell_size * r as f64 - 1.0).abs() > 1e-6 {
+        return Err(Error::CellSize { value: cell_size });
+    }
+    let mut grid = Grid::new([1.0 / r as f64; 3]);
+    grid.fill([[0, 3 * r], [0, 10 * r], [0, 3 * r]])?;
+    grid.fill([[3 * r, 6 * r], [0, 3 * r], [0, 3 * r]])?;
+    grid.facet_group("face-a", 3, |cell| cell[1] + 1 == 10 * r);
+    grid.facet_group("face-b", 1, |cell| cell[0] + 1 == 6 * r);
+    grid.build()
+}
+
+fn positive(what: &str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::NotPositive { what: what.to_string(), value })
+}
+
+/// Bricks on a regular grid; nodes are numbered as they are first met.
+struct Grid {
+    cell_size: [f64; 3],
+    builder: MeshBuilder,
+    node_at: HashMap<[usize; 3], u32>,
+    cells: Vec<[usize; 3]>,
+}
+
+impl Grid {
+    fn new(cell_size: [f64; 3]) -> Self {
+        Grid { cell_size, builder: MeshBuilder::new(), node_at: HashMap::new(), cells: Vec::new() }
+    }
+
+    fn node(&mut self, at: [usize; 3]) -> u32 {
+        let (builder, cell_size) = (&mut self.builder, self.cell_size);
+        *self
+            .node_at
+            .entry(at)
+            .or_insert_with(|| builder.point([0, 1, 2].map(|i| at[i] as f64 * cell_size[i])))
+    }
+
+    fn fill(&mut self, range: [[usize; 2]; 3]) -> Result<()> {
+        for i in range[0][0]..range[0][1] {
+            for j in range[1][0]..range[1][1] {
+                for k in range[2][0]..range[2][1] {
+                    let corners = CORNERS.map(|c| self.node([i + c[0], j + c[1], k + c[2]]));
+                    self.builder.cell(CellKind::Hex8, &corners)?;
+                    self.cells.push([i, j, k]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn facet_group(&mut self, name: &str, local: usize, member: impl Fn([usize; 3]) -> bool) {
+        let cells = self.cells.iter().enumerate().filter(|(_, at)| member(**at));
+        self.builder
+            .facet_group(name, cells.map(|(cell, _)| Facet { cell: cell as u32, local: local as u8 }));
+    }
+
+    fn build(mut self) -> Result<Mesh> {
+        self.builder.cell_group("body", 0..self.cells.len() as u32);
+        self.builder.build()
+    }
+}
+
+/// Corners of the hexahedron in VTK order.
+const CORNERS: [[usize; 3]; 8] =
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn end_faces_of_the_l_block_lie_where_the_paper_loads_it() {
+        let mesh = l_block(0.5).unwrap();
+        assert_eq!(mesh.n_cells(), 8 * 117);
+        for node in mesh.group_nodes("face-a").unwrap() {
+            assert_eq!(mesh.points()[node as usize][1], 10.0);
+        }
+        assert_eq!(mesh.group_nodes("face-b").unwrap().len(), 49);
+        for node in mesh.group_nodes("face-b").unwrap() {
+            assert_eq!(mesh.points()[node as usize][0], 6.0);
+        }
+    }
+
+    #[test]
+    fn box_groups_are_its_six_faces() {
+        let mesh = block([2.0, 8.0, 3.0], [2, 4, 3]).unwrap();
+        let count = |name| mesh.groups().facets(name).unwrap().len();
+        assert_eq!(["x-min", "x-max", "y-min", "y-max", "z-min", "z-max"].map(count), [12, 12, 6, 6, 8, 8]);
+        for node in mesh.group_nodes("z-max").unwrap() {
+            assert_eq!(mesh.points()[node as usize][2], 3.0);
+        }
+    }
+
+    #[test]
+    fn sizes_must_be_positive() {
+        assert!(block([1.0, -1.0, 1.0], [1, 1, 1]).is_err());
+        assert!(block([1.0, 1.0, 1.0], [1, 0, 1]).is_err());
+        assert!(l_block(f64::NAN).is_err());
+        assert_eq!(l_block(0.3).unwrap_err(), Error::CellSize { value: 0.3 });
+        assert!(l_block(0.333333333).is_ok());
+    }
+}
