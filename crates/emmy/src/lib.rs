@@ -1,6 +1,10 @@
 //! Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
 
+pub mod element;
 pub mod error;
+pub mod material;
 pub mod mesh;
+pub mod quadrature;
+pub mod tensor;
 
 pub use error::{Error, Result};

@@ -1,0 +1,82 @@
+//! Stored energy functions W(C) of hyperelastic materials, one model a file.
+//!
+//! A material sees the deformation only through `C = F^T F`, handed over as the Green-Lagrange strain
+//! `E = (C - I) / 2`, which keeps its digits where strains are small.
+
+#![allow(non_snake_case)]
+
+mod neo_hooke;
+mod saint_venant_kirchhoff;
+
+pub use neo_hooke::NeoHooke;
+pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+
+use crate::error::{Error, Result};
+use crate::tensor::{Elasticity, Lane, Sym};
+
+/// A hyperelastic material: stored energy, stress and elasticity as functions of the Green-Lagrange strain.
+///
+/// ```math
+/// S = dW/dE = 2 dW/dC,      D = dS/dE = 4 d^2W/dC^2
+/// ```
+///
+/// Strains must be evaluated without cancellation: the relative error of `W` and `S` stays at round-off for strains
+/// from 1e-8 to 1. Components are ordered as in [`Sym`]; see [`Elasticity`] for the shears of `D`.
+///
+/// ```
+/// use emmy::material::{Material, SaintVenantKirchhoff};
+/// let steel = SaintVenantKirchhoff::from_engineering(2.1e5, 0.3)?;
+/// let stress = steel.stress(&[1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// assert!((stress[0] - 282.6923076923077).abs() < 1e-10);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub trait Material: Clone + Send + Sync + 'static {
+    /// Stored energy W per reference volume \[energy/length^3\].
+    fn strain_energy<L: Lane>(&self, strain: &Sym<L>) -> L;
+
+    /// Second Piola-Kirchhoff stress S \[force/length^2\].
+    fn stress<L: Lane>(&self, strain: &Sym<L>) -> Sym<L>;
+
+    /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.
+    fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
+}
+
+/// Lame parameters (lambda, mu) from Young's modulus and Poisson's ratio.
+///
+/// ```math
+/// lambda = E nu / ((1 + nu) (1 - 2 nu)),      mu = E / (2 (1 + nu))
+/// ```
+///
+/// # Errors
+/// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2.
+pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) -> Result<(f64, f64)> {
+    let (E, nu) = (youngs_modulus, poissons_ratio);
+    positive(material, "youngs_modulus", E)?;
+    if !(nu > -1.0 && nu < 0.5) {
+        let requirement = "must lie between -1 and 0.5 (0.5, an incompressible material, excluded)";
+        return Err(Error::MaterialParameter {
+            material,
+            parameter: "poissons_ratio",
+            value: nu,
+            requirement,
+        });
+    }
+    Ok((E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu))))
+}
+
+/// Checks that Lame parameters make a stable material: mu > 0 and lambda + 2/3 mu > 0.
+fn stable_lame(material: &'static str, lambda: f64, mu: f64) -> Result<()> {
+    positive(material, "mu", mu)?;
+    if lambda.is_finite() && lambda + 2.0 / 3.0 * mu > 0.0 {
+        return Ok(());
+    }
+    let requirement = "must be finite and larger than -2/3 mu (positive bulk modulus)";
+    Err(Error::MaterialParameter { material, parameter: "lambda", value: lambda, requirement })
+}
+
+fn positive(material: &'static str, parameter: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::MaterialParameter { material, parameter, value, requirement: "must be positive and finite" })
+}

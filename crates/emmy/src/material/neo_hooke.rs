@@ -1,0 +1,120 @@
+//! Compressible neo-Hooke material.
+
+#![allow(non_snake_case)]
+
+use super::{Material, lame, stable_lame};
+use crate::error::Result;
+use crate::tensor::{Elasticity, Lane, SYM, SYM_INDEX, Sym, minus_ln_1p, sym_cofactor, sym_det, trace};
+
+/// Compressible neo-Hooke material.
+///
+/// ```math
+/// W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J,      S = mu (I - C^-1) + lambda ln J C^-1
+/// ```
+///
+/// Source: Betsch and Steinmann (2001), equation (81). Parameters in \[force/length^2\].
+///
+/// ```
+/// use emmy::material::{Material, NeoHooke};
+/// let rubber = NeoHooke::new(1000.0, 500.0)?;
+/// let energy = rubber.strain_energy(&[1.5, 0.0, 0.0, 0.0, 0.0, 0.0]); // stretched to twice its length
+/// let ln_2 = std::f64::consts::LN_2;
+/// assert!((energy - (750.0 + 500.0 * ln_2 * ln_2 - 500.0 * ln_2)).abs() < 1e-10);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NeoHooke {
+    lambda: f64,
+    mu: f64,
+}
+
+const NAME: &str = "neo-hooke";
+
+impl NeoHooke {
+    /// The material with Lame parameters.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless mu > 0 and lambda > -2/3 mu.
+    pub fn new(lambda: f64, mu: f64) -> Result<Self> {
+        stable_lame(NAME, lambda, mu)?;
+        Ok(NeoHooke { lambda, mu })
+    }
+
+    /// The material whose small-strain Young's modulus and Poisson's ratio are given.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2.
+    pub fn from_engineering(youngs_modulus: f64, poissons_ratio: f64) -> Result<Self> {
+        let (lambda, mu) = lame(NAME, youngs_modulus, poissons_ratio)?;
+        Ok(NeoHooke { lambda, mu })
+    }
+
+    /// Inverse of C, ln J, and the second Piola-Kirchhoff stress.
+    #[inline(always)]
+    fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
+        let A = E.map(|e| e * 2.0);
+        let (C, z) = (right_cauchy_green(&A), volume_change(&A));
+        let inverse_det = C[0].splat(1.0) / (C[0].splat(1.0) + z);
+        let C_inv = sym_cofactor(&C).map(|c| c * inverse_det);
+        let ln_J = z.ln_1p() * 0.5;
+        // S = mu C^-1 A + lambda ln J C^-1: no difference of numbers near one.
+        let component = |i: usize, j: usize| {
+            let product = |k: usize| C_inv[SYM_INDEX[i][k]] * A[SYM_INDEX[k][j]];
+            (product(0) + product(1) + product(2)) * self.mu + ln_J * C_inv[SYM_INDEX[i][j]] * self.lambda
+        };
+        (C_inv, ln_J, SYM.map(|(i, j)| component(i, j)))
+    }
+}
+
+/// C = I + A.
+#[inline(always)]
+fn right_cauchy_green<L: Lane>(A: &Sym<L>) -> Sym<L> {
+    let one = A[0].splat(1.0);
+    [A[0] + one, A[1] + one, A[2] + one, A[3], A[4], A[5]]
+}
+
+/// det C - 1, from the invariants of A = C - I.
+#[inline(always)]
+fn volume_change<L: Lane>(A: &Sym<L>) -> L {
+    trace(A) + (second_invariant(A) + sym_det(A))
+}
+
+/// Second invariant of A: the trace of its cofactor.
+#[inline(always)]
+fn second_invariant<L: Lane>(A: &Sym<L>) -> L {
+    let cofactor = sym_cofactor(A);
+    cofactor[0] + cofactor[1] + cofactor[2]
+}
+
+impl Material for NeoHooke {
+    #[inline(always)]
+    fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
+        let A = E.map(|e| e * 2.0);
+        let z = volume_change(&A);
+        let ln_J = z.ln_1p() * 0.5;
+        // mu/2 (tr A - ln(1 + z)) with tr A = z - I_2(A) - det A.
+        let isochoric = minus_ln_1p(z) - second_invariant(&A) - sym_det(&A);
+        isochoric * (0.5 * self.mu) + ln_J * ln_J * (0.5 * self.lambda)
+    }
+
+    #[inline(always)]
+    fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
+        self.state(E).2
+    }
+
+    #[inline(always)]
+    fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
+        let (C_inv, ln_J, S) = self.state(E);
+        // D_ijkl = lambda C^-1_ij C^-1_kl + (mu - lambda ln J) (C^-1_ik C^-1_jl + C^-1_il C^-1_jk)
+        let factor = ln_J.splat(self.mu) - ln_J * self.lambda;
+        let c = |i: usize, j: usize| C_inv[SYM_INDEX[i][j]];
+        let mut D = [[factor; 6]; 6];
+        for (a, (i, j)) in SYM.into_iter().enumerate() {
+            for (b, (k, l)) in SYM.into_iter().enumerate().skip(a) {
+                D[a][b] = c(i, j) * c(k, l) * self.lambda + factor * (c(i, k) * c(j, l) + c(i, l) * c(j, k));
+                D[b][a] = D[a][b];
+            }
+        }
+        (S, D)
+    }
+}

@@ -1,0 +1,79 @@
+//! St. Venant-Kirchhoff material.
+
+#![allow(non_snake_case)]
+
+use super::{Material, lame, stable_lame};
+use crate::error::Result;
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, trace};
+
+/// St. Venant-Kirchhoff material: linear elasticity in the Green-Lagrange strain, for large rotation and small strain.
+///
+/// ```math
+/// W = lambda/2 (tr E)^2 + mu E : E,      S = lambda tr(E) I + 2 mu E
+/// ```
+///
+/// Source: Betsch and Steinmann (2001), equation (59). Parameters in \[force/length^2\].
+///
+/// ```
+/// use emmy::material::{Material, SaintVenantKirchhoff};
+/// let material = SaintVenantKirchhoff::new(1.0, 2.0)?;
+/// assert_eq!(material.strain_energy(&[0.5, 0.0, 0.0, 0.0, 0.0, 0.0]), 0.125 + 0.5);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SaintVenantKirchhoff {
+    lambda: f64,
+    mu: f64,
+}
+
+const NAME: &str = "saint-venant-kirchhoff";
+
+impl SaintVenantKirchhoff {
+    /// The material with Lame parameters.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless mu > 0 and lambda > -2/3 mu.
+    pub fn new(lambda: f64, mu: f64) -> Result<Self> {
+        stable_lame(NAME, lambda, mu)?;
+        Ok(SaintVenantKirchhoff { lambda, mu })
+    }
+
+    /// The material with Young's modulus and Poisson's ratio.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2.
+    pub fn from_engineering(youngs_modulus: f64, poissons_ratio: f64) -> Result<Self> {
+        let (lambda, mu) = lame(NAME, youngs_modulus, poissons_ratio)?;
+        Ok(SaintVenantKirchhoff { lambda, mu })
+    }
+}
+
+impl Material for SaintVenantKirchhoff {
+    #[inline(always)]
+    fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
+        let tr = trace(E);
+        tr * tr * (0.5 * self.lambda) + double_dot(E, E) * self.mu
+    }
+
+    #[inline(always)]
+    fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
+        let pressure = trace(E) * self.lambda;
+        let mut S = E.map(|e| e * (2.0 * self.mu));
+        (0..3).for_each(|i| S[i] += pressure);
+        S
+    }
+
+    #[inline(always)]
+    fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
+        let constant = |value| E[0].splat(value);
+        let mut D = [[constant(0.0); 6]; 6];
+        for a in 0..3 {
+            for b in 0..3 {
+                D[a][b] = constant(self.lambda);
+            }
+            D[a][a] = constant(self.lambda + 2.0 * self.mu);
+            D[a + 3][a + 3] = constant(self.mu);
+        }
+        (self.stress(E), D)
+    }
+}

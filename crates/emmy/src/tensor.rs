@@ -1,0 +1,245 @@
+//! Small tensors at a material point, generic over a lane number type: one point, or a batch of points side by side.
+
+#![allow(non_snake_case)]
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
+///
+/// Everything between the mesh and a material is written once over this trait. Constants are made from a number that
+/// is already there ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set with it.
+pub trait Lane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Mul<f64, Output = Self>
+    + AddAssign
+    + Send
+    + Sync
+    + 'static
+{
+    /// The constant in every lane.
+    fn splat(self, constant: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Logarithm of 1 + self, accurate for small self.
+    fn ln_1p(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller of two numbers; NaN if one of them is NaN, so that a failure is not lost.
+    fn min(self, other: Self) -> Self;
+    /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
+    fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+}
+
+impl Lane for f64 {
+    #[inline(always)]
+    fn splat(self, constant: f64) -> f64 {
+        constant
+    }
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn ln_1p(self) -> f64 {
+        f64::ln_1p(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn min(self, other: f64) -> f64 {
+        if self < other || self.is_nan() { self } else { other }
+    }
+    #[inline(always)]
+    fn select_below(self, bound: f64, below: f64, otherwise: f64) -> f64 {
+        if self < bound { below } else { otherwise }
+    }
+}
+
+/// Second-order tensor, `[row][column]`.
+pub type Mat3<L> = [[L; 3]; 3];
+
+/// Symmetric second-order tensor: components 11, 22, 33, 12, 23, 13 (plain tensor components, nothing doubled).
+pub type Sym<L> = [L; 6];
+
+/// Derivative of a stress by a strain, `[stress component][strain component]`, in the order of [`Sym`]. As a shear
+/// strain stands for two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
+pub type Elasticity<L> = [[L; 6]; 6];
+
+/// Derivative of a tensor by a tensor, `[3 i + J][3 k + L]`.
+pub type Tangent<L> = [[L; 9]; 9];
+
+/// Row and column of each component of [`Sym`].
+pub const SYM: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+/// Component of [`Sym`] at each row and column.
+pub const SYM_INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// Determinant.
+#[inline(always)]
+pub fn det<L: Lane>(A: &Mat3<L>) -> L {
+    A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1])
+        + A[0][1] * (A[1][2] * A[2][0] - A[1][0] * A[2][2])
+        + A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0])
+}
+
+/// Determinant of the unit tensor plus a tensor.
+#[inline(always)]
+pub fn det_of_identity_plus<L: Lane>(G: &Mat3<L>) -> L {
+    let one = G[0][0].splat(1.0);
+    let mut F = *G;
+    (0..3).for_each(|i| F[i][i] = F[i][i] + one);
+    det(&F)
+}
+
+/// Determinant of a symmetric tensor.
+#[inline(always)]
+pub fn sym_det<L: Lane>(A: &Sym<L>) -> L {
+    A[0] * (A[1] * A[2] - A[4] * A[4])
+        + A[3] * (A[4] * A[5] - A[3] * A[2])
+        + A[5] * (A[3] * A[4] - A[1] * A[5])
+}
+
+/// Cofactor of a symmetric tensor: its determinant times its inverse.
+#[inline(always)]
+pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
+    [
+        A[1] * A[2] - A[4] * A[4],
+        A[0] * A[2] - A[5] * A[5],
+        A[0] * A[1] - A[3] * A[3],
+        A[4] * A[5] - A[3] * A[2],
+        A[3] * A[5] - A[4] * A[0],
+        A[3] * A[4] - A[5] * A[1],
+    ]
+}
+
+/// Trace.
+#[inline(always)]
+pub fn trace<L: Lane>(A: &Sym<L>) -> L {
+    A[0] + A[1] + A[2]
+}
+
+/// Double contraction `A : B` of symmetric tensors.
+#[inline(always)]
+pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
+    A[0] * B[0] + A[1] * B[1] + A[2] * B[2] + (A[3] * B[3] + A[4] * B[4] + A[5] * B[5]) * 2.0
+}
+
+/// Sum `A + s B` of symmetric tensors.
+#[inline(always)]
+pub fn sym_add_scaled<L: Lane>(A: &Sym<L>, s: L, B: &Sym<L>) -> Sym<L> {
+    [0, 1, 2, 3, 4, 5].map(|a| A[a] + s * B[a])
+}
+
+/// Sum `A + s B`.
+#[inline(always)]
+pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][j] + B[i][j] * s))
+}
+
+/// Green-Lagrange strain `E = (C - I) / 2` from the displacement gradient `G = F - I`, without cancellation.
+///
+/// ```math
+/// E = (G + G^T + G^T G) / 2
+/// ```
+#[inline(always)]
+pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
+    SYM.map(|(i, j)| (G[i][j] + G[j][i] + (G[0][i] * G[0][j] + G[1][i] * G[1][j] + G[2][i] * G[2][j])) * 0.5)
+}
+
+/// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
+#[inline(always)]
+pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
+    let entry = |i: usize, j: usize| B[i][j] + (G[0][i] * B[0][j] + G[1][i] * B[1][j] + G[2][i] * B[2][j]);
+    SYM.map(|(i, j)| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 })
+}
+
+/// Product `(I + G) S` with a symmetric tensor: the first Piola-Kirchhoff stress of a second one.
+#[inline(always)]
+pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
+    let s = |i: usize, j: usize| S[SYM_INDEX[i][j]];
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| s(i, j) + G[i][0] * s(0, j) + G[i][1] * s(1, j) + G[i][2] * s(2, j)))
+}
+
+/// `z - ln(1 + z)` without cancellation: a series where z is small.
+///
+/// ```math
+/// z - ln(1 + z) = z^2 / 2 - z^3 / 3 + z^4 / 4 - ...
+/// ```
+///
+/// ```
+/// let z = 1e-9;
+/// assert_eq!(emmy::tensor::minus_ln_1p(z), 0.5e-18 * (1.0 - 2e-9 / 3.0));
+/// ```
+#[inline(always)]
+pub fn minus_ln_1p<L: Lane>(z: L) -> L {
+    // 14 terms reach 1e-17 of the sum at |z| = 0.06; beyond, the direct form has lost less than two digits.
+    let mut sum = z.splat(1.0 / 15.0);
+    for n in (2..15).rev() {
+        sum = z.splat(1.0 / n as f64) - z * sum;
+    }
+    z.abs().select_below(z.splat(0.06), z * z * sum, z - z.ln_1p())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn full(A: &Sym<f64>) -> Mat3<f64> {
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[SYM_INDEX[i][j]]))
+    }
+
+    proptest! {
+        #[test]
+        fn symmetric_forms_agree_with_full_ones(a in prop::array::uniform6(-1.0..1.0f64)) {
+            prop_assert!((sym_det(&a) - det(&full(&a))).abs() < 1e-14);
+            let (cofactor, A) = (full(&sym_cofactor(&a)), full(&a));
+            for i in 0..3 {
+                for j in 0..3 {
+                    let product: f64 = (0..3).map(|k| A[i][k] * cofactor[k][j]).sum();
+                    let expected = if i == j { det(&A) } else { 0.0 };
+                    prop_assert!((product - expected).abs() < 1e-14);
+                }
+            }
+        }
+
+        #[test]
+        fn strain_is_that_of_its_definition(g in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64))) {
+            let mut F = g;
+            (0..3).for_each(|i| F[i][i] += 1.0);
+            let E = green_lagrange(&g);
+            for (a, (i, j)) in SYM.into_iter().enumerate() {
+                let C: f64 = (0..3).map(|k| F[k][i] * F[k][j]).sum();
+                prop_assert!((2.0 * E[a] - C + f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+            // dE = sym(F^T dF): the strain is quadratic, so its central difference is exact.
+            let (plus, minus) = (add_scaled(&g, 1.0, &F), add_scaled(&g, -1.0, &F));
+            let rate = sym_transposed_product(&g, &F);
+            for a in 0..6 {
+                let difference = (green_lagrange(&plus)[a] - green_lagrange(&minus)[a]) / 2.0;
+                prop_assert!((difference - rate[a]).abs() < 1e-13);
+            }
+        }
+
+        #[test]
+        fn series_of_the_logarithm_joins_the_direct_form(z in 0.03..0.0599f64) {
+            for z in [z, -z] {
+                let direct = z - z.ln_1p();
+                prop_assert!((minus_ln_1p(z) - direct).abs() < 4.0 * f64::EPSILON * z.abs());
+            }
+        }
+    }
+
+    #[test]
+    fn minimum_keeps_nan() {
+        assert!(Lane::min(f64::NAN, 1.0).is_nan() && Lane::min(1.0, f64::NAN).is_nan());
+        assert_eq!(Lane::min(2.0, 1.0), 1.0);
+    }
+}
