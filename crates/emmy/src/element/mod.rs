@@ -2,18 +2,84 @@
 
 #![allow(non_snake_case)]
 
+#[cfg(test)]
+mod conformance;
+mod hex20;
+mod hex27;
+mod hex8;
+mod quad;
+mod simplex;
+mod tensor_product;
+mod tet10;
+mod tet4;
+mod tri;
+
+pub use hex8::Hex8;
+pub use hex20::Hex20;
+pub use hex27::Hex27;
+pub use quad::{Quad4, Quad8, Quad9};
+pub use tet4::Tet4;
+pub use tet10::Tet10;
+pub use tri::{Tri3, Tri6};
+
+use crate::mesh::{CellKind, FacetKind};
 use crate::quadrature::Quadrature;
 
 /// A reference element of dimension `D`.
+///
+/// ```math
+/// X(xi) = sum_A N_A(xi) X_A,      N_A(xi_B) = delta_AB,      sum_A N_A = 1
+/// ```
 pub trait ReferenceElement<const D: usize>: Send + Sync {
     /// Positions of the nodes in the reference domain, in VTK order.
-    fn nodes(&self) -> Vec<[f64; D]>;
+    fn nodes(&self) -> &'static [[f64; D]];
+
     /// Shape functions at a point, `N: [n_nodes]`.
     fn shape(&self, xi: [f64; D], N: &mut [f64]);
+
     /// Gradients of the shape functions by the reference coordinates, `dN: [n_nodes][D]`.
     fn gradient(&self, xi: [f64; D], dN: &mut [[f64; D]]);
-    /// Quadrature for the internal force (full integration).
+
+    /// Quadrature for the internal force of a cell (full integration), or for the traction on a facet.
     fn quadrature(&self) -> Quadrature<D>;
+
     /// Quadrature that integrates the products of shape functions of an undistorted element exactly.
-    fn mass_quadrature(&self) -> Quadrature<D>;
+    fn mass_quadrature(&self) -> Quadrature<D> {
+        self.quadrature()
+    }
+}
+
+/// Reference element of a kind of cell.
+///
+/// ```
+/// use emmy::{element::element, mesh::CellKind};
+/// let mut N = [0.0; 8];
+/// element(CellKind::Hex8).shape([0.0; 3], &mut N);
+/// assert_eq!(N, [0.125; 8]);
+/// ```
+pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
+    match kind {
+        CellKind::Hex8 => &Hex8,
+        CellKind::Hex20 => &Hex20,
+        CellKind::Hex27 => &Hex27,
+        CellKind::Tet4 => &Tet4,
+        CellKind::Tet10 => &Tet10,
+    }
+}
+
+/// Reference element of a kind of facet.
+///
+/// ```
+/// use emmy::{element::facet_element, mesh::FacetKind};
+/// let area: f64 = facet_element(FacetKind::Tri6).quadrature().weights.iter().sum();
+/// assert!((area - 0.5).abs() < 1e-15);
+/// ```
+pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
+    match kind {
+        FacetKind::Tri3 => &Tri3,
+        FacetKind::Tri6 => &Tri6,
+        FacetKind::Quad4 => &Quad4,
+        FacetKind::Quad8 => &Quad8,
+        FacetKind::Quad9 => &Quad9,
+    }
 }

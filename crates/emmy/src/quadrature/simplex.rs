@@ -2,6 +2,8 @@
 //!
 //! A rule is a sum of orbits: a point in barycentric coordinates, its permutations, and their common weight.
 
+#![allow(clippy::excessive_precision)] // the digits are those of the sources
+
 use super::Quadrature;
 
 /// Symmetric rule on the triangle (0,0), (1,0), (0,1), exact for polynomials of a total degree: 1, 3, 6 or 7 points

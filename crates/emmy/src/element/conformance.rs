@@ -1,0 +1,178 @@
+//! What every reference element must fulfil, checked for each in one line.
+
+use super::*;
+use proptest::prelude::*;
+
+/// Kronecker delta at the nodes, partition of unity, completeness, gradients, and the measure of the domain.
+fn conforms<const D: usize>(element: &dyn ReferenceElement<D>, degree: i32, points: &[[f64; D]]) {
+    is_nodal(element);
+    for &xi in points {
+        reproduces_polynomials(element, degree, xi);
+        gradient_is_the_derivative(element, xi);
+    }
+    integrates_products(element);
+}
+
+fn shape_at<const D: usize>(element: &dyn ReferenceElement<D>, xi: [f64; D]) -> Vec<f64> {
+    let mut N = vec![f64::NAN; element.nodes().len()];
+    element.shape(xi, &mut N);
+    N
+}
+
+fn gradient_at<const D: usize>(element: &dyn ReferenceElement<D>, xi: [f64; D]) -> Vec<[f64; D]> {
+    let mut dN = vec![[f64::NAN; D]; element.nodes().len()];
+    element.gradient(xi, &mut dN);
+    dN
+}
+
+fn is_nodal<const D: usize>(element: &dyn ReferenceElement<D>) {
+    for (B, &xi) in element.nodes().iter().enumerate() {
+        for (A, N) in shape_at(element, xi).into_iter().enumerate() {
+            assert_eq!(N, f64::from(u8::from(A == B)), "N_{A} at node {B}");
+        }
+    }
+}
+
+/// Exponents of all monomials of a total degree; the first is 1, the partition of unity.
+fn monomials<const D: usize>(degree: i32) -> impl Iterator<Item = [i32; D]> {
+    let n = degree + 1;
+    (0..n.pow(D as u32))
+        .map(move |index| std::array::from_fn(|i| index / n.pow(i as u32) % n))
+        .filter(move |exponent: &[i32; D]| exponent.iter().sum::<i32>() <= degree)
+}
+
+fn reproduces_polynomials<const D: usize>(element: &dyn ReferenceElement<D>, degree: i32, xi: [f64; D]) {
+    let N = shape_at(element, xi);
+    for exponent in monomials::<D>(degree) {
+        let monomial = |x: [f64; D]| (0..D).map(|i| x[i].powi(exponent[i])).product::<f64>();
+        let interpolated: f64 = N.iter().zip(element.nodes()).map(|(N, &node)| N * monomial(node)).sum();
+        assert!((interpolated - monomial(xi)).abs() < 1e-13, "{exponent:?} at {xi:?}");
+    }
+}
+
+fn gradient_is_the_derivative<const D: usize>(element: &dyn ReferenceElement<D>, xi: [f64; D]) {
+    let dN = gradient_at(element, xi);
+    for i in 0..D {
+        let shifted =
+            |h: f64| shape_at(element, std::array::from_fn(|j| if i == j { xi[j] + h } else { xi[j] }));
+        // Four-point difference: exact for shape functions, whose degree in one coordinate is at most two.
+        let [m2, m1, p1, p2] = [-0.5, -0.25, 0.25, 0.5].map(shifted);
+        for A in 0..dN.len() {
+            let difference = (m2[A] - 8.0 * m1[A] + 8.0 * p1[A] - p2[A]) / 3.0;
+            assert!((difference - dN[A][i]).abs() < 1e-13, "dN_{A}/dx_{i} at {xi:?}");
+        }
+    }
+}
+
+/// The mass rule agrees with a rule of high degree on every product of shape functions.
+fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>) {
+    let n = element.nodes().len();
+    let (rule, fine) = (element.mass_quadrature(), collapsed(element.nodes()[0][0] == 0.0));
+    let integral = |rule: &Quadrature<D>, A: usize, B: usize| -> f64 {
+        rule.iter().map(|(&xi, w)| w * shape_at(element, xi)[A] * shape_at(element, xi)[B]).sum()
+    };
+    for A in 0..n {
+        for B in 0..=A {
+            let error = integral(&rule, A, B) - integral(&fine, A, B);
+            assert!(error.abs() < 1e-14, "N_{A} N_{B}: {error:e}");
+        }
+    }
+    let measure: f64 = element.quadrature().weights.iter().sum();
+    assert!((measure - fine.weights.iter().sum::<f64>()).abs() < 1e-14);
+}
+
+/// Gauss rule of high degree on the cube, or collapsed onto the simplex: x_i = u_i (1 - u_{i+1}) (1 - u_{i+2}) ...
+fn collapsed<const D: usize>(simplex: bool) -> Quadrature<D> {
+    let (n, line) = (5usize, crate::quadrature::gauss(5));
+    let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
+    for index in 0..n.pow(D as u32) {
+        let digits: [usize; D] = std::array::from_fn(|i| index / n.pow(i as u32) % n);
+        let u = digits.map(|d| line.points[d][0]);
+        let weight: f64 = digits.map(|d| line.weights[d]).iter().product();
+        let shrink = |i: usize| u[i + 1..].iter().map(|v| 1.0 - v).product::<f64>();
+        if simplex {
+            rule.points.push(std::array::from_fn(|i| u[i] * shrink(i)));
+            rule.weights.push(weight * (0..D).map(shrink).product::<f64>());
+        } else {
+            rule.points.push(u.map(|v| 2.0 * v - 1.0));
+            rule.weights.push(weight * 2f64.powi(D as i32));
+        }
+    }
+    rule
+}
+
+/// Faces of a cell: tangents make an outward normal, and the facet element is the cell's restricted to the face.
+fn facets_conform(kind: CellKind) {
+    let cell = element(kind);
+    let corners = &cell.nodes()[..kind.n_corners()];
+    let centre = [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64);
+    for facet in kind.facets() {
+        let face = facet_element(facet.kind);
+        assert_eq!(face.nodes().len(), facet.kind.n_nodes());
+        let positions: Vec<[f64; 3]> = facet.nodes.iter().map(|&local| cell.nodes()[local]).collect();
+        let on_cell = |s: [f64; 2]| combination(&shape_at(face, s), &positions);
+        for (&s, _) in face.quadrature().iter() {
+            assert!(flux(&gradient_at(face, s), &positions, on_cell(s), centre) > 0.1, "{kind} {facet:?}");
+            is_the_restriction(cell, facet.nodes, &shape_at(face, s), on_cell(s));
+        }
+        for (&s, &position) in face.nodes().iter().zip(&positions) {
+            assert_eq!(on_cell(s), position);
+            is_the_restriction(cell, facet.nodes, &shape_at(face, s), position);
+        }
+    }
+}
+
+fn combination(N: &[f64], positions: &[[f64; 3]]) -> [f64; 3] {
+    [0, 1, 2].map(|i| N.iter().zip(positions).map(|(N, x)| N * x[i]).sum())
+}
+
+/// Cross product of the tangents in the direction away from the centre.
+fn flux(dN: &[[f64; 2]], positions: &[[f64; 3]], x: [f64; 3], centre: [f64; 3]) -> f64 {
+    let tangent = |d: usize| combination(&dN.iter().map(|dN| dN[d]).collect::<Vec<_>>(), positions);
+    let (s, t) = (tangent(0), tangent(1));
+    let normal = [s[1] * t[2] - s[2] * t[1], s[2] * t[0] - s[0] * t[2], s[0] * t[1] - s[1] * t[0]];
+    (0..3).map(|i| normal[i] * (x[i] - centre[i])).sum()
+}
+
+/// On a face the cell's functions are the facet's for its nodes and zero for all others.
+fn is_the_restriction(cell: &dyn ReferenceElement<3>, nodes: &[usize], N_facet: &[f64], xi: [f64; 3]) {
+    for (A, N) in shape_at(cell, xi).into_iter().enumerate() {
+        let expected = nodes.iter().position(|&node| node == A).map_or(0.0, |a| N_facet[a]);
+        assert!((N - expected).abs() < 1e-15, "N_{A} on the face {nodes:?}");
+    }
+}
+
+fn cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 3]]) {
+    assert_eq!(element(kind).nodes().len(), kind.n_nodes());
+    conforms(element(kind), degree, points);
+    facets_conform(kind);
+}
+
+fn points<const D: usize>() -> impl Strategy<Value = Vec<[f64; D]>> {
+    prop::collection::vec(prop::array::uniform::<_, D>(-1.0..1.0f64), 8)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn hex8(points in points()) { cell_conforms(CellKind::Hex8, 1, &points) }
+    #[test]
+    fn hex20(points in points()) { cell_conforms(CellKind::Hex20, 2, &points) }
+    #[test]
+    fn hex27(points in points()) { cell_conforms(CellKind::Hex27, 2, &points) }
+    #[test]
+    fn tet4(points in points()) { cell_conforms(CellKind::Tet4, 1, &points) }
+    #[test]
+    fn tet10(points in points()) { cell_conforms(CellKind::Tet10, 2, &points) }
+    #[test]
+    fn tri3(points in points()) { conforms(facet_element(FacetKind::Tri3), 1, &points) }
+    #[test]
+    fn tri6(points in points()) { conforms(facet_element(FacetKind::Tri6), 2, &points) }
+    #[test]
+    fn quad4(points in points()) { conforms(facet_element(FacetKind::Quad4), 1, &points) }
+    #[test]
+    fn quad8(points in points()) { conforms(facet_element(FacetKind::Quad8), 2, &points) }
+    #[test]
+    fn quad9(points in points()) { conforms(facet_element(FacetKind::Quad9), 2, &points) }
+}

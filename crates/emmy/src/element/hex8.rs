@@ -1,0 +1,40 @@
+//! Trilinear hexahedron.
+
+use super::ReferenceElement;
+use super::tensor_product::{CUBE_NODES, gradient, linear, shape};
+use crate::quadrature::{Quadrature, cube};
+
+/// Trilinear hexahedron on `[-1, 1]^3`, 8 nodes, 2x2x2 Gauss points.
+///
+/// ```math
+/// N_A = (1 + a_1 x_1) (1 + a_2 x_2) (1 + a_3 x_3) / 8,      node A at (a_1, a_2, a_3)
+/// ```
+///
+/// Source: Hughes (1987), The Finite Element Method, section 3.5.
+///
+/// ```
+/// use emmy::element::{Hex8, ReferenceElement};
+/// let mut dN = [[0.0; 3]; 8];
+/// Hex8.gradient([0.0; 3], &mut dN);
+/// assert_eq!(dN[6], [0.125; 3]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hex8;
+
+impl ReferenceElement<3> for Hex8 {
+    fn nodes(&self) -> &'static [[f64; 3]] {
+        &CUBE_NODES[..8]
+    }
+
+    fn shape(&self, xi: [f64; 3], N: &mut [f64]) {
+        shape(self.nodes(), linear, xi, N);
+    }
+
+    fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
+        gradient(self.nodes(), linear, xi, dN);
+    }
+
+    fn quadrature(&self) -> Quadrature<3> {
+        cube(2)
+    }
+}

@@ -1,0 +1,45 @@
+//! Quadratic tetrahedron.
+
+use super::ReferenceElement;
+use super::simplex::{TETRAHEDRON_NODES, quadratic_gradient, quadratic_shape};
+use crate::quadrature::{Quadrature, tetrahedron};
+
+/// Quadratic tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1): 4 vertices and 6 edges, 4 points for the internal force,
+/// 14 for the mass.
+///
+/// ```math
+/// vertex: N_i = b_i (2 b_i - 1),      edge: N_ij = 4 b_i b_j,      b = (1 - x_1 - x_2 - x_3, x_1, x_2, x_3)
+/// ```
+///
+/// Source: Hughes (1987), The Finite Element Method, appendix 3.I. The edges come in the order 01, 12, 20, 03, 13, 23.
+///
+/// ```
+/// use emmy::element::{ReferenceElement, Tet10};
+/// let mut N = [0.0; 10];
+/// Tet10.shape([0.25; 3], &mut N);
+/// assert_eq!((N[0], N[9]), (-0.125, 0.25));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tet10;
+
+impl ReferenceElement<3> for Tet10 {
+    fn nodes(&self) -> &'static [[f64; 3]] {
+        &TETRAHEDRON_NODES
+    }
+
+    fn shape(&self, xi: [f64; 3], N: &mut [f64]) {
+        quadratic_shape(xi, N);
+    }
+
+    fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
+        quadratic_gradient(xi, dN);
+    }
+
+    fn quadrature(&self) -> Quadrature<3> {
+        tetrahedron(2)
+    }
+
+    fn mass_quadrature(&self) -> Quadrature<3> {
+        tetrahedron(5)
+    }
+}

@@ -1,0 +1,54 @@
+//! Triangles: the facets of tetrahedra.
+
+use super::ReferenceElement;
+use super::simplex::{TRIANGLE_NODES, linear_gradient, linear_shape, quadratic_gradient, quadratic_shape};
+use crate::quadrature::{Quadrature, triangle};
+
+/// Linear triangle (0,0), (1,0), (0,1): 3 nodes, 3 quadrature points.
+///
+/// Its quadrature has degree 2, so that a traction interpolated from the nodes is integrated exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tri3;
+
+impl ReferenceElement<2> for Tri3 {
+    fn nodes(&self) -> &'static [[f64; 2]] {
+        &TRIANGLE_NODES[..3]
+    }
+
+    fn shape(&self, xi: [f64; 2], N: &mut [f64]) {
+        linear_shape(xi, N);
+    }
+
+    fn gradient(&self, _: [f64; 2], dN: &mut [[f64; 2]]) {
+        linear_gradient(dN);
+    }
+
+    fn quadrature(&self) -> Quadrature<2> {
+        triangle(2)
+    }
+}
+
+/// Quadratic triangle (0,0), (1,0), (0,1): 3 vertices and 3 edges, 6 quadrature points.
+///
+/// Its quadrature has degree 4: exact for a pressure on a curved facet, whose vector area (the cross product of two
+/// tangents) has degree 2, as well as for a traction interpolated from the nodes of a straight one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tri6;
+
+impl ReferenceElement<2> for Tri6 {
+    fn nodes(&self) -> &'static [[f64; 2]] {
+        &TRIANGLE_NODES
+    }
+
+    fn shape(&self, xi: [f64; 2], N: &mut [f64]) {
+        quadratic_shape(xi, N);
+    }
+
+    fn gradient(&self, xi: [f64; 2], dN: &mut [[f64; 2]]) {
+        quadratic_gradient(xi, dN);
+    }
+
+    fn quadrature(&self) -> Quadrature<2> {
+        triangle(4)
+    }
+}
