@@ -1,0 +1,243 @@
+//! Energy-momentum rules: the outer quadrature is that of the time element, the stress is an algorithmic one (section 4.3).
+//!
+//! Both rules work on the strain rates `E'_i = sym(F(c_i)^T F'_i)` and the assumed strain
+//! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
+
+use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
+use super::{Average, Kind, Rule, Want};
+use crate::material::Material;
+use crate::tensor::{
+    Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
+    sym_add_scaled, sym_transposed_product, trace,
+};
+
+impl Rule {
+    /// ```math
+    /// P_i = F(c_i) S_i
+    /// ```
+    #[inline(always)]
+    pub(super) fn average_energy_momentum<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        start: &Mat3<L>,
+        rates: &[Mat3<L>],
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        let k = self.degree();
+        let end = Rule::gradient_at(start, &self.b, rates);
+        average.min_det = det_of_identity_plus(&end);
+        for i in 0..k {
+            let G = Rule::gradient_at(start, &self.a[i * k..(i + 1) * k], rates);
+            average.min_det = average.min_det.min(det_of_identity_plus(&G));
+            average.strain_rates[i] = sym_transposed_product(&G, &rates[i]);
+            average.gradients[i] = G;
+        }
+        let E_1 = green_lagrange(start);
+        match self.kind {
+            Kind::AssumedStrain => self.assumed_strain_stress(material, &E_1, want, average),
+            _ => self.discrete_gradient_stress(material, &E_1, &green_lagrange(&end), want, average),
+        }
+        for i in 0..k {
+            average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
+        }
+        if want == Want::Tangent {
+            self.energy_momentum_tangent(rates, average);
+        }
+    }
+
+    /// Assumed strain at a point inside the step. Where it is no strain of any deformation (possible for k >= 2 only),
+    /// the smallest determinant tells so.
+    #[inline(always)]
+    fn assumed_strain_at<L: Lane>(&self, E_1: &Sym<L>, passed: &[f64], average: &mut Average<L>) -> Sym<L> {
+        let rates = passed.iter().zip(&average.strain_rates);
+        let E = rates.fold(*E_1, |E, (&L_j, rate)| sym_add_scaled(&E, E_1[0].splat(L_j), rate));
+        if self.degree() > 1 {
+            average.min_det = average.min_det.min(smallest_minor(&E));
+        }
+        E
+    }
+
+    /// ```math
+    /// S_i = (1/b_i) sum_m w_m l_i(alpha_m) 2 DW(C~(alpha_m))
+    /// ```
+    #[inline(always)]
+    fn assumed_strain_stress<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        E_1: &Sym<L>,
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
+        average.stresses.fill([zero; 6]);
+        if want == Want::Tangent {
+            average.stiffness.fill([[zero; 6]; 6]);
+        }
+        for point in &self.points {
+            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let (S, D) = match want {
+                Want::Stress => (material.stress(&E), None),
+                Want::Tangent => {
+                    let (S, D) = material.stress_and_elasticity(&E);
+                    (S, Some(D))
+                }
+            };
+            for i in 0..k {
+                average.stresses[i] = sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
+            }
+            let Some(D) = D else { continue };
+            for i in 0..k {
+                for m in 0..k {
+                    let weight = point.share[i] * point.passed[m];
+                    add_elasticity(&mut average.stiffness[i * k + m], weight, &D);
+                }
+            }
+        }
+    }
+
+    /// ```math
+    /// S_i = S(C~_i) + r E'_i,    r = [W_2 - W_1 - sum_j b_j S(C~_j) : E'_j] / sum_j b_j E'_j : E'_j
+    /// ```
+    ///
+    /// (in C: equation (64), with 2 DW = S and C' = 2 E').
+    #[inline(always)]
+    fn discrete_gradient_stress<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        E_1: &Sym<L>,
+        E_2: &Sym<L>,
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
+        let (mut work, mut square) = (zero, zero);
+        for i in 0..k {
+            let E = self.assumed_strain_at(E_1, &self.a[i * k..(i + 1) * k], average);
+            let rate = average.strain_rates[i];
+            if want == Want::Tangent {
+                (average.stresses[i], average.elasticities[i]) = material.stress_and_elasticity(&E);
+            } else {
+                average.stresses[i] = material.stress(&E);
+            }
+            work += double_dot(&average.stresses[i], &rate) * self.b[i];
+            square += double_dot(&rate, &rate) * self.b[i];
+        }
+        let numerator = self.energy_difference(material, E_1, E_2, average) - work;
+        // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the one is
+        // lost in the other. The constant only keeps the division from overflowing.
+        let strain_square = double_dot(E_1, E_1) + double_dot(E_2, E_2);
+        let resting = strain_square.sqrt() * 1e-18 + zero.splat(1e-200);
+        let inverse = square.select_below(resting, zero, zero.splat(1.0) / square);
+        let r = numerator * inverse;
+        if want == Want::Tangent {
+            self.discrete_gradient_stiffness(&material.stress(E_2), r, inverse, average);
+        }
+        for i in 0..k {
+            average.stresses[i] = sym_add_scaled(&average.stresses[i], r, &average.strain_rates[i]);
+        }
+    }
+
+    /// W_2 - W_1, or its Gauss quadrature along the assumed strain where the two agree within the rounding of the
+    /// difference: there the quadrature is the less noisy one.
+    #[inline(always)]
+    fn energy_difference<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        E_1: &Sym<L>,
+        E_2: &Sym<L>,
+        average: &mut Average<L>,
+    ) -> L {
+        let zero = E_1[0].splat(0.0);
+        let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
+        let (mut integral, mut stress_norm) = (zero, zero);
+        for point in &self.points {
+            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let S = material.stress(&E);
+            let rates = point.basis.iter().zip(&average.strain_rates);
+            let rate = rates.fold([zero; 6], |rate, (&l_j, r)| sym_add_scaled(&rate, zero.splat(l_j), r));
+            integral += double_dot(&S, &rate) * point.weight;
+            stress_norm += double_dot(&S, &S).sqrt() * point.weight;
+        }
+        // Strains come with an absolute error of eps times the products they are the difference of, C ~ 1 + |E|.
+        let strain_size = zero.splat(1.0) + (trace(E_1) + trace(E_2)).abs();
+        let rounding = (W_1.abs() + W_2.abs() + stress_norm * strain_size) * (4.0 * f64::EPSILON);
+        let direct = W_2 - W_1;
+        (direct - integral).abs().select_below(rounding, integral, direct)
+    }
+
+    /// dS_i/dE'_m of the discrete gradient: r and the stresses differentiated (equation (79)).
+    #[inline(always)]
+    fn discrete_gradient_stiffness<L: Lane>(&self, S_2: &Sym<L>, r: L, inverse: L, average: &mut Average<L>) {
+        let (k, zero) = (self.degree(), r.splat(0.0));
+        for m in 0..k {
+            let mut dr =
+                sym_add_scaled(&S_2.map(|s| s * self.b[m]), zero.splat(-self.b[m]), &average.stresses[m]);
+            for j in 0..k {
+                let response = times_doubled(&average.elasticities[j], &average.strain_rates[j]);
+                dr = sym_add_scaled(&dr, zero.splat(-self.b[j] * self.a[j * k + m]), &response);
+            }
+            dr = sym_add_scaled(&dr, r * (-2.0 * self.b[m]), &average.strain_rates[m]).map(|d| d * inverse);
+            for i in 0..k {
+                let rate = average.strain_rates[i];
+                let X = &mut average.stiffness[i * k + m];
+                for a in 0..6 {
+                    for b in 0..6 {
+                        X[a][b] = average.elasticities[i][a][b] * self.a[i * k + m] + rate[a] * dr[b];
+                    }
+                    if i == m {
+                        X[a][a] += r * if a < 3 { 1.0 } else { 0.5 };
+                    }
+                }
+            }
+        }
+    }
+
+    /// ```math
+    /// dP_i = a_ij dF'_j S_i + F(c_i) sum_m dS_i/dE'_m : sym(H_mj^T dF'_j),    H_mj = F(c_j) delta_mj + a_mj F'_m
+    /// ```
+    #[inline(always)]
+    fn energy_momentum_tangent<L: Lane>(&self, rates: &[Mat3<L>], average: &mut Average<L>) {
+        let k = self.degree();
+        for i in 0..k {
+            for j in 0..k {
+                let mut Y = [[rates[0][0][0].splat(0.0); 9]; 6];
+                for m in 0..k {
+                    let mut H = rates[m].map(|row| row.map(|rate| rate * self.a[m * k + j]));
+                    if m == j {
+                        let F = with_identity(&average.gradients[j]);
+                        (0..3).for_each(|r| (0..3).for_each(|c| H[r][c] += F[r][c]));
+                    }
+                    let part = strain_response(&average.stiffness[i * k + m], &H);
+                    (0..6).for_each(|a| (0..9).for_each(|c| Y[a][c] += part[a][c]));
+                }
+                let mut A = first_from_second(&average.gradients[i], &Y);
+                add_geometric(&mut A, self.a[i * k + j], &average.stresses[i]);
+                average.tangent[i * k + j] = A;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>) {
+    for a in 0..6 {
+        for b in 0..6 {
+            X[a][b] += D[a][b] * weight;
+        }
+    }
+}
+
+/// `D : E` with E in plain components: its shears are doubled on the way.
+#[inline(always)]
+fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
+    D.map(|d| d[0] * E[0] + d[1] * E[1] + d[2] * E[2] + (d[3] * E[3] + d[4] * E[4] + d[5] * E[5]) * 2.0)
+}
+
+/// The smallest leading minor of C = I + 2 E: positive where C is a right Cauchy-Green tensor.
+#[inline(always)]
+fn smallest_minor<L: Lane>(E: &Sym<L>) -> L {
+    let one = E[0].splat(1.0);
+    let C = [E[0] * 2.0 + one, E[1] * 2.0 + one, E[2] * 2.0 + one, E[3] * 2.0, E[4] * 2.0, E[5] * 2.0];
+    C[0].min(C[0] * C[1] - C[3] * C[3]).min(crate::tensor::sym_det(&C))
+}

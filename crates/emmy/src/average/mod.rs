@@ -1,0 +1,181 @@
+//! The seam: averaging rules at a material point.
+//!
+//! A time integration scheme is, at a material point, a rule that averages the first Piola-Kirchhoff stress over a
+//! step. It sees the displacement gradient at the start of the step, the rates of the deformation gradient at the time
+//! element's Gauss points, and a material; it returns stage averages `P_i` and their derivatives. Nothing else of the
+//! program depends on the scheme.
+//!
+//! ```math
+//! f_i = (1/b_i) integral_0^1 l_i F_int dalpha = integral_B P_i grad N dV
+//! ```
+
+#![allow(non_snake_case)]
+
+mod energy_momentum;
+mod standard;
+#[cfg(test)]
+mod tests;
+
+use crate::material::Material;
+use crate::polynomial::{lagrange, lagrange_integral};
+use crate::quadrature::{Quadrature, gauss};
+use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
+
+/// An averaging rule: the quadrature that makes a scheme out of a time element.
+///
+/// ```
+/// use emmy::average::Rule;
+/// let mid_point = Rule::standard(1, &emmy::quadrature::gauss(1));
+/// assert_eq!((mid_point.degree(), mid_point.nodes()), (1, &[0.5][..]));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Rule {
+    /// Gauss points c_i of the time element.
+    c: Vec<f64>,
+    /// Gauss weights b_i.
+    b: Vec<f64>,
+    /// a_ij = L_j(c_i), row by row.
+    a: Vec<f64>,
+    kind: Kind,
+    points: Vec<TimePoint>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Standard,
+    AssumedStrain,
+    DiscreteGradient,
+}
+
+/// A quadrature point inside the step with everything a rule needs there.
+#[derive(Debug, Clone)]
+struct TimePoint {
+    /// Weight w.
+    weight: f64,
+    /// L_j(alpha): how much of each rate has been passed.
+    passed: Vec<f64>,
+    /// l_j(alpha).
+    basis: Vec<f64>,
+    /// w l_i(alpha) / b_i: the point's share in each stage average.
+    share: Vec<f64>,
+}
+
+/// What is wanted of [`Rule::average`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Want {
+    /// Stage averages of the stress.
+    Stress,
+    /// Stage averages of the stress and their derivatives.
+    Tangent,
+}
+
+/// Result of a rule at a material point, with its working memory.
+#[derive(Debug, Clone)]
+pub struct Average<L> {
+    /// Stage averages P_i of the first Piola-Kirchhoff stress, `[k]`.
+    pub stress: Vec<Mat3<L>>,
+    /// Derivatives dP_i/dF'_j, `[i k + j]`.
+    pub tangent: Vec<Tangent<L>>,
+    /// Smallest determinant of the deformation gradients, and of what a rule uses in their place.
+    pub min_det: L,
+    gradients: Vec<Mat3<L>>,
+    strain_rates: Vec<Sym<L>>,
+    stresses: Vec<Sym<L>>,
+    elasticities: Vec<Elasticity<L>>,
+    stiffness: Vec<Elasticity<L>>,
+}
+
+impl<L: Lane> Average<L> {
+    /// Memory for a rule of a degree; `zero` is any number of the lane type.
+    pub fn new(degree: usize, zero: L) -> Self {
+        let (k, zero) = (degree, zero.splat(0.0));
+        Average {
+            stress: vec![[[zero; 3]; 3]; k],
+            tangent: vec![[[zero; 9]; 9]; k * k],
+            min_det: zero,
+            gradients: vec![[[zero; 3]; 3]; k],
+            strain_rates: vec![[zero; 6]; k],
+            stresses: vec![[zero; 6]; k],
+            elasticities: vec![[[zero; 6]; 6]; k],
+            stiffness: vec![[[zero; 6]; 6]; k * k],
+        }
+    }
+}
+
+impl Rule {
+    /// Standard rule FE: any quadrature of the step, inside and out (section 4.4.1).
+    pub fn standard(degree: usize, quadrature: &Quadrature<1>) -> Rule {
+        Rule::with(degree, Kind::Standard, quadrature)
+    }
+
+    /// Assumed strain in time, AS(n), with n inner Gauss points (equations (57), (62)).
+    pub fn assumed_strain(degree: usize, n: usize) -> Rule {
+        Rule::with(degree, Kind::AssumedStrain, &gauss(n))
+    }
+
+    /// Discrete gradient, DGM (equations (63)-(65)).
+    pub fn discrete_gradient(degree: usize) -> Rule {
+        // The inner rule stands in for the energy difference where that is lost in rounding.
+        Rule::with(degree, Kind::DiscreteGradient, &gauss(degree + 3))
+    }
+
+    fn with(degree: usize, kind: Kind, quadrature: &Quadrature<1>) -> Rule {
+        let outer = gauss(degree);
+        let c: Vec<f64> = outer.points.iter().map(|p| p[0]).collect();
+        let b = outer.weights;
+        let a = c.iter().flat_map(|&ci| (0..degree).map(move |j| (ci, j)));
+        let a = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
+        let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
+            let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
+            let passed = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
+            let share = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
+            TimePoint { weight, passed, basis, share }
+        });
+        let points = points.collect();
+        Rule { c, b, a, kind, points }
+    }
+
+    /// Degree k of the time element.
+    pub fn degree(&self) -> usize {
+        self.c.len()
+    }
+
+    /// Gauss points c_i of the time element, `[k]`.
+    pub fn nodes(&self) -> &[f64] {
+        &self.c
+    }
+
+    /// Gauss weights b_i of the time element, `[k]`.
+    pub fn weights(&self) -> &[f64] {
+        &self.b
+    }
+
+    /// Coefficients a_ij = L_j(c_i), `[i k + j]`.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.a
+    }
+
+    /// Stage averages of the stress over a step, and their derivatives if wanted.
+    ///
+    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. The result is in `average`.
+    #[inline(always)]
+    pub fn average<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        start: &Mat3<L>,
+        rates: &[Mat3<L>],
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        match self.kind {
+            Kind::Standard => self.average_standard(material, start, rates, want, average),
+            _ => self.average_energy_momentum(material, start, rates, want, average),
+        }
+    }
+
+    /// Displacement gradient after the rates have been passed by `passed`.
+    #[inline(always)]
+    fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
+        passed.iter().zip(rates).fold(*start, |G, (&L_j, rate)| add_scaled(&G, L_j, rate))
+    }
+}

@@ -1,0 +1,149 @@
+//! Standard rules: one quadrature for everything (section 4.4.1).
+
+use super::{Average, Rule, Want};
+use crate::material::Material;
+use crate::tensor::{
+    Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, det_of_identity_plus, green_lagrange,
+    identity_plus_times_sym,
+};
+
+impl Rule {
+    /// ```math
+    /// P_i = (1/b_i) sum_l w_l l_i(alpha_l) F(alpha_l) S(C(alpha_l))
+    /// ```
+    #[inline(always)]
+    pub(super) fn average_standard<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        start: &Mat3<L>,
+        rates: &[Mat3<L>],
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        let (k, zero) = (self.degree(), start[0][0].splat(0.0));
+        average.stress.fill([[zero; 3]; 3]);
+        if want == Want::Tangent {
+            average.tangent.fill([[zero; 9]; 9]);
+        }
+        average.min_det = zero.splat(f64::INFINITY);
+        for point in &self.points {
+            let G = Rule::gradient_at(start, &point.passed, rates);
+            average.min_det = average.min_det.min(det_of_identity_plus(&G));
+            let E = green_lagrange(&G);
+            if want == Want::Stress {
+                add_stress(&mut average.stress, &point.share, &G, &material.stress(&E));
+                continue;
+            }
+            let (S, D) = material.stress_and_elasticity(&E);
+            add_stress(&mut average.stress, &point.share, &G, &S);
+            let A = first_elasticity(&G, &S, &D);
+            for i in 0..k {
+                for j in 0..k {
+                    let weight = point.share[i] * point.passed[j];
+                    for (row, values) in average.tangent[i * k + j].iter_mut().zip(&A) {
+                        row.iter_mut().zip(values).for_each(|(t, &value)| *t += value * weight);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], G: &Mat3<L>, S: &Sym<L>) {
+    let P = identity_plus_times_sym(G, S);
+    for (average, &share) in stress.iter_mut().zip(share) {
+        for i in 0..3 {
+            for j in 0..3 {
+                average[i][j] += P[i][j] * share;
+            }
+        }
+    }
+}
+
+/// Derivative of P = F S by F: the usual geometric and material parts.
+#[inline(always)]
+fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
+    let mut A = first_from_second(G, &strain_response(D, &with_identity(G)));
+    add_geometric(&mut A, 1.0, S);
+    A
+}
+
+/// Adds `factor delta_ik S_JL`, the derivative of `F S` by F at fixed S.
+#[inline(always)]
+pub(super) fn add_geometric<L: Lane>(A: &mut Tangent<L>, factor: f64, S: &Sym<L>) {
+    for i in 0..3 {
+        for J in 0..3 {
+            for K in 0..3 {
+                A[3 * i + J][3 * i + K] += S[SYM_INDEX[J][K]] * factor;
+            }
+        }
+    }
+}
+
+/// F = I + G.
+#[inline(always)]
+pub(super) fn with_identity<L: Lane>(G: &Mat3<L>) -> Mat3<L> {
+    let one = G[0][0].splat(1.0);
+    let mut F = *G;
+    (0..3).for_each(|i| F[i][i] = F[i][i] + one);
+    F
+}
+
+/// `X B(H)`: the response of S (through X, on doubled shears) to `dE = sym(H^T dF)`, `[component][3 k + L]`.
+#[inline(always)]
+pub(super) fn strain_response<L: Lane>(X: &Elasticity<L>, H: &Mat3<L>) -> [[L; 9]; 6] {
+    // Doubled-shear strain of dF = e_k (x) e_L is: H_kI at (I, L), twice the normal where I = L.
+    X.map(|x| {
+        let mut row = [x[0]; 9];
+        for k in 0..3 {
+            for l in 0..3 {
+                let sum = |j: usize| x[SYM_INDEX[l][j]] * H[k][j];
+                row[3 * k + l] = sum(0) + sum(1) + sum(2);
+            }
+        }
+        row
+    })
+}
+
+/// `F Y`: the response of P = F S from that of S.
+#[inline(always)]
+pub(super) fn first_from_second<L: Lane>(G: &Mat3<L>, Y: &[[L; 9]; 6]) -> Tangent<L> {
+    let F = with_identity(G);
+    let mut A = [[F[0][0]; 9]; 9];
+    for r in 0..3 {
+        for J in 0..3 {
+            for c in 0..9 {
+                let part = |i: usize| F[r][i] * Y[SYM_INDEX[i][J]][c];
+                A[3 * r + J][c] = part(0) + part(1) + part(2);
+            }
+        }
+    }
+    A
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tensor::SYM;
+
+    #[test]
+    fn shear_convention_is_that_of_the_elasticity() {
+        // For X = unit response to one strain component, strain_response must give that component of sym(H^T dF).
+        let H = [[1.0, 2.0, -1.0], [0.5, 3.0, 0.2], [0.1, -0.4, 2.0]];
+        for (a, (i, j)) in SYM.into_iter().enumerate() {
+            let mut X = [[0.0; 6]; 6];
+            X[0][a] = 1.0;
+            let row = strain_response(&X, &H)[0];
+            for k in 0..3 {
+                for l in 0..3 {
+                    // component (i, j) of sym(H^T e_k (x) e_l), shears doubled
+                    let doubled = if i == j { 1.0 } else { 2.0 };
+                    let entry = |i: usize, j: usize| if j == l { H[k][i] } else { 0.0 };
+                    let expected = doubled * 0.5 * (entry(i, j) + entry(j, i));
+                    assert!((row[3 * k + l] - expected).abs() < 1e-15, "{a} {k} {l}");
+                }
+            }
+        }
+    }
+}

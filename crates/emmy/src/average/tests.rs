@@ -1,0 +1,216 @@
+//! The paper's Table III as properties at a point, and the derivatives of every rule.
+
+use proptest::prelude::*;
+
+use super::{Average, Rule, Want};
+use crate::material::{Material, NeoHooke, SaintVenantKirchhoff};
+use crate::quadrature::{gauss, lobatto};
+use crate::tensor::{Mat3, add_scaled, green_lagrange};
+
+/// A step at a point: displacement gradient at the start and rates of the deformation gradient.
+#[derive(Debug, Clone)]
+struct Step {
+    start: Mat3<f64>,
+    rates: Vec<Mat3<f64>>,
+}
+
+fn tensor(size: f64) -> impl Strategy<Value = Mat3<f64>> {
+    prop::array::uniform3(prop::array::uniform3(-size..size))
+}
+
+/// A rotated, strained start and rates that turn and strain the point further.
+fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
+    let rates = prop::collection::vec(tensor(size), k);
+    (tensor(1.0), tensor(0.15), rates).prop_map(|(axis, strain, rates)| {
+        let R = rotation([axis[0][1], axis[1][2], axis[2][0]].map(|w| 2.0 * w));
+        let U = add_scaled(&IDENTITY, 1.0, &strain);
+        Step { start: add_scaled(&product(&R, &U), -1.0, &IDENTITY), rates }
+    })
+}
+
+const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| A[i][k] * B[k][j]).sum()))
+}
+
+/// Rodrigues' rotation by a rotation vector.
+fn rotation(w: [f64; 3]) -> Mat3<f64> {
+    let angle = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt().max(1e-30);
+    let n = w.map(|x| x / angle);
+    let N = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];
+    add_scaled(&add_scaled(&IDENTITY, angle.sin(), &N), 1.0 - angle.cos(), &product(&N, &N))
+}
+
+fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, want: Want) -> Average<f64> {
+    let mut average = Average::new(rule.degree(), 0.0);
+    rule.average(material, &step.start, &step.rates, want, &mut average);
+    average
+}
+
+/// Energy defect `sum_i b_i P_i : F'_i - (W_2 - W_1)`, and the norm of the skew part of `sum_i b_i P_i F(c_i)^T`;
+/// both relative to the sizes of their terms.
+fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
+    let k = rule.degree();
+    let average = averaged(rule, material, step, Want::Stress);
+    let (mut work, mut size, mut moment) = (0.0, 0.0, [[0.0; 3]; 3]);
+    for i in 0..k {
+        let b = rule.weights()[i];
+        let F = add_scaled(
+            &Rule::gradient_at(&step.start, &rule.a[i * k..(i + 1) * k], &step.rates),
+            1.0,
+            &IDENTITY,
+        );
+        for r in 0..3 {
+            for c in 0..3 {
+                work += b * average.stress[i][r][c] * step.rates[i][r][c];
+                size += b * (average.stress[i][r][c] * step.rates[i][r][c]).abs();
+                moment[r][c] += (0..3).map(|J| b * average.stress[i][r][J] * F[c][J]).sum::<f64>();
+            }
+        }
+    }
+    let end = Rule::gradient_at(&step.start, &rule.b, &step.rates);
+    let energy = |G| material.strain_energy(&green_lagrange(G));
+    let skew: f64 =
+        [(0, 1), (1, 2), (2, 0)].iter().map(|&(r, c)| (moment[r][c] - moment[c][r]).powi(2)).sum();
+    let norm: f64 = moment.iter().flatten().map(|m| m * m).sum();
+    ((work - energy(&end) + energy(&step.start)) / (size + 1e-300), (skew / norm.max(1e-300)).sqrt())
+}
+
+const ROUNDING: f64 = 1e-12;
+
+/// An inner rule that is exact to rounding for the sizes of step used here.
+const MANY: usize = 16;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn table_iii_energy_momentum_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
+        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        // AS(k) for St. Venant-Kirchhoff, AS(n) and DGM in general: energy and angular momentum.
+        for rule in [Rule::assumed_strain(k, k), Rule::assumed_strain(k, MANY), Rule::discrete_gradient(k)] {
+            let (energy, momentum) = defects(&rule, &svk, &step);
+            prop_assert!(energy.abs() < ROUNDING && momentum < ROUNDING, "{energy:e} {momentum:e}");
+        }
+        for rule in [Rule::assumed_strain(k, MANY), Rule::discrete_gradient(k)] {
+            let (energy, momentum) = defects(&rule, &rubber, &step);
+            prop_assert!(energy.abs() < ROUNDING && momentum < ROUNDING, "{energy:e} {momentum:e}");
+        }
+        // The inner rule does not matter for angular momentum.
+        prop_assert!(defects(&Rule::assumed_strain(k, k), &rubber, &step).1 < ROUNDING);
+        prop_assert!(defects(&Rule::assumed_strain(k, k + 1), &rubber, &step).1 < ROUNDING);
+    }
+
+    #[test]
+    fn table_iii_standard_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
+        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        // FE(k) conserves angular momentum, FE(n) with many points energy. W of St. Venant-Kirchhoff is of degree 4 in
+        // F, so 2k points are exact for it.
+        prop_assert!(defects(&Rule::standard(k, &gauss(k)), &rubber, &step).1 < ROUNDING);
+        prop_assert!(defects(&Rule::standard(k, &gauss(2 * k)), &svk, &step).0.abs() < ROUNDING);
+        prop_assert!(defects(&Rule::standard(k, &gauss(24)), &rubber, &step).0.abs() < ROUNDING);
+    }
+
+    #[test]
+    fn tangents_are_derivatives((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
+        let svk = SaintVenantKirchhoff::new(1.0, 0.7).unwrap();
+        let rubber = NeoHooke::new(1.0, 0.7).unwrap();
+        let mut rules = vec![
+            Rule::standard(k, &gauss(k)), Rule::standard(k, &gauss(k + 2)), Rule::standard(k, &lobatto(k + 1)),
+            Rule::assumed_strain(k, k), Rule::assumed_strain(k, k + 2), Rule::discrete_gradient(k),
+        ];
+        if k == 1 {
+            rules.push(Rule::standard(1, &lobatto(2)));
+        }
+        for rule in rules {
+            let (error_svk, error_rubber) = (tangent_error(&rule, &svk, &step), tangent_error(&rule, &rubber, &step));
+            prop_assert!(error_svk < 2e-8 && error_rubber < 2e-8, "{:?} {k} {error_svk:e} {error_rubber:e}", rule.kind);
+        }
+    }
+
+    #[test]
+    fn tiny_steps_keep_their_energy((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 1.0))), exponent in 2i32..13) {
+        // A strained point that hardly moves, and a nearly unstrained one: the energy changes by little, and the defect
+        // stays at the rounding of the *work*, or of W itself where that is larger.
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
+        let size = 10f64.powi(-exponent);
+        let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(|x| x * size))).collect();
+        let tiny = Step { start: step.start, rates: rates.clone() };
+        let average = averaged(&Rule::discrete_gradient(k), &rubber, &tiny, Want::Stress);
+        let reference = averaged(&Rule::assumed_strain(k, MANY), &rubber, &tiny, Want::Stress);
+        for (P, Q) in average.stress.iter().zip(&reference.stress) {
+            for (p, q) in P.iter().flatten().zip(Q.iter().flatten()) {
+                // Both are consistent averages: they differ by the square of the step, and by no noise.
+                prop_assert!((p - q).abs() < 1e5 * size * size + 1e-9, "{:e}", p - q);
+            }
+        }
+        // Tiny vibration about the unstrained state: the balance holds relative to the energy itself.
+        let start = step.start.map(|row| row.map(|x| x * size));
+        let (energy, _) = defects(&Rule::discrete_gradient(k), &rubber, &Step { start, rates });
+        prop_assert!(energy.abs() < 1e-11, "{energy:e}");
+    }
+}
+
+#[test]
+fn what_table_iii_denies_is_denied() {
+    let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
+    let rates = vec![[[0.1, 0.4, -0.2], [-0.3, 0.2, 0.1], [0.3, 0.0, -0.1]]];
+    let step = Step { start: [[0.1, 0.2, 0.0], [0.0, -0.1, 0.3], [0.1, 0.0, 0.2]], rates };
+    assert!(defects(&Rule::standard(1, &gauss(1)), &rubber, &step).0.abs() > 1e-3);
+    assert!(defects(&Rule::standard(1, &gauss(5)), &rubber, &step).1 > 1e-4);
+    assert!(defects(&Rule::standard(1, &lobatto(2)), &rubber, &step).1 > 1e-4);
+    assert!(defects(&Rule::assumed_strain(1, 1), &rubber, &step).0.abs() > 1e-4);
+}
+
+#[test]
+fn rest_and_rigid_motion_are_free_of_stress() {
+    let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
+    let turned = |angle| add_scaled(&rotation([0.0, 0.6 * angle, 0.8 * angle]), -1.0, &IDENTITY);
+    for k in 1..=3 {
+        let rule = Rule::discrete_gradient(k);
+        let rest = Step { start: turned(1.0), rates: vec![[[0.0; 3]; 3]; k] };
+        let average = averaged(&rule, &rubber, &rest, Want::Tangent);
+        assert!(average.stress.iter().flatten().flatten().all(|p| p.abs() < 1e-11));
+        assert!(average.tangent.iter().flatten().flatten().all(|t| t.is_finite()));
+    }
+    // k = 1: an end point that is the start turned; the mid-point is strained, the strain rate is rounding only.
+    let rate = add_scaled(&turned(1.3), -1.0, &turned(1.0));
+    let average = averaged(
+        &Rule::discrete_gradient(1),
+        &rubber,
+        &Step { start: turned(1.0), rates: vec![rate] },
+        Want::Tangent,
+    );
+    assert!(average.stress[0].iter().flatten().all(|p| p.abs() < 1e-11));
+    assert!(average.tangent[0].iter().flatten().all(|t| t.abs() < 1e4));
+}
+
+/// Largest difference between the tangent and central differences of the stress, relative to the largest entry.
+fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
+    let k = rule.degree();
+    let average = averaged(rule, material, step, Want::Tangent);
+    let stress = averaged(rule, material, step, Want::Stress);
+    assert_eq!(average.stress, stress.stress, "the stress must not depend on what is wanted");
+    let h = 1e-5;
+    let (mut error, mut size) = (0f64, 0f64);
+    for j in 0..k {
+        for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
+            let shifted = |sign: f64| {
+                let mut step = step.clone();
+                step.rates[j][r][c] += sign * h;
+                averaged(rule, material, &step, Want::Stress).stress
+            };
+            let (plus, minus) = (shifted(1.0), shifted(-1.0));
+            for i in 0..k {
+                for n in 0..9 {
+                    let difference = (plus[i][n / 3][n % 3] - minus[i][n / 3][n % 3]) / (2.0 * h);
+                    let value = average.tangent[i * k + j][n][3 * r + c];
+                    error = error.max((difference - value).abs());
+                    size = size.max(value.abs());
+                }
+            }
+        }
+    }
+    error / size
+}
