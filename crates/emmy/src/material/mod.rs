@@ -5,6 +5,8 @@
 
 #![allow(non_snake_case)]
 
+#[cfg(test)]
+mod conformance;
 mod neo_hooke;
 mod saint_venant_kirchhoff;
 
@@ -79,4 +81,44 @@ fn positive(material: &'static str, parameter: &'static str, value: f64) -> Resu
         return Ok(());
     }
     Err(Error::MaterialParameter { material, parameter, value, requirement: "must be positive and finite" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks that a constructor refuses a parameter by its name.
+    pub fn refuses<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
+        match result.unwrap_err() {
+            Error::MaterialParameter { parameter, .. } => assert_eq!(parameter, expected),
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn bad_parameters_are_refused_by_name() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            refuses("youngs_modulus", lame("m", bad, 0.3));
+            refuses("mu", stable_lame("m", 1.0, bad));
+        }
+        for bad in [0.5, 0.7, -1.0, -2.0, f64::NAN] {
+            refuses("poissons_ratio", lame("m", 1.0, bad));
+        }
+        for bad in [-2.0, -3.0, f64::NAN, f64::INFINITY] {
+            refuses("lambda", stable_lame("m", bad, 3.0));
+        }
+        assert!(stable_lame("m", -1.99, 3.0).is_ok());
+    }
+
+    #[test]
+    fn lame_parameters_are_those_of_the_formula() {
+        let (lambda, mu) = lame("m", 2.5, 0.25).unwrap();
+        assert!((lambda - 1.0).abs() < 1e-15 && (mu - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn messages_name_material_parameter_value_and_requirement() {
+        let error = NeoHooke::from_engineering(1.0, 0.5).unwrap_err().to_string();
+        assert!(error.starts_with("neo-hooke: poissons_ratio = 0.5 must lie between -1 and 0.5"), "{error}");
+    }
 }

@@ -118,3 +118,27 @@ impl Material for NeoHooke {
         (S, D)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::conformance::{big, big_det, big_trace, conforms};
+    use super::super::tests::refuses;
+    use super::*;
+
+    #[test]
+    fn conforms_to_its_textbook_form() {
+        let [lambda, mu] = [1000.0, 500.0];
+        conforms(&NeoHooke::new(lambda, mu).unwrap(), [lambda, mu], |C| {
+            let ln_J = big_det(C).ln() / big(2.0);
+            big(mu / 2.0) * (big_trace(C) - big(3.0)) + big(lambda / 2.0) * &ln_J * &ln_J - big(mu) * ln_J
+        });
+    }
+
+    #[test]
+    fn bad_parameters_are_refused() {
+        refuses("mu", NeoHooke::new(1.0, 0.0));
+        refuses("lambda", NeoHooke::new(-2.0, 3.0));
+        refuses("youngs_modulus", NeoHooke::from_engineering(-1.0, 0.3));
+        refuses("poissons_ratio", NeoHooke::from_engineering(1.0, 0.5));
+    }
+}

@@ -77,3 +77,30 @@ impl Material for SaintVenantKirchhoff {
         (self.stress(E), D)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::conformance::{big, big_trace, conforms};
+    use super::super::tests::refuses;
+    use super::*;
+
+    #[test]
+    fn conforms_to_its_textbook_form() {
+        let [lambda, mu] = [1000.0, 500.0];
+        conforms(&SaintVenantKirchhoff::new(lambda, mu).unwrap(), [lambda, mu], |C| {
+            // With the invariants of C - I: E = (C - I) / 2.
+            let tr = big_trace(C) - big(3.0);
+            let unit = |i, j| big(if i == j { 1.0 } else { 0.0 });
+            let squares = (0..9).map(|n| &C[n / 3][n % 3] - unit(n / 3, n % 3)).map(|a| &a * &a);
+            big(lambda / 8.0) * &tr * &tr + big(mu / 4.0) * squares.fold(big(0.0), |sum, a| sum + a)
+        });
+    }
+
+    #[test]
+    fn bad_parameters_are_refused() {
+        refuses("mu", SaintVenantKirchhoff::new(1.0, 0.0));
+        refuses("lambda", SaintVenantKirchhoff::new(-2.0, 3.0));
+        refuses("youngs_modulus", SaintVenantKirchhoff::from_engineering(-1.0, 0.3));
+        refuses("poissons_ratio", SaintVenantKirchhoff::from_engineering(1.0, 0.5));
+    }
+}
