@@ -7,6 +7,7 @@ pub mod material;
 pub mod mesh;
 pub mod polynomial;
 pub mod quadrature;
+pub mod sparse;
 pub mod tensor;
 
 pub use error::{Error, Result};

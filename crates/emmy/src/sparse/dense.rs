@@ -1,0 +1,61 @@
+//! Small dense matrices: inverse and eigenpairs of a k x k matrix.
+
+use faer::prelude::Solve;
+use faer::{Mat, c64};
+
+use crate::error::{Error, Result};
+
+/// Inverse of a small matrix given row by row, `[n n]`.
+///
+/// ```
+/// let inverse = emmy::sparse::inverse(&[2.0, 0.0, 0.0, 4.0]);
+/// assert_eq!(inverse, [0.5, 0.0, 0.0, 0.25]);
+/// ```
+pub fn inverse(matrix: &[f64]) -> Vec<f64> {
+    let n = matrix.len().isqrt();
+    let A = Mat::from_fn(n, n, |i, j| matrix[i * n + j]);
+    let inverse = A.partial_piv_lu().solve(Mat::<f64>::identity(n, n));
+    (0..n * n).map(|at| inverse[(at / n, at % n)]).collect()
+}
+
+/// Eigenvalues and eigenvectors of a small real matrix with distinct eigenvalues; complex numbers as (real, imaginary).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Eigenpairs {
+    /// Eigenvalues, `[n]`.
+    pub values: Vec<(f64, f64)>,
+    /// Eigenvectors V as columns, `[i n + m]`.
+    pub vectors: Vec<(f64, f64)>,
+    /// Inverse of V, `[m n + i]`.
+    pub inverse: Vec<(f64, f64)>,
+}
+
+/// Eigenpairs of a small matrix given row by row.
+///
+/// # Errors
+/// [`Error::Linear`] if the iteration does not converge.
+pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
+    let n = matrix.len().isqrt();
+    let A = Mat::from_fn(n, n, |i, j| matrix[i * n + j]);
+    let eigen = A.eigen().map_err(|_| Error::Linear { reason: "eigenvalues of the time element".into() })?;
+    let V = eigen.U();
+    let V_inverse = V.to_owned().partial_piv_lu().solve(Mat::<c64>::identity(n, n));
+    let pair = |z: c64| (z.re, z.im);
+    Ok(Eigenpairs {
+        values: (0..n).map(|m| pair(eigen.S()[m])).collect(),
+        vectors: (0..n * n).map(|at| pair(V[(at / n, at % n)])).collect(),
+        inverse: (0..n * n).map(|at| pair(V_inverse[(at / n, at % n)])).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalues_of_a_rotation_are_a_conjugate_pair() {
+        let eigen = eigenpairs(&[1.0, -2.0, 2.0, 1.0]).unwrap();
+        for (re, im) in eigen.values {
+            assert!((re - 1.0).abs() < 1e-14 && (im.abs() - 2.0).abs() < 1e-14);
+        }
+    }
+}

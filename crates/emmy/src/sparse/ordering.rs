@@ -1,0 +1,63 @@
+//! Fill-reducing ordering by nested dissection, with METIS.
+
+use super::Pattern;
+use crate::error::{Error, Result};
+
+/// Nested-dissection ordering of a pattern: `order[new] = old`.
+///
+/// METIS (Karypis and Kumar 1998) finds separators of the coupling graph. With it the Cholesky factor of a 3D mesh is
+/// two to three times cheaper than with a minimum-degree ordering.
+///
+/// # Errors
+/// [`Error::Linear`] if METIS runs out of memory or the pattern is too large for its 32-bit indices.
+///
+/// ```
+/// use emmy::sparse::{Pattern, nested_dissection};
+/// let pattern = Pattern::new(3, [&[0u32, 1][..], &[1, 2]].into_iter());
+/// let mut order = nested_dissection(&pattern)?;
+/// order.sort();
+/// assert_eq!(order, [0, 1, 2]);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
+    let n = pattern.n_rows();
+    if pattern.n_blocks() == n {
+        // METIS divides by the number of edges.
+        return Ok((0..n).collect());
+    }
+    if pattern.n_blocks() > i32::MAX as usize {
+        return Err(Error::Linear { reason: "more than 2^31 couplings: too many for the ordering".into() });
+    }
+    let (mut begin, mut neighbours) = (vec![0i32], Vec::with_capacity(pattern.n_blocks() - n));
+    for row in 0..n {
+        let others = pattern.row(row).iter().filter(|&&column| column as usize != row);
+        neighbours.extend(others.map(|&column| column as i32));
+        begin.push(neighbours.len() as i32);
+    }
+    let order = node_nd(n, &mut begin, &mut neighbours)?;
+    Ok(order.into_iter().map(|node| node as usize).collect())
+}
+
+/// The call of METIS.
+#[allow(unsafe_code)]
+fn node_nd(n: usize, begin: &mut [i32], neighbours: &mut [i32]) -> Result<Vec<i32>> {
+    let mut count = n as i32;
+    let (mut order, mut inverse) = (vec![0i32; n], vec![0i32; n]);
+    // SAFETY: `begin` has n + 1 ascending entries that end at `neighbours.len()`, every neighbour is below n (both by
+    // construction of `Pattern`), the two results have n entries, and METIS takes null for weights and options.
+    let status = unsafe {
+        metis_sys::METIS_NodeND(
+            &mut count,
+            begin.as_mut_ptr(),
+            neighbours.as_mut_ptr(),
+            std::ptr::null_mut(),
+            std::ptr::null_mut(),
+            order.as_mut_ptr(),
+            inverse.as_mut_ptr(),
+        )
+    };
+    if status == metis_sys::rstatus_et_METIS_OK {
+        return Ok(order);
+    }
+    Err(Error::Linear { reason: format!("METIS failed with status {status}") })
+}

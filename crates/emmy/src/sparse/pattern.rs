@@ -1,0 +1,113 @@
+//! Pattern of couplings between nodes.
+
+/// Which nodes are coupled: compressed rows, columns ascending, the diagonal included, structurally symmetric.
+///
+/// ```
+/// use emmy::sparse::Pattern;
+/// let pattern = Pattern::new(3, [&[0u32, 1][..], &[1, 2]].into_iter());
+/// assert_eq!(pattern.row(1), [0, 1, 2]);
+/// assert_eq!(pattern.position(1, 2), Some(4));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    row_begin: Vec<usize>,
+    columns: Vec<u32>,
+}
+
+impl Pattern {
+    /// The pattern in which all nodes of a list are coupled with each other, for every list.
+    pub fn new<'a>(n_rows: usize, lists: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let (begin, list_of_row, lists) = lists_by_row(n_rows, lists);
+        let (mut row_begin, mut columns) = (vec![0], Vec::new());
+        let mut seen = vec![u32::MAX; n_rows];
+        for row in 0..n_rows {
+            let start = columns.len();
+            seen[row] = row as u32;
+            columns.push(row as u32);
+            for &list in &list_of_row[begin[row]..begin[row + 1]] {
+                for &column in lists[list as usize] {
+                    if seen[column as usize] != row as u32 {
+                        seen[column as usize] = row as u32;
+                        columns.push(column);
+                    }
+                }
+            }
+            columns[start..].sort_unstable();
+            row_begin.push(columns.len());
+        }
+        Pattern { row_begin, columns }
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.row_begin.len() - 1
+    }
+
+    /// Number of couplings.
+    pub fn n_blocks(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Columns of a row, ascending.
+    pub fn row(&self, row: usize) -> &[u32] {
+        &self.columns[self.range(row)]
+    }
+
+    /// Positions of a row's couplings.
+    pub fn range(&self, row: usize) -> std::ops::Range<usize> {
+        self.row_begin[row]..self.row_begin[row + 1]
+    }
+
+    /// Position of the coupling of a row with a column.
+    pub fn position(&self, row: usize, column: usize) -> Option<usize> {
+        let found = self.row(row).binary_search(&(column as u32));
+        found.ok().map(|offset| self.row_begin[row] + offset)
+    }
+
+    /// Contiguous ranges of rows with about equal numbers of couplings.
+    pub fn divided(&self, n_parts: usize) -> Vec<std::ops::Range<usize>> {
+        let boundary = |part: usize| {
+            let wanted = self.n_blocks() * part / n_parts;
+            self.row_begin.partition_point(|&begin| begin < wanted).min(self.n_rows())
+        };
+        (0..n_parts)
+            .map(|part| boundary(part)..if part + 1 == n_parts { self.n_rows() } else { boundary(part + 1) })
+            .collect()
+    }
+}
+
+/// For every row the lists that it is in, as compressed rows.
+fn lists_by_row<'a>(
+    n_rows: usize,
+    lists: impl Iterator<Item = &'a [u32]>,
+) -> (Vec<usize>, Vec<u32>, Vec<&'a [u32]>) {
+    let lists: Vec<&[u32]> = lists.collect();
+    let mut begin = vec![0; n_rows + 1];
+    lists.iter().flat_map(|list| list.iter()).for_each(|&row| begin[row as usize + 1] += 1);
+    (0..n_rows).for_each(|row| begin[row + 1] += begin[row]);
+    let mut next = begin.clone();
+    let mut list_of_row = vec![0; begin[n_rows]];
+    for (index, list) in lists.iter().enumerate() {
+        for &row in *list {
+            list_of_row[next[row as usize]] = index as u32;
+            next[row as usize] += 1;
+        }
+    }
+    (begin, list_of_row, lists)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_cover_all_rows_once() {
+        let lists: Vec<[u32; 2]> = (0..9).map(|i| [i, i + 1]).collect();
+        let pattern = Pattern::new(10, lists.iter().map(|list| &list[..]));
+        for n_parts in 1..14 {
+            let parts = pattern.divided(n_parts);
+            assert_eq!((parts.len(), parts[0].start, parts[n_parts - 1].end), (n_parts, 0, 10));
+            assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start));
+        }
+    }
+}

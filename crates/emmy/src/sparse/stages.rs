@@ -1,0 +1,241 @@
+//! The matrix of a step: k x k blocks of one pattern, divided into parts that own contiguous rows.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Pattern;
+
+/// Rows of the stage system that one thread owns: it alone writes them.
+#[derive(Debug, Clone)]
+pub struct RowPart {
+    rows: Range<usize>,
+    first_block: usize,
+    degree: usize,
+    /// Stage forces, `[k][n_rows][3]`.
+    force: Vec<f64>,
+    /// Blocks of the stage matrix, `[block][i k + j][3 a + b]`.
+    blocks: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl RowPart {
+    fn new(pattern: &Pattern, rows: Range<usize>, degree: usize) -> Self {
+        let n_blocks = rows.clone().map(|row| pattern.range(row).len()).sum::<usize>();
+        let first_block = if rows.is_empty() { 0 } else { pattern.range(rows.start).start };
+        let force = vec![0.0; 3 * degree * rows.len()];
+        let blocks = vec![0.0; 9 * degree * degree * n_blocks];
+        RowPart { product: force.clone(), rows, first_block, degree, force, blocks }
+    }
+
+    /// Rows (nodes) that the part owns.
+    pub fn rows(&self) -> Range<usize> {
+        self.rows.clone()
+    }
+
+    /// Number of stages k.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Whether a node is one of the part's rows.
+    pub fn owns(&self, node: u32) -> bool {
+        self.rows.contains(&(node as usize))
+    }
+
+    /// Adds to the force of a stage at a node of the part.
+    #[inline(always)]
+    pub fn add_force(&mut self, stage: usize, node: u32, force: [f64; 3]) {
+        let at = 3 * (stage * self.rows.len() + node as usize - self.rows.start);
+        self.force[at..at + 3].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+    }
+
+    /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern that lies in the part's rows.
+    #[inline(always)]
+    pub fn block_mut(&mut self, position: usize, stages: usize) -> &mut [f64] {
+        let at = 9 * ((position - self.first_block) * self.degree * self.degree + stages);
+        &mut self.blocks[at..at + 9]
+    }
+
+    /// Sets the forces to zero.
+    pub fn clear_force(&mut self) {
+        self.force.fill(0.0);
+    }
+
+    /// Sets every block to `coefficients[i k + j] mass[position]` times the unit matrix.
+    pub fn set_blocks(&mut self, mass: &[f64], coefficients: &[f64]) {
+        let stages = coefficients.len();
+        for (block, values) in self.blocks.chunks_exact_mut(9 * stages).enumerate() {
+            let mass = mass[self.first_block + block];
+            for (values, coefficient) in values.chunks_exact_mut(9).zip(coefficients) {
+                values.fill(0.0);
+                (0..3).for_each(|a| values[4 * a] = coefficient * mass);
+            }
+        }
+    }
+
+    /// Rows of the product with a vector over all rows, into the part's own memory.
+    fn multiply(&mut self, pattern: &Pattern, x: &[f64]) {
+        let (k, n_own) = (self.degree, self.rows.len());
+        let stride = 3 * pattern.n_rows();
+        for row in self.rows.clone() {
+            let own = row - self.rows.start;
+            for i in 0..k {
+                let mut sum = [0.0; 3];
+                for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
+                    let at = 9 * ((position - self.first_block) * k + i) * k;
+                    for j in 0..k {
+                        let block = &self.blocks[at + 9 * j..at + 9 * j + 9];
+                        let x = &x[j * stride + 3 * column as usize..][..3];
+                        for a in 0..3 {
+                            sum[a] += block[3 * a] * x[0] + block[3 * a + 1] * x[1] + block[3 * a + 2] * x[2];
+                        }
+                    }
+                }
+                self.product[3 * (i * n_own + own)..][..3].copy_from_slice(&sum);
+            }
+        }
+    }
+}
+
+/// Stage forces and stage matrix of a step, in parts by rows.
+#[derive(Debug, Clone)]
+pub struct StageMatrix {
+    parts: Vec<RowPart>,
+    degree: usize,
+    n_rows: usize,
+}
+
+impl StageMatrix {
+    /// Memory for k stages on a pattern, divided into parts.
+    pub fn new(pattern: &Pattern, parts: &[Range<usize>], degree: usize) -> Self {
+        let parts = parts.iter().map(|rows| RowPart::new(pattern, rows.clone(), degree)).collect();
+        StageMatrix { parts, degree, n_rows: pattern.n_rows() }
+    }
+
+    /// Parts by rows.
+    pub fn parts_mut(&mut self) -> &mut [RowPart] {
+        &mut self.parts
+    }
+
+    /// Copies the stage forces to `force: [k][n_rows][3]`.
+    pub fn copy_force(&self, force: &mut [f64]) {
+        self.scatter(force, |part| &part.force);
+    }
+
+    /// Product `y = A x`; `x`, `y`: `[k][n_rows][3]`.
+    pub fn multiply(&mut self, pattern: &Pattern, x: &[f64], y: &mut [f64]) {
+        if self.parts.len() == 1 {
+            self.parts[0].multiply(pattern, x);
+        } else {
+            self.parts.par_iter_mut().for_each(|part| part.multiply(pattern, x));
+        }
+        self.scatter(y, |part| &part.product);
+    }
+
+    fn scatter(&self, target: &mut [f64], source: impl Fn(&RowPart) -> &Vec<f64>) {
+        for part in &self.parts {
+            let n_own = 3 * part.rows.len();
+            for stage in 0..self.degree {
+                let to = 3 * (stage * self.n_rows + part.rows.start);
+                target[to..to + n_own].copy_from_slice(&source(part)[stage * n_own..(stage + 1) * n_own]);
+            }
+        }
+    }
+
+    /// Symmetric part of a weighted sum of the stage blocks, less a multiple of the mass matrix.
+    ///
+    /// ```math
+    /// K_AB = sym [ sum_ij w_ij A_ij - m M ]_AB
+    /// ```
+    ///
+    /// `weights: [i k + j]`; `sum: [block][3 a + b]` over the whole pattern.
+    pub fn symmetric_sum(&self, pattern: &Pattern, weights: &[f64], mass: &[f64], m: f64, sum: &mut [f64]) {
+        let stages = weights.len();
+        for part in &self.parts {
+            for (block, values) in part.blocks.chunks_exact(9 * stages).enumerate() {
+                let position = part.first_block + block;
+                let sum = &mut sum[9 * position..9 * position + 9];
+                sum.fill(0.0);
+                for (values, weight) in values.chunks_exact(9).zip(weights) {
+                    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                }
+                (0..3).for_each(|a| sum[4 * a] -= m * mass[position]);
+            }
+        }
+        symmetrise(pattern, sum);
+    }
+}
+
+/// Replaces blocks by their symmetric part: `(K_AB + K_BA^T) / 2`.
+fn symmetrise(pattern: &Pattern, blocks: &mut [f64]) {
+    for row in 0..pattern.n_rows() {
+        for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
+            let Some(mirror) = pattern.position(column as usize, row).filter(|_| column as usize >= row) else {
+                continue;
+            };
+            for a in 0..3 {
+                for b in 0..3 {
+                    let (at, of) = (9 * position + 3 * a + b, 9 * mirror + 3 * b + a);
+                    let mean = 0.5 * (blocks[at] + blocks[of]);
+                    (blocks[at], blocks[of]) = (mean, mean);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(n_parts: usize) -> (Pattern, StageMatrix) {
+        let lists: Vec<[u32; 3]> = (0..8).map(|i| [i, i + 1, i + 2]).collect();
+        let pattern = Pattern::new(10, lists.iter().map(|list| &list[..]));
+        let mut matrix = StageMatrix::new(&pattern, &pattern.divided(n_parts), 2);
+        for part in matrix.parts_mut() {
+            for position in part.rows().flat_map(|row| pattern.range(row)) {
+                for stages in 0..4 {
+                    for (entry, value) in part.block_mut(position, stages).iter_mut().enumerate() {
+                        *value = ((position * 36 + stages * 9 + entry) as f64).sin();
+                    }
+                }
+            }
+        }
+        (pattern, matrix)
+    }
+
+    #[test]
+    fn product_does_not_depend_on_the_parts() {
+        let x: Vec<f64> = (0..60).map(|i| (i as f64).cos()).collect();
+        let product = |n_parts| {
+            let (pattern, mut matrix) = matrix(n_parts);
+            let mut y = vec![0.0; 60];
+            matrix.multiply(&pattern, &x, &mut y);
+            y
+        };
+        let y = product(1);
+        assert!((2..12).all(|n_parts| product(n_parts) == y));
+        // One row by hand: stage 1, node 0, component 2.
+        let expected: f64 = (0..3)
+            .flat_map(|column| (0..2).flat_map(move |j| (0..3).map(move |b| (column, j, b))))
+            .map(|(column, j, b)| {
+                let value = ((column * 36 + (2 + j) * 9 + 6 + b) as f64).sin();
+                value * x[j * 30 + 3 * column + b]
+            })
+            .sum();
+        assert!((y[30 + 2] - expected).abs() < 1e-14);
+    }
+
+    #[test]
+    fn symmetric_sum_is_symmetric() {
+        let (pattern, matrix) = matrix(2);
+        let mut sum = vec![0.0; 9 * pattern.n_blocks()];
+        matrix.symmetric_sum(&pattern, &[0.5, 0.0, -1.0, 2.0], &vec![1.0; pattern.n_blocks()], 3.0, &mut sum);
+        let (at, mirror) = (pattern.position(2, 4).unwrap(), pattern.position(4, 2).unwrap());
+        let value = |position: usize, stages: usize, entry: usize| ((position * 36 + stages * 9 + entry) as f64).sin();
+        let raw = |position, entry| 0.5 * value(position, 0, entry) - value(position, 2, entry) + 2.0 * value(position, 3, entry);
+        assert!((sum[9 * at + 1] - 0.5 * (raw(at, 1) + raw(mirror, 3))).abs() < 1e-14);
+        assert_eq!(sum[9 * at + 1], sum[9 * mirror + 3]);
+    }
+}
