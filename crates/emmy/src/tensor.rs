@@ -94,7 +94,7 @@ pub fn det<L: Lane>(A: &Mat3<L>) -> L {
 pub fn det_of_identity_plus<L: Lane>(G: &Mat3<L>) -> L {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] = F[i][i] + one);
+    (0..3).for_each(|i| F[i][i] += one);
     det(&F)
 }
 

@@ -8,6 +8,7 @@ mod hex20;
 mod hex27;
 mod hex8;
 mod quad;
+mod quality;
 mod simplex;
 mod tensor_product;
 mod tet10;
@@ -18,12 +19,14 @@ pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
 pub use quad::{Quad4, Quad8, Quad9};
+pub use quality::{Quality, Worst, check, quality};
 pub use tet4::Tet4;
 pub use tet10::Tet10;
 pub use tri::{Tri3, Tri6};
 
 use crate::mesh::{CellKind, FacetKind};
 use crate::quadrature::Quadrature;
+use crate::tensor::Mat3;
 
 /// A reference element of dimension `D`.
 ///
@@ -82,4 +85,21 @@ pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
         FacetKind::Quad8 => &Quad8,
         FacetKind::Quad9 => &Quad9,
     }
+}
+
+/// Derivative of the position by the reference coordinates, `X: [n_nodes][3]`, `dN: [n_nodes][3]`.
+///
+/// ```math
+/// J_ij = dX_i/dxi_j = sum_A X_Ai dN_A/dxi_j
+/// ```
+pub fn jacobian(X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
+    let mut J = [[0.0; 3]; 3];
+    for (X, dN) in X.iter().zip(dN) {
+        for i in 0..3 {
+            for j in 0..3 {
+                J[i][j] += X[i] * dN[j];
+            }
+        }
+    }
+    J
 }
