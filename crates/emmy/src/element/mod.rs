@@ -1,4 +1,4 @@
-//! Reference elements: shape functions N and their gradients, and the quadrature that goes with them. One element a file.
+//! Reference elements: shape functions N, their gradients, and the quadrature that goes with them. One element a file.
 
 #![allow(non_snake_case)]
 

@@ -11,6 +11,17 @@ use super::tensor_product::{
 use crate::quadrature::{Quadrature, square};
 
 /// Bilinear quadrilateral on `[-1, 1]^2`: 4 nodes, 2x2 Gauss points.
+///
+/// ```math
+/// N_A = (1 + a_1 x_1) (1 + a_2 x_2) / 4,      node A at (a_1, a_2)
+/// ```
+///
+/// ```
+/// use emmy::element::{Quad4, ReferenceElement};
+/// let mut N = [0.0; 4];
+/// Quad4.shape([0.5, 0.0], &mut N);
+/// assert_eq!(N, [0.125, 0.375, 0.375, 0.125]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad4;
 
@@ -33,6 +44,18 @@ impl ReferenceElement<2> for Quad4 {
 }
 
 /// Serendipity quadrilateral on `[-1, 1]^2`: 4 corners and 4 edges, 3x3 Gauss points.
+///
+/// ```math
+/// corner: N_A = (1 + a_1 x_1) (1 + a_2 x_2) (a_1 x_1 + a_2 x_2 - 1) / 4
+/// edge along 1: N_A = (1 - x_1^2) (1 + a_2 x_2) / 2
+/// ```
+///
+/// ```
+/// use emmy::element::{Quad8, ReferenceElement};
+/// let mut N = [0.0; 8];
+/// Quad8.shape([0.0, 0.0], &mut N);
+/// assert_eq!((N[0], N[4]), (-0.25, 0.5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad8;
 
@@ -55,6 +78,17 @@ impl ReferenceElement<2> for Quad8 {
 }
 
 /// Biquadratic quadrilateral on `[-1, 1]^2`: 4 corners, 4 edges and the centre, 3x3 Gauss points.
+///
+/// ```math
+/// N_A = l_{a_1}(x_1) l_{a_2}(x_2),      l_a(x) = x (x + a)/2 for a = -1, 1,   l_0(x) = 1 - x^2
+/// ```
+///
+/// ```
+/// use emmy::element::{Quad9, ReferenceElement};
+/// let mut N = [0.0; 9];
+/// Quad9.shape([0.5, 0.0], &mut N);
+/// assert_eq!((N[1], N[5], N[8]), (0.0, 0.375, 0.75));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad9;
 

@@ -85,7 +85,8 @@ pub(super) fn gradient<const D: usize>(
 /// Quadratic serendipity functions: nodes at corners and in the middle of edges only.
 ///
 /// ```math
-/// corner: N = prod_i (1 + a_i x_i)/2 (sum_i a_i x_i - (D - 1)),    edge along j: N = (1 - x_j^2) prod_{i != j} (1 + a_i x_i)/2
+/// corner: N = prod_i (1 + a_i x_i)/2 (sum_i a_i x_i - (D - 1))
+/// edge along j: N = (1 - x_j^2) prod_{i != j} (1 + a_i x_i)/2
 /// ```
 pub(super) fn serendipity_shape<const D: usize>(nodes: &[[f64; D]], xi: [f64; D], N: &mut [f64]) {
     shape(nodes, serendipity_factor, xi, N);

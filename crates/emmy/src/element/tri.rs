@@ -7,6 +7,17 @@ use crate::quadrature::{Quadrature, triangle};
 /// Linear triangle (0,0), (1,0), (0,1): 3 nodes, 3 quadrature points.
 ///
 /// Its quadrature has degree 2, so that a traction interpolated from the nodes is integrated exactly.
+///
+/// ```math
+/// N = (1 - x_1 - x_2, x_1, x_2)
+/// ```
+///
+/// ```
+/// use emmy::element::{Tri3, ReferenceElement};
+/// let mut N = [0.0; 3];
+/// Tri3.shape([0.5, 0.25], &mut N);
+/// assert_eq!(N, [0.25, 0.5, 0.25]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tri3;
 
@@ -32,6 +43,17 @@ impl ReferenceElement<2> for Tri3 {
 ///
 /// Its quadrature has degree 4: exact for a pressure on a curved facet, whose vector area (the cross product of two
 /// tangents) has degree 2, as well as for a traction interpolated from the nodes of a straight one.
+///
+/// ```math
+/// vertex: N_i = b_i (2 b_i - 1),      edge: N_ij = 4 b_i b_j,      b = (1 - x_1 - x_2, x_1, x_2)
+/// ```
+///
+/// ```
+/// use emmy::element::{Tri6, ReferenceElement};
+/// let mut N = [0.0; 6];
+/// Tri6.shape([0.25, 0.25], &mut N);
+/// assert_eq!((N[0], N[4]), (0.0, 0.25));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tri6;
 
