@@ -1,13 +1,24 @@
 //! Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
+//!
+//! The method is that of P. Betsch and P. Steinmann, *Conservation properties of a time FE method. Part II: Time-stepping
+//! schemes for non-linear elastodynamics*, Int. J. Numer. Meth. Engng 50, 1931-1955 (2001), for any degree in time.
+//!
+//! A [`body::Body`] is made of a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`]
+//! advances its [`time::State`] by a [`time::Scheme`] and records the balances of energy and momentum of every step.
+//! The one place where schemes differ is [`average::Rule`].
 
 pub mod average;
+pub mod body;
 pub mod element;
 pub mod error;
 pub mod material;
 pub mod mesh;
+pub mod motion;
+pub mod newton;
 pub mod polynomial;
 pub mod quadrature;
 pub mod sparse;
 pub mod tensor;
+pub mod time;
 
 pub use error::{Error, Result};

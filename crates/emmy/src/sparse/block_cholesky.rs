@@ -95,8 +95,20 @@ mod tests {
         fixed[3] = true;
         let mut factor = BlockCholesky::new(&pattern, 2, &fixed, &[2, 0, 1]).unwrap();
         let block = |row: usize, column: usize, a: usize, b: usize| match (row == column, a == b) {
-            (true, same) => if same { 4.0 } else { 0.0 },
-            (false, same) => if same { -1.0 } else { -0.5 },
+            (true, same) => {
+                if same {
+                    4.0
+                } else {
+                    0.0
+                }
+            }
+            (false, same) => {
+                if same {
+                    -1.0
+                } else {
+                    -0.5
+                }
+            }
         };
         let entry = |source: usize| {
             let position = source / 4;
@@ -107,7 +119,12 @@ mod tests {
         factor.factorize(entry).unwrap();
         let x = [1.0, 2.0, 3.0, 0.0, 5.0, 6.0];
         let mut b: Vec<f64> = (0..6)
-            .map(|row: usize| (0..6usize).filter(|&c| (row / 2).abs_diff(c / 2) < 2).map(|c| block(row / 2, c / 2, row % 2, c % 2) * x[c]).sum())
+            .map(|row: usize| {
+                (0..6usize)
+                    .filter(|&c| (row / 2).abs_diff(c / 2) < 2)
+                    .map(|c| block(row / 2, c / 2, row % 2, c % 2) * x[c])
+                    .sum()
+            })
             .collect();
         b[3] = 77.0;
         factor.solve(1, &mut b, |b, _, row| b[row], |b, _, row, value| b[row] = value);

@@ -106,7 +106,8 @@ impl Cholesky {
     fn factorize_indefinite(&mut self, values: &[f64]) -> Result<()> {
         let n = self.pattern.nrows();
         let mut pivots = Pivots { subdiagonal: vec![0.0; n], forward: vec![0; n], inverse: vec![0; n] };
-        let request = self.symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
+        let request =
+            self.symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(request).map_err(|_| out_of_memory())?;
         self.symbolic.factorize_numeric_intranode_lblt(
             &mut self.values,

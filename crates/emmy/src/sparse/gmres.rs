@@ -42,7 +42,8 @@ impl Gmres {
     ) -> Solution {
         x.fill(0.0);
         let b_norm = norm(b);
-        let mut solution = Solution { iterations: 0, relative_residual: if b_norm == 0.0 { 0.0 } else { 1.0 } };
+        let mut solution =
+            Solution { iterations: 0, relative_residual: if b_norm == 0.0 { 0.0 } else { 1.0 } };
         if b_norm == 0.0 || !b_norm.is_finite() {
             return solution;
         }
@@ -102,7 +103,8 @@ impl Gmres {
     fn rotate(&mut self, n: usize) {
         let column = &mut self.columns[n];
         for (i, &(c, s)) in self.rotations[..n.min(self.rotations.len())].iter().enumerate() {
-            (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
+            (column[i], column[i + 1]) =
+                (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
         }
         let size = column[n].hypot(column[n + 1]);
         let (c, s) = if size == 0.0 { (1.0, 0.0) } else { (column[n] / size, column[n + 1] / size) };
@@ -171,7 +173,8 @@ mod tests {
     impl LinearSystem for Convection {
         fn product(&mut self, x: &[f64], y: &mut [f64]) {
             for i in 0..self.0 {
-                let (left, right) = (if i > 0 { x[i - 1] } else { 0.0 }, x.get(i + 1).copied().unwrap_or(0.0));
+                let (left, right) =
+                    (if i > 0 { x[i - 1] } else { 0.0 }, x.get(i + 1).copied().unwrap_or(0.0));
                 y[i] = 2.5 * x[i] - 1.4 * left - 0.6 * right;
             }
         }

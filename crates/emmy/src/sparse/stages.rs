@@ -171,7 +171,8 @@ impl StageMatrix {
 fn symmetrise(pattern: &Pattern, blocks: &mut [f64]) {
     for row in 0..pattern.n_rows() {
         for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
-            let Some(mirror) = pattern.position(column as usize, row).filter(|_| column as usize >= row) else {
+            let Some(mirror) = pattern.position(column as usize, row).filter(|_| column as usize >= row)
+            else {
                 continue;
             };
             for a in 0..3 {
@@ -233,8 +234,12 @@ mod tests {
         let mut sum = vec![0.0; 9 * pattern.n_blocks()];
         matrix.symmetric_sum(&pattern, &[0.5, 0.0, -1.0, 2.0], &vec![1.0; pattern.n_blocks()], 3.0, &mut sum);
         let (at, mirror) = (pattern.position(2, 4).unwrap(), pattern.position(4, 2).unwrap());
-        let value = |position: usize, stages: usize, entry: usize| ((position * 36 + stages * 9 + entry) as f64).sin();
-        let raw = |position, entry| 0.5 * value(position, 0, entry) - value(position, 2, entry) + 2.0 * value(position, 3, entry);
+        let value = |position: usize, stages: usize, entry: usize| {
+            ((position * 36 + stages * 9 + entry) as f64).sin()
+        };
+        let raw = |position, entry| {
+            0.5 * value(position, 0, entry) - value(position, 2, entry) + 2.0 * value(position, 3, entry)
+        };
         assert!((sum[9 * at + 1] - 0.5 * (raw(at, 1) + raw(mirror, 3))).abs() < 1e-14);
         assert_eq!(sum[9 * at + 1], sum[9 * mirror + 3]);
     }

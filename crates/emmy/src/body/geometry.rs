@@ -1,0 +1,183 @@
+//! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
+
+use crate::element::{ReferenceElement, element, facet_element};
+use crate::error::{Error, Result};
+use crate::mesh::{CellKind, Facet, Mesh};
+use crate::quadrature::Quadrature;
+use crate::tensor::{Mat3, det};
+
+/// Cells of one kind with what the internal force needs of them.
+#[derive(Debug, Clone)]
+pub struct CellTable {
+    /// Indices of the cells in the mesh.
+    pub cells: Vec<u32>,
+    /// Nodes, `[cell][n_nodes]`.
+    pub nodes: Vec<u32>,
+    /// Number of nodes of a cell.
+    pub n_nodes: usize,
+    /// Number of quadrature points of a cell.
+    pub n_points: usize,
+    /// Gradients of the shape functions by the reference positions, `[cell][point][3][n_nodes]` \[1/length\].
+    pub gradients: Vec<f64>,
+    /// Weights times det(dX/dxi), `[cell][point]` \[length^3\].
+    pub weights: Vec<f64>,
+}
+
+impl CellTable {
+    /// The table of some cells of a mesh, all of one kind.
+    ///
+    /// # Errors
+    /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point.
+    pub fn new(mesh: &Mesh, kind: CellKind, cells: Vec<u32>) -> Result<Self> {
+        let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
+        let n_points = reference.weights.len();
+        let mut table = CellTable {
+            nodes: Vec::with_capacity(cells.len() * kind.n_nodes()),
+            n_nodes: kind.n_nodes(),
+            n_points,
+            gradients: Vec::with_capacity(cells.len() * n_points * 3 * kind.n_nodes()),
+            weights: Vec::with_capacity(cells.len() * n_points),
+            cells,
+        };
+        for &cell in &table.cells {
+            let nodes = mesh.cell(cell as usize).nodes;
+            table.nodes.extend_from_slice(nodes);
+            for point in 0..n_points {
+                let dN = reference.gradients_at(point);
+                let jacobian = jacobian(mesh, nodes, dN);
+                let det = det(&jacobian);
+                if !(det > 0.0) {
+                    return Err(Error::InvertedCell { cell: cell as usize, kind, det });
+                }
+                let inverse = inverse(&jacobian, det);
+                for axis in 0..3 {
+                    let along = |dN: &[f64; 3]| (0..3).map(|m| dN[m] * inverse[m][axis]).sum::<f64>();
+                    table.gradients.extend(dN.iter().map(along));
+                }
+                table.weights.push(reference.weights[point] * det);
+            }
+        }
+        Ok(table)
+    }
+}
+
+/// Shape functions and their gradients at the points of a quadrature.
+struct ReferenceTable<const D: usize> {
+    n_nodes: usize,
+    shapes: Vec<f64>,
+    gradients: Vec<[f64; D]>,
+    weights: Vec<f64>,
+}
+
+impl<const D: usize> ReferenceTable<D> {
+    fn new(element: &dyn ReferenceElement<D>, quadrature: Quadrature<D>, n_nodes: usize) -> Self {
+        let mut shapes = vec![0.0; quadrature.points.len() * n_nodes];
+        let mut gradients = vec![[0.0; D]; quadrature.points.len() * n_nodes];
+        for (point, &xi) in quadrature.points.iter().enumerate() {
+            let nodes = point * n_nodes..(point + 1) * n_nodes;
+            element.shape(xi, &mut shapes[nodes.clone()]);
+            element.gradient(xi, &mut gradients[nodes]);
+        }
+        ReferenceTable { n_nodes, shapes, gradients, weights: quadrature.weights }
+    }
+
+    fn gradients_at(&self, point: usize) -> &[[f64; D]] {
+        &self.gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
+    }
+
+    fn shapes_at(&self, point: usize) -> &[f64] {
+        &self.shapes[point * self.n_nodes..(point + 1) * self.n_nodes]
+    }
+}
+
+/// dX/dxi, `[X component][xi component]`.
+fn jacobian(mesh: &Mesh, nodes: &[u32], dN: &[[f64; 3]]) -> Mat3<f64> {
+    let mut jacobian = [[0.0; 3]; 3];
+    for (&node, dN) in nodes.iter().zip(dN) {
+        let X = mesh.points()[node as usize];
+        (0..3).for_each(|i| (0..3).for_each(|m| jacobian[i][m] += X[i] * dN[m]));
+    }
+    jacobian
+}
+
+/// dxi/dX, `[xi component][X component]`.
+fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
+    [0, 1, 2].map(|i| {
+        let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
+        [0, 1, 2].map(|j| {
+            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+            (A[j1][i1] * A[j2][i2] - A[j1][i2] * A[j2][i1]) / det
+        })
+    })
+}
+
+/// A point of a volume integral: weight, position, and the shape functions of the cell's nodes.
+pub struct VolumePoint<'a> {
+    /// Weight times det(dX/dxi) \[length^3\].
+    pub weight: f64,
+    /// Reference position.
+    pub position: [f64; 3],
+    /// Shape functions N, `[n_nodes]`.
+    pub shapes: &'a [f64],
+}
+
+/// Visits the points of some cells with the quadrature that is exact for products of shape functions.
+pub fn for_each_volume_point(
+    mesh: &Mesh,
+    cells: impl Iterator<Item = u32>,
+    mut visit: impl FnMut(usize, &[u32], VolumePoint<'_>),
+) {
+    let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
+    for cell in cells {
+        let kind = mesh.cell(cell as usize).kind;
+        let table = tables[kind as usize].get_or_insert_with(|| {
+            ReferenceTable::new(element(kind), element(kind).mass_quadrature(), kind.n_nodes())
+        });
+        let nodes = mesh.cell(cell as usize).nodes;
+        for point in 0..table.weights.len() {
+            let weight = table.weights[point] * det(&jacobian(mesh, nodes, table.gradients_at(point)));
+            let shapes = table.shapes_at(point);
+            let position = interpolated(mesh, nodes, shapes);
+            visit(cell as usize, nodes, VolumePoint { weight, position, shapes });
+        }
+    }
+}
+
+fn interpolated(mesh: &Mesh, nodes: &[u32], shapes: &[f64]) -> [f64; 3] {
+    let mut position = [0.0; 3];
+    for (&node, N) in nodes.iter().zip(shapes) {
+        let X = mesh.points()[node as usize];
+        (0..3).for_each(|i| position[i] += N * X[i]);
+    }
+    position
+}
+
+/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`.
+pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], areas: &mut [f64]) {
+    for &facet in facets {
+        let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
+        let table =
+            ReferenceTable::new(facet_element(kind), facet_element(kind).quadrature(), kind.n_nodes());
+        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        for point in 0..table.weights.len() {
+            let weight = table.weights[point] * area_element(mesh, &nodes, table.gradients_at(point));
+            for (&node, N) in nodes.iter().zip(table.shapes_at(point)) {
+                areas[node as usize] += weight * N;
+            }
+        }
+    }
+}
+
+/// Reference area per area of the reference facet: |dX/dxi x dX/deta|.
+fn area_element(mesh: &Mesh, nodes: &[u32], dN: &[[f64; 2]]) -> f64 {
+    let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
+    for (&node, dN) in nodes.iter().zip(dN) {
+        let X = mesh.points()[node as usize];
+        (0..3).for_each(|i| {
+            a[i] += X[i] * dN[0];
+            b[i] += X[i] * dN[1];
+        });
+    }
+    let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    normal.iter().map(|n| n * n).sum::<f64>().sqrt()
+}

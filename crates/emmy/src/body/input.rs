@@ -1,0 +1,97 @@
+//! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
+
+use super::{History, term::Solid};
+use crate::material::Material;
+
+/// Part of the body with one material and density.
+#[derive(Debug)]
+pub struct Region {
+    /// Cell group; `None`: every cell.
+    pub group: Option<String>,
+    /// Reference density \[mass/length^3\].
+    pub density: f64,
+    pub(super) solid: Box<dyn Solid>,
+}
+
+impl Region {
+    /// A region of a material.
+    pub fn new<M: Material>(group: Option<String>, density: f64, material: M) -> Self {
+        Region { group, density, solid: super::term::solid(material) }
+    }
+}
+
+/// Components of a group that do not move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Support {
+    /// Group of nodes, facets or cells.
+    pub group: String,
+    /// Fixed components x, y, z.
+    pub fix: [bool; 3],
+}
+
+/// A load: where it acts and how, with a factor over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Kind of the load.
+    pub kind: LoadKind,
+    /// Factor over time.
+    pub history: History,
+}
+
+/// Kind of a dead load.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LoadKind {
+    /// Traction per reference area \[force/length^2\] on a facet group.
+    Traction {
+        /// Facet group.
+        group: String,
+        /// Traction.
+        traction: [f64; 3],
+    },
+    /// Resultant \[force\] spread evenly over the reference area of a facet group.
+    Force {
+        /// Facet group.
+        group: String,
+        /// Resultant.
+        force: [f64; 3],
+    },
+    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity.
+    Acceleration {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Acceleration.
+        acceleration: [f64; 3],
+    },
+}
+
+/// Initial velocity field of a group.
+///
+/// ```math
+/// v(X) = velocity + angular_velocity x (X - about) + gradient X
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct InitialVelocity {
+    /// Group of nodes, facets or cells; `None`: all nodes.
+    pub group: Option<String>,
+    /// Velocity \[length/time\].
+    pub velocity: [f64; 3],
+    /// Angular velocity \[1/time\].
+    pub angular_velocity: [f64; 3],
+    /// Centre of the rotation \[length\].
+    pub about: [f64; 3],
+    /// Velocity gradient \[1/time\], row by row.
+    pub gradient: [[f64; 3]; 3],
+}
+
+impl InitialVelocity {
+    /// The velocity at a reference position.
+    pub fn at(&self, X: [f64; 3]) -> [f64; 3] {
+        let r = [0, 1, 2].map(|i| X[i] - self.about[i]);
+        let w = self.angular_velocity;
+        let rotation = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+        [0, 1, 2].map(|i| {
+            let stretching: f64 = (0..3).map(|j| self.gradient[i][j] * X[j]).sum();
+            self.velocity[i] + rotation[i] + stretching
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! Dead loads: nodal vectors with a factor over time.
+
+use super::geometry::{add_facet_areas, for_each_volume_point};
+use super::{Body, History, Load, LoadKind};
+use crate::average::Rule;
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// A load ready for use: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
+#[derive(Debug, Clone)]
+pub struct LoadVector {
+    pub(super) force: Vec<f64>,
+    pub(super) history: History,
+}
+
+impl LoadVector {
+    /// Equivalent nodal forces of a load.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
+    pub fn new(mesh: &Mesh, load: &Load, density_of_cell: &[f64]) -> Result<Self> {
+        let (weights, vector) = match &load.kind {
+            LoadKind::Traction { group, traction } => (facet_areas(mesh, group)?, *traction),
+            LoadKind::Force { group, force } => {
+                let areas = facet_areas(mesh, group)?;
+                let area: f64 = areas.iter().sum();
+                (areas.iter().map(|a| a / area).collect(), *force)
+            }
+            LoadKind::Acceleration { group, acceleration } => {
+                (nodal_masses(mesh, group.as_deref(), density_of_cell)?, *acceleration)
+            }
+        };
+        if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what: "load".into(), value });
+        }
+        let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
+        Ok(LoadVector { force, history: load.history.clone() })
+    }
+}
+
+/// Integrals of the shape functions over a facet group.
+fn facet_areas(mesh: &Mesh, group: &str) -> Result<Vec<f64>> {
+    let mut areas = vec![0.0; mesh.n_nodes()];
+    add_facet_areas(mesh, mesh.groups().facets(group)?, &mut areas);
+    Ok(areas)
+}
+
+/// Integrals of density times the shape functions over a cell group.
+fn nodal_masses(mesh: &Mesh, group: Option<&str>, density_of_cell: &[f64]) -> Result<Vec<f64>> {
+    let cells = match group {
+        Some(name) => mesh.groups().cells(name)?.to_vec(),
+        None => (0..mesh.n_cells() as u32).collect(),
+    };
+    let mut masses = vec![0.0; mesh.n_nodes()];
+    for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+        for (&node, N) in nodes.iter().zip(point.shapes) {
+            masses[node as usize] += density_of_cell[cell] * point.weight * N;
+        }
+    });
+    Ok(masses)
+}
+
+/// Resultant of a load at factor 1 in the reference configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadResultant {
+    /// Force \[force\].
+    pub force: [f64; 3],
+    /// Torque about the origin \[force length\].
+    pub torque: [f64; 3],
+}
+
+impl Body {
+    /// Stage averages of the external force over a step, exact for every kink of the histories.
+    ///
+    /// ```math
+    /// f_i^ext = (1/b_i) integral_0^1 l_i F_ext dalpha
+    /// ```
+    ///
+    /// `force: [k][n_nodes][3]`; `averages`: memory for k numbers. Returns whether any load acts.
+    pub fn stage_loads(
+        &self,
+        rule: &Rule,
+        time: f64,
+        step_size: f64,
+        averages: &mut [f64],
+        force: &mut [f64],
+    ) -> bool {
+        force.fill(0.0);
+        let mut acts = false;
+        for load in &self.loads {
+            load.history.averages(time, step_size, rule.nodes(), rule.weights(), averages);
+            for (&factor, force) in averages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
+                if factor != 0.0 {
+                    acts = true;
+                    force.iter_mut().zip(&load.force).for_each(|(sum, f)| *sum += factor * f);
+                }
+            }
+        }
+        acts
+    }
+
+    /// Resultant of every load at factor 1 in the reference configuration.
+    pub fn load_resultants(&self) -> Vec<LoadResultant> {
+        let rest = vec![0.0; self.n_dofs()];
+        let resultant = |load: &LoadVector| LoadResultant {
+            force: super::invariants::sum(&load.force),
+            torque: self.moment(&rest, &load.force),
+        };
+        self.loads.iter().map(resultant).collect()
+    }
+}

@@ -1,0 +1,61 @@
+//! Consistent mass: product and inverse.
+
+use super::Body;
+use crate::error::Result;
+use crate::sparse::BlockCholesky;
+
+/// Velocity from momentum: `M_ff v_f = p_f` for the free degrees of freedom, v = 0 for the fixed ones.
+#[derive(Debug)]
+pub struct MassSolver {
+    /// Factorisations with the directions that share them (those with the same fixed nodes).
+    factors: Vec<(Vec<usize>, BlockCholesky)>,
+}
+
+impl MassSolver {
+    /// Factorises the mass matrix of a body.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`] if there is not enough memory.
+    pub fn new(body: &Body) -> Result<Self> {
+        let fixed =
+            |axis: usize| -> Vec<bool> { body.fixed().iter().skip(axis).step_by(3).copied().collect() };
+        let mut factors: Vec<(Vec<usize>, BlockCholesky)> = Vec::new();
+        for axis in 0..3 {
+            if let Some((axes, _)) = factors.iter_mut().find(|(axes, _)| fixed(axes[0]) == fixed(axis)) {
+                axes.push(axis);
+                continue;
+            }
+            let mut factor = BlockCholesky::new(body.pattern(), 1, &fixed(axis), body.node_order())?;
+            factor.factorize(|position| body.mass()[position])?;
+            factors.push((vec![axis], factor));
+        }
+        Ok(MassSolver { factors })
+    }
+
+    /// Velocity of a momentum; `momentum`, `velocity`: `[n_nodes][3]`.
+    pub fn velocity(&mut self, momentum: &[f64], velocity: &mut [f64]) {
+        velocity.fill(0.0);
+        for (axes, factor) in &mut self.factors {
+            let read = |_: &&mut [f64], column: usize, node: usize| momentum[3 * node + axes[column]];
+            let write = |velocity: &mut &mut [f64], column: usize, node: usize, value: f64| {
+                velocity[3 * node + axes[column]] = value;
+            };
+            factor.solve(axes.len(), &mut &mut *velocity, read, write);
+        }
+    }
+}
+
+impl Body {
+    /// Product with the mass matrix, `p = M v`; `v`, `p`: `[n_nodes][3]`.
+    pub fn mass_product(&self, v: &[f64], p: &mut [f64]) {
+        for row in 0..self.pattern().n_rows() {
+            let mut sum = [0.0; 3];
+            let range = self.pattern().range(row);
+            for (mass, &column) in self.mass()[range].iter().zip(self.pattern().row(row)) {
+                let v = &v[3 * column as usize..3 * column as usize + 3];
+                (0..3).for_each(|i| sum[i] += mass * v[i]);
+            }
+            p[3 * row..3 * row + 3].copy_from_slice(&sum);
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Regions: which cells belong to which, their terms, masses and summaries.
+
+use super::Region;
+use super::geometry::{CellTable, for_each_volume_point};
+use super::term::Term;
+use crate::error::{Error, Result};
+use crate::mesh::{CellKind, Mesh};
+use crate::sparse::Pattern;
+
+/// Volume, mass, centre and inertia of a region in the reference configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionSummary {
+    /// Cell group; `None`: every cell.
+    pub group: Option<String>,
+    /// Number of cells.
+    pub n_cells: usize,
+    /// Volume \[length^3\].
+    pub volume: f64,
+    /// Mass \[mass\].
+    pub mass: f64,
+    /// Centre of mass \[length\].
+    pub centre: [f64; 3],
+    /// Inertia tensor about the centre of mass \[mass length^2\].
+    pub inertia: [[f64; 3]; 3],
+}
+
+/// Region of every cell, checked to be exactly one.
+pub(super) struct RegionOfCell(Vec<u32>);
+
+impl RegionOfCell {
+    pub fn new(mesh: &Mesh, regions: &[Region]) -> Result<Self> {
+        let mut count = vec![0; mesh.n_cells()];
+        let mut region_of_cell = vec![0; mesh.n_cells()];
+        for (index, region) in regions.iter().enumerate() {
+            if !(region.density > 0.0 && region.density.is_finite()) {
+                return Err(Error::NotPositive { what: "density".into(), value: region.density });
+            }
+            let all: Vec<u32>;
+            let cells = match &region.group {
+                Some(name) => mesh.groups().cells(name)?,
+                None => {
+                    all = (0..mesh.n_cells() as u32).collect();
+                    &all
+                }
+            };
+            for &cell in cells {
+                count[cell as usize] += 1;
+                region_of_cell[cell as usize] = index as u32;
+            }
+        }
+        match count.iter().position(|&count| count != 1) {
+            Some(cell) => Err(Error::RegionCover { cell, count: count[cell] }),
+            None => Ok(RegionOfCell(region_of_cell)),
+        }
+    }
+
+    pub fn densities(&self, regions: &[Region]) -> Vec<f64> {
+        self.0.iter().map(|&region| regions[region as usize].density).collect()
+    }
+
+    pub fn into_indices(self) -> Vec<u32> {
+        self.0
+    }
+
+    fn cells(&self, region: usize) -> impl Iterator<Item = u32> + '_ {
+        (0..self.0.len() as u32).filter(move |&cell| self.0[cell as usize] == region as u32)
+    }
+}
+
+/// One term for each region and kind of cell.
+pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Result<Vec<Box<dyn Term>>> {
+    let mut terms = Vec::new();
+    for (index, region) in regions.iter().enumerate() {
+        for kind in CellKind::ALL {
+            let cells: Vec<u32> =
+                of_cell.cells(index).filter(|&cell| mesh.cell(cell as usize).kind == kind).collect();
+            if !cells.is_empty() {
+                terms.push(region.solid.term(CellTable::new(mesh, kind, cells)?));
+            }
+        }
+    }
+    Ok(terms)
+}
+
+/// Consistent mass `M_AB = integral rho N_A N_B dV` on the pattern.
+pub(super) fn mass(mesh: &Mesh, pattern: &Pattern, density_of_cell: &[f64]) -> Vec<f64> {
+    let mut mass = vec![0.0; pattern.n_blocks()];
+    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
+        for (&row, N_A) in nodes.iter().zip(point.shapes) {
+            let factor = density_of_cell[cell] * point.weight * N_A;
+            for (&column, N_B) in nodes.iter().zip(point.shapes) {
+                if let Some(position) = pattern.position(row as usize, column as usize) {
+                    mass[position] += factor * N_B;
+                }
+            }
+        }
+    });
+    mass
+}
+
+pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Vec<RegionSummary> {
+    regions
+        .iter()
+        .enumerate()
+        .map(|(index, region)| summary(mesh, region, of_cell.cells(index).collect()))
+        .collect()
+}
+
+fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
+    let (n_cells, mut volume, mut first, mut second) = (cells.len(), 0.0, [0.0; 3], [[0.0; 3]; 3]);
+    // Moments about a point of the region, so that a body far from the origin keeps its digits.
+    let origin =
+        cells.first().map_or([0.0; 3], |&cell| mesh.points()[mesh.cell(cell as usize).nodes[0] as usize]);
+    for_each_volume_point(mesh, cells.into_iter(), |_, _, point| {
+        let x = [0, 1, 2].map(|i| point.position[i] - origin[i]);
+        volume += point.weight;
+        (0..3).for_each(|i| first[i] += point.weight * x[i]);
+        (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += point.weight * x[i] * x[j]));
+    });
+    let offset = first.map(|x| x / volume);
+    let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));
+    let trace: f64 = (0..3).map(|i| central[i][i]).sum();
+    let inertia = [0, 1, 2]
+        .map(|i| [0, 1, 2].map(|j| region.density * (if i == j { trace } else { 0.0 } - central[i][j])));
+    RegionSummary {
+        group: region.group.clone(),
+        n_cells,
+        volume,
+        mass: region.density * volume,
+        centre: [0, 1, 2].map(|i| origin[i] + offset[i]),
+        inertia,
+    }
+}

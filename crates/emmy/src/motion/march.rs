@@ -1,0 +1,141 @@
+//! The loop over the steps.
+
+use super::{MarchError, Observer, Record, State, StepPlan, View};
+use crate::body::{Body, sum};
+use crate::error::Result;
+use crate::newton::NewtonSettings;
+use crate::sparse::reduce::dot;
+use crate::time::{Scheme, StepOutcome, Stepper, TimeElement};
+
+/// A body in motion: its state, and the stepper that advances it.
+///
+/// ```
+/// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
+/// use emmy::{motion::{Motion, NewtonSettings, Phase, State, StepPlan}, time::Scheme};
+/// let rubber = NeoHooke::new(1000.0, 500.0)?;
+/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 6.0], about: [0.5; 3], ..Default::default() };
+/// let state = State::initial(&body, 0.0, &[spin])?;
+/// let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, NewtonSettings::default(), state)?;
+/// motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?, &mut []).unwrap();
+/// assert!((motion.record().total_energy - 3.0).abs() < 1e-12); // m (a^2 + b^2) / 12 * omega^2 / 2
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Motion<'a> {
+    body: &'a Body,
+    stepper: Stepper<'a>,
+    state: State,
+    record: Record,
+}
+
+impl<'a> Motion<'a> {
+    /// A motion that starts from a state.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scheme`] if the scheme cannot go with the degree, [`crate::Error::Linear`].
+    pub fn new(
+        body: &'a Body,
+        scheme: Scheme,
+        degree: usize,
+        settings: NewtonSettings,
+        state: State,
+    ) -> Result<Self> {
+        let stepper = Stepper::new(body, TimeElement::new(scheme, degree)?, settings)?;
+        let record =
+            Record { step: state.step, time: state.time, ..Record::default() }.with_invariants(body, &state);
+        Ok(Motion { body, stepper, state, record })
+    }
+
+    /// The state reached.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The record of the last step.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The stepper.
+    pub fn stepper(&self) -> &Stepper<'a> {
+        &self.stepper
+    }
+
+    /// Advances by one step of a size and records it.
+    ///
+    /// # Errors
+    /// [`crate::Error::NoConvergence`]; state and record are then those of the last good step.
+    pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
+        let outcome = self.stepper.advance(&mut self.state, step_size)?;
+        self.state.time = end;
+        self.state.step += 1;
+        self.record = self.record.after(self.body, &self.state, step_size, &outcome);
+        Ok(&self.record)
+    }
+
+    /// Marches through a plan. Observers see the start and every step.
+    ///
+    /// # Errors
+    /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does.
+    pub fn march(&mut self, plan: &StepPlan, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+        self.notify(observers)?;
+        for step in plan.steps() {
+            self.step(step.size, step.end)?;
+            self.notify(observers)?;
+        }
+        Ok(())
+    }
+
+    fn notify(&self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+        let view = View { body: self.body, state: &self.state, record: &self.record };
+        observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)
+    }
+}
+
+impl Record {
+    /// The record with energies and momenta of a state.
+    fn with_invariants(mut self, body: &Body, state: &State) -> Record {
+        // Fixed degrees of freedom have no velocity: p . v is p_f . v_f.
+        self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
+        self.strain_energy = body.strain_energy(&state.displacement);
+        self.total_energy = self.kinetic_energy + self.strain_energy;
+        self.linear_momentum = sum(&state.momentum);
+        self.angular_momentum = body.moment(&state.displacement, &state.momentum);
+        self
+    }
+
+    /// The record of a step that ended in a state; `self` is that of the step before.
+    fn after(&self, body: &Body, state: &State, step_size: f64, outcome: &StepOutcome) -> Record {
+        let impulses = &outcome.impulses;
+        let record = Record {
+            step: state.step,
+            time: state.time,
+            step_size,
+            external_work: self.external_work + impulses.work,
+            newton_iterations: outcome.newton.iterations,
+            linear_iterations: outcome.newton.linear_iterations,
+            at_rounding_floor: outcome.newton.at_rounding_floor,
+            ..Record::default()
+        };
+        let record = record.with_invariants(body, state);
+        // Differences part by part: T and V may be large and cancel in their change.
+        let kinetic = record.kinetic_energy - self.kinetic_energy;
+        let strain = record.strain_energy - self.strain_energy;
+        Record {
+            energy_residual: kinetic + strain - impulses.work,
+            linear_momentum_residual: defect(record.linear_momentum, self.linear_momentum, impulses.linear),
+            angular_momentum_residual: defect(
+                record.angular_momentum,
+                self.angular_momentum,
+                impulses.angular,
+            ),
+            ..record
+        }
+    }
+}
+
+/// Norm of `now - before - impulse`.
+fn defect(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> f64 {
+    (0..3).map(|i| (now[i] - before[i] - impulse[i]).powi(2)).sum::<f64>().sqrt()
+}

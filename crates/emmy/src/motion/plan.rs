@@ -1,0 +1,142 @@
+//! The step plan: which step sizes, until when.
+
+use crate::error::{Error, Result};
+
+/// Phase of a plan: steps of one size until a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// Time at which the phase ends \[time\].
+    pub until: f64,
+    /// Step size \[time\].
+    pub size: f64,
+}
+
+/// One step of a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlannedStep {
+    /// Time at the start of the step.
+    pub start: f64,
+    /// Time at its end.
+    pub end: f64,
+    /// Step size: the plan's own, or less where a phase ends.
+    pub size: f64,
+}
+
+/// A sequence of phases from a start time.
+///
+/// Steps fall on t_0 + i h, computed by multiplication so that no error adds up; the last one of a phase is shortened
+/// to end on `until`.
+///
+/// ```
+/// use emmy::motion::{Phase, StepPlan};
+/// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.3 }, Phase { until: 2.0, size: 0.5 }])?;
+/// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
+/// assert_eq!(ends, [0.3, 0.6, 0.8999999999999999, 1.0, 1.5, 2.0]);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepPlan {
+    start: f64,
+    phases: Vec<Phase>,
+}
+
+/// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
+const SLIVER: f64 = 1e-6;
+
+impl StepPlan {
+    /// The plan, checked.
+    ///
+    /// # Errors
+    /// [`Error::Plan`] if it has no phase, a size is not positive, or a phase ends before it begins.
+    pub fn new(start: f64, phases: Vec<Phase>) -> Result<Self> {
+        let fail = |phase, reason: String| Err(Error::Plan { phase, reason });
+        if phases.is_empty() {
+            return fail(0, "the plan has no phases".into());
+        }
+        let mut begin = start;
+        for (phase, &Phase { until, size }) in phases.iter().enumerate() {
+            if !(size > 0.0 && size.is_finite()) {
+                return fail(phase, format!("the step size must be positive and finite, not {size}"));
+            }
+            if !until.is_finite() || until <= begin {
+                return fail(phase, format!("it ends at {until}, but begins at {begin}: time goes forward"));
+            }
+            if (until - begin) / size > 1e12 {
+                return fail(phase, format!("steps of {size} until {until} are more than 1e12 steps"));
+            }
+            begin = until;
+        }
+        Ok(StepPlan { start, phases })
+    }
+
+    /// Time at which the plan starts.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Time at which the plan ends.
+    pub fn end(&self) -> f64 {
+        self.phases[self.phases.len() - 1].until
+    }
+
+    /// Phases of the plan.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases
+    }
+
+    /// Number of steps.
+    pub fn n_steps(&self) -> usize {
+        self.begins().map(|(begin, phase)| n_steps(begin, phase)).sum()
+    }
+
+    /// All steps in order.
+    pub fn steps(&self) -> impl Iterator<Item = PlannedStep> + '_ {
+        self.begins().flat_map(|(begin, phase)| {
+            let n = n_steps(begin, phase);
+            (0..n).map(move |i| {
+                let start = begin + i as f64 * phase.size;
+                let last = i + 1 == n;
+                let end = if last { phase.until } else { begin + (i + 1) as f64 * phase.size };
+                // The nominal size where it fits: the difference of the times would carry their rounding.
+                let fits = ((end - start) - phase.size).abs() <= SLIVER * phase.size;
+                PlannedStep { start, end, size: if fits { phase.size } else { end - start } }
+            })
+        })
+    }
+
+    /// Every phase with the time at which it begins.
+    fn begins(&self) -> impl Iterator<Item = (f64, Phase)> + '_ {
+        let begins = std::iter::once(self.start).chain(self.phases.iter().map(|phase| phase.until));
+        begins.zip(self.phases.iter().copied())
+    }
+}
+
+fn n_steps(begin: f64, phase: Phase) -> usize {
+    (((phase.until - begin) / phase.size - SLIVER).ceil() as usize).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(phases: &[(f64, f64)]) -> Result<StepPlan> {
+        StepPlan::new(0.0, phases.iter().map(|&(until, size)| Phase { until, size }).collect())
+    }
+
+    #[test]
+    fn rounding_makes_no_extra_step() {
+        for (until, size, n) in [(1.0, 0.01, 100), (0.3, 0.1, 3), (4.0, 0.04, 100), (1.0, 1e-4, 10_000)] {
+            let plan = plan(&[(until, size)]).unwrap();
+            assert_eq!(plan.n_steps(), n);
+            assert!(plan.steps().all(|step| step.size == size));
+            assert_eq!(plan.steps().last().unwrap().end, until);
+        }
+    }
+
+    #[test]
+    fn time_goes_forward_in_positive_steps() {
+        assert!(matches!(plan(&[(1.0, 0.1), (0.5, 0.1)]), Err(Error::Plan { phase: 1, .. })));
+        assert!(plan(&[(1.0, 0.0)]).is_err() && plan(&[(1.0, f64::NAN)]).is_err() && plan(&[]).is_err());
+        assert!(plan(&[(0.0, 0.1)]).is_err() && plan(&[(f64::INFINITY, 0.1)]).is_err());
+    }
+}

@@ -1,0 +1,75 @@
+//! What is recorded of every step, and who may look on.
+
+use super::State;
+use crate::body::Body;
+use crate::error::Error;
+
+/// Energies, momenta and balances after a step (or at the start, with zero step size and residuals).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Record {
+    /// Number of the step; 0 at the start.
+    pub step: usize,
+    /// Time \[time\].
+    pub time: f64,
+    /// Step size \[time\].
+    pub step_size: f64,
+    /// Kinetic energy T \[energy\].
+    pub kinetic_energy: f64,
+    /// Strain energy V \[energy\].
+    pub strain_energy: f64,
+    /// Work of the loads since the start \[energy\].
+    pub external_work: f64,
+    /// Total energy E = T + V \[energy\].
+    pub total_energy: f64,
+    /// Defect of the step's energy balance \[energy\].
+    ///
+    /// ```math
+    /// E_n - E_(n-1) - sum_i b_i f_i^ext . x_i
+    /// ```
+    pub energy_residual: f64,
+    /// Linear momentum \[mass length/time\].
+    pub linear_momentum: [f64; 3],
+    /// Angular momentum about the origin \[mass length^2/time\].
+    pub angular_momentum: [f64; 3],
+    /// Norm of the defect of the step's linear momentum balance.
+    pub linear_momentum_residual: f64,
+    /// Norm of the defect of the step's angular momentum balance.
+    pub angular_momentum_residual: f64,
+    /// Number of Newton iterations (linear systems solved).
+    pub newton_iterations: usize,
+    /// Number of iterations of the linear solver.
+    pub linear_iterations: usize,
+    /// Whether the iteration ended at the rounding floor instead of the tolerance.
+    pub at_rounding_floor: bool,
+}
+
+/// What an observer sees after a step.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The body.
+    pub body: &'a Body,
+    /// Its state.
+    pub state: &'a State,
+    /// Energies, momenta, balances.
+    pub record: &'a Record,
+}
+
+/// Looks on while a motion is computed: files, progress, plots hang on the loop through this trait.
+pub trait Observer {
+    /// Called at the start and after every step.
+    ///
+    /// # Errors
+    /// An error of the observer ends the march as [`super::MarchError::Observer`].
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+}
+
+/// What ended a march early.
+#[derive(Debug, thiserror::Error)]
+pub enum MarchError {
+    /// A step failed.
+    #[error(transparent)]
+    Step(#[from] Error),
+    /// An observer failed.
+    #[error(transparent)]
+    Observer(Box<dyn std::error::Error + Send + Sync>),
+}
