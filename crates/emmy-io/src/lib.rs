@@ -1,1 +1,23 @@
 //! Files of Emmy: the input, meshes of other programs, and results.
+//!
+//! | module | file |
+//! |---|---|
+//! | [`input`] | the input (TOML), checked key by key; every fault knows its line |
+//! | [`mesh`] | meshes of Gmsh and Abaqus |
+//! | [`results`] | everything that a run writes, as one observer of a motion |
+//! | [`directory`] | the output directory, and what in it is Emmy's |
+//! | [`history`] | `history.csv` |
+//! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`) |
+//! | [`summary`] | `summary.json` |
+//! | [`tally`] | balances over a whole run |
+//! | [`limits`] | `[limits]` |
+
+pub mod directory;
+pub mod history;
+pub mod input;
+pub mod limits;
+pub mod mesh;
+pub mod results;
+pub mod summary;
+pub mod tally;
+pub mod vtk;

@@ -1,0 +1,185 @@
+//! What a part, an instance or the assembly holds.
+
+use std::collections::{BTreeMap, HashMap};
+
+use emmy::mesh::CellKind;
+
+/// Line of one of the files of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct At {
+    pub(super) file: u32,
+    pub(super) line: u32,
+}
+
+/// Nodes, elements, sets and surfaces under the numbers and names of the file.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Body {
+    pub(super) points: Vec<[f64; 3]>,
+    pub(super) nodes: HashMap<u64, u32>,
+    pub(super) elements: Vec<Element>,
+    pub(super) element_index: HashMap<u64, u32>,
+    pub(super) connectivity: Vec<u64>,
+    pub(super) node_sets: Sets,
+    pub(super) element_sets: Sets,
+    pub(super) surfaces: Vec<Surface>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Element {
+    pub(super) number: u64,
+    pub(super) kind: CellKind,
+    /// Begin of the nodes in the connectivity.
+    pub(super) nodes: usize,
+    pub(super) at: At,
+}
+
+/// An instance of a part; its body is a copy of the part's with its own additions.
+#[derive(Debug, Clone)]
+pub(super) struct Instance {
+    pub(super) name: String,
+    pub(super) body: Body,
+    pub(super) placement: super::placement::Placement,
+}
+
+/// What a set is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    Nodes,
+    Elements,
+}
+
+/// Sets by their names in lower case.
+pub(super) type Sets = BTreeMap<String, Set>;
+
+#[derive(Debug, Clone, Default)]
+pub(super) struct Set {
+    /// The name as it was first spelt.
+    pub(super) name: String,
+    /// Made by Abaqus/CAE for its own use.
+    pub(super) internal: bool,
+    pub(super) members: Vec<Member>,
+}
+
+/// Numbers `first, first + step, ...` up to `last`, of this body or of an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Member {
+    pub(super) instance: Option<u32>,
+    pub(super) first: u64,
+    pub(super) last: u64,
+    pub(super) step: u64,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    pub(super) name: String,
+    pub(super) internal: bool,
+    pub(super) rows: Vec<Row>,
+}
+
+/// A line of a surface, resolved when all sets are known.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    /// Name of a set, or a number.
+    pub(super) target: String,
+    /// Number of the face; none on a surface of nodes.
+    pub(super) face: Option<u8>,
+    /// The instance that the surface names.
+    pub(super) instance: Option<u32>,
+    pub(super) at: At,
+}
+
+impl Body {
+    pub(super) fn sets(&self, of: Of) -> &Sets {
+        match of {
+            Of::Nodes => &self.node_sets,
+            Of::Elements => &self.element_sets,
+        }
+    }
+
+    /// The set of a name, made if it is new.
+    pub(super) fn set_mut(&mut self, of: Of, name: &str) -> &mut Set {
+        let sets = match of {
+            Of::Nodes => &mut self.node_sets,
+            Of::Elements => &mut self.element_sets,
+        };
+        let new = || Set { name: name.to_string(), ..Set::default() };
+        sets.entry(name.to_lowercase()).or_insert_with(new)
+    }
+
+    /// Indices by number, of nodes or elements.
+    pub(super) fn index(&self, of: Of) -> &HashMap<u64, u32> {
+        match of {
+            Of::Nodes => &self.nodes,
+            Of::Elements => &self.element_index,
+        }
+    }
+
+    pub(super) fn nodes_of(&self, element: &Element) -> &[u64] {
+        &self.connectivity[element.nodes..][..element.kind.n_nodes()]
+    }
+}
+
+impl Set {
+    /// Adds a number; a run of consecutive numbers is kept as one member.
+    pub(super) fn push(&mut self, instance: Option<u32>, number: u64) {
+        match self.members.last_mut() {
+            Some(run)
+                if run.instance == instance && run.step == 1 && run.last.checked_add(1) == Some(number) =>
+            {
+                run.last = number;
+            }
+            _ => self.members.push(Member::one(instance, number)),
+        }
+    }
+
+    /// Adds the members of another set. Repetitions are dropped, or sets of sets could grow without end.
+    pub(super) fn extend(&mut self, members: Vec<Member>) {
+        self.members.extend(members);
+        self.members.sort_unstable();
+        self.members.dedup();
+    }
+}
+
+impl Member {
+    pub(super) fn one(instance: Option<u32>, number: u64) -> Self {
+        Member { instance, first: number, last: number, step: 1 }
+    }
+
+    /// Indices of the numbers, and how many numbers have none.
+    pub(super) fn indices(&self, index: &HashMap<u64, u32>) -> (Vec<u32>, u64) {
+        let count = (self.last - self.first) / self.step; // one less, so that it cannot overflow
+        let found: Vec<u32> = if count <= index.len() as u64 {
+            (0..=count).filter_map(|i| index.get(&(self.first + i * self.step)).copied()).collect()
+        } else {
+            index.iter().filter(|(number, _)| self.contains(**number)).map(|(_, &index)| index).collect()
+        };
+        let missing = count.saturating_add(1) - found.len() as u64;
+        (found, missing)
+    }
+
+    fn contains(&self, number: u64) -> bool {
+        (self.first..=self.last).contains(&number) && (number - self.first).is_multiple_of(self.step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_without_bound_costs_no_more_than_the_nodes() {
+        let index = HashMap::from([(1, 0), (3, 1), (4, 2)]);
+        let range = Member { instance: None, first: 1, last: u64::MAX, step: 2 };
+        let (mut found, missing) = range.indices(&index);
+        found.sort();
+        assert_eq!(found, [0, 1]);
+        assert_eq!(missing, u64::MAX / 2 + 1 - 2);
+    }
+
+    #[test]
+    fn runs_are_one_member() {
+        let mut set = Set::default();
+        [5, 6, 7, 9].into_iter().for_each(|number| set.push(None, number));
+        assert_eq!(set.members.len(), 2);
+    }
+}

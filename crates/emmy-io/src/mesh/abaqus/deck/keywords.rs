@@ -1,0 +1,172 @@
+//! Keywords: each says what the data lines after it mean.
+
+use super::super::super::{MeshError, Result};
+use super::super::body::{At, Body, Instance, Member, Of, Surface};
+use super::super::element;
+use super::super::keyword::Keyword;
+use super::super::placement::Placement;
+use super::{Deck, Elements, Scope, Section, same};
+
+impl Deck {
+    pub(super) fn keyword(&mut self, keyword: &Keyword, at: At) -> Result<()> {
+        if keyword.name == "INCLUDE" {
+            // The lines of the file may go on with the data of the keyword before.
+            return self.include(at, self.required(keyword, at, "INPUT")?);
+        }
+        self.close_section()?;
+        self.section = match keyword.name.as_str() {
+            "PART" => self.part(keyword, at)?,
+            "INSTANCE" => self.instance(keyword, at)?,
+            "ENDPART" | "ENDINSTANCE" | "ASSEMBLY" | "ENDASSEMBLY" => {
+                self.scope = Scope::Root;
+                Section::Skipped
+            }
+            "NODE" => self.nodes(keyword, at)?,
+            "ELEMENT" => self.elements(keyword, at)?,
+            "NSET" => self.node_set(keyword, at)?,
+            "ELSET" => self.set(keyword, at, Of::Elements, "ELSET")?,
+            "SURFACE" => self.surface(keyword, at)?,
+            "SYSTEM" | "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" => {
+                let problem = format!("*{} makes nodes or elements and is not supported", keyword.name);
+                return Err(self.malformed(
+                    at,
+                    problem,
+                    "write out all nodes and elements, as Abaqus/CAE does",
+                ));
+            }
+            _ => Section::Skipped,
+        };
+        match keyword.value("INPUT") {
+            Some(input) if !matches!(self.section, Section::Skipped) => self.include(at, input),
+            _ => Ok(()),
+        }
+    }
+
+    fn required<'a>(&self, keyword: &'a Keyword, at: At, key: &str) -> Result<&'a str> {
+        let missing = || {
+            let problem = format!("*{} without {}=", keyword.name, key.to_lowercase());
+            self.malformed(at, problem, "add it")
+        };
+        keyword.value(key).ok_or_else(missing)
+    }
+
+    /// The instance that a set or surface of the assembly names.
+    fn qualifier(&self, keyword: &Keyword, at: At) -> Result<Option<u32>> {
+        let Some(name) = keyword.value("INSTANCE") else { return Ok(None) };
+        let unknown = || {
+            let names = listed(self.instances.iter().map(|instance| instance.name.as_str()));
+            let problem = format!("there is no instance \"{name}\" above, only: {names}");
+            self.malformed(at, problem, "correct the name, or move the line below the instance")
+        };
+        self.instance_index(name).map(Some).ok_or_else(unknown)
+    }
+
+    fn part(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        let name = self.required(keyword, at, "NAME")?;
+        if self.parts.iter().any(|(part, _)| same(part, name)) {
+            return Err(self.malformed(
+                at,
+                format!("part \"{name}\" is there already"),
+                "give it another name",
+            ));
+        }
+        self.parts.push((name.to_string(), Body::default()));
+        self.scope = Scope::Part(self.parts.len() - 1);
+        Ok(Section::Skipped)
+    }
+
+    fn instance(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        let name = self.required(keyword, at, "NAME")?;
+        let part = self.required(keyword, at, "PART")?;
+        if self.instance_index(name).is_some() {
+            let problem = format!("instance \"{name}\" is there already");
+            return Err(self.malformed(at, problem, "give it another name"));
+        }
+        let Some((_, body)) = self.parts.iter().find(|(known, _)| same(known, part)) else {
+            let names = listed(self.parts.iter().map(|(name, _)| name.as_str()));
+            let problem = format!("there is no part \"{part}\" above, only: {names}");
+            return Err(self.malformed(at, problem, "correct the name, or write the part to the file"));
+        };
+        let (name, body) = (name.to_string(), body.clone());
+        self.instances.push(Instance { name, body, placement: Placement::default() });
+        self.scope = Scope::Instance(self.instances.len() - 1);
+        Ok(Section::Placement)
+    }
+
+    fn nodes(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        match keyword.value("SYSTEM") {
+            None | Some("R" | "r") => Ok(Section::Nodes { set: keyword.value("NSET").map(str::to_string) }),
+            Some(system) => {
+                let problem = format!("coordinates of system {system} are not supported");
+                Err(self.malformed(at, problem, "write Cartesian coordinates, as Abaqus/CAE does"))
+            }
+        }
+    }
+
+    fn elements(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
+        let Some(kind) = element::kind(&element_type) else {
+            let (place, supported) = (self.place(at), element::SUPPORTED);
+            return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
+        };
+        self.notes.extend(element::note(&element_type, kind));
+        let set = keyword.value("ELSET").map(str::to_string);
+        Ok(Section::Elements(Elements { element_type, kind, set, pending: Vec::new(), at }))
+    }
+
+    fn set(&mut self, keyword: &Keyword, at: At, of: Of, key: &str) -> Result<Section> {
+        let name = self.required(keyword, at, key)?.to_string();
+        let instance = self.qualifier(keyword, at)?;
+        self.body_mut().set_mut(of, &name).internal |= keyword.has("INTERNAL") && name.starts_with('_');
+        Ok(Section::Set { of, name, instance, generate: keyword.has("GENERATE") })
+    }
+
+    /// `*Nset`; with `elset=` its members are the nodes of elements, without data lines.
+    fn node_set(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        let section = self.set(keyword, at, Of::Nodes, "NSET")?;
+        if let (Some(elements), Section::Set { name, instance, .. }) = (keyword.value("ELSET"), &section) {
+            let nodes = self.nodes_of_set(at, *instance, elements)?;
+            self.body_mut().set_mut(Of::Nodes, name).extend(nodes);
+        }
+        Ok(section)
+    }
+
+    fn nodes_of_set(&self, at: At, instance: Option<u32>, elements: &str) -> Result<Vec<Member>> {
+        let members = self.members(self.body(), Of::Elements, instance, elements);
+        let members = members.ok_or_else(|| self.unknown_set(at, Of::Elements, elements))?;
+        let mut nodes = Vec::new();
+        for member in members {
+            let body = member.instance.map_or(self.body(), |index| &self.instances[index as usize].body);
+            for index in member.indices(&body.element_index).0 {
+                let numbers = body.nodes_of(&body.elements[index as usize]);
+                nodes.extend(numbers.iter().map(|&number| Member::one(member.instance, number)));
+            }
+        }
+        Ok(nodes)
+    }
+
+    fn surface(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
+        let name = self.required(keyword, at, "NAME")?.to_string();
+        let surface_type = keyword.value("TYPE").unwrap_or("ELEMENT").to_ascii_uppercase();
+        let of = match surface_type.as_str() {
+            "ELEMENT" if !keyword.has("COMBINE") => Of::Elements,
+            "NODE" if !keyword.has("COMBINE") => Of::Nodes,
+            _ => {
+                let how = if keyword.has("COMBINE") { "COMBINE" } else { &surface_type };
+                self.notes.insert(format!(
+                    "surface \"{name}\" ({how}) is neither of elements nor of nodes: ignored"
+                ));
+                return Ok(Section::Skipped);
+            }
+        };
+        let instance = self.qualifier(keyword, at)?;
+        let internal = keyword.has("INTERNAL") && name.starts_with('_');
+        self.body_mut().surfaces.push(Surface { name, internal, rows: Vec::new() });
+        Ok(Section::Surface { of, instance })
+    }
+}
+
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names = names.collect::<Vec<_>>().join(", ");
+    if names.is_empty() { "none".to_string() } else { names }
+}

@@ -1,0 +1,220 @@
+//! Reading of an input file, line by line.
+
+mod data;
+mod keywords;
+
+use std::collections::BTreeSet;
+use std::iter::Peekable;
+use std::path::{Path, PathBuf};
+
+use emmy::mesh::CellKind;
+
+use super::super::{MeshError, Place, Result, without_mark};
+use super::body::{At, Body, Instance, Member, Of};
+use super::keyword::Keyword;
+
+/// All that an input file and its includes hold and that matters to a mesh.
+#[derive(Debug, Default)]
+pub(super) struct Deck {
+    /// Nodes, elements, sets and surfaces outside of parts and instances.
+    pub(super) root: Body,
+    pub(super) parts: Vec<(String, Body)>,
+    pub(super) instances: Vec<Instance>,
+    pub(super) notes: BTreeSet<String>,
+    files: Vec<PathBuf>,
+    depth: usize,
+    scope: Scope,
+    section: Section,
+}
+
+/// What nodes, elements and sets go into.
+#[derive(Debug, Clone, Copy, Default)]
+enum Scope {
+    #[default]
+    Root,
+    Part(usize),
+    Instance(usize),
+}
+
+/// What the data lines mean.
+#[derive(Debug, Default)]
+enum Section {
+    #[default]
+    Start,
+    Skipped,
+    Placement,
+    Nodes {
+        set: Option<String>,
+    },
+    Elements(Elements),
+    Set {
+        of: Of,
+        name: String,
+        instance: Option<u32>,
+        generate: bool,
+    },
+    /// Rows of the last surface.
+    Surface {
+        of: Of,
+        instance: Option<u32>,
+    },
+}
+
+#[derive(Debug)]
+struct Elements {
+    element_type: String,
+    kind: CellKind,
+    set: Option<String>,
+    /// Number and nodes of an element that goes on in the next line.
+    pending: Vec<u64>,
+    at: At,
+}
+
+/// Includes in includes; more are taken for a circle.
+const MAX_DEPTH: usize = 16;
+
+impl Deck {
+    /// Reads a file and what it includes.
+    pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Self> {
+        let mut deck = Deck::default();
+        deck.file(file, bytes)?;
+        deck.close_section()?;
+        Ok(deck)
+    }
+
+    pub(super) fn place(&self, at: At) -> Place {
+        Place::line(&self.files[at.file as usize], at.line as usize)
+    }
+
+    /// Members of a set, or the number; either may be qualified as in `Part-1-1.Set-1`.
+    pub(super) fn members(
+        &self,
+        body: &Body,
+        of: Of,
+        instance: Option<u32>,
+        target: &str,
+    ) -> Option<Vec<Member>> {
+        if let Some(instance) = instance {
+            return self.members_in(instance, of, target);
+        }
+        if let Ok(number) = target.parse() {
+            return Some(vec![Member::one(None, number)]);
+        }
+        if let Some(set) = body.sets(of).get(&target.to_lowercase()) {
+            return Some(set.members.clone());
+        }
+        let (instance, target) = target.split_once('.')?;
+        self.members_in(self.instance_index(instance)?, of, target)
+    }
+
+    fn members_in(&self, index: u32, of: Of, target: &str) -> Option<Vec<Member>> {
+        let instance = Some(index);
+        if let Ok(number) = target.parse() {
+            return Some(vec![Member::one(instance, number)]);
+        }
+        let set = self.instances[index as usize].body.sets(of).get(&target.to_lowercase())?;
+        Some(set.members.iter().map(|&member| Member { instance, ..member }).collect())
+    }
+
+    fn instance_index(&self, name: &str) -> Option<u32> {
+        let found = self.instances.iter().position(|instance| same(&instance.name, name));
+        found.map(|index| index as u32)
+    }
+
+    pub(super) fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {
+        MeshError::Malformed { place: self.place(at), problem, advice }
+    }
+
+    pub(super) fn unknown_set(&self, at: At, of: Of, name: &str) -> MeshError {
+        let what = if of == Of::Nodes { "node" } else { "element" };
+        let problem = match name.parse::<u64>() {
+            Ok(number) => format!("there is no {what} {number}"),
+            Err(_) => format!("there is no {what} set \"{}\" here or above", shown(name)),
+        };
+        self.malformed(at, problem, "define it first, or qualify it with its instance: Instance.Set")
+    }
+
+    fn body(&self) -> &Body {
+        match self.scope {
+            Scope::Root => &self.root,
+            Scope::Part(part) => &self.parts[part].1,
+            Scope::Instance(instance) => &self.instances[instance].body,
+        }
+    }
+
+    fn body_mut(&mut self) -> &mut Body {
+        match self.scope {
+            Scope::Root => &mut self.root,
+            Scope::Part(part) => &mut self.parts[part].1,
+            Scope::Instance(instance) => &mut self.instances[instance].body,
+        }
+    }
+}
+
+/// Lines.
+impl Deck {
+    fn file(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        let file = self.files.len() as u32;
+        self.files.push(path.to_path_buf());
+        let lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);
+        let mut lines = lines.filter(|(text, _)| !text.is_empty() && !text.starts_with(b"**")).peekable();
+        while let Some((text, line)) = lines.next() {
+            let at = At { file, line };
+            if text.starts_with(b"*") {
+                let keyword = self.keyword_line(at, text, &mut lines)?;
+                self.keyword(&Keyword::parse(&keyword), at)?;
+            } else if !matches!(self.section, Section::Skipped) {
+                let text = self.text(at, text)?;
+                self.data(at, text)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn text<'a>(&self, at: At, bytes: &'a [u8]) -> Result<&'a str> {
+        let text = std::str::from_utf8(bytes);
+        text.map_err(|_| self.malformed(at, "text that is not UTF-8".to_string(), "save the file as UTF-8"))
+    }
+
+    /// A keyword line with the lines after it on which it goes on, after a comma at its end.
+    fn keyword_line<'a>(
+        &self,
+        at: At,
+        text: &'a [u8],
+        lines: &mut Peekable<impl Iterator<Item = (&'a [u8], u32)>>,
+    ) -> Result<String> {
+        let mut keyword = self.text(at, text)?.to_string();
+        while keyword.ends_with(',') {
+            let Some((text, line)) = lines.next_if(|(text, _)| !text.starts_with(b"*")) else { break };
+            keyword.push_str(self.text(At { line, ..at }, text)?);
+        }
+        Ok(keyword)
+    }
+
+    fn include(&mut self, at: At, input: &str) -> Result<()> {
+        let base = self.files[at.file as usize].parent().unwrap_or(Path::new(""));
+        let path = base.join(input);
+        if self.depth == MAX_DEPTH {
+            let problem = format!("more than {MAX_DEPTH} files that include each other");
+            return Err(self.malformed(at, problem, "does a file include itself?"));
+        }
+        let bytes = std::fs::read(&path).map_err(|reason| {
+            let problem = format!("the file {} cannot be read: {reason}", path.display());
+            self.malformed(at, problem, "paths are relative to the file that includes")
+        })?;
+        self.depth += 1;
+        self.file(&path, without_mark(&bytes))?;
+        self.depth -= 1;
+        Ok(())
+    }
+}
+
+/// Names are the same whatever their case.
+fn same(a: &str, b: &str) -> bool {
+    a.to_lowercase() == b.to_lowercase()
+}
+
+/// What was found, short enough for a message.
+fn shown(text: &str) -> String {
+    text.chars().take(40).collect()
+}

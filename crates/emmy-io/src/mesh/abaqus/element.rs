@@ -1,0 +1,69 @@
+//! Solid elements of Abaqus. Their node order is that of VTK (Abaqus Elements Guide, "Three-dimensional solid elements").
+
+use emmy::mesh::CellKind;
+
+/// The types that are read.
+pub(super) const SUPPORTED: &str =
+    "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4 or C3D10 (C3D10M, ...)";
+
+/// Kind of cell of an element type, given in upper case.
+pub(super) fn kind(element_type: &str) -> Option<CellKind> {
+    match element_type {
+        "C3D8" | "C3D8R" | "C3D8I" | "C3D8S" | "C3D8H" | "C3D8RH" | "C3D8IH" | "C3D8HS" => {
+            Some(CellKind::Hex8)
+        }
+        "C3D20" | "C3D20R" | "C3D20H" | "C3D20RH" => Some(CellKind::Hex20),
+        "C3D4" | "C3D4H" => Some(CellKind::Tet4),
+        "C3D10" | "C3D10M" | "C3D10H" | "C3D10MH" | "C3D10I" | "C3D10HS" => Some(CellKind::Tet10),
+        _ => None,
+    }
+}
+
+/// What the user should know about a type that is not read as it is.
+pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
+    let suffix = element_type.trim_start_matches("C3D").trim_start_matches(|c: char| c.is_ascii_digit());
+    let how = match suffix {
+        "" => return None,
+        "R" => format!("{kind} and integrated fully"),
+        "RH" => format!("{kind} without its pressure and integrated fully"),
+        "H" => format!("{kind} without its pressure"),
+        _ => format!("plain {kind}"),
+    };
+    Some(format!("{element_type} is read as {how}"))
+}
+
+/// Number of the face in [`CellKind::facets`] of a face of Abaqus, `S1` being 1.
+pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
+    let faces: &[&[usize]] = if kind.n_corners() == 8 { &HEX_FACES } else { &TET_FACES };
+    let corners = faces.get(usize::from(face).checked_sub(1)?)?;
+    let same = |nodes: &[usize]| corners.iter().all(|corner| nodes.contains(corner));
+    kind.facets().iter().position(|facet| same(facet.nodes)).map(|local| local as u8)
+}
+
+const HEX_FACES: [&[usize]; 6] =
+    [&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]];
+const TET_FACES: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_face_has_its_own_place_in_the_cell() {
+        for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet4, CellKind::Tet10] {
+            let n_faces = kind.facets().len() as u8;
+            let mut locals: Vec<u8> = (1..=n_faces).map(|face| local_facet(kind, face).unwrap()).collect();
+            locals.sort();
+            assert_eq!(locals, (0..n_faces).collect::<Vec<_>>());
+            assert_eq!(local_facet(kind, 0), None);
+            assert_eq!(local_facet(kind, n_faces + 1), None);
+        }
+    }
+
+    #[test]
+    fn types_that_are_changed_are_told() {
+        assert_eq!(note("C3D8", CellKind::Hex8), None);
+        assert_eq!(note("C3D20R", CellKind::Hex20).unwrap(), "C3D20R is read as hex20 and integrated fully");
+        assert_eq!(note("C3D10M", CellKind::Tet10).unwrap(), "C3D10M is read as plain tet10");
+    }
+}

@@ -1,0 +1,18 @@
+//! Abaqus: keyword input with nodes, solid elements, sets and surfaces (Abaqus Keywords Guide, "Input syntax rules").
+
+mod assembled;
+mod body;
+mod deck;
+mod element;
+mod keyword;
+mod placement;
+
+use std::path::Path;
+
+use super::{MeshFile, Result, without_mark};
+use deck::Deck;
+
+/// The mesh in the bytes of an input file.
+pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
+    assembled::mesh(file, &Deck::read(file, without_mark(bytes))?)
+}

@@ -1,0 +1,248 @@
+//! What an MSH file holds, until all of it is read and can be checked.
+
+use std::collections::{BTreeMap, HashMap};
+
+use emmy::mesh::MeshBuilder;
+
+use super::super::{MeshError, MeshFile, Result, counted, finished};
+use super::Version;
+use super::cursor::Cursor;
+use super::shape::Shape;
+
+/// No cell: an element of lower dimension.
+const NONE: u32 = u32::MAX;
+
+/// Nodes and elements under the numbers of the file, and physical groups by dimension and number.
+pub(super) struct Draft {
+    pub(super) names: HashMap<(u8, u64), String>,
+    version: Version,
+    points: Vec<[f64; 3]>,
+    node_numbers: Vec<u64>,
+    node_index: HashMap<u64, u32>,
+    elements: Vec<Element>,
+    element_index: HashMap<u64, u32>,
+    connectivity: Vec<u64>,
+    groups: BTreeMap<(u8, u64), Vec<u32>>,
+    n_ignored: [usize; 3],
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Element {
+    number: u64,
+    shape: &'static Shape,
+    /// The physical group of MSH 2.2, which repeats the element for each of its groups; 0: none.
+    group: u64,
+    /// Offset in the file.
+    start: usize,
+    /// Begin of the nodes in the connectivity.
+    nodes: usize,
+}
+
+impl Draft {
+    pub(super) fn new(version: Version) -> Self {
+        Draft {
+            names: HashMap::new(),
+            version,
+            points: Vec::new(),
+            node_numbers: Vec::new(),
+            node_index: HashMap::new(),
+            elements: Vec::new(),
+            element_index: HashMap::new(),
+            connectivity: Vec::new(),
+            groups: BTreeMap::new(),
+            n_ignored: [0; 3],
+        }
+    }
+
+    pub(super) fn node(&mut self, cursor: &Cursor, start: usize, number: u64, point: [f64; 3]) -> Result<()> {
+        if point.iter().any(|x| !x.is_finite()) {
+            return Err(MeshError::CoordinateNotFinite { place: cursor.place(start), node: number });
+        }
+        if self.node_index.insert(number, self.points.len() as u32).is_some() {
+            return Err(MeshError::Duplicate { place: cursor.place(start), what: "node", number });
+        }
+        self.points.push(point);
+        self.node_numbers.push(number);
+        Ok(())
+    }
+
+    /// Adds an element; one of lower dimension that is in no group is only counted.
+    pub(super) fn element(
+        &mut self,
+        cursor: &Cursor,
+        start: usize,
+        number: u64,
+        shape: &'static Shape,
+        groups: &[u64],
+        nodes: &[u64],
+    ) -> Result<()> {
+        if shape.dim < 3 && groups.is_empty() {
+            self.n_ignored[shape.dim as usize] += 1;
+            return Ok(());
+        }
+        if shape.dim == 3 && shape.cell().is_none() {
+            return Err(unsupported(cursor, start, shape.name.to_string()));
+        }
+        let index = self.elements.len() as u32;
+        let first = *self.element_index.entry(number).or_insert(index);
+        if first != index && !self.is_repeated(first, shape, nodes) {
+            return Err(MeshError::Duplicate { place: cursor.place(start), what: "element", number });
+        }
+        for &group in groups {
+            self.groups.entry((shape.dim, group)).or_default().push(index);
+        }
+        let group = groups.first().copied().unwrap_or(0);
+        self.elements.push(Element { number, shape, group, start, nodes: self.connectivity.len() });
+        self.connectivity.extend_from_slice(nodes);
+        Ok(())
+    }
+
+    /// Whether an element is the first one of its number over again, as MSH 2.2 may have it.
+    fn is_repeated(&self, first: u32, shape: &Shape, nodes: &[u64]) -> bool {
+        let first = &self.elements[first as usize];
+        self.version == Version::V2 && first.shape == shape && self.nodes(first) == nodes
+    }
+
+    fn nodes(&self, element: &Element) -> &[u64] {
+        &self.connectivity[element.nodes..][..element.shape.n_nodes]
+    }
+
+    /// The mesh of all that was read.
+    pub(super) fn mesh(self, cursor: &Cursor) -> Result<MeshFile> {
+        let mut builder = MeshBuilder::new();
+        for &point in &self.points {
+            builder.point(point);
+        }
+        let cells = self.cells(cursor, &mut builder)?;
+        for (&(dim, tag), members) in &self.groups {
+            let name = self.names.get(&(dim, tag)).cloned().unwrap_or_else(|| tag.to_string());
+            self.add_group(cursor, &mut builder, dim, &name, members, &cells)?;
+        }
+        let built = finished(builder, self.points.len(), self.notes());
+        built.map_err(|error| self.in_numbers_of_the_file(cursor, error))
+    }
+
+    /// Adds the cells and says for each element which cell it is.
+    fn cells(&self, cursor: &Cursor, builder: &mut MeshBuilder) -> Result<Vec<u32>> {
+        let originals = self.originals(cursor)?;
+        let mut cells: Vec<u32> = Vec::with_capacity(self.elements.len());
+        for (index, (element, &original)) in self.elements.iter().zip(&originals).enumerate() {
+            let cell = match element.shape.cell() {
+                None => NONE,
+                Some(_) if (original as usize) < index => cells[original as usize],
+                Some((kind, order)) => {
+                    let nodes = self.node_indices(cursor, element, element.shape.n_nodes)?;
+                    let nodes: Vec<u32> = order.iter().map(|&local| nodes[local]).collect();
+                    let mesh_error = |reason| MeshError::Mesh { file: cursor.file().to_path_buf(), reason };
+                    builder.cell(kind, &nodes).map_err(mesh_error)?
+                }
+            };
+            cells.push(cell);
+        }
+        Ok(cells)
+    }
+
+    /// For each element the first one with the same nodes: MSH 2.2 repeats an element once for each of its groups.
+    fn originals(&self, cursor: &Cursor) -> Result<Vec<u32>> {
+        let mut originals: Vec<u32> = (0..self.elements.len() as u32).collect();
+        if self.version != Version::V2 {
+            return Ok(originals);
+        }
+        let mut order: Vec<u32> = originals.clone();
+        order.retain(|&index| self.elements[index as usize].shape.dim == 3);
+        let nodes = |index: u32| self.nodes(&self.elements[index as usize]);
+        let group = |index: u32| self.elements[index as usize].group;
+        order.sort_by(|&a, &b| (nodes(a), group(a), a).cmp(&(nodes(b), group(b), b)));
+        for run in order.chunk_by(|&a, &b| nodes(a) == nodes(b)) {
+            if let Some(pair) = run.windows(2).find(|pair| group(pair[0]) == group(pair[1])) {
+                return Err(self.twice(cursor, pair[0], pair[1]));
+            }
+            let original = run.iter().copied().fold(run[0], u32::min);
+            run.iter().for_each(|&index| originals[index as usize] = original);
+        }
+        Ok(originals)
+    }
+
+    fn twice(&self, cursor: &Cursor, first: u32, second: u32) -> MeshError {
+        let [first, second] = [first, second].map(|index| self.elements[index as usize]);
+        MeshError::Malformed {
+            place: cursor.place(second.start),
+            problem: format!(
+                "element {} has the nodes and the group of element {}",
+                second.number, first.number
+            ),
+            advice: "remove one of the two",
+        }
+    }
+
+    fn node_indices(&self, cursor: &Cursor, element: &Element, count: usize) -> Result<Vec<u32>> {
+        let index = |&node: &u64| {
+            let unknown = || MeshError::UnknownNode {
+                place: cursor.place(element.start),
+                element: element.number,
+                node,
+            };
+            self.node_index.get(&node).copied().ok_or_else(unknown)
+        };
+        self.nodes(element)[..count].iter().map(index).collect()
+    }
+
+    fn add_group(
+        &self,
+        cursor: &Cursor,
+        builder: &mut MeshBuilder,
+        dim: u8,
+        name: &str,
+        members: &[u32],
+        cells: &[u32],
+    ) -> Result<()> {
+        let elements = members.iter().map(|&index| &self.elements[index as usize]);
+        match dim {
+            3 => builder.cell_group(name, members.iter().map(|&index| cells[index as usize])),
+            2 => {
+                let corners =
+                    elements.map(|element| self.node_indices(cursor, element, element.shape.n_corners));
+                builder.facet_group_by_nodes(name, corners.collect::<Result<_>>()?);
+            }
+            _ => {
+                let nodes = elements.map(|element| self.node_indices(cursor, element, element.shape.n_nodes));
+                builder.node_group(name, nodes.collect::<Result<Vec<_>>>()?.into_iter().flatten());
+            }
+        }
+        Ok(())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let ignored = self.n_ignored.iter().enumerate().filter(|(_, count)| **count > 0);
+        let note = |(dim, &count): (usize, &usize)| {
+            let elements = counted(count, "element", "elements");
+            let are = if count == 1 { "is" } else { "are" };
+            format!("{elements} of dimension {dim} in no physical group {are} ignored")
+        };
+        ignored.map(note).collect()
+    }
+
+    fn in_numbers_of_the_file(&self, cursor: &Cursor, error: emmy::Error) -> MeshError {
+        let file = cursor.file().to_path_buf();
+        match error {
+            emmy::Error::EmptyMesh => MeshError::NoCells { file, advice: NO_CELLS },
+            emmy::Error::FacetWithoutCell { group, nodes } => {
+                let nodes = nodes.iter().map(|&node| self.node_numbers[node as usize]).collect();
+                MeshError::FacetWithoutCell { file, group, nodes }
+            }
+            reason => MeshError::Mesh { file, reason },
+        }
+    }
+}
+
+const NO_CELLS: &str = "mesh the volume (`gmsh -3`), and where there are physical groups put it in one: \
+                        Gmsh saves only what is in a group";
+
+/// The error of an element type that is no cell.
+pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshError {
+    MeshError::UnsupportedElement {
+        place: cursor.place(start),
+        kind,
+        supported: "hex8, hex20, hex27, tet4 or tet10",
+    }
+}

@@ -1,0 +1,83 @@
+//! Sections of MSH 2.2.
+
+use super::super::Result;
+use super::cursor::{Cursor, Encoding};
+use super::draft::Draft;
+use super::shape::Shape;
+
+/// `$Nodes`: the count as text, then number and coordinates of each node.
+pub(super) fn nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
+    let count = cursor.count_line("nodes", 8)?;
+    for _ in 0..count {
+        let start = cursor.offset();
+        let number = cursor.whole()?;
+        let point = cursor.point()?;
+        draft.node(cursor, start, number, point)?;
+    }
+    Ok(())
+}
+
+/// `$Elements`: the count as text, then a line each (ASCII) or blocks of one type (binary).
+pub(super) fn elements(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
+    let count = cursor.count_line("elements", 6)?;
+    let mut left = count;
+    while left > 0 {
+        let start = cursor.offset();
+        let n_read =
+            if cursor.encoding == Encoding::Ascii { line(cursor, draft)? } else { block(cursor, draft)? };
+        if n_read == 0 || n_read > left {
+            return Err(
+                cursor.malformed(start, format!("a block of {n_read} elements where {left} are left"))
+            );
+        }
+        left -= n_read;
+    }
+    Ok(())
+}
+
+fn line(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
+    let start = cursor.offset();
+    let number = cursor.whole()?;
+    let id = cursor.int()?;
+    let shape = super::shape(cursor, start, id)?;
+    let n_tags = cursor.count("tags", 2)?;
+    element(cursor, draft, start, number, shape, n_tags)?;
+    Ok(1)
+}
+
+fn block(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
+    let start = cursor.offset();
+    let id = cursor.int()?;
+    let shape = super::shape(cursor, start, id)?;
+    let [count, n_tags] = [cursor.whole()?, cursor.whole()?];
+    let count = cursor.checked_count(start, "elements", count, 4)?;
+    let n_tags = cursor.checked_count(start, "tags", n_tags, 4)?;
+    for _ in 0..count {
+        let start = cursor.offset();
+        let number = cursor.whole()?;
+        element(cursor, draft, start, number, shape, n_tags)?;
+    }
+    Ok(count)
+}
+
+/// Tags and nodes of an element. The first tag is the physical group (0: none), the others do not matter here.
+fn element(
+    cursor: &mut Cursor,
+    draft: &mut Draft,
+    start: usize,
+    number: u64,
+    shape: &'static Shape,
+    n_tags: u64,
+) -> Result<()> {
+    let mut physical = 0;
+    for tag in 0..n_tags {
+        let value = cursor.int()?;
+        physical = if tag == 0 { value.unsigned_abs() } else { physical };
+    }
+    let mut nodes = [0; Shape::MAX_NODES];
+    for node in &mut nodes[..shape.n_nodes] {
+        *node = cursor.whole()?;
+    }
+    let groups: &[u64] = if physical == 0 { &[] } else { &[physical] };
+    draft.element(cursor, start, number, shape, groups, &nodes[..shape.n_nodes])
+}

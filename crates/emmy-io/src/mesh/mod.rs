@@ -1,0 +1,112 @@
+//! Meshes of other programs: Gmsh (`.msh`) and Abaqus (`.inp`).
+
+mod abaqus;
+mod error;
+mod gmsh;
+
+use std::fs;
+use std::path::Path;
+
+use emmy::mesh::{Mesh, MeshBuilder};
+
+pub use error::{MeshError, Place, Position};
+
+type Result<T, E = MeshError> = std::result::Result<T, E>;
+
+/// A mesh from a file, and what its user should be told once about the way it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// The mesh; groups have the names of the file.
+    pub mesh: Mesh,
+    /// Sentences such as `C3D8R is read as hex8 and integrated fully`.
+    pub notes: Vec<String>,
+}
+
+/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary) or of Abaqus (keyword input).
+///
+/// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups;
+/// a physical group without a name is called by its number. Volume elements in no group are kept.
+///
+/// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
+/// A set of a part is found under its own name (in all instances together) and as `Instance.Set`; the cells of an
+/// instance are a group of the instance's name.
+///
+/// # Errors
+/// [`MeshError`]: file unreadable, of no known format or damaged; elements other than hex8, hex20, hex27, tet4, tet10.
+pub fn read(path: &Path) -> Result<MeshFile> {
+    let bytes =
+        fs::read(path).map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
+    parse(path, &bytes)
+}
+
+/// Mesh in the bytes of a file, as [`read`]; `path` names it in messages and is where its includes are looked for.
+///
+/// ```
+/// let deck = b"*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n";
+/// let file = emmy_io::mesh::parse("tet.inp".as_ref(), deck)?;
+/// assert_eq!(file.mesh.groups().cells("body")?, [0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(MeshError::Malformed {
+            place: Place::line(path, 1),
+            problem: "the file is empty".to_string(),
+            advice: "write the mesh again",
+        });
+    }
+    match format(path, bytes) {
+        Some(Format::Gmsh) => gmsh::mesh(path, bytes),
+        Some(Format::Abaqus) => abaqus::mesh(path, bytes),
+        None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Gmsh,
+    Abaqus,
+}
+
+/// Format by the first character, else (for the message of its reader) by the extension.
+fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
+    match without_mark(bytes).trim_ascii_start().first() {
+        Some(b'$') => return Some(Format::Gmsh),
+        Some(b'*') => return Some(Format::Abaqus),
+        _ => {}
+    }
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "msh" => Some(Format::Gmsh),
+        "inp" => Some(Format::Abaqus),
+        _ => None,
+    }
+}
+
+/// Bytes after the mark that some editors put before UTF-8 text.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Builds the mesh and says what was left out of it.
+fn finished(builder: MeshBuilder, n_nodes: usize, mut notes: Vec<String>) -> emmy::Result<MeshFile> {
+    let mesh = builder.build()?;
+    let unused = n_nodes - mesh.n_nodes();
+    if unused > 0 {
+        let [one, many] =
+            ["node belongs to no cell and is left out", "nodes belong to no cell and are left out"];
+        notes.push(counted(unused, one, many));
+    }
+    for (name, _) in mesh.groups().nodes.iter().filter(|(_, nodes)| nodes.is_empty()) {
+        notes.push(format!("node group \"{name}\" has no node of a cell"));
+    }
+    Ok(MeshFile { mesh, notes })
+}
+
+/// `1 node`, `2 nodes`.
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}

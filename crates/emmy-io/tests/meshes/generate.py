@@ -1,0 +1,111 @@
+"""Writes the small Gmsh meshes of the tests. Needs Gmsh: `pip install gmsh`; run it in this directory.
+
+KIND-VERSION-ENCODING.msh for each kind of cell: a box [0, 2] x [0, 1] x [0, 1] of two parts at x = 1.
+Physical groups: volumes "left part", "right part" and "whole" (both, so every cell is in two groups); surfaces "clamp"
+(x = 0), "tip" (x = 2), "skin" (x = 2 and z = 1) and one without a name, number 7 (the inner one at x = 1); curve
+"edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
+but with all elements (all-VERSION.msh). wedges-VERSION.msh are for the errors.
+"""
+
+import gmsh
+
+KINDS = {"tet4": (1, 0), "tet10": (2, 0), "hex8": (1, 0), "hex20": (2, 1), "hex27": (2, 0)}
+FORMATS = {"22": 2.2, "41": 4.1}
+
+
+def box(hexahedra):
+    """Two unit cubes side by side."""
+    gmsh.clear()
+    corners = [gmsh.model.occ.addPoint(0, y, z) for y, z in [(0, 0), (1, 0), (1, 1), (0, 1)]]
+    edges = [gmsh.model.occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1])]
+    square = gmsh.model.occ.addPlaneSurface([gmsh.model.occ.addCurveLoop(edges)])
+    layers = {"numElements": [1], "recombine": True} if hexahedra else {}
+    gmsh.model.occ.extrude([(2, square)], 1, 0, 0, **layers)
+    gmsh.model.occ.synchronize()
+    gmsh.model.occ.extrude([(2, tag) for tag in on(2, x=1)], 1, 0, 0, **layers)
+    gmsh.model.occ.synchronize()
+    along_y = on(1, y=0.5)
+    for _, curve in gmsh.model.getEntities(1):
+        gmsh.model.mesh.setTransfiniteCurve(curve, 3 if hexahedra and curve in along_y else 2)
+    for _, surface in gmsh.model.getEntities(2) if hexahedra else []:
+        gmsh.model.mesh.setTransfiniteSurface(surface)
+        gmsh.model.mesh.setRecombine(2, surface)
+
+
+def centre(dim, tag):
+    return gmsh.model.occ.getCenterOfMass(dim, tag)
+
+
+def on(dim, **at):
+    """Numbers of the entities of a dimension whose centre lies in given planes."""
+    def lies(tag):
+        return all(abs(centre(dim, tag)["xyz".index(axis)] - value) < 1e-6 for axis, value in at.items())
+    return [tag for _, tag in gmsh.model.getEntities(dim) if lies(tag)]
+
+
+def groups():
+    gmsh.model.addPhysicalGroup(3, on(3, x=0.5), name="left part")
+    gmsh.model.addPhysicalGroup(3, on(3, x=1.5), name="right part")
+    gmsh.model.addPhysicalGroup(3, on(3), name="whole")
+    gmsh.model.addPhysicalGroup(2, on(2, x=0), name="clamp")
+    gmsh.model.addPhysicalGroup(2, on(2, x=2), name="tip")
+    gmsh.model.addPhysicalGroup(2, on(2, x=2) + on(2, z=1), name="skin")
+    gmsh.model.addPhysicalGroup(2, on(2, x=1), tag=7)
+    gmsh.model.addPhysicalGroup(1, on(1, y=0, z=0), name="edge")
+    origin = [t for _, t in gmsh.model.getEntities(0) if not any(gmsh.model.getValue(0, t, []))]
+    gmsh.model.addPhysicalGroup(0, origin, name="corner")
+
+
+def write(name, version, binary, **options):
+    options = {"MshFileVersion": version, "Binary": binary, "SaveAll": 0, "SaveParametric": 0} | options
+    for option, value in options.items():
+        gmsh.option.setNumber("Mesh." + option, value)
+    gmsh.write(name + ".msh")
+
+
+def partitions():
+    gmsh.model.mesh.partition(2)
+    write("partitioned-22", 2.2, 0)
+    write("partitioned-41", 4.1, 0)
+    write("partitioned-41-binary", 4.1, 1)
+    gmsh.model.mesh.unpartition()
+
+
+def wedges():
+    """A kind of cell that is not read, in a version that is not read, and in two that are."""
+    gmsh.clear()
+    square = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+    gmsh.model.occ.extrude([(2, square)], 0, 0, 1, numElements=[1], recombine=True)
+    gmsh.model.occ.synchronize()
+    for _, curve in gmsh.model.getEntities(1):
+        gmsh.model.mesh.setTransfiniteCurve(curve, 2)
+    gmsh.model.mesh.generate(3)
+    write("wedges-22", 2.2, 0)
+    write("wedges-41", 4.1, 1)
+    write("wedges-40", 4.0, 0)
+
+
+def main():
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Verbosity", 2)
+    for kind, (order, incomplete) in KINDS.items():
+        gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
+        box(kind.startswith("hex"))
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        groups()
+        for label, version in FORMATS.items():
+            write(f"{kind}-{label}-ascii", version, 0)
+            write(f"{kind}-{label}-binary", version, 1)
+        if kind == "hex20":
+            write("parametric", 4.1, 0, SaveParametric=1)
+            partitions()
+            gmsh.model.removePhysicalGroups()
+            write("all-22", 2.2, 0, SaveAll=1)
+            write("all-41", 4.1, 0, SaveAll=1)
+    wedges()
+    gmsh.finalize()
+
+
+if __name__ == "__main__":
+    main()
