@@ -1,0 +1,194 @@
+//! Faults of the input: what is wrong, where, and one thing to try.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// A place in a source: in the input file, or in a flag of the command line.
+#[derive(Debug, Clone)]
+pub struct Place {
+    source: Arc<NamedSource<String>>,
+    span: Range<usize>,
+}
+
+impl Place {
+    /// The start of a new source.
+    pub(super) fn start_of(name: &str, text: &str) -> Self {
+        Place { source: Arc::new(NamedSource::new(name, text.to_string())), span: 0..0 }
+    }
+
+    /// Another place of the same source.
+    pub(super) fn at(&self, span: Range<usize>) -> Self {
+        let end = span.end.min(self.text().len());
+        Place { source: self.source.clone(), span: span.start.min(end)..end }
+    }
+
+    /// Text of the source.
+    pub(super) fn text(&self) -> &str {
+        self.source.inner()
+    }
+
+    /// Name of the source: the path of the file, or the flag.
+    pub fn source_name(&self) -> &str {
+        self.source.name()
+    }
+
+    /// Line of the place, from 1.
+    pub fn line(&self) -> usize {
+        self.text()[..self.span.start].matches('\n').count() + 1
+    }
+
+    /// Column of the place in characters, from 1.
+    pub fn column(&self) -> usize {
+        let before = &self.text()[..self.span.start];
+        before[before.rfind('\n').map_or(0, |i| i + 1)..].chars().count() + 1
+    }
+
+    fn is_whole_source(&self) -> bool {
+        self.span.is_empty() && self.span.start == 0
+    }
+
+    fn same_source(&self, other: &Place) -> bool {
+        Arc::ptr_eq(&self.source, &other.source)
+    }
+}
+
+/// One fault of the input. As a [`Diagnostic`] it shows the lines it speaks of.
+#[derive(Debug, Clone)]
+pub struct Fault {
+    message: String,
+    labels: Vec<(Place, String)>,
+    help: Option<String>,
+}
+
+impl Fault {
+    /// A fault without a place.
+    pub(super) fn new(message: impl Into<String>) -> Self {
+        Fault { message: message.into(), labels: Vec::new(), help: None }
+    }
+
+    /// A fault at a place.
+    pub(super) fn at(place: &Place, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Fault::new(message).label(place, label)
+    }
+
+    /// The same fault with one more label; a place that is the whole source becomes part of the message.
+    pub(super) fn label(mut self, place: &Place, label: impl Into<String>) -> Self {
+        if place.is_whole_source() {
+            self.message = format!("{}: {}", place.source_name(), self.message);
+        } else if self.labels.first().is_none_or(|(first, _)| first.same_source(place)) {
+            self.labels.push((place.clone(), label.into()));
+        }
+        self
+    }
+
+    /// The same fault with advice.
+    pub(super) fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// What is wrong.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// Where, if it is at one place.
+    pub fn place(&self) -> Option<&Place> {
+        self.labels.first().map(|(place, _)| place)
+    }
+
+    /// Advice.
+    pub fn advice(&self) -> Option<&str> {
+        self.help.as_deref()
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl Diagnostic for Fault {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.labels.first().map(|(place, _)| &*place.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if self.labels.is_empty() {
+            return None;
+        }
+        let span = |place: &Place| (place.span.start, place.span.len());
+        Some(Box::new(
+            self.labels
+                .iter()
+                .map(move |(place, label)| LabeledSpan::new_with_span(Some(label.clone()), span(place))),
+        ))
+    }
+}
+
+/// Everything that is wrong with an input, in the order of the reading.
+#[derive(Debug, Clone)]
+pub struct InputError {
+    faults: Vec<Fault>,
+}
+
+impl InputError {
+    /// The faults; at least one.
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+}
+
+impl From<Fault> for InputError {
+    fn from(fault: Fault) -> Self {
+        InputError { faults: vec![fault] }
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, fault) in self.faults.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            if let Some(place) = fault.place() {
+                write!(f, "{}:{}:{}: ", place.source_name(), place.line(), place.column())?;
+            }
+            write!(f, "{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for InputError {}
+
+/// Faults gathered on the way, so that one reading shows all of them.
+#[derive(Debug, Default)]
+pub(super) struct Faults {
+    faults: Vec<Fault>,
+}
+
+impl Faults {
+    /// The value, or `None` with the fault kept.
+    pub(super) fn keep<T>(&mut self, result: Result<T, Fault>) -> Option<T> {
+        result.map_err(|fault| self.faults.push(fault)).ok()
+    }
+
+    /// Fails if there was any fault.
+    pub(super) fn finish(&mut self) -> Result<(), InputError> {
+        match std::mem::take(&mut self.faults) {
+            faults if faults.is_empty() => Ok(()),
+            faults => Err(InputError { faults }),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Names of groups against the groups of the mesh, and regions against its cells.
+
+use emmy::body::{InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::mesh::Mesh;
+
+use super::fault::{Fault, Faults, Place};
+use super::region::Placed;
+use super::suggest::{did_you_mean, listed};
+
+/// What a group must consist of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Members {
+    Cells,
+    Facets,
+    Nodes,
+}
+
+/// Checks every group that is named.
+pub(super) fn check(
+    mesh: &Mesh,
+    regions: &[Placed<Region>],
+    loads: &[Placed<Load>],
+    supports: &[Placed<Support>],
+    initial: &[Placed<InitialVelocity>],
+    faults: &mut Faults,
+) {
+    let mut named = Vec::new();
+    named.extend(regions.iter().map(|region| (&region.group, Members::Cells)));
+    named.extend(loads.iter().map(|load| (&load.group, members(&load.value))));
+    named.extend(supports.iter().map(|support| (&support.group, Members::Nodes)));
+    named.extend(initial.iter().map(|initial| (&initial.group, Members::Nodes)));
+    for (group, members) in named {
+        let Some((name, place)) = group else { continue };
+        faults.keep(find(mesh, name, place, members));
+    }
+}
+
+fn members(load: &Load) -> Members {
+    match load.kind {
+        LoadKind::Acceleration { .. } => Members::Cells,
+        _ => Members::Facets,
+    }
+}
+
+fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), Fault> {
+    let groups = mesh.groups();
+    let (what, known): (_, Vec<&str>) = match members {
+        Members::Cells => ("cells", groups.cells.keys().map(String::as_str).collect()),
+        Members::Facets => ("facets", groups.facets.keys().map(String::as_str).collect()),
+        Members::Nodes => ("nodes, facets or cells", groups.names()),
+    };
+    if known.contains(&name) {
+        let empty = match members {
+            Members::Cells => groups.cells[name].is_empty(),
+            Members::Facets => groups.facets[name].is_empty(),
+            Members::Nodes => mesh.group_nodes(name).is_err(),
+        };
+        return if empty {
+            Err(Fault::at(place, format!("group `{name}` is empty"), "empty"))
+        } else {
+            Ok(())
+        };
+    }
+    let other = groups.names().contains(&name).then(|| format!("`{name}` is there, but has no {what}"));
+    let label =
+        other.or_else(|| did_you_mean(name, known.iter().copied())).unwrap_or_else(|| "not there".into());
+    let message = format!("the mesh has no group `{name}` of {what}");
+    Err(Fault::at(place, message, label).help(format!("groups of {what}: {}", listed(known.iter().copied()))))
+}
+
+/// The region of every cell. Every cell must be in exactly one.
+pub(super) fn regions_of_cells(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<Vec<u32>, Fault> {
+    const NONE: u32 = u32::MAX;
+    let mut region_of = vec![NONE; mesh.n_cells()];
+    for (index, region) in regions.iter().enumerate() {
+        for cell in cells(mesh, region, regions.len())? {
+            let before = std::mem::replace(&mut region_of[cell], index as u32);
+            if before != NONE {
+                let message = format!("cell {cell} belongs to two regions");
+                let fault = Fault::at(&region.place, message, "second");
+                return Err(fault.label(&regions[before as usize].place, "first"));
+            }
+        }
+    }
+    let outside = region_of.iter().filter(|&&region| region == NONE).count();
+    match outside {
+        0 => Ok(region_of),
+        n => {
+            let last = &regions[regions.len() - 1].place;
+            let message = format!("{n} of {} cells belong to no region", mesh.n_cells());
+            let help = format!("groups of cells: {}", listed(mesh.groups().cells.keys().map(String::as_str)));
+            Err(Fault::at(last, message, "the last region").help(help))
+        }
+    }
+}
+
+fn cells(mesh: &Mesh, region: &Placed<Region>, n_regions: usize) -> Result<Vec<usize>, Fault> {
+    match &region.group {
+        Some((name, _)) => {
+            Ok(mesh.groups().cells(name).into_iter().flatten().map(|&cell| cell as usize).collect())
+        }
+        None if n_regions == 1 => Ok((0..mesh.n_cells()).collect()),
+        None => {
+            let message = "`group` may be left out only where there is one region";
+            Err(Fault::at(&region.place, message, "needs `group`"))
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Every key of the input, by table. A key that is not here is an error.
+
+/// Keys of a table, with the name by which messages speak of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Keys {
+    /// Name of the table.
+    pub(super) table: &'static str,
+    /// Its keys.
+    pub(super) keys: &'static [&'static str],
+}
+
+const fn keys(table: &'static str, keys: &'static [&'static str]) -> Keys {
+    Keys { table, keys }
+}
+
+pub(super) const ROOT: Keys = keys(
+    "the input",
+    &[
+        "title", "mesh", "region", "load", "support", "initial", "time", "newton", "solver", "output",
+        "limits",
+    ],
+);
+pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "file", "scale"]);
+pub(super) const L_BLOCK: Keys = keys("l-block", &["cell_size"]);
+pub(super) const BOX: Keys = keys("box", &["size", "cells"]);
+pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "material"]);
+pub(super) const MATERIAL: Keys = keys("material", &["saint-venant-kirchhoff", "neo-hooke"]);
+pub(super) const PARAMETERS: Keys = keys("a material", &["lambda", "mu", "youngs_modulus", "poissons_ratio"]);
+pub(super) const LOAD: Keys = keys("[[load]]", &["group", "traction", "force", "acceleration", "history"]);
+pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix"]);
+pub(super) const INITIAL: Keys =
+    keys("[initial]", &["group", "velocity", "angular_velocity", "about", "gradient"]);
+pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps"]);
+pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
+pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
+pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
+pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkpoint_every", "probes"]);
+pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
+pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
+
+const TABLES: [Keys; 17] = [
+    ROOT, MESH, L_BLOCK, BOX, REGION, MATERIAL, PARAMETERS, LOAD, SUPPORT, INITIAL, TIME, PHASE, NEWTON,
+    SOLVER, OUTPUT, PROBE, LIMITS,
+];
+
+/// Words that people bring from elsewhere, and the keys they stand for.
+const KIN: [(&str, &str); 17] = [
+    ("E", "youngs_modulus"),
+    ("nu", "poissons_ratio"),
+    ("rho", "density"),
+    ("young", "youngs_modulus"),
+    ("poisson", "poissons_ratio"),
+    ("dt", "size"),
+    ("h", "size"),
+    ("time_step", "size"),
+    ("step_size", "size"),
+    ("end_time", "until"),
+    ("order", "degree"),
+    ("method", "scheme"),
+    ("gravity", "acceleration"),
+    ("pressure", "traction"),
+    ("omega", "angular_velocity"),
+    ("center", "about"),
+    ("boundary", "support"),
+];
+
+impl Keys {
+    /// The key of this table that is meant by a word which does not belong to it, or the table it belongs to.
+    pub(super) fn advice(self, word: &str) -> Option<String> {
+        let kin = KIN.iter().find(|(other, _)| *other == word).map(|(_, key)| *key);
+        let here = kin.filter(|key| self.keys.contains(key)).map(|key| format!("did you mean `{key}`?"));
+        here.or_else(|| super::suggest::did_you_mean(word, self.keys.iter().copied()))
+            .or_else(|| elsewhere(word))
+            .or_else(|| kin.and_then(elsewhere))
+    }
+}
+
+fn elsewhere(word: &str) -> Option<String> {
+    let table = TABLES.iter().find(|table| table.keys.contains(&word))?;
+    Some(format!("`{word}` belongs in {}", table.table))
+}

@@ -1,0 +1,24 @@
+//! The input: TOML, checked key by key, in which every fault knows its line.
+//!
+//! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`); each
+//! section is read by a file of its own into the types of the library. A key that no section knows is an error.
+
+mod fault;
+mod groups;
+mod initial;
+mod keys;
+mod load;
+mod problem;
+mod region;
+mod set;
+mod settings;
+mod shape;
+mod suggest;
+mod table;
+mod time;
+mod tree;
+mod write;
+
+pub use fault::{Fault, InputError, Place};
+pub use problem::{Overrides, Problem, read};
+pub use settings::{Limits, Output, Probe};

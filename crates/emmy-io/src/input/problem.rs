@@ -1,0 +1,304 @@
+//! Everything a run needs, built from an input.
+
+use std::path::{Path, PathBuf};
+
+use emmy::body::{InitialVelocity, Load, Region, Support};
+use emmy::mesh::Mesh;
+use emmy::motion::{NewtonSettings, StepPlan};
+use emmy::time::Scheme;
+
+use super::fault::{Fault, Faults, InputError, Place};
+use super::region::Placed;
+use super::settings::{Limits, Output, Probe};
+use super::shape::Shape;
+use super::table::{Item, Table};
+use super::tree::{self, Node, Value};
+use super::{groups, initial, keys, load, region, set, settings, shape, time, write};
+
+/// What the command line says about an input.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Overrides {
+    /// `--set KEY=VALUE`, in order.
+    pub set: Vec<String>,
+    /// `--until T`: end of the run; the plan is cut, or its last phase goes on.
+    pub until: Option<f64>,
+    /// `--output DIR`.
+    pub output: Option<PathBuf>,
+}
+
+/// A problem, complete and checked: what the library needs to compute a motion, and what to write of it.
+#[derive(Debug)]
+pub struct Problem {
+    /// Title.
+    pub title: Option<String>,
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Index of each cell's region.
+    pub region_of_cell: Vec<u32>,
+    /// Regions.
+    pub regions: Vec<Region>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Initial velocities.
+    pub initial: Vec<InitialVelocity>,
+    /// Scheme.
+    pub scheme: Scheme,
+    /// Degree of the time element.
+    pub degree: usize,
+    /// Step plan.
+    pub plan: StepPlan,
+    /// When Newton's iteration ends.
+    pub newton: NewtonSettings,
+    /// What is written, and where.
+    pub output: Output,
+    /// What makes a run end early.
+    pub limits: Limits,
+    /// Remarks: of the mesh reader, and on keys without effect.
+    pub notes: Vec<String>,
+    /// The input with all values that hold, as TOML that gives the same run.
+    pub resolved: String,
+}
+
+/// Reads an input file. Nothing is written.
+///
+/// # Errors
+/// [`InputError`] with every fault and its place.
+pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
+    let mut tree = tree::read(path)?;
+    let place = tree.place.clone();
+    for flag in &overrides.set {
+        set::apply(&mut tree, flag)?;
+    }
+    fill_defaults(&mut tree)?;
+    fill_directory(&mut tree, path, overrides, &place);
+    let directory = path.parent().unwrap_or(Path::new(""));
+    let parts = Parts::read(&tree, directory, overrides)?;
+    resolve(&mut tree, &parts)?;
+    parts.problem(write::toml(&tree))
+}
+
+/// Puts in the values of keys that are left out.
+fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
+    let defaults = tree::parse("defaults", settings::DEFAULTS)?;
+    let Value::Table(sections) = defaults.value else { return Ok(()) };
+    for section in sections {
+        let Some(own) = tree.get_mut(&section.key) else {
+            if section.key != "time" {
+                tree.put(&section.key, section.node);
+            }
+            continue;
+        };
+        let Value::Table(entries) = section.node.value else { continue };
+        for entry in entries {
+            if own.get_mut(&entry.key).is_none() {
+                own.put(&entry.key, entry.node);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The directory of the command line, else that of the file, else the name of the file.
+fn fill_directory(tree: &mut Node, path: &Path, overrides: &Overrides, place: &Place) {
+    let Some(output) = tree.get_mut("output") else { return };
+    let stem = path.file_stem().map(PathBuf::from);
+    let missing = output.get_mut("directory").is_none();
+    let directory = overrides.output.clone().or(stem.filter(|_| missing));
+    if let Some(directory) = directory {
+        output.put("directory", string(&directory.to_string_lossy(), place));
+    }
+}
+
+fn string(text: &str, place: &Place) -> Node {
+    Node { value: Value::String(text.to_string()), place: place.clone() }
+}
+
+/// Puts what was found out back into the tree: the path of the mesh, the plan.
+fn resolve(tree: &mut Node, parts: &Parts) -> Result<(), InputError> {
+    let place = tree.place.clone();
+    if let (Some(file), Some(mesh)) = (parts.shape.absolute_file(), tree.get_mut("mesh")) {
+        mesh.put("file", string(&file.to_string_lossy(), &place));
+    }
+    let phase =
+        |phase: &emmy::motion::Phase| format!("{{ until = {:?}, size = {:?} }}", phase.until, phase.size);
+    let phases: Vec<String> = parts.time.plan.phases().iter().map(phase).collect();
+    let mut steps = tree::parse("steps", &format!("steps = [{}]", phases.join(", ")))?;
+    if let (Some(steps), Some(time)) = (steps.get_mut("steps"), tree.get_mut("time")) {
+        time.put("steps", steps.clone());
+    }
+    Ok(())
+}
+
+/// What is read from the tree, before the mesh is made.
+struct Parts {
+    title: Option<String>,
+    shape: Shape,
+    regions: Vec<Placed<Region>>,
+    loads: Vec<Placed<Load>>,
+    supports: Vec<Placed<Support>>,
+    initial: Vec<Placed<InitialVelocity>>,
+    time: time::Time,
+    newton: NewtonSettings,
+    output: Output,
+    limits: Limits,
+    faults: Faults,
+}
+
+impl Parts {
+    fn read(tree: &Node, directory: &Path, overrides: &Overrides) -> Result<Parts, InputError> {
+        let mut faults = Faults::default();
+        let root = match faults.keep(Table::root(tree, keys::ROOT)) {
+            Some(root) => root,
+            None => return Err(faults.finish().err().unwrap_or_else(|| Fault::new("no input").into())),
+        };
+        let title = root.get("title").map(|item| item.string().map(str::to_string)).transpose();
+        let title = faults.keep(title);
+        let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
+        let regions = faults.keep(root.require("region").and_then(at_least_one));
+        let regions = regions.map(|item| each(item, region::read, &mut faults));
+        let loads = optional(&root, "load", load::read, &mut faults);
+        let supports = optional(&root, "support", load::support, &mut faults);
+        let initial = optional(&root, "initial", initial::read, &mut faults);
+        let time = faults.keep(root.require("time").and_then(|item| time::read(item, overrides.until)));
+        let newton = faults.keep(root.require("newton").and_then(settings::newton));
+        let output = faults.keep(root.require("output").and_then(settings::output));
+        let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
+        let limits = faults.keep(limits);
+        faults.keep(root.get("solver").map_or(Ok(()), settings::solver));
+        match (title, shape, regions, time, newton, output, limits) {
+            (
+                Some(title),
+                Some(shape),
+                Some(regions),
+                Some(time),
+                Some(newton),
+                Some(output),
+                Some(limits),
+            ) => {
+                let parts = Parts {
+                    title,
+                    shape,
+                    regions,
+                    loads,
+                    supports,
+                    initial,
+                    time,
+                    newton,
+                    output,
+                    limits,
+                    faults,
+                };
+                Ok(parts)
+            }
+            (_, Some(shape), regions, ..) => {
+                let regions = regions.unwrap_or_default();
+                Err(with_groups(shape, &regions, &loads, &supports, &initial, faults))
+            }
+            _ => Err(finished(faults)),
+        }
+    }
+
+    /// The problem, once the mesh is made and every group found.
+    fn problem(mut self, resolved: String) -> Result<Problem, InputError> {
+        let Some((mesh, mut notes)) = self.faults.keep(self.shape.mesh()) else {
+            return Err(finished(self.faults));
+        };
+        groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
+        self.faults.finish()?;
+        let region_of_cell = groups::regions_of_cells(&mesh, &self.regions)?;
+        find_probes(&mesh, &mut self.output.probes, &mut notes);
+        if self.output.checkpoint_every > 0 {
+            notes.push("`checkpoint_every`: this version writes no checkpoints".to_string());
+        }
+        Ok(Problem {
+            title: self.title,
+            mesh,
+            region_of_cell,
+            regions: values(self.regions),
+            supports: values(self.supports),
+            loads: values(self.loads),
+            initial: values(self.initial),
+            scheme: self.time.scheme,
+            degree: self.time.degree,
+            plan: self.time.plan,
+            newton: self.newton,
+            output: self.output,
+            limits: self.limits,
+            notes,
+            resolved,
+        })
+    }
+}
+
+/// What else is wrong: the groups, if the mesh can be made in spite of faults elsewhere.
+fn with_groups(
+    shape: Shape,
+    regions: &[Placed<Region>],
+    loads: &[Placed<Load>],
+    supports: &[Placed<Support>],
+    initial: &[Placed<InitialVelocity>],
+    mut faults: Faults,
+) -> InputError {
+    if let Some((mesh, _)) = faults.keep(shape.mesh()) {
+        groups::check(&mesh, regions, loads, supports, initial, &mut faults);
+    }
+    finished(faults)
+}
+
+fn finished(mut faults: Faults) -> InputError {
+    faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
+}
+
+fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {
+    placed.into_iter().map(|placed| placed.value).collect()
+}
+
+fn at_least_one(item: Item<'_>) -> Result<Item<'_>, Fault> {
+    if item.one_or_more()?.is_empty() {
+        return Err(item.fault("`region` is empty: a body needs at least one region", "empty"));
+    }
+    Ok(item)
+}
+
+/// Reads one table or a list of them; every one that fails leaves its fault.
+fn each<T>(item: Item<'_>, read: fn(Item<'_>) -> Result<T, Fault>, faults: &mut Faults) -> Vec<T> {
+    let items = faults.keep(item.one_or_more()).unwrap_or_default();
+    items.into_iter().filter_map(|item| faults.keep(read(item))).collect()
+}
+
+fn optional<T>(
+    root: &Table<'_>,
+    key: &str,
+    read: fn(Item<'_>) -> Result<T, Fault>,
+    faults: &mut Faults,
+) -> Vec<T> {
+    root.get(key).map(|item| each(item, read, faults)).unwrap_or_default()
+}
+
+fn find_probes(mesh: &Mesh, probes: &mut [Probe], notes: &mut Vec<String>) {
+    let size = size(mesh);
+    for probe in probes {
+        probe.node = mesh.nearest_node(probe.point);
+        let at = mesh.points()[probe.node];
+        let distance = (0..3).map(|i| (at[i] - probe.point[i]).powi(2)).sum::<f64>().sqrt();
+        if distance > 1e-6 * size {
+            notes.push(format!(
+                "probe `{}`: the nearest node, {}, is {distance:.3e} away, at {at:?}",
+                probe.name, probe.node
+            ));
+        }
+    }
+}
+
+/// Diagonal of the box around the mesh.
+fn size(mesh: &Mesh) -> f64 {
+    let extent = |i: usize| {
+        let coordinates = mesh.points().iter().map(|point| point[i]);
+        let (low, high) =
+            coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
+}

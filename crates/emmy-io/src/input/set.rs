@@ -1,0 +1,125 @@
+//! `--set KEY=VALUE`: values of the command line that take the place of those in the file.
+
+use super::fault::{Fault, InputError, Place};
+use super::suggest::listed;
+use super::tree::{self, Entry, Node, Value};
+
+/// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0; the value is TOML, or
+/// else a string.
+pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
+    let start = Place::start_of("--set", flag);
+    let Some((key, _)) = flag.split_once('=') else {
+        let fault = Fault::at(&start.at(0..flag.len()), format!("--set {flag}: there is no `=`"), "no `=`");
+        return Err(fault.help("write --set KEY=VALUE, such as --set time.scheme=DGM").into());
+    };
+    let path = path(&start, key)?;
+    let value = value(&start, flag, key, path.len())?;
+    Ok(assign(tree, &path, value)?)
+}
+
+/// Parts of a dotted key with their places.
+fn path(start: &Place, key: &str) -> Result<Vec<(String, Place)>, Fault> {
+    let whole = start.at(0..key.len());
+    let bad = || Fault::at(&whole, format!("--set: `{key}` is not a dotted key"), "such as load.0.traction");
+    let mut node = tree::parse("--set", &format!("{key}=0")).map_err(|_| bad())?;
+    let mut path = Vec::new();
+    while let Value::Table(mut entries) = node.value {
+        let (Some(entry), true) = (entries.pop(), entries.is_empty()) else { return Err(bad()) };
+        path.push((entry.key, whole.clone()));
+        node = entry.node;
+    }
+    Ok(path)
+}
+
+/// The value, read as TOML or taken as a string.
+fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, InputError> {
+    let text = flag[key.len() + 1..].trim();
+    let place = start.at(key.len() + 1..flag.len());
+    let as_string = || Node { value: Value::String(text.to_string()), place: place.clone() };
+    if text.is_empty() {
+        return Err(
+            Fault::at(&start.at(0..flag.len()), format!("--set {flag}: there is no value"), "").into()
+        );
+    }
+    let Ok(mut node) = tree::parse("--set", flag) else { return Ok(as_string()) };
+    for _ in 0..depth {
+        match node.value {
+            Value::Table(mut entries) if entries.len() == 1 => node = entries.remove(0).node,
+            _ => return Ok(as_string()),
+        }
+    }
+    Ok(node)
+}
+
+fn assign(node: &mut Node, path: &[(String, Place)], value: Node) -> Result<(), Fault> {
+    let [(name, place), rest @ ..] = path else {
+        *node = value;
+        return Ok(());
+    };
+    match &mut node.value {
+        Value::Table(entries) => assign(key_of(entries, name, place), rest, value),
+        Value::Array(items) => assign(item_of(items, name, place)?, rest, value),
+        other => {
+            let message = format!("--set: `{name}` cannot be set inside {}", other.kind());
+            Err(Fault::at(place, message, "leads into a single value"))
+        }
+    }
+}
+
+fn key_of<'a>(entries: &'a mut Vec<Entry>, name: &str, place: &Place) -> &'a mut Node {
+    let at = entries.iter().position(|entry| entry.key == name).unwrap_or_else(|| {
+        let node = Node { value: Value::Table(Vec::new()), place: place.clone() };
+        entries.push(Entry { key: name.to_string(), place: place.clone(), node });
+        entries.len() - 1
+    });
+    &mut entries[at].node
+}
+
+fn item_of<'a>(items: &'a mut [Node], name: &str, place: &Place) -> Result<&'a mut Node, Fault> {
+    let n = items.len();
+    let index = name.parse::<usize>().ok().filter(|&index| index < n);
+    let numbers: Vec<String> = (0..n.min(8)).map(|i| i.to_string()).collect();
+    let missing = || {
+        let message =
+            format!("--set: `{name}` is not the number of an item; the list has {n}, counted from 0");
+        Fault::at(place, message, format!("one of {}", listed(numbers.iter().map(String::as_str))))
+    };
+    Ok(&mut items[index.ok_or_else(missing)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(text: &str, flag: &str) -> Result<String, InputError> {
+        let mut tree = tree::parse("test", text)?;
+        apply(&mut tree, flag)?;
+        Ok(super::super::write::toml(&tree))
+    }
+
+    #[test]
+    fn values_are_toml_or_else_strings() {
+        assert_eq!(set("", "time.scheme=DGM").unwrap(), "[time]\nscheme = \"DGM\"\n");
+        assert_eq!(set("", "time.scheme=\"AS(5)\"").unwrap(), "[time]\nscheme = \"AS(5)\"\n");
+        assert_eq!(set("", "time.degree = 2").unwrap(), "[time]\ndegree = 2\n");
+        assert_eq!(set("a = 1\n", "a={ b = [1, 2.0] }").unwrap(), "[a]\nb = [1, 2.0]\n");
+        assert_eq!(set("", "a=x=y").unwrap(), "a = \"x=y\"\n");
+    }
+
+    #[test]
+    fn items_of_lists_are_counted_from_zero() {
+        let text = "[[load]]\ntraction = [1, 2, 3]\n";
+        assert_eq!(set(text, "load.0.traction.1=7").unwrap(), "[[load]]\ntraction = [1, 7, 3]\n");
+        for (flag, part) in [
+            ("load.1.traction=[0,0,0]", "the list has 1"),
+            ("load.traction=[0,0,0]", "the list has 1"),
+            ("load.0.traction.0.x=1", "cannot be set inside a whole number"),
+            ("load", "there is no `=`"),
+            ("=1", "not a dotted key"),
+            ("a=", "no value"),
+        ] {
+            let error = set(text, flag).unwrap_err().to_string();
+            assert!(error.contains(part), "{flag}: {error}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! `[newton]`, `[solver]`, `[output]`, `[limits]`.
+
+use std::path::PathBuf;
+
+use emmy::motion::NewtonSettings;
+
+use super::fault::{Fault, Place};
+use super::keys;
+use super::table::Item;
+
+/// What is written, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Directory of the results, relative to the working directory.
+    pub directory: PathBuf,
+    /// Steps between frames; 0: no frames.
+    pub every: usize,
+    /// Steps between checkpoints; 0: no checkpoints.
+    pub checkpoint_every: usize,
+    /// Points whose path is written into the history.
+    pub probes: Vec<Probe>,
+}
+
+/// A point that is followed: the nearest node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Name in the columns of the history.
+    pub name: String,
+    /// The point that was asked for, in the reference configuration \[length\].
+    pub point: [f64; 3],
+    /// Index of the nearest node.
+    pub node: usize,
+}
+
+/// What makes a run end early (exit code 4).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Largest accumulated energy residual over the largest T + V.
+    pub energy: Option<f64>,
+    /// Largest accumulated angular momentum residual over the largest |L|.
+    pub angular_momentum: Option<f64>,
+}
+
+/// Values of keys that are left out.
+pub(super) const DEFAULTS: &str = "\
+    [time]\ndegree = 1\n\
+    [newton]\ntolerance = 1e-10\nmax_iterations = 20\n\
+    [output]\nevery = 1\ncheckpoint_every = 0\nprobes = []\n";
+
+pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
+    let table = item.table(keys::NEWTON)?;
+    let tolerance = table.require("tolerance")?;
+    let value = tolerance.positive()?;
+    if value >= 1.0 {
+        return Err(
+            tolerance.fault(format!("`tolerance` must be less than 1, not {value}"), "it is relative")
+        );
+    }
+    Ok(NewtonSettings { tolerance: value, max_iterations: table.require("max_iterations")?.whole(1)? })
+}
+
+pub(super) fn solver(item: Item<'_>) -> Result<(), Fault> {
+    let table = item.table(keys::SOLVER)?;
+    table.require("kind")?.word("a solver", &["auto"]).map(|_| ())
+}
+
+pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
+    let table = item.table(keys::OUTPUT)?;
+    let mut probes: Vec<(Probe, Place)> = Vec::new();
+    for item in table.require("probes")?.list()? {
+        let found = probe(item)?;
+        if let Some((_, place)) = probes.iter().find(|(other, _)| other.name == found.0.name) {
+            let fault = Fault::at(&found.1, format!("two probes are named `{}`", found.0.name), "second");
+            return Err(fault.label(place, "first"));
+        }
+        probes.push(found);
+    }
+    Ok(Output {
+        directory: table.require("directory")?.string()?.into(),
+        every: table.require("every")?.whole(0)?,
+        checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
+        probes: probes.into_iter().map(|(probe, _)| probe).collect(),
+    })
+}
+
+/// Names that would make columns which are there already.
+const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
+
+fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
+    let table = item.table(keys::PROBE)?;
+    let name_item = table.require("name")?;
+    let name = name_item.string()?;
+    if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
+        let message =
+            format!("a probe's name becomes a column: `{name}` may have letters, digits, `_` and `-` only");
+        return Err(name_item.fault(message, "not a name"));
+    }
+    if TAKEN.contains(&name) {
+        return Err(name_item.fault(format!("there is a column `{name}_x` already"), "taken"));
+    }
+    let point = table.require("point")?.numbers()?;
+    Ok((Probe { name: name.to_string(), point, node: 0 }, name_item.place().clone()))
+}
+
+pub(super) fn limits(item: Item<'_>) -> Result<Limits, Fault> {
+    let table = item.table(keys::LIMITS)?;
+    let limit = |key: &str| table.get(key).map(|item| item.positive()).transpose();
+    Ok(Limits { energy: limit("energy")?, angular_momentum: limit("angular_momentum")? })
+}

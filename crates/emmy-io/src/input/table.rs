@@ -1,0 +1,224 @@
+//! Typed reading of the tree: every mismatch is a fault with its place.
+
+use super::fault::{Fault, Place};
+use super::keys::Keys;
+use super::suggest::{did_you_mean, listed};
+use super::tree::{Entry, Node, Value};
+
+/// A table whose keys are all known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Table<'a> {
+    entries: &'a [Entry],
+    keys: Keys,
+    place: &'a Place,
+}
+
+/// A value together with its key.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Item<'a> {
+    key: &'a str,
+    node: &'a Node,
+    /// Place of the key.
+    pub(super) key_place: &'a Place,
+}
+
+impl<'a> Table<'a> {
+    /// The root of the tree.
+    pub(super) fn root(node: &'a Node, keys: Keys) -> Result<Self, Fault> {
+        Item { key: "input", node, key_place: &node.place }.table(keys)
+    }
+
+    /// The value of a key, if it is there.
+    pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
+        let entry = self.entries.iter().find(|entry| entry.key == key)?;
+        Some(Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn require(&self, key: &str) -> Result<Item<'a>, Fault> {
+        self.get(key).ok_or_else(|| {
+            let message = format!("`{key}` is missing in {}", self.keys.table);
+            Fault::at(self.place, message, format!("needs `{key}`"))
+        })
+    }
+
+    /// The one of several keys that is there.
+    pub(super) fn exactly_one(&self, what: &str, keys: &[&str]) -> Result<Item<'a>, Fault> {
+        let found: Vec<Item> = keys.iter().filter_map(|key| self.get(key)).collect();
+        let choice = listed(keys.iter().copied());
+        match found[..] {
+            [item] => Ok(item),
+            [] => {
+                let message = format!("{} needs {what}: exactly one of {choice}", self.keys.table);
+                Err(Fault::at(self.place, message, "none of them is here"))
+            }
+            _ => {
+                let message =
+                    format!("{} has more than one {what}: give exactly one of {choice}", self.keys.table);
+                Err(found.iter().fold(Fault::new(message), |fault, item| fault.label(item.key_place, "")))
+            }
+        }
+    }
+
+    /// Where the table begins.
+    pub(super) fn place(&self) -> &'a Place {
+        self.place
+    }
+
+    fn check_keys(self) -> Result<Self, Fault> {
+        let unknown = |entry: &&Entry| !self.keys.keys.contains(&entry.key.as_str());
+        let Some(entry) = self.entries.iter().find(unknown) else { return Ok(self) };
+        let label = self.keys.advice(&entry.key).unwrap_or_else(|| "not a key".to_string());
+        let message = format!("unknown key `{}` in {}", entry.key, self.keys.table);
+        let help = format!("keys of {}: {}", self.keys.table, listed(self.keys.keys.iter().copied()));
+        Err(Fault::at(&entry.place, message, label).help(help))
+    }
+}
+
+impl<'a> Item<'a> {
+    /// Where the value stands.
+    pub(super) fn place(&self) -> &'a Place {
+        &self.node.place
+    }
+
+    /// The key.
+    pub(super) fn key(&self) -> &'a str {
+        self.key
+    }
+
+    /// A fault at the value.
+    pub(super) fn fault(&self, message: impl Into<String>, label: impl Into<String>) -> Fault {
+        Fault::at(self.place(), message, label)
+    }
+
+    fn mismatch(&self, wanted: &str) -> Fault {
+        let found = self.node.value.kind();
+        self.fault(format!("`{}` must be {wanted}, not {found}", self.key), format!("this is {found}"))
+    }
+
+    /// A table whose keys are all known.
+    pub(super) fn table(&self, keys: Keys) -> Result<Table<'a>, Fault> {
+        match &self.node.value {
+            Value::Table(entries) => Table { entries, keys, place: &self.node.place }.check_keys(),
+            _ => {
+                let all = listed(keys.keys.iter().copied());
+                Err(self.mismatch(&format!("a table with the keys {all}")))
+            }
+        }
+    }
+
+    /// Entries of a table, whatever its keys.
+    pub(super) fn has_key(&self, key: &str) -> Option<&'a Place> {
+        match &self.node.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.place),
+            _ => None,
+        }
+    }
+
+    /// One table or a list of them.
+    pub(super) fn one_or_more(&self) -> Result<Vec<Item<'a>>, Fault> {
+        match &self.node.value {
+            Value::Table(_) => Ok(vec![*self]),
+            Value::Array(_) => self.list(),
+            _ => Err(self.mismatch("a table or a list of tables")),
+        }
+    }
+
+    /// The items of a list.
+    pub(super) fn list(&self) -> Result<Vec<Item<'a>>, Fault> {
+        let Value::Array(nodes) = &self.node.value else { return Err(self.mismatch("a list")) };
+        Ok(nodes.iter().map(|node| Item { node, ..*self }).collect())
+    }
+
+    /// A string that is not empty.
+    pub(super) fn string(&self) -> Result<&'a str, Fault> {
+        match &self.node.value {
+            Value::String(text) if text.trim().is_empty() => {
+                Err(self.fault(format!("`{}` must not be empty", self.key), "empty"))
+            }
+            Value::String(text) => Ok(text),
+            _ => Err(self.mismatch("a string")),
+        }
+    }
+
+    /// One of the known words.
+    pub(super) fn word(&self, what: &str, known: &[&str]) -> Result<&'a str, Fault> {
+        let text = self.string()?;
+        if known.contains(&text) {
+            return Ok(text);
+        }
+        let label = did_you_mean(text, known.iter().copied()).unwrap_or_else(|| format!("not {what}"));
+        let message = format!("`{text}` is not {what}; there is {}", listed(known.iter().copied()));
+        Err(self.fault(message, label))
+    }
+
+    /// A finite number; whole numbers are numbers too.
+    pub(super) fn number(&self) -> Result<f64, Fault> {
+        match self.node.value {
+            Value::Float(value) if !value.is_finite() => {
+                Err(self.fault(format!("`{}` must be a finite number, not {value}", self.key), "not finite"))
+            }
+            Value::Float(value) => Ok(value),
+            Value::Integer(value) => Ok(value as f64),
+            _ => Err(self.mismatch("a number")),
+        }
+    }
+
+    /// A positive finite number.
+    pub(super) fn positive(&self) -> Result<f64, Fault> {
+        match self.number()? {
+            value if value > 0.0 => Ok(value),
+            value => Err(self.fault(format!("`{}` must be positive, not {value}", self.key), "not positive")),
+        }
+    }
+
+    /// A whole number that is not below a least one.
+    pub(super) fn whole(&self, least: usize) -> Result<usize, Fault> {
+        let Value::Integer(value) = self.node.value else {
+            return Err(self.mismatch("a whole number"));
+        };
+        let fits = usize::try_from(value).ok().filter(|&value| value >= least);
+        fits.ok_or_else(|| {
+            self.fault(format!("`{}` must be at least {least}, not {value}", self.key), "too small")
+        })
+    }
+
+    /// As many values as there should be.
+    fn exactly<const N: usize>(&self, what: &str) -> Result<[Item<'a>; N], Fault> {
+        let Value::Array(nodes) = &self.node.value else {
+            return Err(self.mismatch(&format!("a list of {N} {what}")));
+        };
+        let items: Vec<Item> = nodes.iter().map(|node| Item { node, ..*self }).collect();
+        items.try_into().map_err(|items: Vec<Item>| {
+            let message = format!("`{}` must have {N} {what}, not {}", self.key, items.len());
+            self.fault(message, format!("{} here", items.len()))
+        })
+    }
+
+    /// Finite numbers in a list of fixed length.
+    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
+        each(self.exactly("numbers")?, |item| item.number())
+    }
+
+    /// Whole numbers in a list of fixed length.
+    pub(super) fn wholes<const N: usize>(&self, least: usize) -> Result<[usize; N], Fault> {
+        each(self.exactly("whole numbers")?, |item| item.whole(least))
+    }
+
+    /// A 3x3 tensor, row by row.
+    pub(super) fn tensor(&self) -> Result<[[f64; 3]; 3], Fault> {
+        each(self.exactly("rows")?, |row| row.numbers())
+    }
+}
+
+/// The results of all items, or the first fault.
+fn each<const N: usize, T: Copy + Default>(
+    items: [Item<'_>; N],
+    read: impl Fn(&Item<'_>) -> Result<T, Fault>,
+) -> Result<[T; N], Fault> {
+    let mut values = [T::default(); N];
+    for (value, item) in values.iter_mut().zip(&items) {
+        *value = read(item)?;
+    }
+    Ok(values)
+}

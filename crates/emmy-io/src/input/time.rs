@@ -1,0 +1,136 @@
+//! `[time]`: scheme, degree and step plan; `--until`.
+
+use emmy::motion::{Phase, StepPlan};
+use emmy::time::Scheme;
+
+use super::fault::{Fault, Place};
+use super::keys;
+use super::table::Item;
+
+/// Scheme, degree and plan.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Time {
+    pub(super) scheme: Scheme,
+    pub(super) degree: usize,
+    pub(super) plan: StepPlan,
+}
+
+/// Reads the table; `until` is the end that the command line asks for.
+pub(super) fn read(item: Item<'_>, until: Option<f64>) -> Result<Time, Fault> {
+    if let Some(place) = item.has_key("adaptive") {
+        let help = "give `steps = [ { until = 1.0, size = 0.01 } ]`";
+        return Err(Fault::at(place, "`adaptive` steps are not available yet", "not yet").help(help));
+    }
+    let table = item.table(keys::TIME)?;
+    let scheme_item = table.require("scheme")?;
+    let scheme = scheme(&scheme_item)?;
+    let degree_item = table.require("degree")?;
+    let degree = degree_item.whole(1)?;
+    scheme.check(degree).map_err(|error| {
+        let fault = scheme_item.fault(reason(&error), "this scheme");
+        fault.label(degree_item.place(), "with this degree")
+    })?;
+    let plan = plan(table.require("steps")?)?;
+    let plan = until.map_or(Ok(plan.clone()), |until| cut_or_extended(&plan, until))?;
+    Ok(Time { scheme, degree, plan })
+}
+
+fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
+    let text = item.string()?;
+    text.parse().map_err(|error| {
+        let label =
+            meant(text).map_or("not a scheme".to_string(), |word| format!("did you mean \"{word}\"?"));
+        item.fault(reason(&error), label).help("`emmy list schemes` explains them")
+    })
+}
+
+fn reason(error: &emmy::Error) -> String {
+    error.to_string()
+}
+
+/// The scheme that was meant by a text in another case, without brackets, or by another name.
+fn meant(text: &str) -> Option<String> {
+    let plain: String = text.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    let word = plain.trim_end_matches(|c: char| c.is_ascii_digit());
+    let points = match &plain[word.len()..] {
+        "" | "0" => "1",
+        digits => digits,
+    };
+    let scheme = match word {
+        "dgm" | "dg" | "discretegradient" | "energymomentum" => "DGM".to_string(),
+        "midpoint" | "implicitmidpoint" => "FE(1)".to_string(),
+        "simotarnow" => "AS(1)".to_string(),
+        "trapezoid" | "trapezoidal" | "newmark" | "averageacceleration" => "trapezoidal".to_string(),
+        "fe" | "cg" => format!("FE({points})"),
+        "as" => format!("AS({points})"),
+        "lobatto" => format!("Lobatto({})", if points == "1" { "2" } else { points }),
+        _ => return None,
+    };
+    Some(scheme)
+}
+
+fn plan(item: Item<'_>) -> Result<StepPlan, Fault> {
+    let items = item.list()?;
+    if items.is_empty() {
+        return Err(item.fault("`steps` is empty", "such as [ { until = 1.0, size = 0.01 } ]"));
+    }
+    let phases = items.iter().map(phase).collect::<Result<Vec<_>, _>>()?;
+    StepPlan::new(0.0, phases).map_err(|error| match error {
+        emmy::Error::Plan { phase, reason } => items
+            .get(phase)
+            .unwrap_or(&item)
+            .fault(format!("phase {phase} of `steps`: {reason}"), "this phase"),
+        other => item.fault(other.to_string(), "here"),
+    })
+}
+
+fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
+    let table = item.table(keys::PHASE)?;
+    Ok(Phase { until: table.require("until")?.number()?, size: table.require("size")?.positive()? })
+}
+
+/// The plan with another end: later phases are left out, or the last one goes on.
+fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
+    let mut phases: Vec<Phase> = plan.phases().iter().copied().filter(|phase| phase.until < until).collect();
+    let next = plan.phases().get(phases.len()).copied();
+    match (next, phases.last_mut()) {
+        (Some(phase), _) => phases.push(Phase { until, ..phase }),
+        (None, Some(last)) => last.until = until,
+        (None, None) => {}
+    }
+    StepPlan::new(plan.start(), phases).map_err(|error| {
+        let flag = format!("--until {until}");
+        let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());
+        Fault::at(&place, format!("--until {until}: {}", reason(&error)), "this time")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_are_cut_and_extended() {
+        let phase = |until, size| Phase { until, size };
+        let plan = StepPlan::new(0.0, vec![phase(1.0, 0.1), phase(4.0, 0.5)]).unwrap();
+        let phases = |until| cut_or_extended(&plan, until).map(|plan| plan.phases().to_vec());
+        assert_eq!(phases(0.25).unwrap(), [phase(0.25, 0.1)]);
+        assert_eq!(phases(1.0).unwrap(), [phase(1.0, 0.1)]);
+        assert_eq!(phases(2.0).unwrap(), [phase(1.0, 0.1), phase(2.0, 0.5)]);
+        assert_eq!(phases(9.0).unwrap(), [phase(1.0, 0.1), phase(9.0, 0.5)]);
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(phases(bad).unwrap_err().message().contains("--until"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn schemes_that_were_meant_are_found() {
+        for (text, scheme) in
+            [("as5", "AS(5)"), ("dgm", "DGM"), ("Mid-Point", "FE(1)"), ("lobatto (3)", "Lobatto(3)")]
+        {
+            assert_eq!(meant(text).as_deref(), Some(scheme));
+            scheme.parse::<Scheme>().unwrap();
+        }
+        assert_eq!(meant("leapfrog"), None);
+    }
+}

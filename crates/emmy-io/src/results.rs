@@ -1,0 +1,115 @@
+//! All files of a run: an observer that writes while the motion is computed.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use emmy::motion::{Observer, State, View};
+use serde_json::Value;
+
+use crate::directory::{self, DirectoryError, MARK, replace};
+use crate::history::{self, HistoryFile};
+use crate::input::{Limits, Output, Problem};
+use crate::limits;
+use crate::summary::{self, Heading, Status};
+use crate::tally::Tally;
+use crate::vtk::Frames;
+
+/// Writes `input.toml`, `history.csv`, the frames and `summary.json` into the output directory, and watches the limits.
+#[derive(Debug)]
+pub struct Results {
+    output: Output,
+    limits: Limits,
+    heading: Heading,
+    history: HistoryFile,
+    frames: Option<Frames>,
+    tally: Tally,
+    started: Instant,
+}
+
+impl Results {
+    /// Makes the directory ready and opens the files. The clock starts here.
+    ///
+    /// # Errors
+    /// [`DirectoryError`] if the directory is not for Emmy to write to; then nothing was changed.
+    pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
+        let directory = &problem.output.directory;
+        directory::prepare(directory)?;
+        Results::open(problem).map_err(|error| DirectoryError::System { path: directory.clone(), error })
+    }
+
+    fn open(problem: &Problem) -> io::Result<Self> {
+        let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
+        replace(&directory.join("input.toml"), input(problem).as_bytes())?;
+        let history = HistoryFile::create(&directory.join("history.csv"), &output.probes)?;
+        let frames = || Frames::create(directory, &problem.mesh, &problem.region_of_cell);
+        let frames = (output.every > 0).then(frames).transpose()?;
+        let (heading, tally) = (Heading::new(problem), Tally::default());
+        let summary = heading.summary(&tally, Status::Running, None, 0.0);
+        summary::write(&directory.join("summary.json"), &summary)?;
+        Ok(Results {
+            limits: problem.limits,
+            output,
+            heading,
+            history,
+            frames,
+            tally,
+            started: Instant::now(),
+        })
+    }
+
+    /// Ends the run: the last state is written as a frame if the plan was not done, then the summary, which is
+    /// returned.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn finish(&mut self, state: &State, status: Status, message: Option<&str>) -> io::Result<Value> {
+        if let (Some(frames), true) = (&mut self.frames, status != Status::Done) {
+            frames.write(state)?;
+        }
+        let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
+        summary::write(&self.directory().join("summary.json"), &summary)?;
+        Ok(summary)
+    }
+
+    /// The output directory.
+    pub fn directory(&self) -> &Path {
+        &self.output.directory
+    }
+
+    /// The collection of frames, if there is one.
+    pub fn collection(&self) -> Option<PathBuf> {
+        self.frames.as_ref().map(Frames::collection)
+    }
+
+    /// What the run adds up to so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// Seconds since the start of the run.
+    pub fn wall_seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+}
+
+impl Observer for Results {
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let row = history::row(view, &self.output.probes, self.wall_seconds());
+        self.history.write(&row)?;
+        if let Some(frames) = self.frames.as_mut().filter(|_| view.record.step % self.output.every == 0) {
+            frames.write(view.state)?;
+        }
+        self.tally.add(view);
+        Ok(limits::check(&self.limits, &self.tally)?)
+    }
+}
+
+/// The resolved input under its mark.
+fn input(problem: &Problem) -> String {
+    format!(
+        "{MARK} {}: the input of this run with all values that hold.\n\n{}",
+        env!("CARGO_PKG_VERSION"),
+        problem.resolved
+    )
+}

@@ -1,0 +1,107 @@
+//! `summary.json`: a run in one object.
+
+use std::io;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::directory::replace;
+use crate::input::Problem;
+use crate::tally::Tally;
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// It has not ended; a run that is killed leaves this.
+    Running,
+    /// The plan was done.
+    Done,
+    /// A step did not converge.
+    NoConvergence,
+    /// A limit of `[limits]` was exceeded.
+    LimitExceeded,
+    /// Something else failed.
+    Failed,
+}
+
+impl Status {
+    /// Key word of the status.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Status::Running => "running",
+            Status::Done => "done",
+            Status::NoConvergence => "no-convergence",
+            Status::LimitExceeded => "limit-exceeded",
+            Status::Failed => "failed",
+        }
+    }
+}
+
+/// What a run is, before it starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heading {
+    title: Option<String>,
+    scheme: String,
+    degree: usize,
+    dofs: usize,
+    nodes: usize,
+    cells: usize,
+    planned_steps: usize,
+}
+
+impl Heading {
+    /// The heading of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        Heading {
+            title: problem.title.clone(),
+            scheme: problem.scheme.to_string(),
+            degree: problem.degree,
+            dofs: problem.mesh.n_dofs(),
+            nodes: problem.mesh.n_nodes(),
+            cells: problem.mesh.n_cells(),
+            planned_steps: problem.plan.n_steps(),
+        }
+    }
+
+    /// The summary as JSON. Numbers that are not finite become `null`, which is all that JSON has for them.
+    pub fn summary(&self, tally: &Tally, status: Status, message: Option<&str>, wall_seconds: f64) -> Value {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "title": self.title,
+            "scheme": self.scheme,
+            "degree": self.degree,
+            "dofs": self.dofs,
+            "nodes": self.nodes,
+            "cells": self.cells,
+            "steps": tally.steps,
+            "planned_steps": self.planned_steps,
+            "time": tally.time,
+            "newton_iterations": tally.newton_iterations,
+            "linear_iterations": tally.linear_iterations,
+            "steps_at_rounding_floor": tally.steps_at_rounding_floor,
+            "wall_seconds": wall_seconds,
+            "worst_energy_residual": tally.energy.value,
+            "worst_energy_residual_step": tally.energy.step,
+            "worst_linear_momentum_residual": tally.linear_momentum.value,
+            "worst_linear_momentum_residual_step": tally.linear_momentum.step,
+            "worst_angular_momentum_residual": tally.angular_momentum.value,
+            "worst_angular_momentum_residual_step": tally.angular_momentum.step,
+            "energy_drift": tally.energy_drift(),
+            "angular_momentum_drift": tally.angular_momentum_drift(),
+            "largest_energy": tally.largest_energy,
+            "largest_angular_momentum": tally.largest_angular_momentum,
+            "total_energy": tally.total_energy,
+            "external_work": tally.external_work,
+            "status": status.name(),
+            "message": message,
+        })
+    }
+}
+
+/// Writes a summary; the file is whole at every moment.
+///
+/// # Errors
+/// What the system refuses.
+pub fn write(path: &Path, summary: &Value) -> io::Result<()> {
+    replace(path, format!("{summary:#}\n").as_bytes())
+}

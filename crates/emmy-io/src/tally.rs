@@ -1,0 +1,130 @@
+//! Balances over a whole run: the worst of each, and how far they add up.
+
+use emmy::body::Body;
+use emmy::motion::{Record, View};
+
+/// The worst of a quantity, and the step it was in.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Worst {
+    /// Its size.
+    pub value: f64,
+    /// Number of the step.
+    pub step: usize,
+}
+
+impl Worst {
+    fn see(&mut self, value: f64, step: usize) {
+        // Not `>`: NaN is the worst of all.
+        if !(value.abs() <= self.value) && !self.value.is_nan() {
+            *self = Worst { value: value.abs(), step };
+        }
+    }
+}
+
+/// What a run adds up to.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tally {
+    /// Number of steps.
+    pub steps: usize,
+    /// Time reached \[time\].
+    pub time: f64,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+    /// Iterations of the linear solver.
+    pub linear_iterations: usize,
+    /// Steps that ended at the rounding floor instead of the tolerance.
+    pub steps_at_rounding_floor: usize,
+    /// Worst defect of a step's energy balance \[energy\].
+    pub energy: Worst,
+    /// Worst defect of a step's linear momentum balance.
+    pub linear_momentum: Worst,
+    /// Worst defect of a step's angular momentum balance.
+    pub angular_momentum: Worst,
+    /// Largest total energy T + V \[energy\].
+    pub largest_energy: f64,
+    /// Largest norm of the angular momentum.
+    pub largest_angular_momentum: f64,
+    /// Sum of the energy residuals so far \[energy\].
+    pub accumulated_energy: f64,
+    /// Sum of the norms of the angular momentum residuals so far, without those that are rounding only.
+    pub accumulated_angular_momentum: f64,
+    /// Total energy after the last step \[energy\].
+    pub total_energy: f64,
+    /// Work of the loads since the start \[energy\].
+    pub external_work: f64,
+    largest_kinetic_energy: f64,
+}
+
+/// An angular momentum residual below this part of sqrt(2 T I) is rounding: a body that does not turn on the whole has
+/// |L| = 0 but for rounding, and no residual could be small next to that.
+const ROUNDING: f64 = 1e-13;
+
+impl Tally {
+    /// Adds a step, or the start.
+    pub fn add(&mut self, view: View<'_>) {
+        let record = view.record;
+        self.steps = record.step;
+        self.time = record.time;
+        self.newton_iterations += record.newton_iterations;
+        self.linear_iterations += record.linear_iterations;
+        self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
+        self.energy.see(record.energy_residual, record.step);
+        self.linear_momentum.see(record.linear_momentum_residual, record.step);
+        self.angular_momentum.see(record.angular_momentum_residual, record.step);
+        (self.total_energy, self.external_work) = (record.total_energy, record.external_work);
+        self.add_balances(record, view.body);
+    }
+
+    fn add_balances(&mut self, record: &Record, body: &Body) {
+        let norm = record.angular_momentum.iter().map(|l| l * l).sum::<f64>().sqrt();
+        self.largest_energy = self.largest_energy.max(record.total_energy);
+        self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
+        self.largest_angular_momentum = self.largest_angular_momentum.max(norm);
+        self.accumulated_energy += record.energy_residual;
+        let rounding = ROUNDING * (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
+        let residual = record.angular_momentum_residual;
+        if !(residual <= rounding) {
+            self.accumulated_angular_momentum += residual;
+        }
+    }
+
+    /// Accumulated energy residual over the largest T + V.
+    pub fn energy_drift(&self) -> f64 {
+        ratio(self.accumulated_energy.abs(), self.largest_energy)
+    }
+
+    /// Accumulated angular momentum residual over the largest |L|.
+    pub fn angular_momentum_drift(&self) -> f64 {
+        ratio(self.accumulated_angular_momentum, self.largest_angular_momentum)
+    }
+}
+
+fn ratio(part: f64, whole: f64) -> f64 {
+    if part == 0.0 { 0.0 } else { part / whole }
+}
+
+/// Integral of density times squared distance from the origin, reference configuration.
+fn polar_inertia(body: &Body) -> f64 {
+    let of_region = |region: &emmy::body::RegionSummary| {
+        let about_centre = (0..3).map(|i| region.inertia[i][i]).sum::<f64>() / 2.0;
+        about_centre + region.mass * region.centre.iter().map(|x| x * x).sum::<f64>()
+    };
+    body.regions().iter().map(of_region).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn worst_keeps_its_step_and_nan_is_worst() {
+        let mut worst = Worst::default();
+        for (step, value) in [(1, 0.5), (2, -2.0), (3, 1.0)] {
+            worst.see(value, step);
+        }
+        assert_eq!(worst, Worst { value: 2.0, step: 2 });
+        worst.see(f64::NAN, 4);
+        worst.see(9.0, 5);
+        assert!(worst.value.is_nan() && worst.step == 4);
+    }
+}
