@@ -8,6 +8,8 @@ mod scheme;
 mod stage_system;
 mod state;
 mod stepper;
+#[cfg(test)]
+mod tests;
 
 pub use element::TimeElement;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};

@@ -1,0 +1,57 @@
+//! Order 2k at the time nodes for FE(k), AS and DGM of degree k (Betsch and Steinmann 2001; Gauss collocation).
+
+use emmy::body::{Body, InitialVelocity, Region};
+use emmy::material::NeoHooke;
+use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
+use emmy::time::Scheme;
+
+/// A soft block that is stretched, sheared and turned, so slowly that every mode is resolved by the steps.
+fn body() -> Body {
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 0.5).unwrap());
+    Body::new(emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![rubber], &[], &[]).unwrap()
+}
+
+/// Displacement at t = 1.
+fn displacement(body: &Body, scheme: Scheme, degree: usize, size: f64) -> Vec<f64> {
+    let motion = InitialVelocity {
+        angular_velocity: [0.2, 0.4, 0.6],
+        gradient: [[0.4, 0.1, 0.0], [0.0, -0.3, 0.2], [0.1, 0.0, 0.2]],
+        ..Default::default()
+    };
+    let state = State::initial(body, 0.0, &[motion]).unwrap();
+    let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20 };
+    let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
+    motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size }]).unwrap(), &mut []).unwrap();
+    motion.state().displacement.clone()
+}
+
+fn order(body: &Body, reference: &[f64], scheme: Scheme, degree: usize, size: f64) -> f64 {
+    let error = |size| {
+        let u = displacement(body, scheme, degree, size);
+        u.iter().zip(reference).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let (coarse, fine) = (error(size), error(size / 2.0));
+    let order = (coarse / fine).log2();
+    println!("{scheme} k = {degree}: errors {coarse:.2e}, {fine:.2e}, order {order:.2}");
+    order
+}
+
+#[test]
+fn order_is_twice_the_degree() {
+    let body = body();
+    // Two more degrees and a step at which they have converged to rounding.
+    let reference = displacement(&body, Scheme::DiscreteGradient, 5, 0.05);
+    for (degree, size) in [(1, 0.05), (2, 0.2), (3, 0.25)] {
+        for scheme in [Scheme::Standard(degree), Scheme::AssumedStrain(5), Scheme::DiscreteGradient] {
+            let order = order(&body, &reference, scheme, degree, size);
+            assert!((order - 2.0 * degree as f64).abs() < 0.25, "{scheme} k = {degree}: order {order}");
+        }
+    }
+}
+
+#[test]
+fn average_acceleration_is_of_second_order() {
+    let body = body();
+    let reference = displacement(&body, Scheme::DiscreteGradient, 5, 0.05);
+    assert!((order(&body, &reference, Scheme::Trapezoidal, 1, 0.05) - 2.0).abs() < 0.2);
+}
