@@ -86,7 +86,7 @@ pub(super) fn add_geometric<L: Lane>(A: &mut Tangent<L>, factor: f64, S: &Sym<L>
 pub(super) fn with_identity<L: Lane>(G: &Mat3<L>) -> Mat3<L> {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] = F[i][i] + one);
+    (0..3).for_each(|i| F[i][i] += one);
     F
 }
 

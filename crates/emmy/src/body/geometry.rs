@@ -46,7 +46,7 @@ impl CellTable {
                 let dN = reference.gradients_at(point);
                 let jacobian = jacobian(mesh, nodes, dN);
                 let det = det(&jacobian);
-                if !(det > 0.0) {
+                if det <= 0.0 || det.is_nan() {
                     return Err(Error::InvertedCell { cell: cell as usize, kind, det });
                 }
                 let inverse = inverse(&jacobian, det);

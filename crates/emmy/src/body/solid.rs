@@ -84,12 +84,9 @@ impl<M: Material> SolidTerm<M> {
                 *rate = nodal_gradient(&scratch.nodal[(j + 1) * 3 * n..(j + 2) * 3 * n], gradients, n);
             }
             step.rule.average(&self.material, &start, &scratch.rates, want, &mut scratch.average);
-            // The negated form catches NaN as well.
-            if !(scratch.average.min_det > 0.0) {
-                return Err(Error::Inverted {
-                    cell: self.table.cells[cell] as usize,
-                    det: scratch.average.min_det,
-                });
+            let det = scratch.average.min_det;
+            if det <= 0.0 || det.is_nan() {
+                return Err(Error::Inverted { cell: self.table.cells[cell] as usize, det });
             }
             for (stress, force) in scratch.average.stress.iter().zip(scratch.force.chunks_exact_mut(3 * n)) {
                 add_force(stress, gradients, weight, n, force);

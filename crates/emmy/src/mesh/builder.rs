@@ -146,10 +146,8 @@ impl MeshBuilder {
     fn drop_unused_nodes(&mut self) {
         let mut new_index = vec![u32::MAX; self.points.len()];
         self.connectivity.iter().for_each(|&node| new_index[node as usize] = 0);
-        let mut next = 0;
-        for index in new_index.iter_mut().filter(|index| **index == 0) {
-            *index = next;
-            next += 1;
+        for (next, index) in new_index.iter_mut().filter(|index| **index == 0).enumerate() {
+            *index = next as u32;
         }
         let mut node = 0;
         self.points.retain(|_| {

@@ -55,8 +55,7 @@ impl Gmres {
             self.update(system, x, n);
             solution.iterations += n;
             solution.relative_residual = self.rhs[n].abs() / b_norm;
-            // The negated form ends on NaN as well.
-            if n == 0 || !(solution.relative_residual > tolerance) {
+            if n == 0 || solution.relative_residual <= tolerance || solution.relative_residual.is_nan() {
                 break;
             }
         }
