@@ -1,6 +1,6 @@
 //! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
 
-use crate::element::{ReferenceElement, element, facet_element};
+use crate::element::{ReferenceElement, element, facet_element, jacobian};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh};
 use crate::quadrature::Quadrature;
@@ -41,10 +41,11 @@ impl CellTable {
         };
         for &cell in &table.cells {
             let nodes = mesh.cell(cell as usize).nodes;
+            let X = positions(mesh, nodes);
             table.nodes.extend_from_slice(nodes);
             for point in 0..n_points {
                 let dN = reference.gradients_at(point);
-                let jacobian = jacobian(mesh, nodes, dN);
+                let jacobian = jacobian(&X, dN);
                 let det = det(&jacobian);
                 if det <= 0.0 || det.is_nan() {
                     return Err(Error::InvertedCell { cell: cell as usize, kind, det });
@@ -90,16 +91,6 @@ impl<const D: usize> ReferenceTable<D> {
     }
 }
 
-/// dX/dxi, `[X component][xi component]`.
-fn jacobian(mesh: &Mesh, nodes: &[u32], dN: &[[f64; 3]]) -> Mat3<f64> {
-    let mut jacobian = [[0.0; 3]; 3];
-    for (&node, dN) in nodes.iter().zip(dN) {
-        let X = mesh.points()[node as usize];
-        (0..3).for_each(|i| (0..3).for_each(|m| jacobian[i][m] += X[i] * dN[m]));
-    }
-    jacobian
-}
-
 /// dxi/dX, `[xi component][X component]`.
 fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
     [0, 1, 2].map(|i| {
@@ -134,19 +125,24 @@ pub fn for_each_volume_point(
             ReferenceTable::new(element(kind), element(kind).mass_quadrature(), kind.n_nodes())
         });
         let nodes = mesh.cell(cell as usize).nodes;
+        let X = positions(mesh, nodes);
         for point in 0..table.weights.len() {
-            let weight = table.weights[point] * det(&jacobian(mesh, nodes, table.gradients_at(point)));
+            let weight = table.weights[point] * det(&jacobian(&X, table.gradients_at(point)));
             let shapes = table.shapes_at(point);
-            let position = interpolated(mesh, nodes, shapes);
+            let position = interpolated(&X, shapes);
             visit(cell as usize, nodes, VolumePoint { weight, position, shapes });
         }
     }
 }
 
-fn interpolated(mesh: &Mesh, nodes: &[u32], shapes: &[f64]) -> [f64; 3] {
+/// Reference positions of some nodes.
+fn positions(mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
+    nodes.iter().map(|&node| mesh.points()[node as usize]).collect()
+}
+
+fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
     let mut position = [0.0; 3];
-    for (&node, N) in nodes.iter().zip(shapes) {
-        let X = mesh.points()[node as usize];
+    for (X, N) in X.iter().zip(shapes) {
         (0..3).for_each(|i| position[i] += N * X[i]);
     }
     position
