@@ -75,7 +75,11 @@ fn modules_use_only_what_stands_before_them() {
 fn linear_algebra_crates_are_named_in_one_place() {
     for (module, path) in files() {
         let code = code(&path);
-        assert!(module == "sparse" || !(code.contains("faer") || code.contains("metis")), "{}", path.display());
+        assert!(
+            module == "sparse" || !(code.contains("faer") || code.contains("metis")),
+            "{}",
+            path.display()
+        );
     }
 }
 
@@ -91,7 +95,10 @@ fn the_library_does_no_input_or_output_and_has_no_clock() {
 
 #[test]
 fn unsafe_code_has_one_place() {
-    let places: Vec<PathBuf> =
-        files().into_iter().filter(|(_, path)| code(path).contains("unsafe {")).map(|(_, path)| path).collect();
+    let places: Vec<PathBuf> = files()
+        .into_iter()
+        .filter(|(_, path)| code(path).contains("unsafe {"))
+        .map(|(_, path)| path)
+        .collect();
     assert_eq!(places, [source().join("sparse/ordering.rs")]);
 }

@@ -73,12 +73,14 @@ fn tiny_vibration() {
             "steel" => 5e6,
             _ => 3e3,
         };
-        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[]).unwrap();
+        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[])
+            .unwrap();
         for scheme in SCHEMES {
             for degree in 1..=3 {
                 // Velocities of 1e-8 of the wave speed; steps of some and of many wave transits of a cell.
                 for transits in [1.0, 50.0] {
-                    let worst = run(&body, scheme, degree, vibration(1e-8 * wave_speed), transits / wave_speed, 20);
+                    let worst =
+                        run(&body, scheme, degree, vibration(1e-8 * wave_speed), transits / wave_speed, 20);
                     assert_kept(&format!("{name} {scheme} k = {degree}, {transits} transits"), worst);
                 }
             }
@@ -107,7 +109,8 @@ fn rigid_rotation() {
         ..Default::default()
     };
     for (name, region, rate) in [("stiff", svk(1e7, 1.0), 5.0), ("steel", rubber(2.1e5, 7.85e-9), 500.0)] {
-        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[]).unwrap();
+        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[])
+            .unwrap();
         for scheme in SCHEMES {
             for degree in 1..=2 {
                 let worst = run(&body, scheme, degree, spin(rate), 0.25 / rate, 40);

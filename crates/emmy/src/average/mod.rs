@@ -38,6 +38,7 @@ pub struct Rule {
     a: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
+    load_quadrature: Quadrature<1>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,7 +133,8 @@ impl Rule {
             TimePoint { weight, passed, basis, share }
         });
         let points = points.collect();
-        Rule { c, b, a, kind, points }
+        let load_quadrature = gauss(degree.div_ceil(2) + 1);
+        Rule { c, b, a, kind, points, load_quadrature }
     }
 
     /// Degree k of the time element.
@@ -153,6 +155,16 @@ impl Rule {
     /// Coefficients a_ij = L_j(c_i), `[i k + j]`.
     pub fn coefficients(&self) -> &[f64] {
         &self.a
+    }
+
+    /// Lagrange basis polynomial l_i of the test functions, on the Gauss points.
+    pub fn basis(&self, i: usize, alpha: f64) -> f64 {
+        lagrange(&self.c, i, alpha)
+    }
+
+    /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a load history.
+    pub fn load_quadrature(&self) -> &Quadrature<1> {
+        &self.load_quadrature
     }
 
     /// Stage averages of the stress over a step, and their derivatives if wanted.

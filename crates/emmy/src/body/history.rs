@@ -1,8 +1,7 @@
 //! Load factors over time.
 
+use crate::average::Rule;
 use crate::error::{Error, Result};
-use crate::polynomial::lagrange;
-use crate::quadrature::gauss;
 
 /// Factor over time, linear between its entries and constant outside. Two entries at one time are a jump.
 ///
@@ -65,36 +64,27 @@ impl History {
     /// (1/b_i) integral_0^1 l_i(alpha) f(t + alpha h) dalpha
     /// ```
     ///
-    /// `nodes`, `weights`: Gauss points c_i and weights b_i of the element; `averages: [k]`.
-    pub fn averages(&self, time: f64, step_size: f64, nodes: &[f64], weights: &[f64], averages: &mut [f64]) {
+    /// `averages: [k]`, with the k, c_i and b_i of the rule.
+    pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
         averages.fill(0.0);
         let mut from = 0.0;
         let first = self.entries.partition_point(|&(t, _)| t <= time);
         let kinks = self.entries[first..].iter().map(|&(t, _)| (t - time) / step_size);
         for to in kinks.take_while(|&alpha| alpha < 1.0).chain([1.0]) {
             if to > from {
-                self.add_segment(time, step_size, [from, to], nodes, weights, averages);
+                self.add_segment(time, step_size, [from, to], rule, averages);
                 from = to;
             }
         }
     }
 
     /// Adds the integral over a segment on which the factor is linear.
-    fn add_segment(
-        &self,
-        time: f64,
-        h: f64,
-        [from, to]: [f64; 2],
-        c: &[f64],
-        b: &[f64],
-        averages: &mut [f64],
-    ) {
-        let rule = gauss(c.len().div_ceil(2) + 1);
-        for (&[s], w) in rule.points.iter().zip(&rule.weights) {
+    fn add_segment(&self, time: f64, h: f64, [from, to]: [f64; 2], rule: &Rule, averages: &mut [f64]) {
+        for (&[s], w) in rule.load_quadrature().iter() {
             let alpha = from + (to - from) * s;
             let factor = self.value(time + alpha * h) * w * (to - from);
             for (i, average) in averages.iter_mut().enumerate() {
-                *average += factor * lagrange(c, i, alpha) / b[i];
+                *average += factor * rule.basis(i, alpha) / rule.weights()[i];
             }
         }
     }
@@ -108,13 +98,13 @@ mod tests {
     fn averages_are_exact_across_kinks_and_jumps() {
         // f = 0 before t = 1, jumps to 2, falls to 0 at t = 2. Step from 0.5 to 3 (h = 2.5).
         let history = History::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
-        let rule = gauss(2);
-        let c: Vec<f64> = rule.points.iter().map(|p| p[0]).collect();
+        let rule = Rule::discrete_gradient(2);
+        let (b, c) = (rule.weights(), rule.nodes());
         let mut averages = [0.0; 2];
-        history.averages(0.5, 2.5, &c, &rule.weights, &mut averages);
+        history.averages(0.5, 2.5, &rule, &mut averages);
         // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t - 0.5)/h f dt
-        let zeroth: f64 = (0..2).map(|i| rule.weights[i] * averages[i]).sum();
-        let first: f64 = (0..2).map(|i| rule.weights[i] * c[i] * averages[i]).sum();
+        let zeroth: f64 = (0..2).map(|i| b[i] * averages[i]).sum();
+        let first: f64 = (0..2).map(|i| b[i] * c[i] * averages[i]).sum();
         // integral over [1, 2] of (t - 0.5) 2 (2 - t) dt = 5/6
         assert!((zeroth - 0.4).abs() < 1e-15 && (first - 5.0 / 6.0 / 6.25).abs() < 1e-15);
     }

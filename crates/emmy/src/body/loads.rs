@@ -88,7 +88,7 @@ impl Body {
         force.fill(0.0);
         let mut acts = false;
         for load in &self.loads {
-            load.history.averages(time, step_size, rule.nodes(), rule.weights(), averages);
+            load.history.averages(time, step_size, rule, averages);
             for (&factor, force) in averages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
                 if factor != 0.0 {
                     acts = true;

@@ -1,5 +1,7 @@
 //! Fill-reducing ordering by nested dissection, with METIS.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::Pattern;
 use crate::error::{Error, Result};
 
@@ -38,11 +40,16 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     Ok(order.into_iter().map(|node| node as usize).collect())
 }
 
+/// METIS draws from one random sequence for the whole process, which each call starts anew: calls one after another
+/// always give the same order, calls side by side would not.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// The call of METIS.
 #[allow(unsafe_code)]
 fn node_nd(n: usize, begin: &mut [i32], neighbours: &mut [i32]) -> Result<Vec<i32>> {
     let mut count = n as i32;
     let (mut order, mut inverse) = (vec![0i32; n], vec![0i32; n]);
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     // SAFETY: `begin` has n + 1 ascending entries that end at `neighbours.len()`, every neighbour is below n (both by
     // construction of `Pattern`), the two results have n entries, and METIS takes null for weights and options.
     let status = unsafe {

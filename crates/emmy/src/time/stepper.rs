@@ -109,11 +109,9 @@ impl<'a> Stepper<'a> {
     /// [`Error::NoConvergence`]; the state is then unchanged.
     pub fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         self.system.start(state, step_size);
-        let element = self.system.element.clone();
-        let external = &mut self.system.external_force;
-        let body = self.system.body;
+        let StageSystem { body, element, external_force, .. } = &mut self.system;
         self.is_loaded =
-            body.stage_loads(element.rule(), state.time, step_size, &mut self.averages, external);
+            body.stage_loads(element.rule(), state.time, step_size, &mut self.averages, external_force);
         let newton = self.solve(state, step_size)?;
         let impulses = self.impulses()?;
         self.update(state);

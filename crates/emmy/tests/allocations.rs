@@ -1,0 +1,37 @@
+//! Nothing is allocated inside a step once the first ones are done.
+
+use allocation_counter::measure;
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
+use emmy::material::NeoHooke;
+use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::time::Scheme;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let load = Load {
+        kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
+        history: History::new(vec![(0.0, 0.0), (0.105, 1.0)]).unwrap(),
+    };
+    // One part: the thread pool would allocate for its own queues.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2]).unwrap();
+    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load]).unwrap());
+    let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
+    for degree in 1..=2 {
+        let state = State::initial(&body, 0.0, &[spin.clone()]).unwrap();
+        let mut motion =
+            Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
+        let mut step =
+            |i: usize| motion.step(0.01, 0.01 * i as f64).map(|record| record.newton_iterations).unwrap();
+        (1..40).for_each(|i| {
+            step(i);
+        });
+        let counts = measure(|| {
+            (40..60).for_each(|i| {
+                step(i);
+            })
+        });
+        assert_eq!(counts.count_total, 0, "degree {degree}");
+    }
+}

@@ -1,0 +1,150 @@
+//! Balances of energy and momentum under loads and supports (section 6 of the method): identities of the schemes that
+//! conserve, at round-off in every step, whatever the steps have to do with the kinks of the histories.
+
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::material::NeoHooke;
+use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
+use emmy::time::Scheme;
+
+fn rubber() -> Region {
+    Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap())
+}
+
+fn history(entries: &[(f64, f64)]) -> History {
+    History::new(entries.to_vec()).unwrap()
+}
+
+/// A traction with a kink and a jump, a force, and gravity that is switched on: none of it where a step ends.
+fn loads() -> Vec<Load> {
+    let traction = LoadKind::Traction { group: "y-max".into(), traction: [20.0, -10.0, 15.0] };
+    let force = LoadKind::Force { group: "x-max".into(), force: [0.0, 30.0, 40.0] };
+    let gravity = LoadKind::Acceleration { group: None, acceleration: [1.0, -9.81, 2.0] };
+    vec![
+        Load {
+            kind: traction,
+            history: history(&[(0.0, 0.0), (0.13, 1.0), (0.21, 1.0), (0.21, -0.5), (0.33, 0.0)]),
+        },
+        Load { kind: force, history: history(&[(0.05, 0.0), (0.3, 1.0)]) },
+        Load { kind: gravity, history: History::constant() },
+    ]
+}
+
+fn records(supports: &[Support], loads: &[Load], scheme: Scheme, degree: usize) -> Vec<Record> {
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = Body::new(mesh, vec![rubber()], supports, loads).unwrap();
+    let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[spin]).unwrap();
+    let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
+    let plan = [Phase { until: 0.2, size: 0.03 }, Phase { until: 0.4, size: 0.07 }];
+    StepPlan::new(0.0, plan.to_vec())
+        .unwrap()
+        .steps()
+        .map(|s| motion.step(s.size, s.end).unwrap().clone())
+        .collect()
+}
+
+fn assert_closed(records: &[Record], what: &str) {
+    let energy = records.iter().map(|r| r.kinetic_energy + r.strain_energy).fold(0.0, f64::max);
+    for record in records {
+        assert!(record.energy_residual.abs() < 1e-12 * energy, "{what}: {record:?}");
+        assert!(record.linear_momentum_residual < 1e-11, "{what}: {record:?}");
+        assert!(record.angular_momentum_residual < 1e-11, "{what}: {record:?}");
+    }
+}
+
+#[test]
+fn free_body_under_load() {
+    for degree in 1..=3 {
+        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {
+            assert_closed(&records(&[], &loads(), scheme, degree), &format!("{scheme} k = {degree}"));
+        }
+    }
+}
+
+#[test]
+fn supported_body_under_load() {
+    let supports = [
+        Support { group: "y-min".into(), fix: [true, true, false] },
+        Support { group: "x-min".into(), fix: [false, false, true] },
+    ];
+    for degree in 1..=3 {
+        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {
+            let records = records(&supports, &loads(), scheme, degree);
+            assert_closed(&records, &format!("{scheme} k = {degree}"));
+            // The supports carry momentum away: without their reactions the balance would not close.
+            let change = records[1].linear_momentum[1] - records[0].linear_momentum[1];
+            assert!(change.abs() > 1e-3);
+        }
+    }
+}
+
+/// What a scheme does not conserve is seen in the balance: Table III by running.
+#[test]
+fn defects_of_standard_rules_are_seen() {
+    let worst = |scheme| {
+        let records = records(&[], &loads(), scheme, 1);
+        let energy = records.iter().map(|r| r.energy_residual.abs()).fold(0.0, f64::max);
+        (energy, records.iter().map(|r| r.angular_momentum_residual).fold(0.0, f64::max))
+    };
+    let (energy, momentum) = worst(Scheme::Standard(1));
+    assert!(energy > 1e-5 && momentum < 1e-11);
+    let (energy, momentum) = worst(Scheme::Standard(8));
+    assert!(energy < 1e-10 && momentum > 1e-5);
+    let (energy, momentum) = worst(Scheme::Trapezoidal);
+    assert!(energy > 1e-5 && momentum > 1e-5);
+}
+
+/// The impulse of a load is the integral of its history; a free body's momentum is exactly that.
+#[test]
+fn momentum_is_the_integral_of_the_load() {
+    let load = Load {
+        kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
+        history: history(&[(0.02, 0.0), (0.1, 1.0), (0.15, 1.0), (0.15, 0.0)]),
+    };
+    let records = records(&[], &[load], Scheme::AssumedStrain(2), 2);
+    let before = records[0].linear_momentum[0] - 3.0 * (0.01 * 0.01 / 0.08 / 2.0);
+    let after = records[records.len() - 1].linear_momentum[0];
+    assert!((after - before - 3.0 * (0.04 + 0.05)).abs() < 1e-12);
+}
+
+/// A body that falls freely does so exactly: the time element reproduces a parabola from degree 2 on, and the mid-point
+/// rule its end points.
+#[test]
+fn free_fall() {
+    let gravity = Load {
+        kind: LoadKind::Acceleration { group: Some("body".into()), acceleration: [0.0, 0.0, -10.0] },
+        history: History::constant(),
+    };
+    for degree in 1..=2 {
+        let body =
+            Body::new(emmy::mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber()], &[], &[gravity.clone()])
+                .unwrap();
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let mut motion =
+            Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
+        motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }]).unwrap(), &mut []).unwrap();
+        assert!(motion.state().displacement.iter().skip(2).step_by(3).all(|u| (u + 5.0).abs() < 1e-12));
+        assert!((motion.record().external_work - 0.7 * 10.0 * 5.0).abs() < 1e-11);
+    }
+}
+
+/// Rows are owned by parts: the numbers are the same, to the last bit, with any number of threads.
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [4, 12, 4]).unwrap();
+            let body = Body::new(mesh, vec![rubber()], &[], &loads()).unwrap();
+            let state = State::initial(&body, 0.0, &[]).unwrap();
+            let mut motion =
+                Motion::new(&body, Scheme::DiscreteGradient, 2, NewtonSettings::default(), state).unwrap();
+            motion
+                .march(&StepPlan::new(0.0, vec![Phase { until: 0.1, size: 0.02 }]).unwrap(), &mut [])
+                .unwrap();
+            motion.state().clone()
+        })
+    };
+    let one = run(1);
+    assert!([2, 3, 5].into_iter().all(|threads| run(threads) == one));
+}
