@@ -35,7 +35,7 @@ pub fn check(limits: &Limits, tally: &Tally) -> Result<(), LimitExceeded> {
     ];
     for (quantity, of, limit, drift) in checks {
         match limit {
-            Some(limit) if !(drift <= limit) => {
+            Some(limit) if drift > limit || drift.is_nan() => {
                 return Err(LimitExceeded { quantity, of, step, time, drift, limit });
             }
             _ => {}

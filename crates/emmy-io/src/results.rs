@@ -42,7 +42,7 @@ impl Results {
         let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         let history = HistoryFile::create(&directory.join("history.csv"), &output.probes)?;
-        let frames = || Frames::create(directory, &problem.mesh, &problem.region_of_cell);
+        let frames = || Frames::create(directory, problem.body.mesh(), problem.body.region_of_cell());
         let frames = (output.every > 0).then(frames).transpose()?;
         let (heading, tally) = (Heading::new(problem), Tally::default());
         let summary = heading.summary(&tally, Status::Running, None, 0.0);
@@ -97,7 +97,9 @@ impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let row = history::row(view, &self.output.probes, self.wall_seconds());
         self.history.write(&row)?;
-        if let Some(frames) = self.frames.as_mut().filter(|_| view.record.step % self.output.every == 0) {
+        if let Some(frames) =
+            self.frames.as_mut().filter(|_| view.record.step.is_multiple_of(self.output.every))
+        {
             frames.write(view.state)?;
         }
         self.tally.add(view);

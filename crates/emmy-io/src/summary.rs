@@ -56,9 +56,9 @@ impl Heading {
             title: problem.title.clone(),
             scheme: problem.scheme.to_string(),
             degree: problem.degree,
-            dofs: problem.mesh.n_dofs(),
-            nodes: problem.mesh.n_nodes(),
-            cells: problem.mesh.n_cells(),
+            dofs: problem.body.n_dofs(),
+            nodes: problem.body.mesh().n_nodes(),
+            cells: problem.body.mesh().n_cells(),
             planned_steps: problem.plan.n_steps(),
         }
     }

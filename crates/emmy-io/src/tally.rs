@@ -14,8 +14,8 @@ pub struct Worst {
 
 impl Worst {
     fn see(&mut self, value: f64, step: usize) {
-        // Not `>`: NaN is the worst of all.
-        if !(value.abs() <= self.value) && !self.value.is_nan() {
+        // NaN is the worst of all.
+        if value.abs() > self.value || (value.is_nan() && !self.value.is_nan()) {
             *self = Worst { value: value.abs(), step };
         }
     }
@@ -83,7 +83,7 @@ impl Tally {
         self.accumulated_energy += record.energy_residual;
         let rounding = ROUNDING * (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
         let residual = record.angular_momentum_residual;
-        if !(residual <= rounding) {
+        if residual > rounding || residual.is_nan() {
             self.accumulated_angular_momentum += residual;
         }
     }

@@ -68,8 +68,8 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
     Err(Fault::at(place, message, label).help(format!("groups of {what}: {}", listed(known.iter().copied()))))
 }
 
-/// The region of every cell. Every cell must be in exactly one.
-pub(super) fn regions_of_cells(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<Vec<u32>, Fault> {
+/// Checks that every cell is in exactly one region.
+pub(super) fn check_regions(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<(), Fault> {
     const NONE: u32 = u32::MAX;
     let mut region_of = vec![NONE; mesh.n_cells()];
     for (index, region) in regions.iter().enumerate() {
@@ -84,7 +84,7 @@ pub(super) fn regions_of_cells(mesh: &Mesh, regions: &[Placed<Region>]) -> Resul
     }
     let outside = region_of.iter().filter(|&&region| region == NONE).count();
     match outside {
-        0 => Ok(region_of),
+        0 => Ok(()),
         n => {
             let last = &regions[regions.len() - 1].place;
             let message = format!("{n} of {} cells belong to no region", mesh.n_cells());

@@ -10,7 +10,7 @@ use super::table::Item;
 /// Reads one load.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {
     let table = item.table(keys::LOAD)?;
-    let load = table.exactly_one("kind of load", &["traction", "force", "acceleration"])?;
+    let load = table.exactly_one("one kind of load", &["traction", "force", "acceleration"])?;
     let vector = load.numbers()?;
     let group = group(&table)?.map(|(name, _)| name);
     let facets = |group: Option<String>| match group {

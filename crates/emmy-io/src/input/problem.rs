@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use emmy::body::{InitialVelocity, Load, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
@@ -27,16 +27,26 @@ pub struct Overrides {
 }
 
 /// A problem, complete and checked: what the library needs to compute a motion, and what to write of it.
+///
+/// ```
+/// use emmy_io::input::{self, Overrides};
+/// # let directory = std::env::temp_dir().join(format!("emmy-doc-{}", std::process::id()));
+/// # std::fs::create_dir_all(&directory)?;
+/// # let path = directory.join("block.toml");
+/// # std::fs::write(&path, "mesh.box = { size = [1, 1, 1], cells = [1, 1, 1] }\n\
+/// #     time = { scheme = 'DGM', steps = [{ until = 1, size = 0.1 }] }\n\
+/// #     region = [{ density = 2, material.neo-hooke = { lambda = 1, mu = 1 } }]\n")?;
+/// let problem = input::read(&path, &Overrides { until: Some(2.0), ..Default::default() })?;
+/// assert_eq!((problem.body.n_dofs(), problem.plan.n_steps()), (24, 20));
+/// # std::fs::remove_dir_all(&directory)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Problem {
     /// Title.
     pub title: Option<String>,
-    /// The mesh.
-    pub mesh: Mesh,
-    /// Index of each cell's region.
-    pub region_of_cell: Vec<u32>,
-    /// Regions.
-    pub regions: Vec<Region>,
+    /// The body: mesh, regions, supports and loads.
+    pub body: Body,
     /// Supports.
     pub supports: Vec<Support>,
     /// Loads.
@@ -154,10 +164,10 @@ impl Parts {
             None => return Err(faults.finish().err().unwrap_or_else(|| Fault::new("no input").into())),
         };
         let title = root.get("title").map(|item| item.string().map(str::to_string)).transpose();
-        let title = faults.keep(title);
+        let title = faults.keep(title).flatten();
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
-        let regions = regions.map(|item| each(item, region::read, &mut faults));
+        let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
         let loads = optional(&root, "load", load::read, &mut faults);
         let supports = optional(&root, "support", load::support, &mut faults);
         let initial = optional(&root, "initial", initial::read, &mut faults);
@@ -165,39 +175,13 @@ impl Parts {
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
         let output = faults.keep(root.require("output").and_then(settings::output));
         let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
-        let limits = faults.keep(limits);
+        let limits = faults.keep(limits).unwrap_or_default();
         faults.keep(root.get("solver").map_or(Ok(()), settings::solver));
-        match (title, shape, regions, time, newton, output, limits) {
-            (
-                Some(title),
-                Some(shape),
-                Some(regions),
-                Some(time),
-                Some(newton),
-                Some(output),
-                Some(limits),
-            ) => {
-                let parts = Parts {
-                    title,
-                    shape,
-                    regions,
-                    loads,
-                    supports,
-                    initial,
-                    time,
-                    newton,
-                    output,
-                    limits,
-                    faults,
-                };
-                Ok(parts)
-            }
-            (_, Some(shape), regions, ..) => {
-                let regions = regions.unwrap_or_default();
-                Err(with_groups(shape, &regions, &loads, &supports, &initial, faults))
-            }
-            _ => Err(finished(faults)),
-        }
+        let Some(shape) = shape else { return Err(finished(faults)) };
+        let (Some(time), Some(newton), Some(output)) = (time, newton, output) else {
+            return Err(with_groups(&shape, &regions, &loads, &supports, &initial, faults));
+        };
+        Ok(Parts { title, shape, regions, loads, supports, initial, time, newton, output, limits, faults })
     }
 
     /// The problem, once the mesh is made and every group found.
@@ -207,18 +191,19 @@ impl Parts {
         };
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
         self.faults.finish()?;
-        let region_of_cell = groups::regions_of_cells(&mesh, &self.regions)?;
+        groups::check_regions(&mesh, &self.regions)?;
         find_probes(&mesh, &mut self.output.probes, &mut notes);
         if self.output.checkpoint_every > 0 {
             notes.push("`checkpoint_every`: this version writes no checkpoints".to_string());
         }
+        let (supports, loads) = (values(self.supports), values(self.loads));
+        let body = Body::new(mesh, values(self.regions), &supports, &loads);
+        let body = body.map_err(|error| Fault::at(self.shape.place(), error.to_string(), "this mesh"))?;
         Ok(Problem {
             title: self.title,
-            mesh,
-            region_of_cell,
-            regions: values(self.regions),
-            supports: values(self.supports),
-            loads: values(self.loads),
+            body,
+            supports,
+            loads,
             initial: values(self.initial),
             scheme: self.time.scheme,
             degree: self.time.degree,
@@ -234,7 +219,7 @@ impl Parts {
 
 /// What else is wrong: the groups, if the mesh can be made in spite of faults elsewhere.
 fn with_groups(
-    shape: Shape,
+    shape: &Shape,
     regions: &[Placed<Region>],
     loads: &[Placed<Load>],
     supports: &[Placed<Support>],

@@ -34,7 +34,7 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
     let name = group(&table)?.map(|(name, _)| name);
     let item = table.require("material")?;
     let materials = item.table(keys::MATERIAL)?;
-    let material = materials.exactly_one("model", keys::MATERIAL.keys)?;
+    let material = materials.exactly_one("one model", keys::MATERIAL.keys)?;
     let region = match material.key() {
         "neo-hooke" => {
             let material = model(material, NeoHooke::new, NeoHooke::from_engineering)?;

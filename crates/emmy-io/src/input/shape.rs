@@ -30,7 +30,7 @@ const MAX_CELLS: f64 = 1e8;
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     let table = item.table(keys::MESH)?;
-    let source = table.exactly_one("source", &["l-block", "box", "file"])?;
+    let source = table.exactly_one("one source", &["l-block", "box", "file"])?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
     let place = source.place().clone();
     let source = match source.key() {
@@ -67,6 +67,11 @@ fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
 }
 
 impl Shape {
+    /// Where the mesh is named.
+    pub(super) fn place(&self) -> &Place {
+        &self.place
+    }
+
     /// The mesh, scaled, with what its reader remarked.
     pub(super) fn mesh(&self) -> Result<(Mesh, Vec<String>), Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");

@@ -54,8 +54,10 @@ impl<'a> Table<'a> {
             }
             _ => {
                 let message =
-                    format!("{} has more than one {what}: give exactly one of {choice}", self.keys.table);
-                Err(found.iter().fold(Fault::new(message), |fault, item| fault.label(item.key_place, "")))
+                    format!("{} has more than {what}: give exactly one of {choice}", self.keys.table);
+                let labels = ["this one"].into_iter().chain(std::iter::repeat("and this one"));
+                let label = |fault: Fault, (item, label): (&Item, &str)| fault.label(item.key_place, label);
+                Err(found.iter().zip(labels).fold(Fault::new(message), label))
             }
         }
     }

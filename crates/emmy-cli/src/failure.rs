@@ -1,0 +1,111 @@
+//! How a verb fails: what is shown, and the exit code.
+
+use std::io::{IsTerminal, stderr};
+
+use emmy_io::directory::DirectoryError;
+use emmy_io::input::InputError;
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
+
+/// Exit code of a program that has a fault of its own.
+pub const FAULT_OF_THE_PROGRAM: u8 = 101;
+
+/// Why a verb ended early.
+#[derive(Debug)]
+pub enum Failure {
+    /// Bad input with places.
+    Input(InputError),
+    /// Bad input of another kind: arguments, files that are not for us to write to.
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// What to try.
+        help: Option<String>,
+    },
+    /// A step did not converge.
+    NoConvergence(String),
+    /// A limit was exceeded.
+    Limit(String),
+    /// Anything else, such as a full disk.
+    Other(String),
+}
+
+impl Failure {
+    /// Exit code.
+    pub fn code(&self) -> u8 {
+        match self {
+            Failure::Input(_) | Failure::Usage { .. } => 2,
+            Failure::NoConvergence(_) => 3,
+            Failure::Limit(_) => 4,
+            Failure::Other(_) => 1,
+        }
+    }
+
+    /// What is wrong.
+    pub fn message(&self) -> String {
+        match self {
+            Failure::Input(error) => error.to_string(),
+            Failure::Usage { message, .. } => message.clone(),
+            Failure::NoConvergence(message) | Failure::Limit(message) | Failure::Other(message) => {
+                message.clone()
+            }
+        }
+    }
+
+    /// Prints the failure on standard error.
+    pub fn show(&self) {
+        match self {
+            Failure::Input(error) => {
+                error.faults().iter().for_each(|fault| show(fault));
+                if error.faults().len() > 1 {
+                    eprintln!("{} faults in the input; nothing was run or written", error.faults().len());
+                }
+            }
+            Failure::Usage { message, help } => plain(message, help.as_deref()),
+            Failure::NoConvergence(message) => {
+                plain(message, Some("the results up to the step before are written"))
+            }
+            Failure::Limit(message) => plain(message, Some("the results up to this step are written")),
+            Failure::Other(message) => plain(message, None),
+        }
+    }
+}
+
+fn plain(message: &str, help: Option<&str>) {
+    let diagnostic = MietteDiagnostic::new(message);
+    match help {
+        Some(help) => show(&diagnostic.with_help(help)),
+        None => show(&diagnostic),
+    }
+}
+
+/// Lines, carets and colours where there is a terminal; the same without colours, not wrapped, where there is none.
+fn show(diagnostic: &dyn Diagnostic) {
+    let handler = match stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+        true => GraphicalReportHandler::new_themed(GraphicalTheme::unicode()).with_width(110),
+        false => GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_wrap_lines(false),
+    };
+    let mut text = String::new();
+    match handler.render_report(&mut text, diagnostic) {
+        Ok(()) => eprintln!("{}", text.trim_end()),
+        Err(_) => eprintln!("{diagnostic}"),
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Failure::Input(error)
+    }
+}
+
+impl From<DirectoryError> for Failure {
+    fn from(error: DirectoryError) -> Self {
+        Failure::Usage { message: error.to_string(), help: None }
+    }
+}
+
+/// Errors of the library before the first step: the input asks for what cannot be.
+impl From<emmy::Error> for Failure {
+    fn from(error: emmy::Error) -> Self {
+        Failure::Usage { message: error.to_string(), help: None }
+    }
+}

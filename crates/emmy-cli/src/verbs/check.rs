@@ -1,0 +1,178 @@
+//! `emmy check FILE`: what an input stands for. Runs nothing and writes nothing.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use clap::Args;
+use emmy::body::{Load, LoadKind, LoadResultant, RegionSummary, Support};
+use emmy::element::quality;
+use emmy::mesh::{CellKind, Mesh};
+use emmy_io::input::Problem;
+
+use super::Input;
+use crate::failure::Failure;
+use crate::print::{self, number, vector};
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    input: Input,
+}
+
+/// Prints the report.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let problem = arguments.input.problem()?;
+    let mut report = Report::default();
+    report.line("input", &arguments.input.file.display().to_string());
+    report.line("title", problem.title.as_deref().unwrap_or("(none)"));
+    report.mesh(problem.body.mesh());
+    report.groups(problem.body.mesh());
+    report.body(&problem);
+    report.time(&problem);
+    report.output(&problem);
+    print::result(&report.text)
+}
+
+/// Lines under key words.
+#[derive(Debug, Default)]
+struct Report {
+    text: String,
+}
+
+impl Report {
+    fn line(&mut self, word: &str, text: &str) {
+        let _ = writeln!(self.text, "{word:<11}{text}");
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        let mut counts: BTreeMap<CellKind, usize> = BTreeMap::new();
+        mesh.cells().for_each(|cell| *counts.entry(cell.kind).or_default() += 1);
+        let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        let (nodes, cells) = (mesh.n_nodes(), mesh.n_cells());
+        self.line("mesh", &format!("{nodes} nodes, {cells} cells ({})", kinds.join(", ")));
+        let quality = quality(mesh);
+        for (name, worst) in [
+            ("smallest det J ratio", quality.jacobian_ratio),
+            ("smallest scaled Jacobian", quality.scaled_jacobian),
+            ("largest aspect ratio", quality.aspect_ratio),
+        ] {
+            self.line("quality", &format!("{name} {:.4} (cell {})", worst.value, worst.cell));
+        }
+    }
+
+    fn groups(&mut self, mesh: &Mesh) {
+        let groups = mesh.groups();
+        for name in groups.names() {
+            let cells = groups.cells.get(name).map(|cells| format!("{} cells", cells.len()));
+            let facets = groups.facets.get(name).map(|facets| format!("{} facets", facets.len()));
+            let nodes = mesh.group_nodes(name).map(|nodes| format!("{} nodes", nodes.len())).ok();
+            let sizes: Vec<String> = [cells, facets, nodes].into_iter().flatten().collect();
+            self.line("group", &format!("{name}: {}", sizes.join(", ")));
+        }
+    }
+
+    fn body(&mut self, problem: &Problem) {
+        let body = &problem.body;
+        let (all, free) = (body.n_dofs(), body.n_free_dofs());
+        self.line("dofs", &format!("{all} degrees of freedom, {} fixed, {free} free", all - free));
+        body.regions().iter().for_each(|region| self.region(region));
+        for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
+            self.load(load, &resultant);
+        }
+        problem.supports.iter().for_each(|support| self.support(support, body.mesh()));
+        if problem.initial.is_empty() {
+            self.line("initial", "at rest");
+        }
+        for field in &problem.initial {
+            let group = field.group.as_deref().unwrap_or("all nodes");
+            let (velocity, spin) = (vector(field.velocity), vector(field.angular_velocity));
+            let about = vector(field.about);
+            self.line(
+                "initial",
+                &format!("{group}: velocity {velocity}, angular velocity {spin} about {about}"),
+            );
+        }
+    }
+
+    fn region(&mut self, region: &RegionSummary) {
+        let group = region.group.as_deref().unwrap_or("all cells");
+        let (volume, mass, centre) = (number(region.volume), number(region.mass), vector(region.centre));
+        let cells = region.n_cells;
+        self.line(
+            "region",
+            &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"),
+        );
+        let inertia = without_rounding(region.inertia).map(vector).join(", ");
+        self.line("", &format!("inertia about the centre [{inertia}]"));
+    }
+
+    fn load(&mut self, load: &Load, resultant: &LoadResultant) {
+        let (kind, group) = match &load.kind {
+            LoadKind::Traction { group, .. } => ("traction", group.as_str()),
+            LoadKind::Force { group, .. } => ("force", group.as_str()),
+            LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
+        };
+        let (force, torque) = (vector(resultant.force), vector(resultant.torque));
+        let entries = load.history.entries();
+        let history = match entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max) {
+            1.0 if entries.len() == 1 => "constant".to_string(),
+            peak => format!("{} times, largest factor {}", entries.len(), number(peak)),
+        };
+        self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
+        self.line("", &format!("at factor 1; history: {history}"));
+    }
+
+    fn support(&mut self, support: &Support, mesh: &Mesh) {
+        let axes: Vec<&str> = ["x", "y", "z"]
+            .into_iter()
+            .zip(support.fix)
+            .filter(|(_, fixed)| *fixed)
+            .map(|(axis, _)| axis)
+            .collect();
+        let dofs = mesh.group_nodes(&support.group).map_or(0, |nodes| nodes.len()) * axes.len();
+        self.line(
+            "support",
+            &format!("{}: {} fixed, {dofs} degrees of freedom", support.group, axes.join(", ")),
+        );
+    }
+
+    fn time(&mut self, problem: &Problem) {
+        let plan = &problem.plan;
+        self.line("scheme", &format!("{}, degree {}", problem.scheme, problem.degree));
+        let (steps, start, end) = (plan.n_steps(), number(plan.start()), number(plan.end()));
+        self.line("plan", &format!("{steps} steps from t = {start} to t = {end}"));
+        for phase in plan.phases() {
+            self.line("", &format!("steps of {} until {}", number(phase.size), number(phase.until)));
+        }
+        let newton = &problem.newton;
+        let (tolerance, most) = (number(newton.tolerance), newton.max_iterations);
+        self.line("newton", &format!("tolerance {tolerance}, at most {most} iterations a step"));
+    }
+
+    fn output(&mut self, problem: &Problem) {
+        let output = &problem.output;
+        let frames = match output.every {
+            0 => "no frames".to_string(),
+            every => format!("{} frames", problem.plan.n_steps() / every + 1),
+        };
+        self.line("output", &format!("{}, {frames}", output.directory.display()));
+        for probe in &output.probes {
+            let at = vector(problem.body.mesh().points()[probe.node]);
+            self.line("probe", &format!("{}: node {} at {at}", probe.name, probe.node));
+        }
+        let limits =
+            [("energy", problem.limits.energy), ("angular_momentum", problem.limits.angular_momentum)];
+        for (name, limit) in limits {
+            if let Some(limit) = limit {
+                self.line("limit", &format!("{name} {}", number(limit)));
+            }
+        }
+    }
+}
+
+/// The tensor with zeros where there is nothing but rounding.
+fn without_rounding(tensor: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let largest = tensor.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    tensor.map(|row| row.map(|x| if x.abs() < 1e-12 * largest { 0.0 } else { x }))
+}

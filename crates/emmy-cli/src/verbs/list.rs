@@ -1,0 +1,86 @@
+//! `emmy list WHAT`: one item a line, its key word first.
+
+use clap::{Args, ValueEnum};
+use emmy::mesh::CellKind;
+use serde_json::json;
+
+use super::new::TEMPLATES;
+use crate::failure::Failure;
+use crate::print;
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// What to list
+    what: What,
+    /// As JSON: a list of objects with `name` and `description`
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum What {
+    /// Schemes in time
+    Schemes,
+    /// Material models
+    Materials,
+    /// Elements that a mesh may be made of
+    Elements,
+    /// Where a mesh may come from
+    Meshes,
+    /// Solvers of the linear systems
+    Solvers,
+    /// Examples that `emmy new` writes
+    Templates,
+}
+
+type Item = (&'static str, &'static str);
+
+const MATERIALS: [Item; 2] = [
+    ("saint-venant-kirchhoff", "linear in the Green-Lagrange strain; large rotation, small strain"),
+    ("neo-hooke", "compressible neo-Hooke; large strain"),
+];
+
+const MESHES: [Item; 3] = [
+    ("l-block", "L-shaped block, { cell_size = 1.0 }; groups body, face-a, face-b"),
+    ("box", "block of bricks, { size = [2, 8, 2], cells = [2, 8, 2] }; groups body, x-min, x-max, ... z-max"),
+    ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp; groups by their names in the file"),
+];
+
+const SOLVERS: [Item; 1] = [(
+    "auto",
+    "GMRES on the true tangent, preconditioned by Cholesky factors that are kept while they serve",
+)];
+
+/// Prints the list.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let items: Vec<Item> = match arguments.what {
+        What::Schemes => emmy::time::SCHEMES.to_vec(),
+        What::Materials => MATERIALS.to_vec(),
+        What::Elements => CellKind::ALL.map(|kind| (kind.name(), description(kind))).to_vec(),
+        What::Meshes => MESHES.to_vec(),
+        What::Solvers => SOLVERS.to_vec(),
+        What::Templates => TEMPLATES.map(|template| (template.name, template.title())).to_vec(),
+    };
+    print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
+}
+
+fn description(kind: CellKind) -> &'static str {
+    match kind {
+        CellKind::Hex8 => "trilinear hexahedron, 8 nodes",
+        CellKind::Hex20 => "serendipity hexahedron, 20 nodes",
+        CellKind::Hex27 => "triquadratic hexahedron, 27 nodes",
+        CellKind::Tet4 => "linear tetrahedron, 4 nodes",
+        CellKind::Tet10 => "quadratic tetrahedron, 10 nodes",
+    }
+}
+
+fn as_lines(items: &[Item]) -> String {
+    let width = items.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    items.iter().map(|(name, description)| format!("{name:width$}  {description}\n")).collect()
+}
+
+fn as_json(items: &[Item]) -> String {
+    let object = |(name, description): &Item| json!({ "name": name, "description": description });
+    format!("{:#}\n", serde_json::Value::Array(items.iter().map(object).collect()))
+}

@@ -1,0 +1,68 @@
+//! The verbs, one a file.
+
+mod check;
+mod completions;
+mod list;
+mod new;
+mod run;
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use emmy_io::input::Overrides;
+
+use crate::failure::Failure;
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Write a commented example input into the working directory
+    New(new::Arguments),
+    /// Read an input and its mesh and report on them; run nothing
+    Check(check::Arguments),
+    /// Compute the motion and write the results
+    Run(run::Arguments),
+    /// Say what there is: schemes, materials, elements, meshes, ...
+    List(list::Arguments),
+    /// Print completions for a shell
+    Completions(completions::Arguments),
+}
+
+impl Verb {
+    /// Does it.
+    pub fn run(self) -> Result<(), Failure> {
+        match self {
+            Verb::New(arguments) => new::run(&arguments),
+            Verb::Check(arguments) => check::run(&arguments),
+            Verb::Run(arguments) => run::run(&arguments),
+            Verb::List(arguments) => list::run(&arguments),
+            Verb::Completions(arguments) => completions::run(&arguments),
+        }
+    }
+}
+
+/// An input file and what the command line changes of it.
+#[derive(Debug, Args)]
+struct Input {
+    /// Input file (TOML)
+    file: PathBuf,
+    /// Output directory, in place of the one in the input
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Change a value of the input, such as time.scheme=DGM or load.0.traction=[1,2,3] (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// End of the run: later steps are left out, or the last ones go on
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    until: Option<f64>,
+}
+
+impl Input {
+    /// The problem; what its reader remarks goes to standard error.
+    fn problem(&self) -> Result<emmy_io::input::Problem, Failure> {
+        let overrides = Overrides { set: self.set.clone(), until: self.until, output: self.output.clone() };
+        let problem = emmy_io::input::read(&self.file, &overrides)?;
+        problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        Ok(problem)
+    }
+}

@@ -1,0 +1,72 @@
+//! `emmy new NAME`: an example input to start from.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+
+use clap::Args;
+
+use crate::failure::Failure;
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Name of the example; without it, the examples are listed
+    name: Option<String>,
+}
+
+/// An example input; every one is a file in `examples`.
+#[derive(Debug, Clone, Copy)]
+pub struct Template {
+    /// Name of the example and of its file.
+    pub name: &'static str,
+    text: &'static str,
+}
+
+impl Template {
+    /// First sentence of the file.
+    pub fn title(&self) -> &'static str {
+        self.text.lines().next().map_or("", |line| line.trim_start_matches("# "))
+    }
+}
+
+macro_rules! template {
+    ($name:literal) => {
+        Template { name: $name, text: include_str!(concat!("../../../../examples/", $name, ".toml")) }
+    };
+}
+
+/// The examples.
+pub const TEMPLATES: [Template; 4] =
+    [template!("l-block"), template!("quasi-rigid"), template!("cantilever"), template!("spinning-block")];
+
+/// Writes the example, never over a file that is there.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
+    let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
+        return Err(unknown(name));
+    };
+    let file = format!("{name}.toml");
+    let opened = OpenOptions::new().write(true).create_new(true).open(&file);
+    opened
+        .and_then(|mut opened| opened.write_all(template.text.as_bytes()))
+        .map_err(|error| not_written(&file, &error))?;
+    eprintln!("{file} is written; `emmy check {file}` reports on it, `emmy run {file}` runs it");
+    Ok(())
+}
+
+fn unknown(name: &str) -> Failure {
+    let message = match name {
+        "" => "which example?".to_string(),
+        name => format!("there is no example `{name}`"),
+    };
+    let lines = TEMPLATES.iter().map(|template| format!("\n  {:16}{}", template.name, template.title()));
+    Failure::Usage { message, help: Some(format!("the examples are{}", lines.collect::<String>())) }
+}
+
+fn not_written(file: &str, error: &std::io::Error) -> Failure {
+    let message = match error.kind() {
+        ErrorKind::AlreadyExists => format!("{file} is there already; it was left as it is"),
+        _ => format!("cannot write {file}: {error}"),
+    };
+    Failure::Usage { message, help: None }
+}

@@ -1,0 +1,38 @@
+//! The short report at the end of a run, on standard error.
+
+use emmy_io::results::Results;
+use emmy_io::summary::Status;
+use emmy_io::tally::Worst;
+
+use crate::print::number;
+
+/// Prints how far the run came, its worst balances, and where the files are.
+pub fn report(results: &Results, status: Status) {
+    let tally = results.tally();
+    let (steps, time, seconds) = (tally.steps, number(tally.time), results.wall_seconds());
+    let iterations = tally.newton_iterations;
+    eprintln!(
+        "{}: {steps} steps to t = {time} in {seconds:.2} s, {iterations} Newton iterations",
+        status.name()
+    );
+    if tally.steps_at_rounding_floor > 0 {
+        let floor = tally.steps_at_rounding_floor;
+        eprintln!("steps that ended at the rounding floor, above the tolerance: {floor}");
+    }
+    let part = |worst: Worst, whole: f64| if whole > 0.0 { worst.value / whole } else { 0.0 };
+    eprintln!("worst balance of a step:");
+    worst("energy", tally.energy, Some((part(tally.energy, tally.largest_energy), "T + V")));
+    worst("linear momentum", tally.linear_momentum, None);
+    let angular = part(tally.angular_momentum, tally.largest_angular_momentum);
+    worst("angular momentum", tally.angular_momentum, Some((angular, "|L|")));
+    let directory = results.directory();
+    let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
+    files.extend(results.collection());
+    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    eprintln!("written: {}", files.join(", "));
+}
+
+fn worst(name: &str, worst: Worst, relative: Option<(f64, &str)>) {
+    let relative = relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
+    eprintln!("  {name:<17}{:.2e} (step {}{relative})", worst.value, worst.step);
+}

@@ -1,0 +1,41 @@
+//! `--json`: one object a step on standard output, with the names of the history's columns.
+
+use std::time::Instant;
+
+use emmy::motion::{Observer, View};
+use emmy_io::history::{self, Number};
+use emmy_io::input::Probe;
+use serde_json::{Map, Value};
+
+use crate::print;
+
+/// Prints the record of every step, if it is switched on.
+#[derive(Debug)]
+pub struct JsonLines {
+    on: bool,
+    probes: Vec<Probe>,
+    columns: Vec<String>,
+    started: Instant,
+}
+
+impl JsonLines {
+    /// The observer; the clock starts here.
+    pub fn new(on: bool, probes: &[Probe]) -> Self {
+        JsonLines { on, probes: probes.to_vec(), columns: history::columns(probes), started: Instant::now() }
+    }
+}
+
+impl Observer for JsonLines {
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        if !self.on {
+            return Ok(());
+        }
+        let row = history::row(view, &self.probes, self.started.elapsed().as_secs_f64());
+        let value = |number: &Number| match *number {
+            Number::Whole(value) => Value::from(value),
+            Number::Real(value) => Value::from(value),
+        };
+        let object: Map<String, Value> = self.columns.iter().cloned().zip(row.iter().map(value)).collect();
+        print::result(&format!("{}\n", Value::Object(object))).map_err(|failure| failure.message().into())
+    }
+}

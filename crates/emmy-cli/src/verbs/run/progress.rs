@@ -1,0 +1,87 @@
+//! Live progress on standard error: a bar on a terminal, else a line for every tenth of the way.
+
+use std::io::{IsTerminal, stderr};
+
+use emmy::motion::{Observer, Record, StepPlan, View};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::print::number;
+
+/// Shows how far a run is.
+#[derive(Debug)]
+pub struct Progress {
+    form: Form,
+    n_steps: usize,
+    end: f64,
+    largest_energy: f64,
+}
+
+#[derive(Debug)]
+enum Form {
+    Nothing,
+    Lines { shown: usize },
+    Bar(ProgressBar),
+}
+
+const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
+
+impl Progress {
+    /// Progress through a plan.
+    pub fn new(plan: &StepPlan, quiet: bool) -> Self {
+        let n_steps = plan.n_steps();
+        let form = match (quiet, stderr().is_terminal()) {
+            (true, _) => Form::Nothing,
+            (false, false) => Form::Lines { shown: 0 },
+            (false, true) => Form::Bar(bar(n_steps)),
+        };
+        Progress { form, n_steps, end: plan.end(), largest_energy: 0.0 }
+    }
+
+    /// Takes the bar away.
+    pub fn end(&self) {
+        if let Form::Bar(bar) = &self.form {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Time, balance of the step relative to the largest T + V, Newton iterations.
+    fn message(&self, record: &Record) -> String {
+        let balance =
+            if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
+        let time = number(record.time);
+        format!("t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
+    }
+}
+
+fn bar(n_steps: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(n_steps as u64), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template(STYLE) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+impl Observer for Progress {
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let record = view.record;
+        self.largest_energy = self.largest_energy.max(record.total_energy);
+        let tenths = 10 * record.step / self.n_steps.max(1);
+        let message = match self.form {
+            Form::Nothing => return Ok(()),
+            Form::Lines { shown } if tenths <= shown => return Ok(()),
+            _ => self.message(record),
+        };
+        match &mut self.form {
+            Form::Bar(bar) => {
+                bar.set_message(message);
+                bar.set_position(record.step as u64);
+            }
+            _ => {
+                let (n_steps, end) = (self.n_steps, number(self.end));
+                eprintln!("step {} of {n_steps}, {message} (end: t = {end})", record.step);
+                self.form = Form::Lines { shown: tenths };
+            }
+        }
+        Ok(())
+    }
+}

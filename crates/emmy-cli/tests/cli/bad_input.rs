@@ -1,0 +1,229 @@
+//! Bad inputs: exit code 2, the right line, the right words, and nothing written.
+
+use super::{BOX, Place};
+
+/// What is changed in [`BOX`], and what the message must say.
+struct Case {
+    from: &'static str,
+    to: &'static str,
+    says: &'static [&'static str],
+}
+
+const fn case(from: &'static str, to: &'static str, says: &'static [&'static str]) -> Case {
+    Case { from, to, says }
+}
+
+const MATERIAL: &str = "material.neo-hooke = { lambda = 1000.0, mu = 500.0 }";
+const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+const TRACTION: &str = "traction = [0.0, 0.0, 10.0]";
+const HISTORY: &str = "history = [[0.0, 0.0], [0.5, 1.0]]";
+const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
+const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
+
+/// Faults on the line that was changed.
+const CASES: &[Case] = &[
+    // Keys that are not keys.
+    case("title =", "titel =", &["unknown key `titel`", "did you mean `title`?"]),
+    case(
+        "density = 2.0",
+        "densty = 2.0",
+        &["unknown key `densty` in [[region]]", "did you mean `density`?", "`material`"],
+    ),
+    case("density = 2.0", "density = 2.0\nrho = 1.0", &["did you mean `density`?"]),
+    case("group = \"body\"", "grupo = \"body\"", &["unknown key `grupo`"]),
+    case("mu = 500.0", "mv = 500.0", &["unknown key `mv`", "did you mean `mu`?"]),
+    case("scheme = \"AS(2)\"", "scheme = \"AS(2)\"\nevery = 2", &["`every` belongs in [output]"]),
+    case("tolerance = 1e-10", "tol = 1e-10", &["unknown key `tol` in [newton]", "`tolerance`"]),
+    case("max_iterations", "max-iterations", &["did you mean `max_iterations`?"]),
+    case("[limits]", "[limit]", &["unknown key `limit`", "did you mean `limits`?"]),
+    case("size = 0.1 }", "dt = 0.1 }", &["did you mean `size`?"]),
+    case("point = [0, 2, 0]", "at = [0, 2, 0]", &["unknown key `at` in a probe"]),
+    case("cells = [1, 2, 1]", "cels = [1, 2, 1]", &["did you mean `cells`?"]),
+    // Kinds of values.
+    case("density = 2.0", "density = \"2.0\"", &["`density` must be a number, not a string"]),
+    case("density = 2.0", "density = nan", &["`density` must be a finite number"]),
+    case("density = 2.0", "density = inf", &["`density` must be a finite number"]),
+    case("density = 2.0", "density = 1e999", &["`density` must be a finite number"]),
+    case("density = 2.0", "density = 99999999999999999999", &["too large"]),
+    case("density = 2.0", "density = -2.0", &["`density` must be positive, not -2"]),
+    case("density = 2.0", "density = 0", &["`density` must be positive"]),
+    case("density = 2.0", "density = 2.0.1", &["not valid TOML"]),
+    case("density = 2.0", "density = 2.0\ndensity = 2.0", &["duplicate key"]),
+    case(TRACTION, "traction = [0.0, 1.0]", &["`traction` must have 3 numbers, not 2"]),
+    case(TRACTION, "traction = [0.0, nan, 1.0]", &["finite"]),
+    case(TRACTION, "traction = 1.0", &["`traction` must be a list of 3 numbers, not a number"]),
+    case("degree = 1", "degree = 1.5", &["`degree` must be a whole number"]),
+    case("degree = 1", "degree = 0", &["`degree` must be at least 1"]),
+    case("every = 2", "every = -1", &["`every` must be at least 0"]),
+    case("every = 2", "every = 2\ncheckpoint_every = 0.5", &["`checkpoint_every` must be a whole number"]),
+    case("velocity = [0, 0, 0]", "velocity = [0, 0, \"fast\"]", &["must be a number, not a string"]),
+    case(
+        "velocity = [0, 0, 0]",
+        "gradient = [[0, 0, 0], [0, 0, 0]]",
+        &["`gradient` must have 3 rows, not 2"],
+    ),
+    // One of several.
+    case(
+        MESH,
+        "l-block.cell_size = 1\nfile = \"a.msh\"",
+        &["more than one source", "`l-block`, `box`, `file`"],
+    ),
+    case(
+        TRACTION,
+        "traction = [0, 0, 1]\nforce = [0, 0, 1]",
+        &["more than one kind of load", "`acceleration`"],
+    ),
+    case(MATERIAL, "material = {}", &["exactly one of `saint-venant-kirchhoff`, `neo-hooke`"]),
+    case(MATERIAL, "material = \"neo-hooke\"", &["`material` must be a table"]),
+    case(MATERIAL, "material.mooney = { mu = 1 }", &["unknown key `mooney`", "`neo-hooke`"]),
+    case("mu = 500.0", "poissons_ratio = 0.3", &["exactly one pair"]),
+    case(
+        "lambda = 1000.0, mu",
+        "mu",
+        &["either `lambda` and `mu`, or `youngs_modulus` and `poissons_ratio`"],
+    ),
+    // Out of range.
+    case("mu = 500.0", "mu = -500.0", &["mu = -500 must be positive"]),
+    case(
+        "lambda = 1000.0, mu = 500.0",
+        "youngs_modulus = 1.0, poissons_ratio = 0.5",
+        &["poissons_ratio = 0.5"],
+    ),
+    case("size = [1, 2, 1]", "size = [1, -2, 1]", &["`size` must be positive"]),
+    case("cells = [1, 2, 1]", "cells = [1, 0, 1]", &["`cells` must be at least 1, not 0"]),
+    case("cells = [1, 2, 1]", "cells = [100000, 100000, 1]", &["1.0e10 cells"]),
+    case(MESH, "l-block = { cell_size = 0.3 }", &["1, 1/2, 1/3"]),
+    case(MESH, "l-block = { cell_size = 1e-9 }", &["cells; the most is"]),
+    case(MESH, "file = \"none.msh\"", &["none.msh"]),
+    case("[[region]]", "scale = 0.0\n[[region]]", &["`scale` must be positive"]),
+    case(HISTORY, "history = [[0.5, 0.0], [0.0, 1.0]]", &["times must not go back"]),
+    case(HISTORY, "history = []", &["no entries"]),
+    case(HISTORY, "history = [[0.5, 0.0, 1.0]]", &["must have 2 numbers"]),
+    case("AS(2)", "as2", &["not a scheme", "did you mean \"AS(2)\"?", "DGM"]),
+    case("AS(2)", "leapfrog", &["not a scheme", "emmy list schemes"]),
+    case(STEPS, "steps = []", &["`steps` is empty"]),
+    case(
+        STEPS,
+        "steps = [{ until = 0.5, size = 0.1 }, { until = 0.2, size = 0.1 }]",
+        &["phase 1", "time goes forward"],
+    ),
+    case(STEPS, "steps = [{ until = 0.5, size = -0.1 }]", &["`size` must be positive"]),
+    case(STEPS, "adaptive = { tolerance = 1e-4 }", &["not available yet"]),
+    case("tolerance = 1e-10", "tolerance = 2", &["less than 1"]),
+    case("max_iterations = 20", "max_iterations = 0", &["at least 1"]),
+    case("kind = \"auto\"", "kind = \"pardiso\"", &["`pardiso` is not a solver", "`auto`"]),
+    case("energy = 1e-2", "energy = -1", &["`energy` must be positive"]),
+    case("directory = \"out\"", "directory = \"\"", &["must not be empty"]),
+    // Names.
+    case("group = \"y-max\"", "group = \"y-mx\"", &["no group `y-mx`", "did you mean `y-max`?", "`z-min`"]),
+    case("group = \"y-max\"", "group = \"body\"", &["`body` is there, but has no facets"]),
+    case("group = \"y-min\"", "group = \"floor\"", &["no group `floor`", "`y-min`"]),
+    case("group = \"body\"", "group = \"bdy\"", &["did you mean `body`?"]),
+    case("velocity = [0, 0, 0]", "group = \"tip\"", &["no group `tip`"]),
+    case("fix = [\"x\", \"y\", \"z\"]", "fix = [\"x\", \"w\"]", &["`w` is not a component"]),
+    case("fix = [\"x\", \"y\", \"z\"]", "fix = []", &["`fix` is empty"]),
+    case(PROBES, "probes = [{ name = \"a,b\", point = [0, 0, 0] }]", &["letters, digits"]),
+    case(PROBES, "probes = [{ name = \"linear_momentum\", point = [0, 0, 0] }]", &["already"]),
+    case(
+        PROBES,
+        "probes = [{ name = \"a\", point = [0, 0, 0] }, { name = \"a\", point = [0, 2, 0] }]",
+        &["two probes are named `a`"],
+    ),
+];
+
+#[test]
+fn every_fault_is_shown_on_its_line() {
+    for Case { from, to, says } in CASES {
+        assert!(BOX.contains(from), "{from}");
+        let input = BOX.replacen(from, to, 1);
+        let first = BOX.lines().zip(input.lines()).position(|(a, b)| a != b).unwrap() + 1;
+        let last = first + to.matches('\n').count();
+        let outcome = refused(&input, &["run", "box.toml"], says);
+        let lines: Vec<String> = (first..=last).map(|line| format!("box.toml:{line}:")).collect();
+        assert!(lines.iter().any(|line| outcome.contains(line)), "{to}: line {first}\n{outcome}");
+    }
+}
+
+/// Sections and keys that are left out.
+const MISSING: &[(&str, &[&str])] = &[
+    ("[mesh]\nbox = { size = [1, 2, 1], cells = [1, 2, 1] }\n", &["box.toml", "`mesh` is missing"]),
+    (
+        "box = { size = [1, 2, 1], cells = [1, 2, 1] }\n",
+        &["box.toml:3:", "exactly one of `l-block`, `box`, `file`"],
+    ),
+    ("density = 2.0\n", &["box.toml:6:", "`density` is missing in [[region]]"]),
+    ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),
+    ("group = \"y-max\"\n", &["box.toml:11:", "`group` is missing in [[load]]"]),
+    ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`"]),
+    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "`fix` is missing"]),
+    ("scheme = \"AS(2)\"\n", &["box.toml:23:", "`scheme` is missing in [time]"]),
+    (", size = 0.1", &["box.toml:26:", "`size` is missing"]),
+    ("name = \"tip\", ", &["box.toml:38:", "`name` is missing in a probe"]),
+    ("kind = \"auto\"\n", &["box.toml:32:", "`kind` is missing in [solver]"]),
+];
+
+#[test]
+fn what_is_missing_is_named_where_it_should_be() {
+    for (part, says) in MISSING {
+        assert!(BOX.contains(part), "{part}");
+        refused(&BOX.replacen(part, "", 1), &["run", "box.toml"], says);
+    }
+    refused("", &["run", "box.toml"], &["`mesh` is missing", "`region` is missing", "`time` is missing"]);
+    refused("region = []\n", &["run", "box.toml"], &["at least one region"]);
+}
+
+#[test]
+fn regions_must_cover_the_cells_once() {
+    let second = "[[region]]\ngroup = \"body\"\ndensity = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
+    let twice = BOX.replacen("[[load]]", second, 1);
+    refused(&twice, &["run", "box.toml"], &["cell 0 belongs to two regions", "first", "second"]);
+    let without_group = twice.replacen("group = \"body\"\n", "", 1);
+    refused(&without_group, &["run", "box.toml"], &["only where there is one region"]);
+}
+
+#[test]
+fn flags_are_named_in_their_faults() {
+    for (flags, says) in [
+        (&["--set", "time.shceme=DGM"][..], &["--set", "unknown key `shceme`", "did you mean `scheme`?"][..]),
+        (&["--set", "time.scheme=DGX"], &["--set", "not a scheme"]),
+        (&["--set", "load.1.traction=[1,2,3]"], &["--set", "the list has 1"]),
+        (&["--set", "load.0.traction=[1,2]"], &["--set", "must have 3 numbers"]),
+        (&["--set", "load.0.traction=[1,2,"], &["--set", "not a string"]),
+        (&["--set", "title"], &["--set title", "no `=`"]),
+        (&["--set", "title.x=1"], &["--set", "cannot be set inside a string"]),
+        (&["--set", "newton.tolerance=nan"], &["--set", "finite"]),
+        (&["--until", "0"], &["--until 0"]),
+        (&["--until", "-1"], &["--until -1"]),
+        (&["--until", "nan"], &["--until NaN"]),
+    ] {
+        let arguments = [&["run", "box.toml"], flags].concat();
+        refused(BOX, &arguments, says);
+    }
+}
+
+#[test]
+fn all_faults_are_shown_at_once() {
+    let input = BOX.replace("density", "densty").replace("y-max", "y-mux").replace("AS(2)", "AS(0)");
+    refused(&input, &["check", "box.toml"], &["densty", "y-mux", "AS(0)", "3 faults"]);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_refused() {
+    let place = Place::new();
+    std::fs::write(place.path("box.toml"), b"title = \"a\"\n\xff\xfe").unwrap();
+    let outcome = place.emmy(&["run", "box.toml"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("box.toml:2: the file is not UTF-8"), "{}", outcome.stderr);
+}
+
+/// Runs a bad input and returns the message.
+fn refused(input: &str, arguments: &[&str], says: &[&str]) -> String {
+    let place = Place::with(input);
+    let outcome = place.emmy(arguments);
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{input}\n{}", outcome.stderr);
+    for part in says {
+        assert!(outcome.stderr.contains(part), "\"{part}\" is not in\n{}", outcome.stderr);
+    }
+    assert_eq!(place.names("."), ["box.toml"], "{input}");
+    outcome.stderr
+}

@@ -1,0 +1,58 @@
+//! Every example runs as it stands, and a number says that it is right.
+
+use super::Place;
+
+fn run(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
+    let place = Place::new();
+    let file = format!("{name}.toml");
+    place.succeed(&["new", name]);
+    place.succeed(&["run", &file, "--quiet"]);
+    let history = place.history(name);
+    (place, history)
+}
+
+fn close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance * expected.abs(), "{value} is not {expected}");
+}
+
+fn last(column: &[f64]) -> f64 {
+    column[column.len() - 1]
+}
+
+#[test]
+fn l_block() {
+    let (place, history) = run("l-block");
+    close(last(&history["total_energy"]), 5500.150056, 1e-9);
+    close(last(&history["angular_momentum_x"]), 1745.575399, 1e-9);
+    close(last(&history["angular_momentum_y"]), 977.681278, 1e-9);
+    close(last(&history["angular_momentum_z"]), -1233.645985, 1e-9);
+    assert_eq!(place.summary("l-block")["steps"], 175);
+}
+
+#[test]
+fn quasi_rigid() {
+    let (_, history) = run("quasi-rigid");
+    close(last(&history["total_energy"]), 4340.552314, 1e-9);
+    close(last(&history["angular_momentum_x"]), 2231.747394, 1e-9);
+    close(last(&history["angular_momentum_z"]), -1612.465803, 1e-9);
+}
+
+#[test]
+fn cantilever() {
+    let (_, history) = run("cantilever");
+    // What falls gains what gravity gives: T + V equals the work, all the way.
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-8, "{energy} {work}");
+    }
+    let lowest = history["end_z"].iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((-8.0..-1.0).contains(&lowest), "{lowest}");
+}
+
+#[test]
+fn spinning_block() {
+    let (_, history) = run("spinning-block");
+    for name in ["total_energy", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"] {
+        history[name].iter().for_each(|&value| close(value, history[name][0], 1e-12));
+    }
+    close(history["total_energy"][0], 464.5311, 1e-12);
+}

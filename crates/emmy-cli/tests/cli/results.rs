@@ -1,0 +1,121 @@
+//! What a run writes.
+
+use super::{BOX, Place};
+
+const COLUMNS: &str = "step,time,step_size,kinetic_energy,strain_energy,external_work,total_energy,energy_residual,\
+    linear_momentum_x,linear_momentum_y,linear_momentum_z,angular_momentum_x,angular_momentum_y,angular_momentum_z,\
+    linear_momentum_residual,angular_momentum_residual,newton_iterations,wall_seconds,tip_x,tip_y,tip_z";
+
+#[test]
+fn the_history_has_its_columns_and_a_row_a_step() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert_eq!(place.names("out"), ["frames", "history.csv", "input.toml", "out.pvd", "summary.json"]);
+    assert_eq!(place.read("out/history.csv").lines().next(), Some(COLUMNS));
+    let history = place.history("out");
+    assert_eq!(history["step"], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert_eq!((history["step_size"][0], history["step_size"][1], history["step_size"][8]), (0.0, 0.1, 0.05));
+    assert_eq!((history["tip_x"][0], history["tip_y"][0], history["tip_z"][0]), (0.0, 2.0, 0.0));
+    for step in 1..9 {
+        let (kinetic, strain) = (history["kinetic_energy"][step], history["strain_energy"][step]);
+        assert_eq!(history["total_energy"][step], kinetic + strain);
+        assert!(history["tip_z"][step] > history["tip_z"][step - 1]);
+        assert!(history["newton_iterations"][step] >= 1.0);
+    }
+    let worst = history["energy_residual"].iter().fold(0.0, |worst: f64, x| worst.max(x.abs()));
+    assert_eq!(place.summary("out")["worst_energy_residual"].as_f64(), Some(worst));
+}
+
+#[test]
+fn the_summary_says_what_ran() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let summary = place.summary("out");
+    assert_eq!(summary["status"], "done");
+    assert_eq!((&summary["scheme"], &summary["degree"]), (&"AS(2)".into(), &1.into()));
+    assert_eq!((&summary["dofs"], &summary["cells"], &summary["steps"]), (&36.into(), &2.into(), &8.into()));
+    for key in [
+        "version",
+        "newton_iterations",
+        "wall_seconds",
+        "worst_energy_residual",
+        "worst_angular_momentum_residual",
+    ] {
+        assert!(!summary[key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn the_collection_lists_every_frame_with_its_time() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let (collection, history) = (place.read("out/out.pvd"), place.history("out"));
+    assert_eq!(collection.matches("<DataSet").count(), 5);
+    for step in [0, 2, 4, 6, 8] {
+        let file = format!("frames/out_{step:06}.vtu");
+        assert!(place.path("out").join(&file).is_file());
+        let line = format!("timestep=\"{:?}\" part=\"0\" file=\"{file}\"", history["time"][step]);
+        assert!(collection.contains(&line), "{line}\n{collection}");
+    }
+}
+
+/// Lines of a history without `wall_seconds`.
+fn timeless(history: &str) -> Vec<Vec<&str>> {
+    let mut lines: Vec<Vec<&str>> = history.lines().map(|line| line.split(',').collect()).collect();
+    for line in &mut lines {
+        line.remove(17);
+    }
+    lines
+}
+
+#[test]
+fn the_resolved_input_gives_the_same_run() {
+    let place = Place::with(BOX);
+    let flags = ["--set", "time.scheme=DGM", "--set", "load.0.traction=[3, 0.1, 1e1]", "--until", "0.4"];
+    place.succeed(&[&["run", "box.toml", "--quiet"], &flags[..]].concat());
+    let first = place.read("out/history.csv");
+    place.succeed(&["run", "out/input.toml", "--quiet", "--output", "again"]);
+    assert_eq!(timeless(&first), timeless(&place.read("again/history.csv")));
+    assert_eq!(place.read("out/input.toml").replace("\"out\"", "\"again\""), place.read("again/input.toml"));
+    // In place, too.
+    place.succeed(&["run", "out/input.toml", "--quiet"]);
+    assert_eq!(timeless(&first), timeless(&place.read("out/history.csv")));
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let input = BOX.replace("cells = [1, 2, 1]", "cells = [4, 8, 4]");
+    let place = Place::with(&input);
+    for threads in ["1", "3"] {
+        place.succeed(&[
+            "run",
+            "box.toml",
+            "--quiet",
+            "--until",
+            "0.2",
+            "--threads",
+            threads,
+            "--output",
+            threads,
+        ]);
+    }
+    assert_eq!(timeless(&place.read("1/history.csv")), timeless(&place.read("3/history.csv")));
+}
+
+const DECK: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n";
+
+#[test]
+fn mesh_files_are_found_beside_the_input_and_from_the_resolved_one() {
+    let input = "[mesh]\nfile = \"meshes/tet.inp\"\nscale = 2.0\n\n[[region]]\ndensity = 1.0\n\
+        material.saint-venant-kirchhoff = { youngs_modulus = 100, poissons_ratio = 0.25 }\n\n\
+        [[initial]]\ngroup = \"body\"\nangular_velocity = [1, 0, 0]\n\n\
+        [time]\nscheme = \"AS(1)\"\nsteps = [{ until = 1, size = 0.25 }]\n";
+    let place = Place::new();
+    place.write("inputs/tet.toml", input);
+    place.write("inputs/meshes/tet.inp", DECK);
+    place.succeed(&["run", "inputs/tet.toml", "--quiet"]);
+    let report = place.succeed(&["check", "tet/input.toml"]).stdout;
+    assert!(report.contains("1 tet4") && report.contains("volume 1.333333333"), "{report}");
+    place.succeed(&["run", "tet/input.toml", "--quiet", "--output", "again"]);
+    assert_eq!(timeless(&place.read("tet/history.csv")), timeless(&place.read("again/history.csv")));
+}
