@@ -81,6 +81,28 @@ pub const SYM: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0
 /// Component of [`Sym`] at each row and column.
 pub const SYM_INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
+/// Tensor from its components. Spelt out: the compiler does not always unroll `array::map` in a kernel.
+#[inline(always)]
+pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
+    [
+        [entry(0, 0), entry(0, 1), entry(0, 2)],
+        [entry(1, 0), entry(1, 1), entry(1, 2)],
+        [entry(2, 0), entry(2, 1), entry(2, 2)],
+    ]
+}
+
+/// Symmetric tensor from its components.
+#[inline(always)]
+pub fn sym<L>(entry: impl Fn(usize, usize) -> L) -> Sym<L> {
+    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)]
+}
+
+/// Symmetric tensor times a number.
+#[inline(always)]
+pub fn sym_scaled<L: Lane>(s: L, A: &Sym<L>) -> Sym<L> {
+    [s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5]]
+}
+
 /// Determinant.
 #[inline(always)]
 pub fn det<L: Lane>(A: &Mat3<L>) -> L {
@@ -134,13 +156,13 @@ pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
 /// Sum `A + s B` of symmetric tensors.
 #[inline(always)]
 pub fn sym_add_scaled<L: Lane>(A: &Sym<L>, s: L, B: &Sym<L>) -> Sym<L> {
-    [0, 1, 2, 3, 4, 5].map(|a| A[a] + s * B[a])
+    [A[0] + s * B[0], A[1] + s * B[1], A[2] + s * B[2], A[3] + s * B[3], A[4] + s * B[4], A[5] + s * B[5]]
 }
 
 /// Sum `A + s B`.
 #[inline(always)]
 pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][j] + B[i][j] * s))
+    mat3(|i, j| A[i][j] + B[i][j] * s)
 }
 
 /// Green-Lagrange strain `E = (C - I) / 2` from the displacement gradient `G = F - I`, without cancellation.
@@ -150,21 +172,21 @@ pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
 /// ```
 #[inline(always)]
 pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
-    SYM.map(|(i, j)| (G[i][j] + G[j][i] + (G[0][i] * G[0][j] + G[1][i] * G[1][j] + G[2][i] * G[2][j])) * 0.5)
+    sym(|i, j| (G[i][j] + G[j][i] + (G[0][i] * G[0][j] + G[1][i] * G[1][j] + G[2][i] * G[2][j])) * 0.5)
 }
 
 /// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
 #[inline(always)]
 pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
     let entry = |i: usize, j: usize| B[i][j] + (G[0][i] * B[0][j] + G[1][i] * B[1][j] + G[2][i] * B[2][j]);
-    SYM.map(|(i, j)| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 })
+    sym(|i, j| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 })
 }
 
 /// Product `(I + G) S` with a symmetric tensor: the first Piola-Kirchhoff stress of a second one.
 #[inline(always)]
 pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
     let s = |i: usize, j: usize| S[SYM_INDEX[i][j]];
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| s(i, j) + G[i][0] * s(0, j) + G[i][1] * s(1, j) + G[i][2] * s(2, j)))
+    mat3(|i, j| s(i, j) + G[i][0] * s(0, j) + G[i][1] * s(1, j) + G[i][2] * s(2, j))
 }
 
 /// `z - ln(1 + z)` without cancellation: a series where z is small.

@@ -8,7 +8,7 @@ use super::{Average, Kind, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
-    sym_add_scaled, sym_transposed_product, trace,
+    mat3, sym_add_scaled, sym_scaled, sym_transposed_product, trace,
 };
 
 impl Rule {
@@ -171,13 +171,17 @@ impl Rule {
     fn discrete_gradient_stiffness<L: Lane>(&self, S_2: &Sym<L>, r: L, inverse: L, average: &mut Average<L>) {
         let (k, zero) = (self.degree(), r.splat(0.0));
         for m in 0..k {
-            let mut dr =
-                sym_add_scaled(&S_2.map(|s| s * self.b[m]), zero.splat(-self.b[m]), &average.stresses[m]);
+            let mut dr = sym_add_scaled(
+                &sym_scaled(zero.splat(self.b[m]), S_2),
+                zero.splat(-self.b[m]),
+                &average.stresses[m],
+            );
             for j in 0..k {
                 let response = times_doubled(&average.elasticities[j], &average.strain_rates[j]);
                 dr = sym_add_scaled(&dr, zero.splat(-self.b[j] * self.a[j * k + m]), &response);
             }
-            dr = sym_add_scaled(&dr, r * (-2.0 * self.b[m]), &average.strain_rates[m]).map(|d| d * inverse);
+            dr = sym_add_scaled(&dr, r * (-2.0 * self.b[m]), &average.strain_rates[m]);
+            dr = sym_scaled(inverse, &dr);
             for i in 0..k {
                 let rate = average.strain_rates[i];
                 let X = &mut average.stiffness[i * k + m];
@@ -203,7 +207,7 @@ impl Rule {
             for j in 0..k {
                 let mut Y = [[rates[0][0][0].splat(0.0); 9]; 6];
                 for m in 0..k {
-                    let mut H = rates[m].map(|row| row.map(|rate| rate * self.a[m * k + j]));
+                    let mut H = mat3(|r, c| rates[m][r][c] * self.a[m * k + j]);
                     if m == j {
                         let F = with_identity(&average.gradients[j]);
                         (0..3).for_each(|r| (0..3).for_each(|c| H[r][c] += F[r][c]));
@@ -231,7 +235,10 @@ fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>
 /// `D : E` with E in plain components: its shears are doubled on the way.
 #[inline(always)]
 fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
-    D.map(|d| d[0] * E[0] + d[1] * E[1] + d[2] * E[2] + (d[3] * E[3] + d[4] * E[4] + d[5] * E[5]) * 2.0)
+    let row = |d: &[L; 6]| {
+        d[0] * E[0] + d[1] * E[1] + d[2] * E[2] + (d[3] * E[3] + d[4] * E[4] + d[5] * E[5]) * 2.0
+    };
+    [row(&D[0]), row(&D[1]), row(&D[2]), row(&D[3]), row(&D[4]), row(&D[5])]
 }
 
 /// The smallest leading minor of C = I + 2 E: positive where C is a right Cauchy-Green tensor.

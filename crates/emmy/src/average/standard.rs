@@ -94,16 +94,16 @@ pub(super) fn with_identity<L: Lane>(G: &Mat3<L>) -> Mat3<L> {
 #[inline(always)]
 pub(super) fn strain_response<L: Lane>(X: &Elasticity<L>, H: &Mat3<L>) -> [[L; 9]; 6] {
     // Doubled-shear strain of dF = e_k (x) e_L is: H_kI at (I, L), twice the normal where I = L.
-    X.map(|x| {
-        let mut row = [x[0]; 9];
+    let mut Y = [[X[0][0]; 9]; 6];
+    for a in 0..6 {
         for k in 0..3 {
             for l in 0..3 {
-                let sum = |j: usize| x[SYM_INDEX[l][j]] * H[k][j];
-                row[3 * k + l] = sum(0) + sum(1) + sum(2);
+                let part = |j: usize| X[a][SYM_INDEX[l][j]] * H[k][j];
+                Y[a][3 * k + l] = part(0) + part(1) + part(2);
             }
         }
-        row
-    })
+    }
+    Y
 }
 
 /// `F Y`: the response of P = F S from that of S.

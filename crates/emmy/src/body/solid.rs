@@ -9,7 +9,7 @@ use crate::average::{Average, Want};
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Mat3, Tangent, green_lagrange};
+use crate::tensor::{Mat3, Tangent, green_lagrange, mat3};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
@@ -205,14 +205,14 @@ fn nodal_gradient(field: &[f64], gradients: &[f64], n: usize) -> Mat3<f64> {
         let (u, g) = (&field[i * n..(i + 1) * n], &gradients[J * n..(J + 1) * n]);
         u.iter().zip(g).map(|(u, g)| u * g).sum()
     };
-    [0, 1, 2].map(|i| [0, 1, 2].map(|J| component(i, J)))
+    mat3(component)
 }
 
 /// Adds `w P grad N_A` to the cell's force, `[3][n_nodes]`.
 #[inline(always)]
 fn add_force(P: &Mat3<f64>, gradients: &[f64], weight: f64, n: usize, force: &mut [f64]) {
     for i in 0..3 {
-        let p = P[i].map(|p| p * weight);
+        let p = [P[i][0] * weight, P[i][1] * weight, P[i][2] * weight];
         let force = &mut force[i * n..(i + 1) * n];
         for A in 0..n {
             force[A] += p[0] * gradients[A] + p[1] * gradients[n + A] + p[2] * gradients[2 * n + A];

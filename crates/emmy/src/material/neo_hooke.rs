@@ -4,7 +4,9 @@
 
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, SYM, SYM_INDEX, Sym, minus_ln_1p, sym_cofactor, sym_det, trace};
+use crate::tensor::{
+    Elasticity, Lane, SYM, SYM_INDEX, Sym, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled, trace,
+};
 
 /// Compressible neo-Hooke material.
 ///
@@ -52,17 +54,17 @@ impl NeoHooke {
     /// Inverse of C, ln J, and the second Piola-Kirchhoff stress.
     #[inline(always)]
     fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
-        let A = E.map(|e| e * 2.0);
+        let A = sym_scaled(E[0].splat(2.0), E);
         let (C, z) = (right_cauchy_green(&A), volume_change(&A));
         let inverse_det = C[0].splat(1.0) / (C[0].splat(1.0) + z);
-        let C_inv = sym_cofactor(&C).map(|c| c * inverse_det);
+        let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
         let ln_J = z.ln_1p() * 0.5;
         // S = mu C^-1 A + lambda ln J C^-1: no difference of numbers near one.
         let component = |i: usize, j: usize| {
             let product = |k: usize| C_inv[SYM_INDEX[i][k]] * A[SYM_INDEX[k][j]];
             (product(0) + product(1) + product(2)) * self.mu + ln_J * C_inv[SYM_INDEX[i][j]] * self.lambda
         };
-        (C_inv, ln_J, SYM.map(|(i, j)| component(i, j)))
+        (C_inv, ln_J, sym(component))
     }
 }
 
@@ -89,7 +91,7 @@ fn second_invariant<L: Lane>(A: &Sym<L>) -> L {
 impl Material for NeoHooke {
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
-        let A = E.map(|e| e * 2.0);
+        let A = sym_scaled(E[0].splat(2.0), E);
         let z = volume_change(&A);
         let ln_J = z.ln_1p() * 0.5;
         // mu/2 (tr A - ln(1 + z)) with tr A = z - I_2(A) - det A.

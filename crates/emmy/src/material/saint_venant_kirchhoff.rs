@@ -4,7 +4,7 @@
 
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, Sym, double_dot, trace};
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym_scaled, trace};
 
 /// St. Venant-Kirchhoff material: linear elasticity in the Green-Lagrange strain, for large rotation and small strain.
 ///
@@ -58,7 +58,7 @@ impl Material for SaintVenantKirchhoff {
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
         let pressure = trace(E) * self.lambda;
-        let mut S = E.map(|e| e * (2.0 * self.mu));
+        let mut S = sym_scaled(E[0].splat(2.0 * self.mu), E);
         (0..3).for_each(|i| S[i] += pressure);
         S
     }
