@@ -31,6 +31,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.body(&problem);
     report.time(&problem);
     report.output(&problem);
+    if let Err(error) = emmy_io::directory::check(&problem.output.directory) {
+        eprintln!("note: `emmy run` will refuse this: {error}");
+    }
     print::result(&report.text)
 }
 

@@ -21,6 +21,10 @@ pub enum Verb {
     /// Read an input and its mesh and report on them; run nothing
     Check(check::Arguments),
     /// Compute the motion and write the results
+    ///
+    /// The output directory may be new, empty, or hold an earlier run of Emmy, which is replaced. Files that are not
+    /// Emmy's are never written over or removed; a directory that holds only such files is refused. Bad input leaves
+    /// everything as it is.
     Run(run::Arguments),
     /// Say what there is: schemes, materials, elements, meshes, ...
     List(list::Arguments),

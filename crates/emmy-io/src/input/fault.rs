@@ -37,13 +37,18 @@ impl Place {
 
     /// Line of the place, from 1.
     pub fn line(&self) -> usize {
-        self.text()[..self.span.start].matches('\n').count() + 1
+        self.before().iter().filter(|&&byte| byte == b'\n').count() + 1
     }
 
     /// Column of the place in characters, from 1.
     pub fn column(&self) -> usize {
-        let before = &self.text()[..self.span.start];
-        before[before.rfind('\n').map_or(0, |i| i + 1)..].chars().count() + 1
+        let before = self.before();
+        let line = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+        String::from_utf8_lossy(&before[line..]).chars().count() + 1
+    }
+
+    fn before(&self) -> &[u8] {
+        &self.text().as_bytes()[..self.span.start]
     }
 
     fn is_whole_source(&self) -> bool {

@@ -3,11 +3,13 @@
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`); each
 //! section is read by a file of its own into the types of the library. A key that no section knows is an error.
 
+mod complete;
 mod fault;
 mod groups;
 mod initial;
 mod keys;
 mod load;
+mod probes;
 mod problem;
 mod region;
 mod set;

@@ -3,17 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use emmy::body::{Body, InitialVelocity, Load, Region, Support};
-use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
 
-use super::fault::{Fault, Faults, InputError, Place};
+use super::fault::{Fault, Faults, InputError};
 use super::region::Placed;
-use super::settings::{Limits, Output, Probe};
+use super::settings::{Limits, Output};
 use super::shape::Shape;
 use super::table::{Item, Table};
-use super::tree::{self, Node, Value};
-use super::{groups, initial, keys, load, region, set, settings, shape, time, write};
+use super::tree::{self, Node};
+use super::{complete, groups, initial, keys, load, probes, region, set, settings, shape, time, write};
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -77,68 +76,15 @@ pub struct Problem {
 /// [`InputError`] with every fault and its place.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     let mut tree = tree::read(path)?;
-    let place = tree.place.clone();
     for flag in &overrides.set {
         set::apply(&mut tree, flag)?;
     }
-    fill_defaults(&mut tree)?;
-    fill_directory(&mut tree, path, overrides, &place);
+    complete::fill_defaults(&mut tree)?;
+    complete::fill_directory(&mut tree, path, overrides.output.as_deref());
     let directory = path.parent().unwrap_or(Path::new(""));
     let parts = Parts::read(&tree, directory, overrides)?;
-    resolve(&mut tree, &parts)?;
+    complete::resolve(&mut tree, parts.shape.absolute_file(), &parts.time.plan)?;
     parts.problem(write::toml(&tree))
-}
-
-/// Puts in the values of keys that are left out.
-fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
-    let defaults = tree::parse("defaults", settings::DEFAULTS)?;
-    let Value::Table(sections) = defaults.value else { return Ok(()) };
-    for section in sections {
-        let Some(own) = tree.get_mut(&section.key) else {
-            if section.key != "time" {
-                tree.put(&section.key, section.node);
-            }
-            continue;
-        };
-        let Value::Table(entries) = section.node.value else { continue };
-        for entry in entries {
-            if own.get_mut(&entry.key).is_none() {
-                own.put(&entry.key, entry.node);
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The directory of the command line, else that of the file, else the name of the file.
-fn fill_directory(tree: &mut Node, path: &Path, overrides: &Overrides, place: &Place) {
-    let Some(output) = tree.get_mut("output") else { return };
-    let stem = path.file_stem().map(PathBuf::from);
-    let missing = output.get_mut("directory").is_none();
-    let directory = overrides.output.clone().or(stem.filter(|_| missing));
-    if let Some(directory) = directory {
-        output.put("directory", string(&directory.to_string_lossy(), place));
-    }
-}
-
-fn string(text: &str, place: &Place) -> Node {
-    Node { value: Value::String(text.to_string()), place: place.clone() }
-}
-
-/// Puts what was found out back into the tree: the path of the mesh, the plan.
-fn resolve(tree: &mut Node, parts: &Parts) -> Result<(), InputError> {
-    let place = tree.place.clone();
-    if let (Some(file), Some(mesh)) = (parts.shape.absolute_file(), tree.get_mut("mesh")) {
-        mesh.put("file", string(&file.to_string_lossy(), &place));
-    }
-    let phase =
-        |phase: &emmy::motion::Phase| format!("{{ until = {:?}, size = {:?} }}", phase.until, phase.size);
-    let phases: Vec<String> = parts.time.plan.phases().iter().map(phase).collect();
-    let mut steps = tree::parse("steps", &format!("steps = [{}]", phases.join(", ")))?;
-    if let (Some(steps), Some(time)) = (steps.get_mut("steps"), tree.get_mut("time")) {
-        time.put("steps", steps.clone());
-    }
-    Ok(())
 }
 
 /// What is read from the tree, before the mesh is made.
@@ -192,7 +138,7 @@ impl Parts {
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
         self.faults.finish()?;
         groups::check_regions(&mesh, &self.regions)?;
-        find_probes(&mesh, &mut self.output.probes, &mut notes);
+        probes::find(&mesh, &mut self.output.probes, &mut notes);
         if self.output.checkpoint_every > 0 {
             notes.push("`checkpoint_every`: this version writes no checkpoints".to_string());
         }
@@ -260,30 +206,4 @@ fn optional<T>(
     faults: &mut Faults,
 ) -> Vec<T> {
     root.get(key).map(|item| each(item, read, faults)).unwrap_or_default()
-}
-
-fn find_probes(mesh: &Mesh, probes: &mut [Probe], notes: &mut Vec<String>) {
-    let size = size(mesh);
-    for probe in probes {
-        probe.node = mesh.nearest_node(probe.point);
-        let at = mesh.points()[probe.node];
-        let distance = (0..3).map(|i| (at[i] - probe.point[i]).powi(2)).sum::<f64>().sqrt();
-        if distance > 1e-6 * size {
-            notes.push(format!(
-                "probe `{}`: the nearest node, {}, is {distance:.3e} away, at {at:?}",
-                probe.name, probe.node
-            ));
-        }
-    }
-}
-
-/// Diagonal of the box around the mesh.
-fn size(mesh: &Mesh) -> f64 {
-    let extent = |i: usize| {
-        let coordinates = mesh.points().iter().map(|point| point[i]);
-        let (low, high) =
-            coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
 }

@@ -25,7 +25,7 @@ enum Source {
 }
 
 /// More cells than this are more likely a slip than a wish, and would not fit into memory.
-const MAX_CELLS: f64 = 1e8;
+const MAX_CELLS: f64 = 2e7;
 
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {

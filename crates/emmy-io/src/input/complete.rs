@@ -1,0 +1,65 @@
+//! The tree made complete: values of keys that are left out, and what the reading found out.
+
+use std::path::{Path, PathBuf};
+
+use emmy::motion::{Phase, StepPlan};
+
+use super::fault::{InputError, Place};
+use super::settings;
+use super::tree::{self, Node, Value};
+
+/// Puts in the values of keys that are left out.
+pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
+    let defaults = tree::parse("defaults", settings::DEFAULTS)?;
+    let Value::Table(sections) = defaults.value else { return Ok(()) };
+    for section in sections {
+        let Some(own) = tree.get_mut(&section.key) else {
+            if section.key != "time" {
+                tree.put(&section.key, section.node);
+            }
+            continue;
+        };
+        let Value::Table(entries) = section.node.value else { continue };
+        for entry in entries {
+            if own.get_mut(&entry.key).is_none() {
+                own.put(&entry.key, entry.node);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The directory of the command line, else that of the file, else the name of the file.
+pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>) {
+    let place = tree.place.clone();
+    let Some(output) = tree.get_mut("output") else { return };
+    let stem = path.file_stem().map(PathBuf::from);
+    let missing = output.get_mut("directory").is_none();
+    let directory = asked.map(PathBuf::from).or(stem.filter(|_| missing));
+    if let Some(directory) = directory {
+        output.put("directory", string(&directory.to_string_lossy(), &place));
+    }
+}
+
+fn string(text: &str, place: &Place) -> Node {
+    Node { value: Value::String(text.to_string()), place: place.clone() }
+}
+
+/// Puts what was found out back into the tree: the path of the mesh, the plan.
+pub(super) fn resolve(
+    tree: &mut Node,
+    mesh_file: Option<PathBuf>,
+    plan: &StepPlan,
+) -> Result<(), InputError> {
+    let place = tree.place.clone();
+    if let (Some(file), Some(mesh)) = (mesh_file, tree.get_mut("mesh")) {
+        mesh.put("file", string(&file.to_string_lossy(), &place));
+    }
+    let phase = |phase: &Phase| format!("{{ until = {:?}, size = {:?} }}", phase.until, phase.size);
+    let phases: Vec<String> = plan.phases().iter().map(phase).collect();
+    let mut steps = tree::parse("steps", &format!("steps = [{}]", phases.join(", ")))?;
+    if let (Some(steps), Some(time)) = (steps.get_mut("steps"), tree.get_mut("time")) {
+        time.put("steps", steps.clone());
+    }
+    Ok(())
+}
