@@ -19,7 +19,7 @@ fn a_step_allocates_nothing() {
     let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load]).unwrap());
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     for degree in 1..=2 {
-        let state = State::initial(&body, 0.0, &[spin.clone()]).unwrap();
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
         let mut motion =
             Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
         let mut step =

@@ -116,9 +116,13 @@ fn free_fall() {
         history: History::constant(),
     };
     for degree in 1..=2 {
-        let body =
-            Body::new(emmy::mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber()], &[], &[gravity.clone()])
-                .unwrap();
+        let body = Body::new(
+            emmy::mesh::block([1.0; 3], [2; 3]).unwrap(),
+            vec![rubber()],
+            &[],
+            std::slice::from_ref(&gravity),
+        )
+        .unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion =
             Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
