@@ -17,7 +17,8 @@ fn drift(scheme: &str, steps: usize) -> (f64, f64) {
     let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap());
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber], &[], &loads).unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();
-    let mut motion = Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
+    let mut motion =
+        Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
     motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.01 }]).unwrap(), &mut []).unwrap();
     let start = motion.record().clone();
     let momentum = norm(start.angular_momentum);
@@ -26,7 +27,8 @@ fn drift(scheme: &str, steps: usize) -> (f64, f64) {
         let record = motion.step(0.04, 1.0 + 0.04 * i as f64).unwrap();
         let change = (0..3).map(|d| record.angular_momentum[d] - start.angular_momentum[d]);
         let change: Vec<f64> = change.collect();
-        energy_drift = energy_drift.max((record.total_energy - start.total_energy).abs() / start.total_energy);
+        energy_drift =
+            energy_drift.max((record.total_energy - start.total_energy).abs() / start.total_energy);
         momentum_drift = momentum_drift.max(norm([change[0], change[1], change[2]]) / momentum);
     }
     println!("{scheme}: {steps} steps, drift of H {energy_drift:.1e}, of L {momentum_drift:.1e}");

@@ -142,11 +142,13 @@ pub enum Error {
     },
     /// Newton's iteration that did not converge.
     #[error(
-        "no convergence in the step to t = {time}: residual {residual:e} after {iterations} iterations \
+        "no convergence in step {step}, to t = {time}: residual {residual:e} after {iterations} iterations \
          (wanted {target:e}), largest at node {node} near {position:?}; try a smaller step"
     )]
     NoConvergence {
-        /// Time at the end of the step that failed.
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
         time: f64,
         /// Number of Newton iterations done.
         iterations: usize,

@@ -138,6 +138,7 @@ impl<'a> Stepper<'a> {
         let nodes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size).enumerate();
         let node = nodes.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node);
         Err(Error::NoConvergence {
+            step: state.step + 1,
             time: state.time + step_size,
             iterations: failed.iterations,
             residual: failed.residual,
