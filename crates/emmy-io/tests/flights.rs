@@ -30,7 +30,8 @@ fn assert_balances(mesh: Mesh, supports: &[Support], degree: usize) {
         ..Default::default()
     };
     let state = State::initial(&body, 0.0, &[field]).unwrap();
-    let mut motion = Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
+    let mut motion =
+        Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
     let size = 0.05 * length / wave_speed;
     let momentum = norm(motion.record().angular_momentum);
     let (first, mut strained) = (motion.record().clone(), 0f64);
@@ -41,7 +42,8 @@ fn assert_balances(mesh: Mesh, supports: &[Support], degree: usize) {
         assert!(record.linear_momentum_residual < 1e-9 * momentum / length, "{record:?}");
         strained = strained.max(mean_strain(record, &body));
         if free {
-            let drift: Vec<f64> = (0..3).map(|i| record.angular_momentum[i] - first.angular_momentum[i]).collect();
+            let drift: Vec<f64> =
+                (0..3).map(|i| record.angular_momentum[i] - first.angular_momentum[i]).collect();
             assert!(norm([drift[0], drift[1], drift[2]]) < 1e-9 * momentum);
         }
     }
