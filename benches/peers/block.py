@@ -1,0 +1,80 @@
+"""The work that every program here does, and the one line that each prints.
+
+An L-shaped block of neo-Hooke material flies freely: 20 steps of the mid-point rule.
+Nothing but the standard library is needed.
+"""
+import json
+import math
+import statistics
+
+LAMBDA, MU, DENSITY = 1000.0, 500.0, 0.5
+STEP_SIZE, STEPS = 0.02, 20
+RELATIVE, ABSOLUTE = 1e-10, 1e-9  # Newton: of the first residual; at least
+INNER = 1e-4  # relative tolerance of the iterative solvers
+TIP = (0.0, 10.0, 0.0)
+
+# Kinetic and strain energy at the end by r; all programs agree in these digits.
+ENERGIES = {
+    1: (462.2838305, 2.269828853),
+    2: (462.0423641, 2.511964592),
+    4: (461.9428823, 2.605991797),
+    6: (461.9129000, 2.634617429),
+}
+# Corners of a cell in the order of VTK.
+CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0),
+           (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+
+
+def mesh(r):
+    """Points, and hexahedra of edge 1/r: [0,3]x[0,10]x[0,3] and [3,6]x[0,3]x[0,3]."""
+    numbers, cells = {}, []
+    for first, last, height in (0, 3, 10), (3, 6, 3):
+        for i in range(first * r, last * r):
+            for j in range(height * r):
+                for k in range(3 * r):
+                    cells.append([numbers.setdefault((i + a, j + b, k + c), len(numbers))
+                                  for a, b, c in CORNERS])
+    return [(i / r, j / r, k / r) for i, j, k in numbers], cells
+
+
+def velocity(x, y, z):
+    """v(X) = (0.3, 0.5, 0.8) x X + diag(0.2, -0.1, 0.02) X."""
+    return (0.2 * x - 0.8 * y + 0.5 * z,
+            0.8 * x - 0.1 * y - 0.3 * z,
+            -0.5 * x + 0.3 * y + 0.02 * z)
+
+
+def converged(residual, first):
+    """Whether Newton's iteration may stop."""
+    return residual <= max(RELATIVE * first, ABSOLUTE)
+
+
+def peak_megabytes(pid="self"):
+    """Largest resident memory of a process (Linux)."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as status:
+        kilobytes = next(line.split()[1] for line in status if line.startswith("VmHWM"))
+    return int(kilobytes) / 1024
+
+
+def report(program, solver, r, dofs, seconds, iterations, energies, tip, megabytes):
+    """Print the results as one line of JSON; fail if the energies are not those of the table.
+
+    `seconds` and `iterations` have one entry a step. The first step, with what is done only
+    once, is left out of the times.
+    """
+    line = {
+        "program": program,
+        "solver": solver,
+        "r": r,
+        "dofs": dofs,
+        "cpu_seconds_per_step": round(statistics.median(seconds[1:]), 6),
+        "cpu_seconds_per_step_mean": round(statistics.fmean(seconds[1:]), 6),
+        "newton_per_step": statistics.fmean(iterations),
+        "kinetic_energy": float(energies[0]),
+        "strain_energy": float(energies[1]),
+        "tip": [float(x) for x in tip],
+        "peak_megabytes": round(megabytes),
+    }
+    print(json.dumps(line), flush=True)
+    for value, expected in zip(energies, ENERGIES.get(r, energies)):
+        assert math.isclose(value, expected, rel_tol=1e-8), f"{value} is not {expected}"
