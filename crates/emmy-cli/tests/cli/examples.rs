@@ -56,3 +56,37 @@ fn spinning_block() {
     }
     close(history["total_energy"][0], 464.5311, 1e-12);
 }
+
+/// Runs an example where it stands, because its mesh lies beside it.
+fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
+    let place = Place::new();
+    let file = format!("{}/../../examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    place.succeed(&["run", &file, "--quiet", "--output", name]);
+    let history = place.history(name);
+    (place, history)
+}
+
+#[test]
+fn tuning_fork() {
+    let (place, history) = run_in_place("tuning-fork");
+    let energy = &history["total_energy"];
+    energy.iter().for_each(|&value| close(value, energy[0], 1e-11));
+    assert!(place.summary("tuning-fork")["worst_angular_momentum_residual"].as_f64().unwrap() < 1e-13);
+    // A tine is nearly a clamped beam (4 mm thick, 55 mm free): Euler and Bernoulli give it half a period of
+    // pi L^2 / (1.8751^2 h c / sqrt(12)), c^2 = E / rho. The yoke gives way, so the tip is back a little later.
+    let c = (2.1e5f64 / 7.85e-9).sqrt();
+    let half_period = std::f64::consts::PI * 55.0 * 55.0 / (1.8751f64.powi(2) * 4.0 * c / 12f64.sqrt());
+    let outside = history["tip_x"].iter().skip(1).take_while(|&&x| x > 7.0).count();
+    let back = history["time"][outside + 1];
+    assert!(back > half_period && back < 1.25 * half_period, "{back} {half_period}");
+}
+
+#[test]
+fn two_materials() {
+    let (place, history) = run_in_place("two-materials");
+    // From rest: the energy is the work of the load, in every step and after it has gone.
+    let largest = place.summary("two-materials")["largest_energy"].as_f64().unwrap();
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-12 * largest, "{energy} {work}");
+    }
+}
