@@ -3,6 +3,8 @@
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
 //! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json` and the
 //! frames of its collections are removed, every other file stays. A directory with other content is refused.
+//!
+//! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
 use std::fs;
 use std::io::{self, Write};
@@ -34,6 +36,21 @@ pub enum DirectoryError {
         /// One of the files.
         example: String,
     },
+    /// It holds files, but not those of its kind.
+    #[error(
+        "the directory {path} holds files, but no {kind} of Emmy (there is {example}, but no {witness} that Emmy wrote); \
+         nothing was written, name another directory with --output"
+    )]
+    OfAnotherKind {
+        /// The path.
+        path: PathBuf,
+        /// What it should hold.
+        kind: &'static str,
+        /// The file that would tell it.
+        witness: &'static str,
+        /// One of the files.
+        example: String,
+    },
     /// The system refused.
     #[error("cannot write to {path}: {error}")]
     System {
@@ -50,20 +67,47 @@ pub enum DirectoryError {
 /// # Errors
 /// [`DirectoryError`] if it is a file or holds what is not Emmy's.
 pub fn check(path: &Path) -> Result<(), DirectoryError> {
+    match first_name(path)? {
+        Some(example) if !is_run(path) => Err(DirectoryError::Foreign { path: path.to_path_buf(), example }),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a directory ready for results other than those of a run: it may be new, empty, or hold earlier ones, which
+/// shows in a file, the witness, that says that Emmy wrote it. Nothing is removed.
+///
+/// # Errors
+/// [`DirectoryError`] if it is a file, holds something else, or the system refuses.
+pub fn prepare_kind(path: &Path, kind: &'static str, witness: &'static str) -> Result<(), DirectoryError> {
+    check_kind(path, kind, witness)?;
+    fs::create_dir_all(path).map_err(|error| system(path, error))
+}
+
+/// The check of [`prepare_kind`]. Nothing is changed.
+///
+/// # Errors
+/// [`DirectoryError`] if it is a file or holds something else.
+pub fn check_kind(path: &Path, kind: &'static str, witness: &'static str) -> Result<(), DirectoryError> {
+    let text = || fs::read_to_string(path.join(witness)).unwrap_or_default();
+    match first_name(path)? {
+        Some(example) if !text().contains(MARK.trim_start_matches("# ")) => {
+            Err(DirectoryError::OfAnotherKind { path: path.to_path_buf(), kind, witness, example })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Name of some file in a directory that is there and not empty.
+fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
     if !path.exists() {
-        return Ok(());
+        return Ok(None);
     }
     if !path.is_dir() {
         return Err(DirectoryError::NotADirectory { path: path.to_path_buf() });
     }
-    let first = fs::read_dir(path).map_err(|error| system(path, error))?.next();
-    match first {
-        Some(Ok(entry)) if !is_run(path) => {
-            let example = entry.file_name().to_string_lossy().into_owned();
-            Err(DirectoryError::Foreign { path: path.to_path_buf(), example })
-        }
-        _ => Ok(()),
-    }
+    let entry = fs::read_dir(path).map_err(|error| system(path, error))?.next();
+    let entry = entry.transpose().map_err(|error| system(path, error))?;
+    Ok(entry.map(|entry| entry.file_name().to_string_lossy().into_owned()))
 }
 
 /// Makes a directory ready for a run: created, and without the files of an earlier run.
@@ -155,6 +199,22 @@ mod tests {
         let file = temp.path().join("input.toml");
         assert!(matches!(prepare(&file), Err(DirectoryError::NotADirectory { .. })));
         assert_eq!(fs::read_to_string(file).unwrap(), "title = \"mine\"\n");
+    }
+
+    #[test]
+    fn other_results_have_directories_of_their_own_kind() {
+        let temp = tempfile::tempdir().unwrap();
+        let prepare = |path: &Path| prepare_kind(path, "study", "study.toml");
+        let new = temp.path().join("new");
+        prepare(&new).unwrap();
+        prepare(&new).unwrap();
+        write(new.join("input.toml"), MARK);
+        let error = prepare(&new).unwrap_err().to_string();
+        assert!(error.contains("no study") && error.contains("input.toml"), "{error}");
+        write(new.join("study.toml"), "title = 1");
+        assert!(prepare(&new).is_err() && prepare(&new.join("study.toml")).is_err());
+        write(new.join("study.toml"), MARK);
+        prepare(&new).unwrap();
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! `history.csv`: one row for the start and one a step.
+//! `history.csv`: one row for the start and one a step; written, and read back.
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use emmy::motion::{Record, View};
 
@@ -109,6 +109,91 @@ impl HistoryFile {
     }
 }
 
+/// Why a history cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum HistoryError {
+    /// The system refused.
+    #[error("cannot read {path}: {error}; `emmy run` writes it")]
+    System {
+        /// The path.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        error: io::Error,
+    },
+    /// A column is missing: it is another file.
+    #[error("{path}:1: there is no column `{column}`; is it a history of Emmy?")]
+    Column {
+        /// The path.
+        path: PathBuf,
+        /// Name of the column.
+        column: &'static str,
+    },
+    /// A row is damaged.
+    #[error("{path}:{line}: {reason}")]
+    Row {
+        /// The path.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// A history that was read back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    columns: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl History {
+    /// Reads a history. A last line without its end is still being written, and is left out.
+    ///
+    /// # Errors
+    /// [`HistoryError`] with the line.
+    pub fn read(path: &Path) -> Result<Self, HistoryError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| HistoryError::System { path: path.to_path_buf(), error })?;
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let mut lines = whole.lines();
+        let columns: Vec<String> = lines.next().unwrap_or("").split(',').map(str::to_string).collect();
+        if let Some(column) = COLUMNS.into_iter().find(|name| !columns.iter().any(|column| column == name)) {
+            return Err(HistoryError::Column { path: path.to_path_buf(), column });
+        }
+        let row = |(i, line): (usize, &str)| {
+            numbers(line, columns.len()).map_err(|reason| HistoryError::Row {
+                path: path.to_path_buf(),
+                line: i + 2,
+                reason,
+            })
+        };
+        let rows = lines.enumerate().map(row).collect::<Result<_, _>>()?;
+        Ok(History { columns, rows })
+    }
+
+    /// A column by its name.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let index = self.columns.iter().position(|column| column == name)?;
+        Some(self.rows.iter().map(|row| row[index]).collect())
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.rows.len()
+    }
+}
+
+fn numbers(line: &str, n_columns: usize) -> Result<Vec<f64>, String> {
+    let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is not a number"));
+    let numbers = line.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
+    match numbers.len() {
+        n if n == n_columns => Ok(numbers),
+        n => Err(format!("there are {n} numbers for {n_columns} columns")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,5 +210,32 @@ mod tests {
         assert_eq!(lines[1].len(), COLUMNS.len());
         assert_eq!((lines[1][0], lines[1][1].parse()), ("3", Ok(0.1 + 0.2)));
         assert_eq!(lines[1][3].parse(), Ok(1e-300));
+        let history = History::read(&path).unwrap();
+        assert_eq!(history.column("time"), Some(vec![0.1 + 0.2]));
+        assert_eq!((history.column("tip_x"), history.n_rows()), (None, 1));
+    }
+
+    #[test]
+    fn damaged_histories_name_their_line() {
+        let temp = tempfile::tempdir().unwrap();
+        let path = temp.path().join("history.csv");
+        let read = |text: String| {
+            std::fs::write(&path, text).unwrap();
+            History::read(&path).map(|history| history.n_rows()).map_err(|error| error.to_string())
+        };
+        let (head, row) = (COLUMNS.join(","), ["1.0"; COLUMNS.len()].join(","));
+        assert_eq!(read(format!("{head}\n{row}\n{row}\n")), Ok(2));
+        // Killed while it wrote a row.
+        assert_eq!(read(format!("{head}\n{row}\n1.0,1.")), Ok(1));
+        assert_eq!(read(format!("{head}\n")), Ok(0));
+        for (text, part) in [
+            (String::new(), ":1: there is no column `step`"),
+            ("a,b\n1,2\n".into(), "no column"),
+            (format!("{head}\n{row}\n1,2\n"), ":3: there are 2 numbers for 18 columns"),
+            (format!("{head}\n{}\n", row.replacen("1.0", "one", 1)), ":2: `one` is not a number"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(part), "{error}");
+        }
     }
 }

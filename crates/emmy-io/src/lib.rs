@@ -9,9 +9,15 @@
 //! | [`history`] | `history.csv` |
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`) |
 //! | [`summary`] | `summary.json` |
+//! | [`chart`] | charts as `.svg` and `.png` |
+//! | [`comparison`] | runs read back and drawn side by side |
+//! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`tally`] | balances over a whole run |
 //! | [`limits`] | `[limits]` |
 
+pub mod chart;
+pub mod comparison;
+pub mod convergence;
 pub mod directory;
 pub mod history;
 pub mod input;

@@ -1,0 +1,166 @@
+//! Runs side by side: what they wrote, read back and drawn.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::chart::{Axis, Chart, Figure, Series, Style};
+use crate::history::{History, HistoryError};
+
+/// A run that was read back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// What charts and tables call it.
+    pub name: String,
+    /// Its history.
+    pub history: History,
+    /// Its summary.
+    pub summary: Value,
+}
+
+/// Why a directory cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// It is not there, or a file.
+    #[error("{path} is not a directory of a run")]
+    NotADirectory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// Its history cannot be used.
+    #[error(transparent)]
+    History(#[from] HistoryError),
+    /// Its summary cannot be used.
+    #[error("{path}: {reason}; `emmy run` writes it")]
+    Summary {
+        /// The path.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl Run {
+    /// Reads a run.
+    ///
+    /// # Errors
+    /// [`RunError`] if `history.csv` or `summary.json` is not there or damaged.
+    pub fn read(directory: &Path) -> Result<Self, RunError> {
+        if !directory.is_dir() {
+            return Err(RunError::NotADirectory { path: directory.to_path_buf() });
+        }
+        let history = History::read(&directory.join("history.csv"))?;
+        let path = directory.join("summary.json");
+        let fail = |reason: String| RunError::Summary { path: path.clone(), reason };
+        let text = std::fs::read_to_string(&path).map_err(|error| fail(error.to_string()))?;
+        let summary =
+            serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))?;
+        let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
+        let name = name.unwrap_or_else(|| directory.display().to_string());
+        Ok(Run { name, history, summary })
+    }
+
+    /// A column of the history; empty if it has none of that name.
+    fn column(&self, name: &str) -> Vec<f64> {
+        self.history.column(name).unwrap_or_default()
+    }
+
+    /// Scheme and degree, after the name.
+    fn label(&self) -> String {
+        let scheme = self.summary["scheme"].as_str().unwrap_or("?");
+        match self.summary["degree"].as_u64() {
+            Some(degree) if degree > 1 => format!("{}: {scheme}, degree {degree}", self.name),
+            _ => format!("{}: {scheme}", self.name),
+        }
+    }
+
+    fn angular_momentum(&self) -> Vec<f64> {
+        let [x, y, z] = ["x", "y", "z"].map(|axis| self.column(&format!("angular_momentum_{axis}")));
+        x.iter().zip(&y).zip(&z).map(|((x, y), z)| (x * x + y * y + z * z).sqrt()).collect()
+    }
+}
+
+/// The charts of some runs, each with the end of its file's name.
+pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
+    let of = |name: &'static str| move |run: &Run| run.column(name);
+    let state = |label: &str, values: &dyn Fn(&Run) -> Vec<f64>| chart(runs, Axis::linear(label), values);
+    let residual = |label: &str, name: &'static str| chart(runs, Axis::log(label), residuals(name));
+    let step = |label: &str, name: &'static str| stairs(chart(runs, Axis::linear(label), of(name)));
+    vec![
+        ("total-energy", state("total energy T + V", &of("total_energy"))),
+        ("energy-residual", residual("|energy residual| of a step", "energy_residual")),
+        ("angular-momentum", state("angular momentum |L|", &Run::angular_momentum)),
+        ("angular-momentum-residual", residual("angular momentum residual", "angular_momentum_residual")),
+        ("newton-iterations", step("Newton iterations of a step", "newton_iterations")),
+        ("step-size", step("step size", "step_size")),
+        ("linear-momentum-residual", residual("linear momentum residual", "linear_momentum_residual")),
+        ("angular-momentum-components", components(runs)),
+    ]
+}
+
+/// Sizes of the residuals of a column; the start, which is no step, has none.
+fn residuals(name: &'static str) -> impl Fn(&Run) -> Vec<f64> {
+    move |run| {
+        let mut values: Vec<f64> = run.column(name).into_iter().map(f64::abs).collect();
+        values.iter_mut().take(1).for_each(|value| *value = f64::NAN);
+        values
+    }
+}
+
+/// A chart of what belongs to steps: each value holds from the point before, so that the start needs none of its own.
+fn stairs(mut chart: Chart) -> Chart {
+    for series in &mut chart.series {
+        series.style = Style::Stairs;
+        if let [start, first, ..] = &mut series.points[..] {
+            start.1 = first.1;
+        }
+    }
+    chart
+}
+
+/// The first six charts under one legend.
+pub fn figure(charts: &[(&'static str, Chart)]) -> Figure {
+    let charts = charts.iter().take(6).map(|(_, chart)| chart.clone()).collect();
+    Figure { charts, columns: 2 }
+}
+
+/// Writes `compare.svg` with the figure, `compare-NAME.svg` with each chart, and all of them as PNG.
+///
+/// # Errors
+/// What the system refuses.
+pub fn write(directory: &Path, runs: &[Run]) -> io::Result<()> {
+    let charts = charts(runs);
+    figure(&charts).write(&directory.join("compare"))?;
+    charts.iter().try_for_each(|(name, chart)| chart.write(&directory.join(format!("compare-{name}"))))
+}
+
+/// A quantity over time.
+fn chart(runs: &[Run], y: Axis, values: impl Fn(&Run) -> Vec<f64>) -> Chart {
+    let series = |(colour, run): (usize, &Run)| Series {
+        label: run.label(),
+        points: run.column("time").into_iter().zip(values(run)).collect(),
+        style: Style::Line,
+        colour,
+    };
+    let series = runs.iter().enumerate().map(series).collect();
+    Chart { title: String::new(), x: Axis::linear("time t"), y, series, guides: Vec::new() }
+}
+
+fn components(runs: &[Run]) -> Chart {
+    let axes = [("x", Style::Line), ("y", Style::Dashed), ("z", Style::Dotted)];
+    let all = runs.iter().enumerate().flat_map(|run| axes.map(|axis| (run, axis)));
+    let series = |((colour, run), (axis, style)): ((usize, &Run), (&str, Style))| Series {
+        label: format!("{} {axis}", run.name),
+        points: run.column("time").into_iter().zip(run.column(&format!("angular_momentum_{axis}"))).collect(),
+        style,
+        colour,
+    };
+    Chart {
+        title: String::new(),
+        x: Axis::linear("time t"),
+        y: Axis::linear("angular momentum"),
+        series: all.map(series).collect(),
+        guides: Vec::new(),
+    }
+}
