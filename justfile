@@ -17,6 +17,7 @@ ci:
 # Long validation runs: 10,000 steps of free flight (some minutes).
 validate:
     cargo test --release -p emmy --test long_flight -- --ignored --nocapture
+    cargo test --release -p emmy-cli --test cli -- --ignored --nocapture
 
 # The picture of the README.
 picture:

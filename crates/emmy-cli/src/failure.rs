@@ -23,6 +23,13 @@ pub enum Failure {
     },
     /// A step did not converge.
     NoConvergence(String),
+    /// A run of a study did not converge.
+    Study {
+        /// Which one, and where.
+        message: String,
+        /// What there is in spite of it, or what to try.
+        help: String,
+    },
     /// A limit was exceeded.
     Limit(String),
     /// Anything else, such as a full disk.
@@ -34,7 +41,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Input(_) | Failure::Usage { .. } => 2,
-            Failure::NoConvergence(_) => 3,
+            Failure::NoConvergence(_) | Failure::Study { .. } => 3,
             Failure::Limit(_) => 4,
             Failure::Other(_) => 1,
         }
@@ -44,7 +51,7 @@ impl Failure {
     pub fn message(&self) -> String {
         match self {
             Failure::Input(error) => error.to_string(),
-            Failure::Usage { message, .. } => message.clone(),
+            Failure::Usage { message, .. } | Failure::Study { message, .. } => message.clone(),
             Failure::NoConvergence(message) | Failure::Limit(message) | Failure::Other(message) => {
                 message.clone()
             }
@@ -61,6 +68,7 @@ impl Failure {
                 }
             }
             Failure::Usage { message, help } => plain(message, help.as_deref()),
+            Failure::Study { message, help } => plain(message, Some(help)),
             Failure::NoConvergence(message) => {
                 plain(message, Some("the results up to the step before are written"))
             }
@@ -88,6 +96,14 @@ fn show(diagnostic: &dyn Diagnostic) {
     match handler.render_report(&mut text, diagnostic) {
         Ok(()) => eprintln!("{}", text.trim_end()),
         Err(_) => eprintln!("{diagnostic}"),
+    }
+}
+
+/// An error with everything that led to it.
+pub fn with_causes(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
+        None => error.to_string(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod failure;
 mod print;
+mod progress;
 mod verbs;
 
 use std::process::ExitCode;

@@ -1,7 +1,9 @@
 //! The verbs, one a file.
 
 mod check;
+mod compare;
 mod completions;
+mod converge;
 mod list;
 mod new;
 mod run;
@@ -26,6 +28,14 @@ pub enum Verb {
     /// Emmy's are never written over or removed; a directory that holds only such files is refused. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
+    /// Show several runs side by side: charts and a table
+    Compare(compare::Arguments),
+    /// Measure the error over the step size
+    ///
+    /// Each size takes the place of the plan's sizes from --from on; before, all runs share the plan and the state of the
+    /// input. The error is the L2 norm over nodes and time of the distance from a reference, which is kept in the output
+    /// directory and used again.
+    Converge(converge::Arguments),
     /// Say what there is: schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print completions for a shell
@@ -39,6 +49,8 @@ impl Verb {
             Verb::New(arguments) => new::run(&arguments),
             Verb::Check(arguments) => check::run(&arguments),
             Verb::Run(arguments) => run::run(&arguments),
+            Verb::Compare(arguments) => compare::run(&arguments),
+            Verb::Converge(arguments) => converge::run(&arguments),
             Verb::List(arguments) => list::run(&arguments),
             Verb::Completions(arguments) => completions::run(&arguments),
         }
@@ -53,7 +65,7 @@ struct Input {
     /// Output directory, in place of the one in the input
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Change a value of the input, such as time.scheme=DGM or load.0.traction=[1,2,3] (repeatable)
+    /// Change a value of the input, such as time.scheme=DGM or region.0.density=2.5 (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// End of the run: later steps are left out, or the last ones go on
@@ -69,4 +81,11 @@ impl Input {
         problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
         Ok(problem)
     }
+}
+
+/// Sets the number of threads; all cores without one.
+fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))
 }

@@ -1,6 +1,8 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
 mod bad_input;
+mod compare;
+mod converge;
 mod examples;
 mod messages;
 mod results;

@@ -43,7 +43,7 @@ fn a_step_that_does_not_converge_ends_with_3_and_leaves_the_last_good_state() {
     let place = Place::with(&input);
     let outcome = place.emmy(&["run", "box.toml"]);
     assert_eq!(outcome.code, 3, "{}", outcome.stderr);
-    assert!(outcome.stderr.contains("no convergence in the step to t = 0.25"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("no convergence in step 3, to t = 0.25"), "{}", outcome.stderr);
     let summary = place.summary("out");
     assert_eq!((summary["status"].as_str(), summary["steps"].as_u64()), (Some("no-convergence"), Some(2)));
     assert!(summary["message"].as_str().unwrap().contains("no convergence"));

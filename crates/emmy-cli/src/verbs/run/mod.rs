@@ -2,7 +2,6 @@
 
 mod closing;
 mod json_lines;
-mod progress;
 
 use clap::Args;
 use emmy::motion::{MarchError, Motion, State};
@@ -11,11 +10,11 @@ use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
-use super::Input;
-use crate::failure::Failure;
+use super::{Input, use_threads};
+use crate::failure::{Failure, with_causes};
 use crate::print;
+use crate::progress::Progress;
 use json_lines::JsonLines;
-use progress::Progress;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -59,12 +58,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     failure.map_or(Ok(()), Err)
 }
 
-fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-    built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))
-}
-
 /// How the march ended, as it stands in the summary and as the program ends.
 fn ending(outcome: Result<(), MarchError>) -> (Status, Option<Failure>) {
     match outcome {
@@ -78,12 +71,5 @@ fn ending(outcome: Result<(), MarchError>) -> (Status, Option<Failure>) {
                 (Status::Failed, Some(Failure::Other(format!("the results cannot be written: {error}"))))
             }
         },
-    }
-}
-
-fn with_causes(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
-        None => error.to_string(),
     }
 }

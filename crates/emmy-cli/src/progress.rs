@@ -11,6 +11,9 @@ use crate::print::number;
 #[derive(Debug)]
 pub struct Progress {
     form: Form,
+    what: &'static str,
+    /// Number of the step that the state to start from has.
+    first: Option<usize>,
     n_steps: usize,
     end: f64,
     largest_energy: f64,
@@ -28,13 +31,18 @@ const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
 impl Progress {
     /// Progress through a plan.
     pub fn new(plan: &StepPlan, quiet: bool) -> Self {
+        Progress::of("", plan, quiet)
+    }
+
+    /// Progress of one of several runs, which lines begin with.
+    pub fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
         let n_steps = plan.n_steps();
         let form = match (quiet, stderr().is_terminal()) {
             (true, _) => Form::Nothing,
             (false, false) => Form::Lines { shown: 0 },
             (false, true) => Form::Bar(bar(n_steps)),
         };
-        Progress { form, n_steps, end: plan.end(), largest_energy: 0.0 }
+        Progress { form, what, first: None, n_steps, end: plan.end(), largest_energy: 0.0 }
     }
 
     /// Takes the bar away.
@@ -49,7 +57,8 @@ impl Progress {
         let balance =
             if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
         let time = number(record.time);
-        format!("t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
+        let what = if matches!(self.form, Form::Bar(_)) { self.what } else { "" };
+        format!("{what}t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
     }
 }
 
@@ -65,7 +74,8 @@ impl Observer for Progress {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
         self.largest_energy = self.largest_energy.max(record.total_energy);
-        let tenths = 10 * record.step / self.n_steps.max(1);
+        let done = record.step - *self.first.get_or_insert(record.step);
+        let tenths = 10 * done / self.n_steps.max(1);
         let message = match self.form {
             Form::Nothing => return Ok(()),
             Form::Lines { shown } if tenths <= shown => return Ok(()),
@@ -74,11 +84,11 @@ impl Observer for Progress {
         match &mut self.form {
             Form::Bar(bar) => {
                 bar.set_message(message);
-                bar.set_position(record.step as u64);
+                bar.set_position(done as u64);
             }
             _ => {
                 let (n_steps, end) = (self.n_steps, number(self.end));
-                eprintln!("step {} of {n_steps}, {message} (end: t = {end})", record.step);
+                eprintln!("{}step {done} of {n_steps}, {message} (end: t = {end})", self.what);
                 self.form = Form::Lines { shown: tenths };
             }
         }

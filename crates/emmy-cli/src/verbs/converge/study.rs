@@ -1,0 +1,141 @@
+//! The study that the flags ask for. Every fault names its flag.
+
+use emmy_io::convergence::Study;
+use emmy_io::input::Problem;
+
+use super::Arguments;
+use crate::failure::Failure;
+use crate::print::number;
+
+/// The most memory that the reference's samples may take \[bytes\].
+const MOST_MEMORY: f64 = 1.6e10;
+
+/// The study, checked.
+pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> {
+    let (from, to) = span(arguments, problem)?;
+    let window = window(arguments.window.as_deref(), from, to)?;
+    let length = window.1 - window.0;
+    let smallest = sizes(&arguments.sizes, length)?;
+    let degree = problem.degree;
+    let reference_degree = reference_degree(arguments.reference_degree, problem)?;
+    let reference_size = match arguments.reference {
+        None => 0.1 * smallest,
+        // With a higher degree a step need not be smaller to be more accurate.
+        Some(size) if reference_degree > degree => at_most(size, length, "the window")?,
+        Some(size) => below(size, smallest)?,
+    };
+    let (scheme, sizes) = (problem.scheme, arguments.sizes.clone());
+    let study = Study { scheme, degree, from, window, sizes, reference_size, reference_degree };
+    affordable(&study, problem.body.n_dofs())?;
+    Ok(study)
+}
+
+fn fault(flag: &str, what: impl std::fmt::Display, help: &str) -> Failure {
+    let help = (!help.is_empty()).then(|| help.to_string());
+    Failure::Usage { message: format!("{flag}: {what}"), help }
+}
+
+/// Where the runs begin and end.
+fn span(arguments: &Arguments, problem: &Problem) -> Result<(f64, f64), Failure> {
+    let (start, end) = (problem.plan.start(), problem.plan.end());
+    let plan = format!("the plan goes from t = {} to t = {}", number(start), number(end));
+    let from = arguments.from.unwrap_or(start);
+    if !(start..end).contains(&from) {
+        return Err(fault(&format!("--from {from}"), plan, "it must be a time of the plan before its end"));
+    }
+    let to = arguments.to.unwrap_or(end);
+    if !(to > from && to <= end) {
+        let help = format!("it must be after t = {} and not after the end of the plan", number(from));
+        return Err(fault(&format!("--to {to}"), plan, &help));
+    }
+    Ok((from, to))
+}
+
+fn window(asked: Option<&[f64]>, from: f64, to: f64) -> Result<(f64, f64), Failure> {
+    let flag = |times: &[f64]| {
+        let times: Vec<String> = times.iter().map(f64::to_string).collect();
+        format!("--window {}", times.join(","))
+    };
+    match asked {
+        None => Ok((from, to)),
+        Some(&[start, end]) if from <= start && start < end && end <= to => Ok((start, end)),
+        Some(times @ [_, _]) => {
+            let runs = format!("the runs go from t = {} to t = {}", number(from), number(to));
+            Err(fault(&flag(times), runs, "it must be two of their times, the earlier one first"))
+        }
+        Some(times) => {
+            let what = format!("there must be two times, not {}", times.len());
+            Err(fault(&flag(times), what, "such as --window 1,2"))
+        }
+    }
+}
+
+/// The smallest of the sizes, all checked.
+fn sizes(sizes: &[f64], length: f64) -> Result<f64, Failure> {
+    for (i, &size) in sizes.iter().enumerate() {
+        let flag = format!("--sizes: {size}");
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(fault(
+                &flag,
+                "a step size must be positive and finite",
+                "such as --sizes 0.04,0.02,0.01",
+            ));
+        }
+        if sizes[..i].contains(&size) {
+            return Err(fault(&flag, "the size is there twice", ""));
+        }
+        if size > length {
+            let what = format!("the size is larger than the window, which is {} long", number(length));
+            return Err(fault(&flag, what, "leave it out, or widen --window"));
+        }
+    }
+    Ok(sizes.iter().copied().fold(f64::INFINITY, f64::min))
+}
+
+fn reference_degree(asked: Option<usize>, problem: &Problem) -> Result<usize, Failure> {
+    let Some(degree) = asked else { return Ok(problem.degree) };
+    let flag = format!("--reference-degree {degree}");
+    if degree < problem.degree {
+        let what = format!("it is less than the degree {} of the input", problem.degree);
+        return Err(fault(&flag, what, "a reference must be more accurate than the members"));
+    }
+    problem.scheme.check(degree).map_err(|error| {
+        fault(&flag, error, "choose a scheme that allows it, or leave it out and give a smaller --reference")
+    })?;
+    Ok(degree)
+}
+
+fn at_most(size: f64, length: f64, of_what: &str) -> Result<f64, Failure> {
+    if size > 0.0 && size <= length {
+        return Ok(size);
+    }
+    let what = format!("it must be positive and not larger than {of_what} ({})", number(length));
+    Err(fault(&format!("--reference {size}"), what, ""))
+}
+
+fn below(size: f64, smallest: f64) -> Result<f64, Failure> {
+    if size > 0.0 && size < smallest {
+        return Ok(size);
+    }
+    let what = format!("it must be positive and smaller than the smallest of --sizes ({})", number(smallest));
+    let help = "or give the reference a higher degree with --reference-degree";
+    Err(fault(&format!("--reference {size}"), what, help))
+}
+
+/// Sizes so small that the samples would not fit are more likely a slip of the keyboard.
+fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
+    let (mut n_times, all) = (0.0, study.sizes.iter().map(|&size| ("--sizes", size)));
+    for (flag, size) in all.chain([("--reference", study.reference_size)]) {
+        let plan = study.plan(size).map_err(|error| fault(&format!("{flag}: {size}"), error, ""))?;
+        if flag == "--sizes" {
+            n_times += plan.n_steps() as f64;
+        }
+    }
+    let memory = 8.0 * n_times * n_dofs as f64;
+    if memory > MOST_MEMORY {
+        let what =
+            format!("the reference would be kept at {n_times} times, which takes {:.0} GB", 1e-9 * memory);
+        return Err(fault("--sizes", what, "larger sizes or a shorter --window would do with less"));
+    }
+    Ok(())
+}
