@@ -140,6 +140,23 @@ pub enum Error {
         /// Smallest determinant seen.
         det: f64,
     },
+    /// A step beyond the stability limit of an explicit scheme.
+    #[error(
+        "step {step}, to t = {time}: {step_size} is too large for an explicit scheme, whose critical step is \
+         {critical:e} now (2/omega_max); try at most {limit:e}, or an implicit scheme"
+    )]
+    StepTooLarge {
+        /// Number of the step that was refused.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// Step size asked for.
+        step_size: f64,
+        /// Estimate of the critical step, 2/omega_max.
+        critical: f64,
+        /// Largest step that is accepted.
+        limit: f64,
+    },
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:e} after {iterations} iterations \

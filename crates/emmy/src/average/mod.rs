@@ -162,6 +162,21 @@ impl Rule {
         lagrange(&self.c, i, alpha)
     }
 
+    /// Coefficients e_ij that continue the polynomial of a step into the next one: the prediction is
+    /// `x_i = sum_j e_ij x_j` of the old step; `ratio`: next step size over this one. `[i k + j]`.
+    ///
+    /// ```math
+    /// e_ij = r l_j(1 + r c_i)
+    /// ```
+    pub fn continuation(&self, ratio: f64, coefficients: &mut [f64]) {
+        let k = self.degree();
+        for (i, &c_i) in self.c.iter().enumerate() {
+            for j in 0..k {
+                coefficients[i * k + j] = ratio * self.basis(j, 1.0 + ratio * c_i);
+            }
+        }
+    }
+
     /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a load history.
     pub fn load_quadrature(&self) -> &Quadrature<1> {
         &self.load_quadrature

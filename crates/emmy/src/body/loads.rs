@@ -99,6 +99,21 @@ impl Body {
         acts
     }
 
+    /// External force at a time (after a jump of a history that falls on it), `force: [n_nodes][3]`. Returns whether any
+    /// load acts.
+    pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {
+        force.fill(0.0);
+        let mut acts = false;
+        for load in &self.loads {
+            let factor = load.history.value(time);
+            if factor != 0.0 {
+                acts = true;
+                force.iter_mut().zip(&load.force).for_each(|(sum, f)| *sum += factor * f);
+            }
+        }
+        acts
+    }
+
     /// Resultant of every load at factor 1 in the reference configuration.
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];

@@ -52,6 +52,7 @@ pub struct Body {
     parts: Vec<Range<usize>>,
     node_order: Vec<usize>,
     mass: Vec<f64>,
+    lumped_mass: Vec<f64>,
     fixed: Vec<bool>,
     loads: Vec<LoadVector>,
 }
@@ -80,6 +81,7 @@ impl Body {
             loads: loads.collect::<Result<_>>()?,
             fixed: fixed_dofs(&mesh, supports)?,
             mass: regions::mass(&mesh, &pattern, &density_of_cell),
+            lumped_mass: regions::lumped_mass(&mesh, &density_of_cell),
             regions: regions::summaries(&mesh, &regions, &of_cell),
             region_of_cell: of_cell.into_indices(),
             node_order: nested_dissection(&pattern)?,
@@ -128,6 +130,18 @@ impl Body {
     /// Consistent mass matrix M_AB, one number a coupling of the pattern \[mass\].
     pub fn mass(&self) -> &[f64] {
         &self.mass
+    }
+
+    /// Lumped mass, one number a node \[mass\].
+    ///
+    /// Row sums of the consistent mass for linear cells. Row sums of quadratic cells are negative at corners; there the
+    /// diagonal of a cell's consistent mass is scaled to the mass of the cell (Hinton, Rock and Zienkiewicz 1976):
+    ///
+    /// ```math
+    /// m_A = sum_cells m_cell M_AA / sum_B M_BB
+    /// ```
+    pub fn lumped_mass(&self) -> &[f64] {
+        &self.lumped_mass
     }
 
     /// Fill-reducing order of the nodes, `order[new] = old`.

@@ -98,6 +98,25 @@ pub(super) fn mass(mesh: &Mesh, pattern: &Pattern, density_of_cell: &[f64]) -> V
     mass
 }
 
+/// Lumped mass of every node: row sums for linear cells, scaled diagonals for quadratic ones.
+pub(super) fn lumped_mass(mesh: &Mesh, density_of_cell: &[f64]) -> Vec<f64> {
+    // Mass of each cell over the sum of its diagonal.
+    let mut sums = vec![(0.0, 0.0); mesh.n_cells()];
+    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, _, point| {
+        sums[cell].0 += point.weight;
+        sums[cell].1 += point.weight * point.shapes.iter().map(|N| N * N).sum::<f64>();
+    });
+    let mut masses = vec![0.0; mesh.n_nodes()];
+    for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
+        let is_linear = mesh.cell(cell).kind.n_corners() == nodes.len();
+        let mass = density_of_cell[cell] * point.weight;
+        for (&node, N) in nodes.iter().zip(point.shapes) {
+            masses[node as usize] += mass * if is_linear { *N } else { N * N * sums[cell].0 / sums[cell].1 };
+        }
+    });
+    masses
+}
+
 pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Vec<RegionSummary> {
     regions
         .iter()
