@@ -5,7 +5,8 @@
 //!
 //! A [`body::Body`] is made of a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`]
 //! advances its [`time::State`] by a [`time::Scheme`] and records the balances of energy and momentum of every step.
-//! The one place where schemes differ is [`average::Rule`].
+//! The one place where the time elements differ is [`average::Rule`]; methods in common use that are not time elements stand
+//! beside them as [`time::Stepper`]s.
 
 pub mod average;
 pub mod body;

@@ -1,4 +1,5 @@
-//! Order 2k at the time nodes for FE(k), AS and DGM of degree k (Betsch and Steinmann 2001; Gauss collocation).
+//! Order 2k at the time nodes for FE(k), AS and DGM of degree k (Betsch and Steinmann 2001; Gauss collocation); order 2 for
+//! the steppers that are not time elements, but for Newmark's method with gamma other than 1/2.
 
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::NeoHooke;
@@ -54,4 +55,33 @@ fn average_acceleration_is_of_second_order() {
     let body = body();
     let reference = displacement(&body, Scheme::DiscreteGradient, 5, 0.05);
     assert!((order(&body, &reference, Scheme::Trapezoidal, 1, 0.05) - 2.0).abs() < 0.2);
+}
+
+#[test]
+fn classic_steppers_are_of_second_order() {
+    let body = body();
+    let reference = displacement(&body, Scheme::DiscreteGradient, 5, 0.05);
+    for scheme in [
+        "Newmark(0.25, 0.5)",
+        "HHT(0.05)",
+        "HHT(0.3)",
+        "generalized-alpha(0.8)",
+        "generalized-alpha(0)",
+        "Bathe",
+    ] {
+        let order = order(&body, &reference, scheme.parse().unwrap(), 1, 0.025);
+        assert!((order - 2.0).abs() < 0.2, "{scheme}: order {order}");
+    }
+    // Newmark (1959): the dissipation of gamma > 1/2 costs an order.
+    let order = order(&body, &reference, Scheme::Newmark { beta: 0.3025, gamma: 0.6 }, 1, 0.0125);
+    assert!((order - 1.0).abs() < 0.1, "order {order}");
+}
+
+#[test]
+fn central_differences_are_of_second_order() {
+    let body = body();
+    // The lumped mass makes it another system of equations: it is its own reference.
+    let scheme = Scheme::CentralDifferences;
+    let reference = displacement(&body, scheme, 1, 0.05 / 128.0);
+    assert!((order(&body, &reference, scheme, 1, 0.05) - 2.0).abs() < 0.1);
 }

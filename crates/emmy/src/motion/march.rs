@@ -5,7 +5,7 @@ use crate::body::{Body, sum};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
-use crate::time::{Scheme, StepOutcome, Stepper, TimeElement};
+use crate::time::{Scheme, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
 ///
@@ -24,7 +24,7 @@ use crate::time::{Scheme, StepOutcome, Stepper, TimeElement};
 #[derive(Debug)]
 pub struct Motion<'a> {
     body: &'a Body,
-    stepper: Stepper<'a>,
+    stepper: Box<dyn Stepper + 'a>,
     state: State,
     record: Record,
 }
@@ -33,15 +33,15 @@ impl<'a> Motion<'a> {
     /// A motion that starts from a state.
     ///
     /// # Errors
-    /// [`crate::Error::Scheme`] if the scheme cannot go with the degree, [`crate::Error::Linear`].
+    /// Those of [`Scheme::stepper`].
     pub fn new(
         body: &'a Body,
         scheme: Scheme,
         degree: usize,
         settings: NewtonSettings,
-        state: State,
+        mut state: State,
     ) -> Result<Self> {
-        let stepper = Stepper::new(body, TimeElement::new(scheme, degree)?, settings)?;
+        let stepper = scheme.stepper(body, degree, settings, &mut state)?;
         let record =
             Record { step: state.step, time: state.time, ..Record::default() }.with_invariants(body, &state);
         Ok(Motion { body, stepper, state, record })
@@ -58,14 +58,14 @@ impl<'a> Motion<'a> {
     }
 
     /// The stepper.
-    pub fn stepper(&self) -> &Stepper<'a> {
-        &self.stepper
+    pub fn stepper(&self) -> &(dyn Stepper + 'a) {
+        &*self.stepper
     }
 
     /// Advances by one step of a size and records it.
     ///
     /// # Errors
-    /// [`crate::Error::NoConvergence`]; state and record are then those of the last good step.
+    /// Those of [`Stepper::advance`]; state and record are then those of the last good step.
     pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
         let outcome = self.stepper.advance(&mut self.state, step_size)?;
         self.state.time = end;

@@ -26,6 +26,8 @@ pub struct Record {
     /// ```math
     /// E_n - E_(n-1) - sum_i b_i f_i^ext . x_i
     /// ```
+    ///
+    /// The work of schemes that are not time elements is that of [`crate::time::Impulses`].
     pub energy_residual: f64,
     /// Linear momentum \[mass length/time\].
     pub linear_momentum: [f64; 3],

@@ -1,9 +1,9 @@
 //! The time finite element of degree k (section 3): coefficients of its stage equations.
 
 use super::Scheme;
+use super::stage_system::StageForm;
 use crate::average::Rule;
-use crate::error::Result;
-use crate::polynomial::lagrange;
+use crate::error::{Error, Result};
 use crate::quadrature::{gauss, lobatto};
 use crate::sparse::inverse;
 
@@ -35,7 +35,7 @@ impl TimeElement {
     /// The element.
     ///
     /// # Errors
-    /// [`crate::Error::Scheme`] if the scheme cannot go with the degree.
+    /// [`Error::Scheme`] if the scheme is not a time element's or cannot go with the degree.
     pub fn new(scheme: Scheme, degree: usize) -> Result<Self> {
         scheme.check(degree)?;
         let rule = match scheme {
@@ -44,6 +44,10 @@ impl TimeElement {
             Scheme::DiscreteGradient => Rule::discrete_gradient(degree),
             Scheme::Trapezoidal => Rule::standard(degree, &lobatto(2)),
             Scheme::Lobatto(n) => Rule::standard(degree, &lobatto(n)),
+            _ => {
+                let reason = "it is a stepper of its own, not a time element".to_string();
+                return Err(Error::Scheme { scheme: scheme.to_string(), reason });
+            }
         };
         let inverse = inverse(rule.coefficients());
         Ok(TimeElement { scheme, rule, inverse })
@@ -68,20 +72,14 @@ impl TimeElement {
     pub fn inverse_coefficients(&self) -> &[f64] {
         &self.inverse
     }
+}
 
-    /// Coefficients e_ij that continue the polynomial of this step into the next one: the prediction is
-    /// `x_i = sum_j e_ij x_j` of the old step; `ratio`: next step size over this one. `[i k + j]`.
-    ///
-    /// ```math
-    /// e_ij = r l_j(1 + r c_i)
-    /// ```
-    pub fn continuation(&self, ratio: f64, coefficients: &mut [f64]) {
-        let c = self.rule.nodes();
-        for (i, &c_i) in c.iter().enumerate() {
-            for j in 0..c.len() {
-                coefficients[i * c.len() + j] = ratio * lagrange(c, j, 1.0 + ratio * c_i);
-            }
-        }
+impl From<TimeElement> for StageForm {
+    fn from(element: TimeElement) -> StageForm {
+        // df_i/dx_j ~ a_ij K and sum_ij b_i a_ij = 1/2: K = 2 sum_ij b_i df_i/dx_j.
+        let (a, b) = (element.rule.coefficients().to_vec(), element.rule.weights());
+        let mean = b.iter().map(|b| 2.0 * b).collect();
+        StageForm { mass: element.inverse, inverse_mass: a.clone(), response: a, mean, rule: element.rule }
     }
 }
 
@@ -115,7 +113,7 @@ mod tests {
         let c = element.rule().nodes();
         let (old, ratio) = ([0, 1, 2].map(|j| 3.0 * c[j] * c[j]), 0.7);
         let mut e = [0.0; 9];
-        element.continuation(ratio, &mut e);
+        element.rule().continuation(ratio, &mut e);
         for i in 0..3 {
             let t = 1.0 + ratio * c[i];
             let rate: f64 = (0..3).map(|j| e[3 * i + j] * old[j]).sum();

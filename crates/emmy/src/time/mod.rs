@@ -1,8 +1,12 @@
-//! The time finite element (sections 3 and 4): schemes as data, the element of degree k, one step and its linear solver.
+//! Advancing in time: schemes as data, the time finite element of degree k (sections 3 and 4), the steppers that are not
+//! time elements, one step and its linear solver.
 
 #![allow(non_snake_case)]
 
+mod classic;
 mod element;
+mod element_stepper;
+mod iteration;
 mod preconditioner;
 mod scheme;
 mod stage_system;
@@ -11,7 +15,9 @@ mod stepper;
 #[cfg(test)]
 mod tests;
 
+pub use classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
 pub use element::TimeElement;
+pub use element_stepper::TimeElementStepper;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};
 pub use state::State;
 pub use stepper::{Impulses, StepOutcome, Stepper};

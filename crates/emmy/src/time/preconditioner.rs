@@ -1,7 +1,7 @@
 //! Preconditioner of the stage system by real Cholesky factorisations.
 //!
-//! With `df_i/dx_j ~ a_ij K`, one symmetric `K`, the stage system times `a` is `I (x) M + h^2 a^2 (x) K`. In the
-//! eigenbasis of `a^2` it falls into `M + h^2 lambda K`. For complex `lambda` of argument phi the real matrix
+//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + h^2 m^-1 w (x) K`; for a time
+//! element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it falls into `M + h^2 lambda K`. For complex `lambda` of argument phi the real matrix
 //! `M + h^2 |lambda| K`, turned by `exp(i phi/2)`, stands in: in an eigenvector of `K` with `x = h^2 |lambda| omega^2`
 //!
 //! ```math
@@ -10,7 +10,7 @@
 //!
 //! a segment of the right half plane whatever the step size.
 
-use super::TimeElement;
+use super::stage_system::StageForm;
 use crate::body::Body;
 use crate::error::Result;
 use crate::sparse::{BlockCholesky, Eigenpairs, StageMatrix, eigenpairs};
@@ -26,7 +26,7 @@ pub struct Preconditioner {
     stiffness: Vec<f64>,
 }
 
-/// One eigenvalue of a^2, or a conjugate pair.
+/// One eigenvalue of m^-1 w, or a conjugate pair.
 #[derive(Debug)]
 struct Group {
     modulus: f64,
@@ -40,20 +40,19 @@ struct Group {
 }
 
 impl Preconditioner {
-    /// Symbolic work for a body and a time element.
+    /// Symbolic work for a body and the equations of a step.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if there is not enough memory.
-    pub fn new(body: &Body, element: &TimeElement) -> Result<Self> {
-        let (k, a, b) = (element.degree(), element.rule().coefficients(), element.rule().weights());
-        let square: Vec<f64> =
-            (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * a[m * k + n % k]).sum()).collect();
-        let eigen = eigenpairs(&square)?;
+    pub fn new(body: &Body, form: &StageForm) -> Result<Self> {
+        let (k, a, w) = (form.rule.degree(), &form.inverse_mass, &form.response);
+        let product: Vec<f64> =
+            (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
+        let eigen = eigenpairs(&product)?;
         let groups = (0..k).filter(|&m| eigen.values[m].1 > -PAIRED);
         let groups = groups.map(|m| Group::new(body, a, &eigen, m)).collect::<Result<_>>()?;
-        // df_i/dx_j ~ a_ij K and sum_ij b_i a_ij = 1/2: K = 2 sum_ij b_i df_i/dx_j.
-        let weights: Vec<f64> = (0..k * k).map(|n| 2.0 * b[n / k]).collect();
-        let mass_multiple = weights.iter().zip(element.inverse_coefficients()).map(|(w, a)| w * a).sum();
+        let weights: Vec<f64> = (0..k * k).map(|n| form.mean[n / k]).collect();
+        let mass_multiple = weights.iter().zip(&form.mass).map(|(n, m)| n * m).sum();
         Ok(Preconditioner {
             groups,
             weights,
@@ -128,7 +127,7 @@ impl Group {
         let k = eigen.values.len();
         let (re, im) = eigen.values[m];
         let n_columns = if im > PAIRED { 2 } else { 1 };
-        // Row m of V^-1 a.
+        // Row m of V^-1 times the inverse of the mass coefficients.
         let row = |i: usize, part: fn(&(f64, f64)) -> f64| -> f64 {
             (0..k).map(|l| part(&eigen.inverse[m * k + l]) * a[l * k + i]).sum()
         };

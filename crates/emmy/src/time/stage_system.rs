@@ -1,31 +1,53 @@
 //! The non-linear equations of a step, as Newton's iteration sees them.
 
 use super::preconditioner::Preconditioner;
-use super::{State, TimeElement};
-use crate::average::Want;
+use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System};
 use crate::sparse::reduce::norm;
 use crate::sparse::{Gmres, LinearSystem};
 
+/// The coefficients in the equations of a step: all that differs between one stepper and another.
+///
+/// ```math
+/// R_i = sum_j m_ij M x_j - g_i + s^2 (f_i - f_i^ext) = 0
+/// ```
+///
+/// with the stage averages f_i of a rule, a known vector g_i and a time s that are set for every step.
+#[derive(Debug)]
+pub struct StageForm {
+    /// The rule that averages the internal force.
+    pub rule: Rule,
+    /// m_ij, `[i k + j]`.
+    pub mass: Vec<f64>,
+    /// Inverse of m, `[i k + j]`.
+    pub inverse_mass: Vec<f64>,
+    /// How the averages answer to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
+    pub response: Vec<f64>,
+    /// Weights that give it back: `K = sum_ij n_i df_i/dx_j`, `[k]`.
+    pub mean: Vec<f64>,
+}
+
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
 #[derive(Debug)]
 pub struct StageSystem<'a> {
     pub body: &'a Body,
-    pub element: TimeElement,
+    pub form: StageForm,
     pub assembly: Assembly,
-    pub step_size: f64,
-    /// Displacement and momentum at the start of the step.
+    /// The time s: the step size of a time element.
+    pub time_scale: f64,
+    /// Displacement at the start of the step.
     pub displacement: Vec<f64>,
-    pub momentum: Vec<f64>,
+    /// Known part g_i of the inertia.
+    pub known: Vec<f64>,
     /// Stage averages of the external force.
     pub external_force: Vec<f64>,
     force: Vec<f64>,
     /// M x_j of the last residual.
-    pub mass_rates: Vec<f64>,
+    mass_rates: Vec<f64>,
     preconditioner: Preconditioner,
-    /// Step size for which the factorisation was made; `None`: there is none.
+    /// Time scale for which the factorisation was made; `None`: there is none.
     factorised_for: Option<f64>,
     /// Iterations of GMRES in the last solution.
     last_iterations: usize,
@@ -44,52 +66,50 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 const FLOOR: f64 = 0.25;
 
 impl<'a> StageSystem<'a> {
-    pub fn new(body: &'a Body, element: TimeElement) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree());
+    pub fn new(body: &'a Body, form: StageForm) -> Result<Self> {
+        let (n, k) = (body.n_dofs(), form.rule.degree());
         Ok(StageSystem {
             body,
             assembly: body.assembly(k),
-            step_size: 0.0,
+            time_scale: 0.0,
             displacement: vec![0.0; n],
-            momentum: vec![0.0; n],
+            known: vec![0.0; k * n],
             external_force: vec![0.0; k * n],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
-            preconditioner: Preconditioner::new(body, &element)?,
+            preconditioner: Preconditioner::new(body, &form)?,
             factorised_for: None,
             last_iterations: 0,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
             floor: 0.0,
-            element,
+            form,
         })
     }
 
-    /// Sets the step from a state.
-    pub fn start(&mut self, state: &State, step_size: f64) {
-        self.displacement.copy_from_slice(&state.displacement);
-        self.momentum.copy_from_slice(&state.momentum);
-        self.step_size = step_size;
+    /// Sets displacement and time scale of the step; its `known` and `external_force` are the stepper's to fill.
+    pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
+        self.displacement.copy_from_slice(displacement);
+        self.time_scale = time_scale;
         self.floor = 0.0;
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is h^2 times the reaction), and the norms of its
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of its
     /// three parts over the free ones.
     pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(x, Want::Stress)?;
         self.assembly.matrix.copy_force(&mut self.force);
-        let (n, k, h) = (self.body.n_dofs(), self.element.degree(), self.step_size);
+        let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
         for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
             self.body.mass_product(x, mass_rate);
         }
-        let (inverse, mut squares) = (self.element.inverse_coefficients(), [0.0; 3]);
+        let (mass, mut squares) = (&self.form.mass, [0.0; 3]);
         for i in 0..k {
-            let row_sum: f64 = inverse[i * k..(i + 1) * k].iter().sum();
             for dof in 0..n {
-                let inertia: f64 = (0..k).map(|j| inverse[i * k + j] * self.mass_rates[j * n + dof]).sum();
+                let inertia: f64 = (0..k).map(|j| mass[i * k + j] * self.mass_rates[j * n + dof]).sum();
                 let (internal, external) =
-                    (h * h * self.force[i * n + dof], h * h * self.external_force[i * n + dof]);
-                residual[i * n + dof] = inertia - row_sum * h * self.momentum[dof] + (internal - external);
+                    (s * s * self.force[i * n + dof], s * s * self.external_force[i * n + dof]);
+                residual[i * n + dof] = inertia - self.known[i * n + dof] + (internal - external);
                 if !self.body.fixed()[dof] {
                     squares[0] += inertia * inertia;
                     squares[1] += internal * internal;
@@ -102,17 +122,17 @@ impl<'a> StageSystem<'a> {
 
     fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
         let step = StepInput {
-            rule: self.element.rule(),
-            tangent_factor: self.step_size * self.step_size,
+            rule: &self.form.rule,
+            tangent_factor: self.time_scale * self.time_scale,
             displacement: &self.displacement,
             rates: x,
         };
-        self.body.assemble(&step, want, self.element.inverse_coefficients(), &mut self.assembly)
+        self.body.assemble(&step, want, &self.form.mass, &mut self.assembly)
     }
 
     fn factorize(&mut self) -> Result<()> {
         self.preconditioner.factorize(self.body, &self.assembly.matrix)?;
-        self.factorised_for = Some(self.step_size);
+        self.factorised_for = Some(self.time_scale);
         Ok(())
     }
 
@@ -128,7 +148,7 @@ impl<'a> StageSystem<'a> {
 
     /// Solves with the kept factorisation, or with a new one where that is too old.
     fn solve_with_fresh_enough(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        let fresh = self.factorised_for != Some(self.step_size) || self.last_iterations > KEEP_BELOW;
+        let fresh = self.factorised_for != Some(self.time_scale) || self.last_iterations > KEEP_BELOW;
         if fresh {
             self.factorize()?;
         }
@@ -175,7 +195,7 @@ impl System for StageSystem<'_> {
         if self.floor == 0.0 {
             let increment = &x[..self.body.n_dofs()];
             let size = self.preconditioner.rounding_size(self.body, &self.displacement, increment);
-            self.floor = FLOOR * f64::EPSILON * size * (self.element.degree() as f64).sqrt();
+            self.floor = FLOOR * f64::EPSILON * size * (self.form.rule.degree() as f64).sqrt();
         }
         Ok(iterations)
     }

@@ -14,7 +14,8 @@ pub struct State {
     pub step: usize,
     /// Displacement u = q - X, `[n_nodes][3]` \[length\].
     pub displacement: Vec<f64>,
-    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\].
+    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\]; M is the consistent mass, for central differences the lumped
+    /// one.
     pub momentum: Vec<f64>,
     /// Velocity v = M^-1 p, `[n_nodes][3]` \[length/time\].
     pub velocity: Vec<f64>,

@@ -1,0 +1,167 @@
+//! Bathe's composite method: trapezoidal rule, then the three-point backward Euler method.
+
+use super::forces::{Forces, Start, TimePoint};
+use super::{configurations, stage_form};
+use crate::body::Body;
+use crate::error::Result;
+use crate::newton::{NewtonSettings, Outcome};
+use crate::time::iteration::Iteration;
+use crate::time::stage_system::StageSystem;
+use crate::time::{Impulses, State, StepOutcome, Stepper};
+
+/// Where the step is split: 2 - sqrt 2.
+const SPLIT: f64 = 2.0 - std::f64::consts::SQRT_2;
+
+/// Weights of the forces at the start, at the split and at the end in the new velocity.
+///
+/// From `v_s = v_1 + (gamma h/2) (a_1 + a_s)` and `a_2 = c_1 v_1 + c_2 v_s + c_3 v_2` with `c_1 + c_2 + c_3 = 0`.
+const WEIGHTS: [f64; 3] = [0.5 / (2.0 - SPLIT), 0.5 / (2.0 - SPLIT), (1.0 - SPLIT) / (2.0 - SPLIT)];
+
+/// Stepper of Bathe's method, for the step split at `gamma = 2 - sqrt 2`. With x the increment of each part,
+///
+/// ```math
+/// M x - gamma h M v_1 - s^2 M a_1 + s^2 (f - F)_s = 0,                       s = gamma h/2
+/// M x - s^2 M (c_1 c_3 (u_s - u_1) - c_1 v_1 - c_2 v_s) + s^2 (f - F)_2 = 0
+/// c_1 = (1 - gamma)/(gamma h),    c_2 = -1/((1 - gamma) gamma h),    c_3 = (2 - gamma)/((1 - gamma) h) = 1/s
+/// ```
+///
+/// (Bathe and Baig (2005), who take gamma = 1/2; as here, one matrix `M + s^2 K` serves both parts: Bank and others (1985).)
+/// The second part starts from the displacement u_s.
+#[derive(Debug)]
+pub struct BatheStepper<'a> {
+    system: StageSystem<'a>,
+    iteration: Iteration,
+    forces: Forces<'a>,
+    acceleration: Vec<f64>,
+    /// M a at the start of the step.
+    inertia: Vec<f64>,
+    /// Increment of the whole step.
+    increment: Vec<f64>,
+    work: Vec<f64>,
+    /// State at the split; its momentum is not used.
+    split: State,
+    points: [TimePoint; 3],
+}
+
+impl<'a> BatheStepper<'a> {
+    /// The stepper of a state.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`], [`crate::Error::Inverted`].
+    pub fn new(body: &'a Body, settings: NewtonSettings, state: &State) -> Result<Self> {
+        let mut forces = Forces::new(body);
+        let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
+        let n = body.n_dofs();
+        Ok(BatheStepper {
+            system: StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0))?,
+            iteration: Iteration::new(1, n, settings),
+            forces,
+            acceleration,
+            inertia,
+            increment: vec![0.0; n],
+            work: vec![0.0; n],
+            split: state.clone(),
+            points: [point, TimePoint::new(n), TimePoint::new(n)],
+        })
+    }
+
+    /// Trapezoidal rule up to the split.
+    fn first_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
+        let (s, part) = (0.5 * SPLIT * h, SPLIT * h);
+        self.system.start(&state.displacement, s);
+        let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
+        known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
+        self.system.body.loads_at(state.time + part, &mut self.system.external_force);
+        let outcome = self.iteration.solve(&mut self.system, state, part)?;
+        self.iteration.remember(part);
+        self.split.time = state.time + part;
+        self.split.step = state.step;
+        for (dof, x) in self.iteration.rates.iter().enumerate() {
+            self.increment[dof] = *x;
+            self.split.displacement[dof] = state.displacement[dof] + x;
+            self.split.velocity[dof] = x / s - state.velocity[dof];
+        }
+        self.points[1].displacement.copy_from_slice(&self.split.displacement);
+        self.points[1].evaluate_for_reactions(&mut self.forces, self.split.time)?;
+        Ok(outcome)
+    }
+
+    /// Three-point backward Euler from the split to the end.
+    fn second_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
+        let (s, [c_1, c_2, c_3]) = (0.5 * SPLIT * h, backward_coefficients(h));
+        self.system.start(&self.split.displacement, s);
+        for (dof, work) in self.work.iter_mut().enumerate() {
+            let old = c_1 * state.velocity[dof] + c_2 * self.split.velocity[dof];
+            *work = s * s * (c_1 * c_3 * self.increment[dof] - old);
+        }
+        self.system.body.mass_product(&self.work, &mut self.system.known);
+        self.system.body.loads_at(state.time + h, &mut self.system.external_force);
+        let part = (1.0 - SPLIT) * h;
+        let outcome = self.iteration.solve(&mut self.system, &self.split, part)?;
+        self.iteration.remember(part);
+        let end = &mut self.points[2];
+        let parts = self.split.displacement.iter().zip(&self.iteration.rates);
+        end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);
+        end.evaluate_for_reactions(&mut self.forces, state.time + h)?;
+        Ok(outcome)
+    }
+
+    /// Reactions at the split, which need `M a_s`; `a_s = (v_s - v_1)/s - a_1`.
+    fn set_reactions_at_split(&mut self, state: &State, h: f64) {
+        let s = 0.5 * SPLIT * h;
+        for (dof, work) in self.work.iter_mut().enumerate() {
+            let change = self.split.velocity[dof] - state.velocity[dof];
+            *work = change / s - self.acceleration[dof];
+        }
+        self.forces.body.mass_product(&self.work, &mut self.inertia);
+        self.points[1].set_reactions(self.forces.body, &self.inertia);
+    }
+
+    /// The state at the end of the step: `v_2 = c_3 x - c_1 (u_s - u_1)` and `a_2 = c_1 v_1 + c_2 v_s + c_3 v_2`.
+    fn update(&mut self, state: &mut State, h: f64) {
+        let (body, [c_1, c_2, c_3]) = (self.forces.body, backward_coefficients(h));
+        for (dof, x) in self.iteration.rates.iter().enumerate() {
+            let (old, split) = (state.velocity[dof], self.split.velocity[dof]);
+            let new = c_3 * x - c_1 * self.increment[dof];
+            state.velocity[dof] = new;
+            self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
+            self.increment[dof] += x;
+        }
+        state.displacement.copy_from_slice(&self.points[2].displacement);
+        body.mass_product(&state.velocity, &mut state.momentum);
+        body.mass_product(&self.acceleration, &mut self.inertia);
+        self.points[2].set_reactions(body, &self.inertia);
+    }
+}
+
+/// Coefficients c_1, c_2, c_3 of the three-point backward difference at the end of the step.
+fn backward_coefficients(h: f64) -> [f64; 3] {
+    let rest = 1.0 - SPLIT;
+    [rest / (SPLIT * h), -1.0 / (rest * SPLIT * h), (2.0 - SPLIT) / (rest * h)]
+}
+
+impl Stepper for BatheStepper<'_> {
+    fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
+        let first = self.first_part(state, step_size)?;
+        let second = self.second_part(state, step_size)?;
+        self.set_reactions_at_split(state, step_size);
+        self.update(state, step_size);
+        let mut impulses = Impulses::default();
+        for (point, weight) in self.points.iter().zip(WEIGHTS) {
+            point.add_to(&mut impulses, self.forces.body, weight, step_size, &self.increment);
+        }
+        self.points.swap(0, 2);
+        let newton = Outcome {
+            iterations: first.iterations + second.iterations,
+            linear_iterations: first.linear_iterations + second.linear_iterations,
+            at_rounding_floor: first.at_rounding_floor || second.at_rounding_floor,
+            ..second
+        };
+        Ok(StepOutcome { newton, impulses })
+    }
+
+    /// That of the second part.
+    fn newton_history(&self) -> &[f64] {
+        self.iteration.history()
+    }
+}

@@ -1,0 +1,187 @@
+//! Central differences: explicit, with lumped mass.
+
+use super::forces::{Forces, TimePoint};
+use crate::average::Want;
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::newton::Outcome;
+use crate::time::{Impulses, State, StepOutcome, Stepper};
+
+/// Steps up to this part of the critical one are accepted: the estimate comes from above, and the body may stiffen.
+const SAFETY: f64 = 0.98;
+
+/// The critical step is estimated anew after so many steps.
+const STEPS_BETWEEN_ESTIMATES: usize = 50;
+
+/// Stepper of central differences in the form that has displacement and velocity at the same times (Verlet 1967):
+///
+/// ```math
+/// p_s = p_1 + (h/2) (F - f)_1,    u_2 = u_1 + h M^-1 p_s,    p_2 = p_s + (h/2) (F - f)_2
+/// ```
+///
+/// with the lumped mass [`Body::lumped_mass`]: the momentum of the state, and with it kinetic energy and momenta of the
+/// record, are those of the lumped mass. It conserves linear and angular momentum, is symplectic, and stable for
+/// `h < 2/omega_max`; a larger step is refused.
+#[derive(Debug)]
+pub struct CentralDifferences<'a> {
+    forces: Forces<'a>,
+    /// M a: the net force on free degrees of freedom.
+    inertia: Vec<f64>,
+    increment: Vec<f64>,
+    start: TimePoint,
+    end: TimePoint,
+    limit: StabilityLimit,
+}
+
+impl<'a> CentralDifferences<'a> {
+    /// The stepper of a state, whose momentum it sets by the lumped mass.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub fn new(body: &'a Body, state: &mut State) -> Result<Self> {
+        let (mut forces, n) = (Forces::new(body), body.n_dofs());
+        let limit = StabilityLimit::new(&mut forces, &state.displacement)?;
+        let mut start = TimePoint::new(n);
+        start.displacement.copy_from_slice(&state.displacement);
+        start.evaluate(&mut forces, state.time)?;
+        for (dof, p) in state.momentum.iter_mut().enumerate() {
+            *p = body.lumped_mass()[dof / 3] * state.velocity[dof];
+        }
+        let mut stepper = CentralDifferences {
+            forces,
+            inertia: vec![0.0; n],
+            increment: vec![0.0; n],
+            start,
+            end: TimePoint::new(n),
+            limit,
+        };
+        set_inertia(body, &mut stepper.start, &mut stepper.inertia);
+        Ok(stepper)
+    }
+
+    /// Last estimate of the critical step, 2/omega_max \[time\].
+    pub fn critical_step(&self) -> f64 {
+        self.limit.critical_step
+    }
+}
+
+/// Takes over the net force of a point as M a of the free degrees of freedom and sets its reactions.
+fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
+    for (dof, &fixed) in body.fixed().iter().enumerate() {
+        inertia[dof] = if fixed { 0.0 } else { point.force[dof] };
+    }
+    point.set_reactions(body, inertia);
+}
+
+impl Stepper for CentralDifferences<'_> {
+    fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
+        let (body, h) = (self.forces.body, step_size);
+        self.limit.check(&mut self.forces, state, h)?;
+        for (dof, x) in self.increment.iter_mut().enumerate() {
+            let middle = state.momentum[dof] + 0.5 * h * self.inertia[dof];
+            *x = h * middle / body.lumped_mass()[dof / 3];
+            self.end.displacement[dof] = state.displacement[dof] + *x;
+        }
+        self.end.evaluate(&mut self.forces, state.time + h)?;
+        self.limit.n_steps += 1;
+        let add = |momentum: &mut [f64], inertia: &[f64]| {
+            momentum.iter_mut().zip(inertia).for_each(|(p, ma)| *p += 0.5 * h * ma);
+        };
+        add(&mut state.momentum, &self.inertia);
+        set_inertia(body, &mut self.end, &mut self.inertia);
+        add(&mut state.momentum, &self.inertia);
+        state.displacement.copy_from_slice(&self.end.displacement);
+        for (dof, v) in state.velocity.iter_mut().enumerate() {
+            *v = state.momentum[dof] / body.lumped_mass()[dof / 3];
+        }
+        let mut impulses = Impulses::default();
+        self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
+        self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
+        std::mem::swap(&mut self.start, &mut self.end);
+        Ok(StepOutcome { newton: Outcome { converged: true, ..Outcome::default() }, impulses })
+    }
+
+    fn newton_history(&self) -> &[f64] {
+        &[]
+    }
+}
+
+/// The critical step, estimated by power iteration.
+#[derive(Debug)]
+struct StabilityLimit {
+    critical_step: f64,
+    /// Steps since the estimate.
+    n_steps: usize,
+    /// Approximation of the highest mode; the next estimate starts from it.
+    mode: Vec<f64>,
+    product: Vec<f64>,
+}
+
+/// Relative change of omega_max^2 at which the power iteration ends.
+const TOLERANCE: f64 = 1e-6;
+
+/// Iterations after which it ends in any case.
+const MAX_ITERATIONS: usize = 500;
+
+impl StabilityLimit {
+    fn new(forces: &mut Forces<'_>, displacement: &[f64]) -> Result<Self> {
+        // A fixed vector with a part in every mode: fractional parts of multiples of the golden section.
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let entry = |(dof, &fixed): (usize, &bool)| {
+            if fixed { 0.0 } else { ((dof + 1) as f64 * golden).fract() - 0.5 }
+        };
+        let mode: Vec<f64> = forces.body.fixed().iter().enumerate().map(entry).collect();
+        let mut limit = StabilityLimit { critical_step: 0.0, n_steps: 0, product: mode.clone(), mode };
+        limit.estimate(forces, displacement)?;
+        Ok(limit)
+    }
+
+    /// Sets the critical step at a displacement: `omega_max^2` is the largest eigenvalue of `M^-1 K`.
+    fn estimate(&mut self, forces: &mut Forces<'_>, displacement: &[f64]) -> Result<()> {
+        forces.assemble(displacement, Want::Tangent)?;
+        let mut square = 0.0;
+        for _ in 0..MAX_ITERATIONS {
+            let before = square;
+            square = self.iterate(forces);
+            if square == 0.0 || (square - before).abs() <= TOLERANCE * square {
+                break;
+            }
+        }
+        self.critical_step = 2.0 / square.sqrt();
+        self.n_steps = 0;
+        Ok(())
+    }
+
+    /// One power iteration; returns `|M^-1 K x| / |x|` in the norm of the mass, at most the largest eigenvalue.
+    fn iterate(&mut self, forces: &mut Forces<'_>) -> f64 {
+        let (body, mode) = (forces.body, &mut self.mode);
+        forces.assembly.matrix.multiply(body.pattern(), mode, &mut self.product);
+        let (mut old, mut new) = (0.0, 0.0);
+        for (dof, &fixed) in body.fixed().iter().enumerate() {
+            let mass = body.lumped_mass()[dof / 3];
+            let value = if fixed { 0.0 } else { self.product[dof] / mass };
+            old += mass * mode[dof] * mode[dof];
+            new += mass * value * value;
+            mode[dof] = value;
+        }
+        if new == 0.0 {
+            return 0.0;
+        }
+        let length = new.sqrt();
+        mode.iter_mut().for_each(|value| *value /= length);
+        length / old.sqrt()
+    }
+
+    /// Refuses a step that is too large for a state.
+    fn check(&mut self, forces: &mut Forces<'_>, state: &State, step_size: f64) -> Result<()> {
+        if self.n_steps >= STEPS_BETWEEN_ESTIMATES {
+            self.estimate(forces, &state.displacement)?;
+        }
+        let limit = SAFETY * self.critical_step;
+        if step_size <= limit {
+            return Ok(());
+        }
+        let (step, time, critical) = (state.step + 1, state.time + step_size, self.critical_step);
+        Err(Error::StepTooLarge { step, time, step_size, critical, limit })
+    }
+}

@@ -1,0 +1,137 @@
+//! Forces at one configuration and time: internal, external, reactions.
+
+use super::configurations;
+use crate::average::{Rule, Want};
+use crate::body::{Assembly, Body, MassSolver, StepInput};
+use crate::error::Result;
+use crate::sparse::reduce::dot;
+use crate::time::{Impulses, State};
+
+/// Evaluates forces at single configurations, with the memory for it.
+#[derive(Debug)]
+pub struct Forces<'a> {
+    pub body: &'a Body,
+    rule: Rule,
+    pub assembly: Assembly,
+    rest: Vec<f64>,
+    internal: Vec<f64>,
+}
+
+impl<'a> Forces<'a> {
+    pub fn new(body: &'a Body) -> Self {
+        let zero = vec![0.0; body.n_dofs()];
+        Forces {
+            body,
+            rule: configurations(&[(1.0, 1.0)]),
+            assembly: body.assembly(1),
+            rest: zero.clone(),
+            internal: zero,
+        }
+    }
+
+    /// Assembles the internal force of a displacement; with [`Want::Tangent`] also its derivative K.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub fn assemble(&mut self, displacement: &[f64], want: Want) -> Result<()> {
+        let step =
+            StepInput { rule: &self.rule, tangent_factor: 1.0, displacement, rates: self.rest.as_slice() };
+        self.body.assemble(&step, want, &[0.0], &mut self.assembly)
+    }
+
+    /// The force that is left for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub fn net(
+        &mut self,
+        displacement: &[f64],
+        time: f64,
+        external: &mut [f64],
+        net: &mut [f64],
+    ) -> Result<()> {
+        self.body.loads_at(time, external);
+        self.assemble(displacement, Want::Stress)?;
+        self.assembly.matrix.copy_force(&mut self.internal);
+        let forces = external.iter().zip(&self.internal);
+        net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
+        Ok(())
+    }
+}
+
+/// Forces at a time of the step.
+#[derive(Debug)]
+pub struct TimePoint {
+    /// Displacement, `[n_nodes][3]`.
+    pub displacement: Vec<f64>,
+    /// External force F.
+    pub external: Vec<f64>,
+    /// The net force F - f(u) once it is evaluated; F + lambda once the reactions are set.
+    pub force: Vec<f64>,
+}
+
+impl TimePoint {
+    pub fn new(n: usize) -> Self {
+        TimePoint { displacement: vec![0.0; n], external: vec![0.0; n], force: vec![0.0; n] }
+    }
+
+    /// Evaluates the forces at the displacement of the point.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
+        forces.net(&self.displacement, time, &mut self.external, &mut self.force)
+    }
+
+    /// Evaluates what reactions are made from: a body without supports has none.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
+        if forces.body.fixed().contains(&true) {
+            return self.evaluate(forces, time);
+        }
+        forces.body.loads_at(time, &mut self.external);
+        Ok(())
+    }
+
+    /// Sets the force to that of loads and reactions, `lambda = M a + f(u) - F` at fixed degrees of freedom;
+    /// `inertia`: M a.
+    pub fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
+        for (dof, &fixed) in body.fixed().iter().enumerate() {
+            let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
+            self.force[dof] = self.external[dof] + reaction;
+        }
+    }
+
+    /// Adds what loads and reactions of this point do with a weight in a step of increment x.
+    pub fn add_to(&self, impulses: &mut Impulses, body: &Body, weight: f64, step_size: f64, x: &[f64]) {
+        impulses.work += weight * dot(&self.external, x);
+        impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
+    }
+}
+
+/// Acceleration and forces at a state, `M a = F(t) - f(u)` on the free degrees of freedom, and the product M a on all.
+#[derive(Debug)]
+pub struct Start {
+    pub acceleration: Vec<f64>,
+    pub inertia: Vec<f64>,
+    pub point: TimePoint,
+}
+
+impl Start {
+    /// The start from a state, with the consistent mass.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    pub fn new(forces: &mut Forces<'_>, state: &State) -> Result<Self> {
+        let (body, n) = (forces.body, forces.body.n_dofs());
+        let (mut acceleration, mut inertia, mut point) = (vec![0.0; n], vec![0.0; n], TimePoint::new(n));
+        point.displacement.copy_from_slice(&state.displacement);
+        point.evaluate(forces, state.time)?;
+        MassSolver::new(body)?.velocity(&point.force, &mut acceleration);
+        body.mass_product(&acceleration, &mut inertia);
+        point.set_reactions(body, &inertia);
+        Ok(Start { acceleration, inertia, point })
+    }
+}

@@ -1,0 +1,31 @@
+//! Methods in common use that are not time elements. They share body, Newton's iteration and marching with them.
+//!
+//! An implicit one solves equations of the shape of a time element of degree 1, with other coefficients and another known
+//! vector; its rule evaluates the internal force at configurations of the step instead of averaging the stress over it.
+//!
+//! What work and impulses mean here is said at [`super::Impulses`].
+
+mod bathe;
+mod central_differences;
+mod forces;
+mod newmark;
+
+pub use bathe::BatheStepper;
+pub use central_differences::CentralDifferences;
+pub use newmark::{NewmarkParameters, NewmarkStepper};
+
+use super::stage_system::StageForm;
+use crate::average::Rule;
+use crate::quadrature::Quadrature;
+
+/// Rule that evaluates the internal force at configurations of the step: `sum_s w_s f(u_1 + alpha_s x)`, given as
+/// `(alpha_s, w_s)` with weights that sum to 1.
+fn configurations(points: &[(f64, f64)]) -> Rule {
+    let (points, weights) = points.iter().map(|&(alpha, weight)| ([alpha], weight)).unzip();
+    Rule::standard(1, &Quadrature { points, weights })
+}
+
+/// Equations of a step `c M x - g + s^2 (f - F) = 0` with the force of a rule whose derivative by x is `w K`.
+fn stage_form(rule: Rule, c: f64, w: f64) -> StageForm {
+    StageForm { rule, mass: vec![c], inverse_mass: vec![1.0 / c], response: vec![w], mean: vec![1.0 / w] }
+}

@@ -1,0 +1,145 @@
+//! One step of a time element: prediction, iteration, update, impulses.
+
+use super::iteration::Iteration;
+use super::stage_system::StageSystem;
+use super::{Impulses, State, StepOutcome, Stepper, TimeElement};
+use crate::body::{Body, MassSolver};
+use crate::error::Result;
+use crate::newton::NewtonSettings;
+use crate::sparse::reduce::dot;
+
+/// Stepper of a time element.
+///
+/// ```
+/// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
+/// use emmy::{newton::NewtonSettings, time::{Scheme, State, Stepper, TimeElement, TimeElementStepper}};
+/// let rubber = NeoHooke::new(1000.0, 500.0)?;
+/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let mut state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
+/// let element = TimeElement::new(Scheme::DiscreteGradient, 1)?;
+/// TimeElementStepper::new(&body, element, NewtonSettings::default())?.advance(&mut state, 0.5)?;
+/// assert!((state.displacement[0] - 1.0).abs() < 1e-14);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct TimeElementStepper<'a> {
+    system: StageSystem<'a>,
+    iteration: Iteration,
+    mass_solver: MassSolver,
+    /// Momentum at the start of the step.
+    momentum: Vec<f64>,
+    residual: Vec<f64>,
+    averages: Vec<f64>,
+    position: Vec<f64>,
+    is_loaded: bool,
+}
+
+impl<'a> TimeElementStepper<'a> {
+    /// A stepper with all its memory; symbolic work is done here, once.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`] if there is not enough memory.
+    pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
+        let (n, k) = (body.n_dofs(), element.degree());
+        Ok(TimeElementStepper {
+            system: StageSystem::new(body, element.into())?,
+            iteration: Iteration::new(k, n, settings),
+            mass_solver: MassSolver::new(body)?,
+            momentum: vec![0.0; n],
+            residual: vec![0.0; k * n],
+            averages: vec![0.0; k],
+            position: vec![0.0; n],
+            is_loaded: false,
+        })
+    }
+
+    /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
+    fn start(&mut self, state: &State, h: f64) {
+        self.momentum.copy_from_slice(&state.momentum);
+        self.system.start(&state.displacement, h);
+        let StageSystem { body, form, external_force, known, .. } = &mut self.system;
+        let (k, n) = (form.rule.degree(), self.momentum.len());
+        for (row, known) in form.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
+            let row_sum: f64 = row.iter().sum();
+            known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
+        }
+        self.is_loaded = body.stage_loads(&form.rule, state.time, h, &mut self.averages, external_force);
+    }
+
+    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom.
+    fn impulses(&mut self, h: f64) -> Result<Impulses> {
+        let (body, n, rates) = (self.system.body, self.system.body.n_dofs(), &self.iteration.rates);
+        let has_supports = body.fixed().contains(&true);
+        if has_supports {
+            self.system.full_residual(rates, &mut self.residual)?;
+        }
+        let mut impulses = Impulses::default();
+        if !has_supports && !self.is_loaded {
+            return Ok(impulses);
+        }
+        let rule = &self.system.form.rule;
+        let k = rule.degree();
+        for i in 0..k {
+            let b = rule.weights()[i];
+            let external = &self.system.external_force[i * n..(i + 1) * n];
+            impulses.work += b * dot(external, &rates[i * n..(i + 1) * n]);
+            self.position.copy_from_slice(&self.system.displacement);
+            for j in 0..k {
+                let a = rule.coefficients()[i * k + j];
+                self.position.iter_mut().zip(&rates[j * n..]).for_each(|(u, x)| *u += a * x);
+            }
+            let force = &mut self.residual[i * n..(i + 1) * n];
+            for dof in 0..n {
+                let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
+                force[dof] = lambda + external[dof];
+            }
+            impulses.add_force(body, h * b, &self.position, force);
+        }
+        Ok(impulses)
+    }
+
+    /// The state at the end of the step.
+    ///
+    /// The momentum is taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`: then
+    /// an error of the iteration enters the energy balance through `R_i . x_i` only.
+    fn update(&mut self, state: &mut State, h: f64) {
+        let (body, n) = (self.system.body, state.displacement.len());
+        let form = &self.system.form;
+        let (k, b) = (form.rule.degree(), form.rule.weights());
+        state.momentum.fill(0.0);
+        for j in 0..k {
+            let beta: f64 = (0..k).map(|i| b[i] * form.mass[i * k + j]).sum();
+            let rates = &self.iteration.rates[j * n..(j + 1) * n];
+            state.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += b[j] * x);
+            body.mass_product(rates, &mut self.position);
+            let old = self.position.iter().zip(&self.momentum);
+            state.momentum.iter_mut().zip(old).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
+        }
+        state.momentum.iter_mut().zip(&self.momentum).for_each(|(p, p_1)| *p += p_1);
+        self.mass_solver.velocity(&state.momentum, &mut state.velocity);
+        // The momentum of fixed degrees of freedom is that of the velocity: p = M v with all of M.
+        body.mass_product(&state.velocity, &mut self.position);
+        let fixed = body.fixed().iter().zip(&self.position);
+        state
+            .momentum
+            .iter_mut()
+            .zip(fixed)
+            .filter(|(_, (fixed, _))| **fixed)
+            .for_each(|(p, (_, mv))| *p = *mv);
+    }
+}
+
+impl Stepper for TimeElementStepper<'_> {
+    fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
+        self.start(state, step_size);
+        let newton = self.iteration.solve(&mut self.system, state, step_size)?;
+        let impulses = self.impulses(step_size)?;
+        self.update(state, step_size);
+        self.iteration.remember(step_size);
+        Ok(StepOutcome { newton, impulses })
+    }
+
+    fn newton_history(&self) -> &[f64] {
+        self.iteration.history()
+    }
+}
