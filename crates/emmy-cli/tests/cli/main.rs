@@ -5,6 +5,7 @@ mod compare;
 mod converge;
 mod examples;
 mod messages;
+mod reference;
 mod results;
 mod run;
 mod verbs;

@@ -79,3 +79,18 @@ fn elsewhere(word: &str) -> Option<String> {
     let table = TABLES.iter().find(|table| table.keys.contains(&word))?;
     Some(format!("`{word}` belongs in {}", table.table))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_has_every_key() {
+        let page = include_str!("../../../../docs/input.md");
+        for Keys { table, keys } in TABLES {
+            for key in keys {
+                assert!(page.contains(&format!("`{key}`")), "docs/input.md lacks `{key}` of {table}");
+            }
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! The reference of input and results (`docs/input.md`) against the program.
+
+use super::{BOX, Place};
+
+const PAGE: &str = include_str!("../../../../docs/input.md");
+
+fn has(word: &str) {
+    assert!(PAGE.contains(&format!("`{word}`")), "docs/input.md lacks `{word}`");
+}
+
+#[test]
+fn it_has_every_column_and_every_field() {
+    let place = Place::with(&BOX.replace("tip", "NAME"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    place.history("out").keys().for_each(|column| has(column));
+    place.summary("out").as_object().unwrap().keys().for_each(|field| has(field));
+}
+
+#[test]
+fn it_has_every_scheme_and_material() {
+    for what in ["schemes", "materials"] {
+        let list = Place::new().succeed(&["list", what, "--json"]).stdout;
+        let list: serde_json::Value = serde_json::from_str(&list).unwrap();
+        list.as_array().unwrap().iter().for_each(|item| has(item["name"].as_str().unwrap()));
+    }
+}
+
+#[test]
+fn its_smallest_input_checks() {
+    let input = PAGE.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let report = Place::with(input).succeed(&["check", "box.toml"]).stdout;
+    assert!(report.contains("100 steps from t = 0 to t = 10"), "{report}");
+}
