@@ -159,8 +159,8 @@ pub enum Error {
     },
     /// Newton's iteration that did not converge.
     #[error(
-        "no convergence in step {step}, to t = {time}: residual {residual:e} after {iterations} iterations \
-         (wanted {target:e}), largest at node {node} near {position:?}; try a smaller step"
+        "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} iterations \
+         (wanted {target:.3e}), largest at node {node} near {position:.5?}; try a smaller step, or more iterations"
     )]
     NoConvergence {
         /// Number of the step that failed.
@@ -177,9 +177,19 @@ pub enum Error {
         node: usize,
         /// Its last good position.
         position: [f64; 3],
-        /// What stopped the iteration, if it was not the number of iterations.
+    },
+    /// A step whose equations cannot be solved from any starting point.
+    #[error(
+        "step {step}, to t = {time}, cannot be solved; try a smaller step, and look at the loads and the material"
+    )]
+    StepFailed {
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// Why.
         #[source]
-        cause: Option<Box<Error>>,
+        cause: Box<Error>,
     },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]

@@ -98,8 +98,8 @@ impl Newton {
     /// Solves `R(x) = 0` from x.
     ///
     /// Converged is a residual of at most `max(tolerance scale, floor)` after at least one iteration; then one more
-    /// correction follows, so that what the solution conserves is kept to round-off. A system whose parts are all zero
-    /// is solved at once. With `line_search` a correction is halved until the residual falls.
+    /// correction follows, so that what the solution conserves is kept to round-off. A system whose parts and
+    /// residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
     ///
     /// # Errors
     /// Those of the system at the start; later ones end the iteration without convergence if halving does not help.
@@ -121,7 +121,8 @@ impl Newton {
             self.history.push(sizes.residual);
             outcome.residual = sizes.residual;
             outcome.target = (settings.tolerance * sizes.scale).max(sizes.floor);
-            if sizes.scale == 0.0 {
+            // The scale does not see every part: a body that moves has a residual at rest although no force acts.
+            if sizes.scale == 0.0 && sizes.residual == 0.0 {
                 outcome.converged = true;
                 return Ok(outcome);
             }

@@ -152,3 +152,26 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let one = run(1);
     assert!([2, 3, 5].into_iter().all(|threads| run(threads) == one));
 }
+
+/// A moving body without load has no force at its starting point; that does not make rest a solution.
+#[test]
+fn a_moving_body_is_never_solved_without_an_iteration() {
+    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
+    for (scheme, degree, size) in [
+        (Scheme::DiscreteGradient, 2, 5.0),
+        (Scheme::AssumedStrain(5), 1, 1.0),
+        (Scheme::Standard(1), 1, 5.0),
+        (Scheme::Trapezoidal, 1, 0.8),
+        (Scheme::DiscreteGradient, 3, 0.8),
+    ] {
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
+        let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
+        for i in 1..=3 {
+            // A step of this size may fail; what it must not do is to stand still and call that a solution.
+            let Ok(record) = motion.step(size, size * f64::from(i)) else { break };
+            assert!(record.newton_iterations > 0, "{scheme} k = {degree}");
+            assert!(record.linear_momentum_residual < 1e-9 * 40.0, "{scheme} k = {degree}: {record:?}");
+        }
+    }
+}

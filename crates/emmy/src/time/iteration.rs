@@ -59,21 +59,36 @@ impl Iteration {
     /// # Errors
     /// [`Error::NoConvergence`].
     pub fn solve(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) -> Result<Outcome> {
-        let (mut failed, mut cause) = (Outcome::default(), None);
+        let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
             if !self.predict(guess, system, state, step_size) {
                 continue;
             }
             match self.newton.solve(system, &mut self.rates, &self.settings, line_search) {
                 Ok(outcome) if outcome.converged => return Ok(outcome),
-                Ok(outcome) => (failed, cause) = (outcome, None),
+                Ok(outcome) => failure = Some(self.no_convergence(outcome, system, state, step_size)),
                 Err(error) => cause = Some(Box::new(error)),
             }
         }
+        // An iteration that ran says more than one that could not start.
+        let (step, time) = (state.step + 1, state.time + step_size);
+        Err(failure
+            .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
+            .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
+    }
+
+    /// The error of an iteration that did not converge, at the node with the largest residual.
+    fn no_convergence(
+        &self,
+        failed: Outcome,
+        system: &StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+    ) -> Error {
         let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
         let nodes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size).enumerate();
         let node = nodes.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node);
-        Err(Error::NoConvergence {
+        Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
             iterations: failed.iterations,
@@ -81,8 +96,7 @@ impl Iteration {
             target: failed.target,
             node,
             position: state.position(system.body, node),
-            cause,
-        })
+        }
     }
 
     /// Keeps the rates of a step for the prediction of the next one.
