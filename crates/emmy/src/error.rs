@@ -191,6 +191,14 @@ pub enum Error {
         #[source]
         cause: Box<Error>,
     },
+    /// A mesh too large for the memory of the machine.
+    #[error("not enough memory for {what} ({gigabytes:.1} GB); try a coarser mesh")]
+    OutOfMemory {
+        /// What the memory is for.
+        what: &'static str,
+        /// How much is needed for it.
+        gigabytes: f64,
+    },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {

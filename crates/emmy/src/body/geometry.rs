@@ -27,16 +27,16 @@ impl CellTable {
     /// The table of some cells of a mesh, all of one kind.
     ///
     /// # Errors
-    /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point.
+    /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
     pub fn new(mesh: &Mesh, kind: CellKind, cells: Vec<u32>) -> Result<Self> {
         let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
         let n_points = reference.weights.len();
         let mut table = CellTable {
-            nodes: Vec::with_capacity(cells.len() * kind.n_nodes()),
+            nodes: reserved(cells.len() * kind.n_nodes())?,
             n_nodes: kind.n_nodes(),
             n_points,
-            gradients: Vec::with_capacity(cells.len() * n_points * 3 * kind.n_nodes()),
-            weights: Vec::with_capacity(cells.len() * n_points),
+            gradients: reserved(cells.len() * n_points * 3 * kind.n_nodes())?,
+            weights: reserved(cells.len() * n_points)?,
             cells,
         };
         for &cell in &table.cells {
@@ -60,6 +60,15 @@ impl CellTable {
         }
         Ok(table)
     }
+}
+
+/// An empty vector with room for so many elements, or an error where the machine does not have the memory.
+fn reserved<T>(capacity: usize) -> Result<Vec<T>> {
+    let mut vector = Vec::new();
+    let bytes = capacity.saturating_mul(size_of::<T>());
+    let out_of_memory = |_| Error::OutOfMemory { what: "the table of cells", gigabytes: bytes as f64 / 1e9 };
+    vector.try_reserve_exact(capacity).map_err(out_of_memory)?;
+    Ok(vector)
 }
 
 /// Shape functions and their gradients at the points of a quadrature.

@@ -15,7 +15,7 @@ impl MassSolver {
     /// Factorises the mass matrix of a body.
     ///
     /// # Errors
-    /// [`crate::Error::Linear`] if there is not enough memory.
+    /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &Body) -> Result<Self> {
         let fixed =
             |axis: usize| -> Vec<bool> { body.fixed().iter().skip(axis).step_by(3).copied().collect() };

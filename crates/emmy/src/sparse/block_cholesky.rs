@@ -19,7 +19,7 @@ impl BlockCholesky {
     /// Symbolic factorisation. `components`: rows a block; `fixed: [n_rows components]`; `order[new] = old` of block rows.
     ///
     /// # Errors
-    /// [`crate::Error::Linear`] if there is not enough memory.
+    /// [`crate::Error::OutOfMemory`].
     pub fn new(pattern: &Pattern, components: usize, fixed: &[bool], order: &[usize]) -> Result<Self> {
         let free: Vec<usize> = (0..fixed.len()).filter(|&row| !fixed[row]).collect();
         let mut number = vec![usize::MAX; fixed.len()];

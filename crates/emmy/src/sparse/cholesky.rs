@@ -44,7 +44,7 @@ impl Cholesky {
     /// `column_begin`, `rows`: lower triangle in compressed columns, rows ascending; `order[new] = old`.
     ///
     /// # Errors
-    /// [`Error::Linear`] if there is not enough memory.
+    /// [`Error::OutOfMemory`], [`Error::Linear`].
     pub fn new(column_begin: Vec<usize>, rows: Vec<usize>, order: Vec<usize>) -> Result<Self> {
         let n = order.len();
         let pattern = SymbolicSparseColMat::new_checked(n, n, column_begin, None, rows);
@@ -60,8 +60,8 @@ impl Cholesky {
         .map_err(|error| Error::Linear { reason: format!("symbolic factorisation: {error:?}") })?;
         let request = (symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))
             .or(symbolic.solve_in_place_scratch::<f64>(MAX_COLUMNS, Par::Seq));
-        let memory = MemBuffer::try_new(request).map_err(|_| out_of_memory())?;
-        let values = vec![0.0; symbolic.len_val()];
+        let memory = MemBuffer::try_new(request).map_err(|_| out_of_memory(request.size_bytes()))?;
+        let values = zeros(symbolic.len_val())?;
         Ok(Cholesky { pattern, symbolic, values, indefinite: None, memory })
     }
 
@@ -78,7 +78,7 @@ impl Cholesky {
     /// Numerical factorisation. `values`: entries of the lower triangle, in the order of the pattern.
     ///
     /// # Errors
-    /// [`Error::Linear`] if an entry is not finite or there is not enough memory.
+    /// [`Error::Linear`] if an entry is not finite, [`Error::OutOfMemory`].
     pub fn factorize(&mut self, values: &[f64]) -> Result<()> {
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Error::Linear { reason: "the matrix has an entry that is not finite".into() });
@@ -108,7 +108,7 @@ impl Cholesky {
         let mut pivots = Pivots { subdiagonal: vec![0.0; n], forward: vec![0; n], inverse: vec![0; n] };
         let request =
             self.symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(request).map_err(|_| out_of_memory())?;
+        let mut memory = MemBuffer::try_new(request).map_err(|_| out_of_memory(request.size_bytes()))?;
         self.symbolic.factorize_numeric_intranode_lblt(
             &mut self.values,
             &mut pivots.subdiagonal,
@@ -144,8 +144,16 @@ impl Cholesky {
     }
 }
 
-fn out_of_memory() -> Error {
-    Error::Linear { reason: "not enough memory for the factorisation".into() }
+fn out_of_memory(bytes: usize) -> Error {
+    Error::OutOfMemory { what: "the factorisation", gigabytes: bytes as f64 / 1e9 }
+}
+
+/// Zeros, or an error where the machine does not have the memory: the factor is by far the largest thing of a run.
+fn zeros(length: usize) -> Result<Vec<f64>> {
+    let mut zeros = Vec::new();
+    zeros.try_reserve_exact(length).map_err(|_| out_of_memory(length.saturating_mul(8)))?;
+    zeros.resize(length, 0.0);
+    Ok(zeros)
 }
 
 #[cfg(test)]

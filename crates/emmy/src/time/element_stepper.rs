@@ -38,7 +38,7 @@ impl<'a> TimeElementStepper<'a> {
     /// A stepper with all its memory; symbolic work is done here, once.
     ///
     /// # Errors
-    /// [`crate::Error::Linear`] if there is not enough memory.
+    /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let (n, k) = (body.n_dofs(), element.degree());
         Ok(TimeElementStepper {

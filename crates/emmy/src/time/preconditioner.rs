@@ -43,7 +43,7 @@ impl Preconditioner {
     /// Symbolic work for a body and the equations of a step.
     ///
     /// # Errors
-    /// [`crate::Error::Linear`] if there is not enough memory.
+    /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &Body, form: &StageForm) -> Result<Self> {
         let (k, a, w) = (form.rule.degree(), &form.inverse_mass, &form.response);
         let product: Vec<f64> =
