@@ -58,13 +58,12 @@ impl Results {
         })
     }
 
-    /// Ends the run: the last state is written as a frame if the plan was not done, then the summary, which is
-    /// returned.
+    /// Ends the run: the last state is written as a frame if it is not there yet, then the summary, which is returned.
     ///
     /// # Errors
     /// What the system refuses.
     pub fn finish(&mut self, state: &State, status: Status, message: Option<&str>) -> io::Result<Value> {
-        if let (Some(frames), true) = (&mut self.frames, status != Status::Done) {
+        if let Some(frames) = &mut self.frames {
             frames.write(state)?;
         }
         let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
