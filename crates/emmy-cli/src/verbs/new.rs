@@ -39,11 +39,14 @@ macro_rules! template {
 pub const TEMPLATES: [Template; 4] =
     [template!("l-block"), template!("quasi-rigid"), template!("cantilever"), template!("spinning-block")];
 
+/// Examples whose meshes lie beside them, so that an input file alone would be of no use.
+const ON_MESHES: [&str; 2] = ["tuning-fork", "two-materials"];
+
 /// Writes the example, never over a file that is there.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
     let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
-        return Err(unknown(name));
+        return Err(if ON_MESHES.contains(&name) { on_mesh(name) } else { unknown(name) });
     };
     let file = format!("{name}.toml");
     let opened = OpenOptions::new().write(true).create_new(true).open(&file);
@@ -60,7 +63,19 @@ fn unknown(name: &str) -> Failure {
         name => format!("there is no example `{name}`"),
     };
     let lines = TEMPLATES.iter().map(|template| format!("\n  {:16}{}", template.name, template.title()));
-    Failure::Usage { message, help: Some(format!("the examples are{}", lines.collect::<String>())) }
+    let others = format!("\n(with their meshes in examples/ of Emmy's source: {})", ON_MESHES.join(", "));
+    let help = format!("the examples are{}{others}", lines.collect::<String>());
+    Failure::Usage { message, help: Some(help) }
+}
+
+/// Where an example with a mesh is.
+fn on_mesh(name: &str) -> Failure {
+    let message = format!("the example `{name}` comes with a mesh, which `emmy new` does not write");
+    let help = format!(
+        "both lie in Emmy's source, as examples/{name}.toml and examples/meshes/{name}.msh; there, `emmy run \
+         examples/{name}.toml` runs it"
+    );
+    Failure::Usage { message, help: Some(help) }
 }
 
 fn not_written(file: &str, error: &std::io::Error) -> Failure {
