@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use clap::Args;
-use emmy::body::{Load, LoadKind, LoadResultant, RegionSummary, Support};
+use emmy::body::{InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
 use emmy::element::quality;
 use emmy::mesh::{CellKind, Mesh};
+use emmy::motion::State;
 use emmy_io::input::Problem;
 
 use super::Input;
@@ -29,6 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.mesh(problem.body.mesh());
     report.groups(problem.body.mesh());
     report.body(&problem);
+    report.start(&problem)?;
     report.time(&problem);
     report.output(&problem);
     if let Err(error) = emmy_io::directory::check(&problem.output.directory) {
@@ -84,17 +86,33 @@ impl Report {
             self.load(load, &resultant);
         }
         problem.supports.iter().for_each(|support| self.support(support, body.mesh()));
+    }
+
+    fn start(&mut self, problem: &Problem) -> Result<(), Failure> {
         if problem.initial.is_empty() {
             self.line("initial", "at rest");
+            return Ok(());
         }
-        for field in &problem.initial {
-            let group = field.group.as_deref().unwrap_or("all nodes");
-            let (velocity, spin) = (vector(field.velocity), vector(field.angular_velocity));
-            let about = vector(field.about);
-            self.line(
-                "initial",
-                &format!("{group}: velocity {velocity}, angular velocity {spin} about {about}"),
-            );
+        problem.initial.iter().for_each(|field| self.field(field));
+        let body = &problem.body;
+        let state = State::initial(body, problem.plan.start(), &problem.initial)?;
+        let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
+        let kinetic_energy = number(products.sum::<f64>() / 2.0);
+        let linear = [0, 1, 2].map(|i| state.momentum.iter().skip(i).step_by(3).sum());
+        let angular = body.moment(&state.displacement, &state.momentum);
+        self.line("start", &format!("kinetic energy {kinetic_energy}"));
+        self.line("", &format!("linear momentum {}", vector(linear)));
+        self.line("", &format!("angular momentum about the origin {}", vector(angular)));
+        Ok(())
+    }
+
+    fn field(&mut self, field: &InitialVelocity) {
+        let group = field.group.as_deref().unwrap_or("all nodes");
+        let (velocity, spin) = (vector(field.velocity), vector(field.angular_velocity));
+        let about = vector(field.about);
+        self.line("initial", &format!("{group}: velocity {velocity}, angular velocity {spin} about {about}"));
+        if field.gradient != [[0.0; 3]; 3] {
+            self.line("", &format!("gradient [{}]", field.gradient.map(vector).join(", ")));
         }
     }
 
@@ -157,7 +175,7 @@ impl Report {
         let output = &problem.output;
         let frames = match output.every {
             0 => "no frames".to_string(),
-            every => format!("{} frames", problem.plan.n_steps() / every + 1),
+            every => format!("{} frames", problem.plan.n_steps().div_ceil(every) + 1),
         };
         self.line("output", &format!("{}, {frames}", output.directory.display()));
         for probe in &output.probes {

@@ -29,6 +29,21 @@ fn new_without_a_known_name_lists_the_examples() {
 }
 
 #[test]
+fn new_says_where_the_examples_with_meshes_are() {
+    let place = Place::new();
+    for name in ["tuning-fork", "two-materials"] {
+        let outcome = place.emmy(&["new", name]);
+        assert_eq!(outcome.code, 2);
+        for file in [format!("examples/{name}.toml"), format!("examples/meshes/{name}.msh")] {
+            assert!(outcome.stderr.contains(&file), "{}", outcome.stderr);
+            assert!(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&file).is_file());
+        }
+        assert!(place.emmy(&["new"]).stderr.contains(name));
+    }
+    assert!(place.names(".").is_empty());
+}
+
+#[test]
 fn check_reports_and_writes_nothing() {
     let place = Place::with(BOX);
     let report = place.succeed(&["check", "box.toml"]).stdout;
@@ -41,6 +56,7 @@ fn check_reports_and_writes_nothing() {
         "traction on y-max: force [0, 0, 10], torque about the origin [20, -5, 0]",
         "y-min: x, y, z fixed, 12 degrees of freedom",
         "8 steps from t = 0 to t = 0.5",
+        "out, 5 frames",
         "AS(2), degree 1",
         "aspect ratio 1.0000",
         "tip: node",
@@ -51,6 +67,29 @@ fn check_reports_and_writes_nothing() {
     let report =
         place.succeed(&["check", "box.toml", "--set", "time.scheme=DGM", "--set", "time.degree=3"]).stdout;
     assert!(report.contains("DGM, degree 3"), "{report}");
+    let report = place.succeed(&["check", "box.toml", "--set", "output.every=3"]).stdout;
+    assert!(report.contains("out, 4 frames"), "{report}");
+}
+
+#[test]
+fn check_reports_on_the_start() {
+    let input = BOX.replace(
+        "velocity = [0, 0, 0]",
+        "velocity = [1, 0, 0]\ngradient = [[0, 0, 0], [0, 0, 0], [0, 0, 1]]",
+    );
+    let input = input.replace("[[support]]\ngroup = \"y-min\"\nfix = [\"x\", \"y\", \"z\"]\n", "");
+    let report = Place::with(&input).succeed(&["check", "box.toml"]).stdout;
+    // Mass 4 at v = (1, 0, z), z from 0 to 1: T = 4/2 (1 + 1/3), P = 4 (1, 0, 1/2), L = integral of rho x cross v.
+    for part in [
+        "all nodes: velocity [1, 0, 0]",
+        "gradient [[0, 0, 0], [0, 0, 0], [0, 0, 1]]",
+        "kinetic energy 2.666666667",
+        "linear momentum [4, 0, 2]",
+        "angular momentum about the origin [2, 1, -4]",
+    ] {
+        assert!(report.contains(part), "{part}\n{report}");
+    }
+    assert!(!Place::with(BOX).succeed(&["check", "box.toml"]).stdout.contains("gradient"));
 }
 
 #[test]
@@ -66,13 +105,17 @@ fn list_has_the_key_word_first() {
     ];
     for (what, words) in expected {
         let text = place.succeed(&["list", what]).stdout;
-        let first: Vec<&str> = text.lines().map(|line| line.split_whitespace().next().unwrap()).collect();
         let json: serde_json::Value =
             serde_json::from_str(&place.succeed(&["list", what, "--json"]).stdout).unwrap();
         let named: Vec<&str> =
             json.as_array().unwrap().iter().map(|item| item["name"].as_str().unwrap()).collect();
-        assert_eq!(first, named);
-        assert!(words.iter().all(|word| first.contains(word)), "{what}: {text}");
+        assert_eq!(text.lines().count(), named.len());
+        assert!(text.lines().zip(&named).all(|(line, name)| line.starts_with(name)), "{what}: {text}");
+        assert!(words.iter().all(|word| named.contains(word)), "{what}: {text}");
+    }
+    for line in place.succeed(&["list", "materials"]).stdout.lines() {
+        let parts = ["W(C) = ", "lambda, mu", "youngs_modulus, poissons_ratio"];
+        assert!(parts.iter().all(|part| line.contains(part)), "{line}");
     }
     assert_eq!(place.emmy(&["list", "cheese"]).code, 2);
 }
