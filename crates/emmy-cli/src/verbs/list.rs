@@ -37,8 +37,16 @@ enum What {
 type Item = (&'static str, &'static str);
 
 const MATERIALS: [Item; 2] = [
-    ("saint-venant-kirchhoff", "linear in the Green-Lagrange strain; large rotation, small strain"),
-    ("neo-hooke", "compressible neo-Hooke; large strain"),
+    (
+        "saint-venant-kirchhoff",
+        "W(C) = lambda/2 (tr E)^2 + mu E : E, E = (C - I)/2; parameters lambda, mu or youngs_modulus, poissons_ratio; \
+         large rotation, small strain",
+    ),
+    (
+        "neo-hooke",
+        "W(C) = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J, J^2 = det C; parameters lambda, mu or youngs_modulus, \
+         poissons_ratio; large strain",
+    ),
 ];
 
 const MESHES: [Item; 3] = [
