@@ -52,7 +52,7 @@ const CASES: &[Case] = &[
     case(TRACTION, "traction = [0.0, 1.0]", &["`traction` must have 3 numbers, not 2"]),
     case(TRACTION, "traction = [0.0, nan, 1.0]", &["finite"]),
     case(TRACTION, "traction = 1.0", &["`traction` must be a list of 3 numbers, not a number"]),
-    case("degree = 1", "degree = 1.5", &["`degree` must be a whole number"]),
+    case("degree = 1", "degree = 1.5", &["`degree` must be a whole number, not 1.5"]),
     case("degree = 1", "degree = 0", &["`degree` must be at least 1"]),
     case("every = 2", "every = -1", &["`every` must be at least 0"]),
     case("every = 2", "every = 2\ncheckpoint_every = 0.5", &["`checkpoint_every` must be a whole number"]),
@@ -100,13 +100,16 @@ const CASES: &[Case] = &[
     case(HISTORY, "history = []", &["no entries"]),
     case(HISTORY, "history = [[0.5, 0.0, 1.0]]", &["must have 2 numbers"]),
     case("AS(2)", "as2", &["not a scheme", "did you mean \"AS(2)\"?", "DGM"]),
+    case("AS(2)", "DMG", &["not a scheme", "did you mean \"DGM\"?"]),
     case("AS(2)", "leapfrog", &["not a scheme", "emmy list schemes"]),
     case(STEPS, "steps = []", &["`steps` is empty"]),
     case(
         STEPS,
         "steps = [{ until = 0.5, size = 0.1 }, { until = 0.2, size = 0.1 }]",
-        &["phase 1", "time goes forward"],
+        &["phase 2 of `steps`", "time goes forward"],
     ),
+    case(STEPS, "steps = [{ until = 1e300, size = 0.1 }]", &["phase 1 of `steps`", "until 1e300 are more"]),
+    case("density = 2.0", "density = -1e300", &["not -1e300"]),
     case(STEPS, "steps = [{ until = 0.5, size = -0.1 }]", &["`size` must be positive"]),
     case(STEPS, "adaptive = { tolerance = 1e-4 }", &["not available yet"]),
     case("tolerance = 1e-10", "tolerance = 2", &["less than 1"]),
@@ -214,6 +217,23 @@ fn bytes_that_are_no_text_are_refused() {
     let outcome = place.emmy(&["run", "box.toml"]);
     assert_eq!(outcome.code, 2);
     assert!(outcome.stderr.contains("box.toml:2: the file is not UTF-8"), "{}", outcome.stderr);
+}
+
+#[test]
+fn an_inverted_cell_is_named_with_its_file_and_a_remedy() {
+    let input = BOX.replacen(MESH, "file = \"tet.inp\"", 1).replace("y-min", "body");
+    let load = input.find("[[load]]").unwrap()..input.find("[[support]]").unwrap();
+    let place = Place::with(&input.replace(&input[load], ""));
+    // The second cell has two nodes in each other's place.
+    let deck = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,0,0,-1\n\
+                *Element, type=C3D4, elset=body\n1, 1,2,3,4\n2, 1,2,3,5\n";
+    place.write("tet.inp", deck);
+    let outcome = place.emmy(&["check", "box.toml"]);
+    assert_eq!(outcome.code, 2);
+    for part in ["tet.inp: cell 1 (tet4) is inverted", "count from 0 in the order of the file", "orientation"]
+    {
+        assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
+    }
 }
 
 /// Runs a bad input and returns the message.

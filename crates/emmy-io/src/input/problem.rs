@@ -144,7 +144,7 @@ impl Parts {
         }
         let (supports, loads) = (values(self.supports), values(self.loads));
         let body = Body::new(mesh, values(self.regions), &supports, &loads);
-        let body = body.map_err(|error| Fault::at(self.shape.place(), error.to_string(), "this mesh"))?;
+        let body = body.map_err(|error| self.shape.fault(&error))?;
         Ok(Problem {
             title: self.title,
             body,

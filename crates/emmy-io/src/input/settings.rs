@@ -6,14 +6,14 @@ use emmy::motion::NewtonSettings;
 
 use super::fault::{Fault, Place};
 use super::keys;
-use super::table::Item;
+use super::table::{Item, spelled};
 
 /// What is written, and where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
     /// Directory of the results, relative to the working directory.
     pub directory: PathBuf,
-    /// Steps between frames; 0: no frames.
+    /// Steps between frames, beside the first and the last; 0: no frames.
     pub every: usize,
     /// Steps between checkpoints; 0: no checkpoints.
     pub checkpoint_every: usize,
@@ -52,9 +52,8 @@ pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
     let tolerance = table.require("tolerance")?;
     let value = tolerance.positive()?;
     if value >= 1.0 {
-        return Err(
-            tolerance.fault(format!("`tolerance` must be less than 1, not {value}"), "it is relative")
-        );
+        return Err(tolerance
+            .fault(format!("`tolerance` must be less than 1, not {}", spelled(value)), "it is relative"));
     }
     Ok(NewtonSettings { tolerance: value, max_iterations: table.require("max_iterations")?.whole(1)? })
 }

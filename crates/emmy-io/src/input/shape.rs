@@ -6,7 +6,7 @@ use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Place};
 use super::keys;
-use super::table::{Item, Table};
+use super::table::{Item, Table, spelled};
 
 /// Where the mesh comes from.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ fn block(table: Table<'_>) -> Result<Source, Fault> {
     let (size, cells) = (table.require("size")?, table.require("cells")?);
     let lengths: [f64; 3] = size.numbers()?;
     if let Some(length) = lengths.iter().find(|&&length| length <= 0.0) {
-        return Err(size.fault(format!("`size` must be positive, not {length}"), "not positive"));
+        return Err(size.fault(format!("`size` must be positive, not {}", spelled(*length)), "not positive"));
     }
     let counts = cells.wholes(1)?;
     few_cells(counts.iter().map(|&n| n as f64).product(), &cells)?;
@@ -66,12 +66,11 @@ fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
     Err(item.fault(format!("this makes {count:.1e} cells; the most is {MAX_CELLS:.0e}"), "too many cells"))
 }
 
-impl Shape {
-    /// Where the mesh is named.
-    pub(super) fn place(&self) -> &Place {
-        &self.place
-    }
+/// What to do about an inverted cell of a file.
+const INVERTED: &str = "cells count from 0 in the order of the file; check the orientation of this one (the order of its \
+                        nodes) and its shape in the mesher";
 
+impl Shape {
     /// The mesh, scaled, with what its reader remarked.
     pub(super) fn mesh(&self) -> Result<(Mesh, Vec<String>), Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
@@ -89,6 +88,18 @@ impl Shape {
         };
         let mesh = mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
         Ok((mesh, notes))
+    }
+
+    /// The fault of a mesh that no body can be made of.
+    pub(super) fn fault(&self, error: &emmy::Error) -> Fault {
+        let Source::File(path) = &self.source else {
+            return Fault::at(&self.place, error.to_string(), "this mesh");
+        };
+        let fault = Fault::at(&self.place, format!("{}: {error}", path.display()), "this mesh");
+        match error {
+            emmy::Error::InvertedCell { .. } => fault.help(INVERTED),
+            _ => fault,
+        }
     }
 
     /// The mesh file as a path that can be opened from everywhere.

@@ -170,14 +170,22 @@ impl<'a> Item<'a> {
     pub(super) fn positive(&self) -> Result<f64, Fault> {
         match self.number()? {
             value if value > 0.0 => Ok(value),
-            value => Err(self.fault(format!("`{}` must be positive, not {value}", self.key), "not positive")),
+            value => {
+                let message = format!("`{}` must be positive, not {}", self.key, spelled(value));
+                Err(self.fault(message, "not positive"))
+            }
         }
     }
 
     /// A whole number that is not below a least one.
     pub(super) fn whole(&self, least: usize) -> Result<usize, Fault> {
-        let Value::Integer(value) = self.node.value else {
-            return Err(self.mismatch("a whole number"));
+        let value = match self.node.value {
+            Value::Integer(value) => value,
+            Value::Float(value) => {
+                let message = format!("`{}` must be a whole number, not {}", self.key, decimal(value));
+                return Err(self.fault(message, "not whole"));
+            }
+            _ => return Err(self.mismatch("a whole number")),
         };
         let fits = usize::try_from(value).ok().filter(|&value| value >= least);
         fits.ok_or_else(|| {
@@ -211,6 +219,17 @@ impl<'a> Item<'a> {
     pub(super) fn tensor(&self) -> Result<[[f64; 3]; 3], Fault> {
         each(self.exactly("rows")?, |row| row.numbers())
     }
+}
+
+/// A number, with an exponent where it would have many digits otherwise.
+pub(super) fn spelled(value: f64) -> String {
+    let text = decimal(value);
+    text.strip_suffix(".0").unwrap_or(&text).to_string()
+}
+
+/// A number that shows that it is not written as a whole one: `2.0`.
+fn decimal(value: f64) -> String {
+    format!("{value:?}")
 }
 
 /// The results of all items, or the first fault.

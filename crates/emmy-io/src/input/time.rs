@@ -5,7 +5,8 @@ use emmy::time::Scheme;
 
 use super::fault::{Fault, Place};
 use super::keys;
-use super::table::Item;
+use super::suggest::nearest;
+use super::table::{Item, spelled};
 
 /// Scheme, degree and plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +49,20 @@ fn reason(error: &emmy::Error) -> String {
     error.to_string()
 }
 
+/// Words of schemes, as [`meant`] sees them.
+const WORDS: [&str; 10] = [
+    "fe",
+    "as",
+    "dgm",
+    "trapezoidal",
+    "lobatto",
+    "newmark",
+    "hht",
+    "generalizedalpha",
+    "bathe",
+    "centraldifferences",
+];
+
 /// The scheme that was meant by a text in another case, without brackets, or by another name.
 fn meant(text: &str) -> Option<String> {
     let plain: String = text.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
@@ -56,11 +71,17 @@ fn meant(text: &str) -> Option<String> {
         "" | "0" => "1",
         digits => digits,
     };
+    let word = nearest(word, WORDS).unwrap_or(word);
     let scheme = match word {
         "dgm" | "dg" | "discretegradient" | "energymomentum" => "DGM".to_string(),
         "midpoint" | "implicitmidpoint" => "FE(1)".to_string(),
         "simotarnow" => "AS(1)".to_string(),
-        "trapezoid" | "trapezoidal" | "newmark" | "averageacceleration" => "trapezoidal".to_string(),
+        "trapezoid" | "trapezoidal" | "averageacceleration" => "trapezoidal".to_string(),
+        "newmark" => "Newmark(0.25, 0.5)".to_string(),
+        "hht" => "HHT(0.05)".to_string(),
+        "generalizedalpha" => "generalized-alpha(0.8)".to_string(),
+        "bathe" => "Bathe".to_string(),
+        "centraldifference" | "centraldifferences" => "central-differences".to_string(),
         "fe" | "cg" => format!("FE({points})"),
         "as" => format!("AS({points})"),
         "lobatto" => format!("Lobatto({})", if points == "1" { "2" } else { points }),
@@ -75,13 +96,21 @@ fn plan(item: Item<'_>) -> Result<StepPlan, Fault> {
         return Err(item.fault("`steps` is empty", "such as [ { until = 1.0, size = 0.01 } ]"));
     }
     let phases = items.iter().map(phase).collect::<Result<Vec<_>, _>>()?;
+    let numbers: Vec<f64> = phases.iter().flat_map(|phase| [phase.until, phase.size]).collect();
     StepPlan::new(0.0, phases).map_err(|error| match error {
-        emmy::Error::Plan { phase, reason } => items
-            .get(phase)
-            .unwrap_or(&item)
-            .fault(format!("phase {phase} of `steps`: {reason}"), "this phase"),
+        emmy::Error::Plan { phase, .. } => items.get(phase).unwrap_or(&item).fault(
+            format!("phase {} of `steps`: {}", phase + 1, plan_reason(&error, &numbers)),
+            "this phase",
+        ),
         other => item.fault(other.to_string(), "here"),
     })
+}
+
+/// What is wrong with a plan, in which its own large numbers are written with exponents.
+fn plan_reason(error: &emmy::Error, numbers: &[f64]) -> String {
+    let emmy::Error::Plan { reason, .. } = error else { return error.to_string() };
+    let long = numbers.iter().filter(|number| number.to_string().len() > spelled(**number).len());
+    long.fold(reason.clone(), |reason, number| reason.replace(&number.to_string(), &spelled(*number)))
 }
 
 fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
@@ -99,9 +128,9 @@ fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
         (None, None) => {}
     }
     StepPlan::new(plan.start(), phases).map_err(|error| {
-        let flag = format!("--until {until}");
+        let flag = format!("--until {}", spelled(until));
         let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());
-        Fault::at(&place, format!("--until {until}: {}", reason(&error)), "this time")
+        Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time")
     })
 }
 
@@ -121,12 +150,16 @@ mod tests {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(phases(bad).unwrap_err().message().contains("--until"), "{bad}");
         }
+        let message = phases(1e300).unwrap_err().message().to_string();
+        assert!(message.contains("--until 1e300: steps of 0.5 until 1e300 are more"), "{message}");
     }
 
     #[test]
     fn schemes_that_were_meant_are_found() {
         for (text, scheme) in
             [("as5", "AS(5)"), ("dgm", "DGM"), ("Mid-Point", "FE(1)"), ("lobatto (3)", "Lobatto(3)")]
+                .into_iter()
+                .chain([("DMG", "DGM"), ("newmrk", "Newmark(0.25, 0.5)"), ("HTT(0.1)", "HHT(0.05)")])
         {
             assert_eq!(meant(text).as_deref(), Some(scheme));
             scheme.parse::<Scheme>().unwrap();
