@@ -14,8 +14,13 @@ test:
 ci:
     bash .ci/run
 
-# Long validation runs: 10,000 steps of free flight (some minutes).
+# The paper, reproduced: Table III and the figures with a verdict on each claim, into validation-results (a minute).
+paper:
+    cargo run --release -p emmy-validation -- --quick
+
+# Long validation runs: the paper with its own reference step, and 10,000 steps of free flight (many minutes).
 validate:
+    cargo run --release -p emmy-validation
     cargo test --release -p emmy --test long_flight -- --ignored --nocapture
     cargo test --release -p emmy-cli --test cli -- --ignored --nocapture
 

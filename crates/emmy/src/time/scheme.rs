@@ -73,7 +73,7 @@ pub const SCHEMES: [(&str, &str); 10] = [
     ("DGM", "discrete gradient method; conserves momentum and energy for every material"),
     ("trapezoidal", "trapezoidal rule (degree 1): the average acceleration method"),
     ("Lobatto(n)", "standard time finite element, n Lobatto points (n >= degree + 1)"),
-    ("Newmark(beta, gamma)", "Newmark's method (degree 1); Newmark(0.25, 0.5) is average acceleration"),
+    ("Newmark(beta,gamma)", "Newmark's method (degree 1); Newmark(0.25, 0.5) is average acceleration"),
     ("HHT(alpha)", "Hilber, Hughes and Taylor (degree 1), alpha from 0 (no dissipation) to 1/3"),
     (
         "generalized-alpha(rho)",
@@ -213,7 +213,9 @@ fn what_there_is(text: &str) -> &'static str {
         Some("generalized-alpha") => {
             "not a scheme; write generalized-alpha(rho), such as generalized-alpha(0.8)"
         }
-        _ => "not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points",
+        _ => {
+            "not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points, and Newmark, HHT, generalized-alpha, Bathe, central-differences"
+        }
     }
 }
 
