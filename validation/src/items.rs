@@ -14,8 +14,11 @@ pub struct Effort {
     pub quick: bool,
 }
 
+/// Computes an item and writes its pictures.
+type Reproduction = fn(Effort, &Pictures) -> Result<Item, String>;
+
 /// Every item.
-pub const ALL: [fn(Effort, &Pictures) -> Result<Item, String>; 10] =
+pub const ALL: [Reproduction; 10] =
     [table_iii, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_11, figure_12, figure_13];
 
 /// What was lost of the paper's test problem, and how it was completed.
