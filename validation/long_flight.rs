@@ -51,20 +51,20 @@ fn five_hundred_steps() {
 }
 
 #[test]
-#[ignore = "minutes: `just validate`"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
 fn ten_thousand_steps_dgm() {
     assert_drift("DGM", 10_000, 1e-9);
 }
 
 #[test]
-#[ignore = "minutes: `just validate`"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
 fn ten_thousand_steps_as8() {
     assert_drift("AS(8)", 10_000, 1e-9);
 }
 
 /// The inner rule of five points leaves an error of its own: 6e-9 of H in 700 steps.
 #[test]
-#[ignore = "minutes: `just validate`"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
 fn ten_thousand_steps_as5() {
     assert_drift("AS(5)", 10_000, 1e-6);
 }

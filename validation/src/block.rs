@@ -4,6 +4,10 @@ use emmy::body::{Body, History, Load, LoadKind, Region};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
+use emmy_io::convergence::{ErrorNorm, Samples};
+
+/// Times that differ by less are the same.
+const SAME_TIME: f64 = 1e-9;
 
 /// The tractions on the end faces: (256, 512, 768)/9 on y = 10, the opposite on x = 6, a hat over 0 < t < 1.
 fn loads() -> Vec<Load> {
@@ -47,6 +51,22 @@ impl Run {
     /// Records after a time.
     pub fn after(&self, time: f64) -> &[Record] {
         &self.records[self.records.partition_point(|record| record.time < time - 1e-9)..]
+    }
+
+    /// The displacements at all times, as a reference for other runs.
+    pub fn samples(&self) -> Samples {
+        let displacement = self.states.iter().flat_map(|state| state.displacement.iter().copied()).collect();
+        let times = self.states.iter().map(|state| state.time).collect();
+        Samples { times, n_dofs: self.end().displacement.len(), displacement }
+    }
+
+    /// Error norm (80) against a reference, which must have a sample at each of the run's times.
+    pub fn error(&self, reference: &Samples) -> Result<f64, String> {
+        let mut norm = ErrorNorm::new(reference, self.states[0].time, SAME_TIME);
+        match self.states.iter().find(|state| !norm.see(state.time, &state.displacement)) {
+            Some(state) => Err(format!("the reference has no state at t = {}", state.time)),
+            None => Ok(norm.error()),
+        }
     }
 
     /// The last state.

@@ -4,7 +4,7 @@ use emmy::body::Body;
 
 use crate::block::{self, Run, run, run_from, scheme};
 use crate::claim::{Claim, Item};
-use crate::norm::{energy_drift, error_norm, momentum_drift, order};
+use crate::norm::{energy_drift, momentum_drift, order};
 use crate::picture::{Pictures, Series};
 
 /// How much is computed: `quick` for continuous integration, the full set as in the paper.
@@ -142,12 +142,13 @@ fn convergence(
     } else {
         (run_from(body, scheme("DGM"), 1, &[(2.0, 1e-4)], start.clone()), "DGM, h = 0.0001")
     };
+    let reference = reference.samples();
     let sizes: &[f64] = if effort.quick { &[0.04, 0.02, 0.01] } else { &[0.04, 0.02, 0.01, 0.005, 0.0025] };
     let error = |name: &str, size: f64| -> Result<(f64, f64), String> {
         let member = run_from(body, scheme(name), 1, &[(2.0, size)], start.clone());
         match member.failure {
             Some(failure) => Err(failure),
-            None => Ok((size, error_norm(&member.states, &reference.states))),
+            None => Ok((size, member.error(&reference)?)),
         }
     };
     let curve = |&name: &&'static str| -> Result<_, String> {
