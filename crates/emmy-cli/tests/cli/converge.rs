@@ -69,8 +69,12 @@ fn a_reference_of_higher_degree_gives_the_same_errors() {
     converge(&place, &[&sizes[..], &["--reference", "0.0025", "--output", "fine"]].concat());
     let high = ["--reference", "0.05", "--reference-degree", "4", "--output", "high"];
     converge(&place, &[&sizes[..], &high].concat());
-    let [fine, high] = ["fine", "high"].map(|directory| column(&rows(&place, directory), 1));
+    // Of another scheme too: all converge to the same motion.
+    let other = ["--reference-scheme", "FE(4)", "--reference-degree", "4", "--output", "other"];
+    converge(&place, &[&sizes[..], &["--reference", "0.05"], &other].concat());
+    let [fine, high, other] = ["fine", "high", "other"].map(|directory| column(&rows(&place, directory), 1));
     fine.iter().zip(&high).for_each(|(a, b)| assert!((a - b).abs() < 5e-3 * a, "{a} {b}"));
+    high.iter().zip(&other).for_each(|(a, b)| assert!((a - b).abs() < 1e-6 * a, "{a} {b}"));
 }
 
 #[test]
@@ -213,6 +217,11 @@ const BAD: &[(&[&str], &[&str])] = &[
     (
         &["--sizes", "0.2,0.1", "--reference", "2", "--reference-degree", "3"],
         &["--reference 2", "the window"],
+    ),
+    (&["--sizes", "0.2,0.1", "--reference-scheme", "DMG"], &["--reference-scheme", "DMG", "DGM"]),
+    (
+        &["--sizes", "0.2,0.1", "--reference-scheme", "FE(1)", "--reference-degree", "2"],
+        &["at least 2 points"],
     ),
     (&["--sizes", "0.2,0.1", "--reference-degree", "9"], &["--reference-degree 9", "between 1 and 8"]),
     (&["--sizes", "0.2,0.1", "--reference-degree", "0"], &["--reference-degree 0", "less than the degree 1"]),

@@ -6,10 +6,12 @@
 
 pub mod kept;
 mod norm;
+mod runs;
 mod samples;
 mod table;
 
 pub use norm::ErrorNorm;
+pub use runs::{members, on_one_thread, reference, start, until};
 pub use samples::{Sampler, Samples};
 pub use table::{Measure, Row, chart, orders, write};
 
@@ -20,7 +22,7 @@ use emmy::time::Scheme;
 /// A convergence study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// Scheme of all runs.
+    /// Scheme of the members.
     pub scheme: Scheme,
     /// Degree of the members.
     pub degree: usize,
@@ -30,6 +32,8 @@ pub struct Study {
     pub window: (f64, f64),
     /// Step sizes of the members.
     pub sizes: Vec<f64>,
+    /// Scheme of the reference.
+    pub reference_scheme: Scheme,
     /// Step size of the reference.
     pub reference_size: f64,
     /// Degree of the reference.
@@ -94,7 +98,17 @@ mod tests {
     fn study(from: f64, window: (f64, f64), sizes: &[f64]) -> Study {
         let (scheme, degree) = (Scheme::DiscreteGradient, 1);
         let sizes = sizes.to_vec();
-        Study { scheme, degree, from, window, sizes, reference_size: 0.05, reference_degree: 1 }
+        let (reference_scheme, reference_degree) = (scheme, degree);
+        Study {
+            scheme,
+            degree,
+            from,
+            window,
+            sizes,
+            reference_scheme,
+            reference_size: 0.05,
+            reference_degree,
+        }
     }
 
     #[test]

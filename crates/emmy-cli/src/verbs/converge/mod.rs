@@ -26,7 +26,10 @@ pub struct Arguments {
     /// Step size of the reference [default: a tenth of the smallest size]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     reference: Option<f64>,
-    /// Degree of the reference, with the input's scheme [default: the input's degree]
+    /// Scheme of the reference [default: the input's scheme]
+    #[arg(long, value_name = "SCHEME")]
+    reference_scheme: Option<String>,
+    /// Degree of the reference [default: the input's degree]
     #[arg(long, value_name = "K")]
     reference_degree: Option<usize>,
     /// Time from which on the runs have steps of their own [default: the start]
@@ -73,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     directory::prepare_kind(&directory, KIND, WITNESS)?;
     write(&directory.join(WITNESS), &input(&problem))?;
     let reference = runs::reference(&problem, &study, &state, &times, &directory, arguments.quiet)?;
-    let narrow = runs::on_one_thread(|| arguments.problem())??;
+    let narrow = convergence::on_one_thread(|| arguments.problem()).map_err(Failure::Other)??;
     let rows = runs::members(&narrow, &study, &state, &reference.samples, arguments.quiet);
     convergence::write(&directory, &study, &rows).map_err(|error| not_written(&directory, &error))?;
     print::result(&match arguments.json {

@@ -1,5 +1,6 @@
 //! The study that the flags ask for. Every fault names its flag.
 
+use emmy::time::Scheme;
 use emmy_io::convergence::Study;
 use emmy_io::input::Problem;
 
@@ -17,15 +18,19 @@ pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> 
     let length = window.1 - window.0;
     let smallest = sizes(&arguments.sizes, length)?;
     let degree = problem.degree;
-    let reference_degree = reference_degree(arguments.reference_degree, problem)?;
+    let reference_scheme = reference_scheme(arguments.reference_scheme.as_deref(), problem)?;
+    let reference_degree = reference_degree(arguments.reference_degree, reference_scheme, degree)?;
     let reference_size = match arguments.reference {
         None => 0.1 * smallest,
-        // With a higher degree a step need not be smaller to be more accurate.
-        Some(size) if reference_degree > degree => at_most(size, length, "the window")?,
+        // With a higher degree or another scheme a step need not be smaller to be more accurate.
+        Some(size) if reference_degree > degree || reference_scheme != problem.scheme => {
+            at_most(size, length, "the window")?
+        }
         Some(size) => below(size, smallest)?,
     };
     let (scheme, sizes) = (problem.scheme, arguments.sizes.clone());
-    let study = Study { scheme, degree, from, window, sizes, reference_size, reference_degree };
+    let study =
+        Study { scheme, degree, from, window, sizes, reference_scheme, reference_size, reference_degree };
     affordable(&study, problem.body.n_dofs())?;
     Ok(study)
 }
@@ -92,14 +97,19 @@ fn sizes(sizes: &[f64], length: f64) -> Result<f64, Failure> {
     Ok(sizes.iter().copied().fold(f64::INFINITY, f64::min))
 }
 
-fn reference_degree(asked: Option<usize>, problem: &Problem) -> Result<usize, Failure> {
-    let Some(degree) = asked else { return Ok(problem.degree) };
+fn reference_scheme(asked: Option<&str>, problem: &Problem) -> Result<Scheme, Failure> {
+    let Some(text) = asked else { return Ok(problem.scheme) };
+    text.parse().map_err(|error| fault("--reference-scheme", error, "such as --reference-scheme DGM"))
+}
+
+fn reference_degree(asked: Option<usize>, scheme: Scheme, own: usize) -> Result<usize, Failure> {
+    let degree = asked.unwrap_or(own);
     let flag = format!("--reference-degree {degree}");
-    if degree < problem.degree {
-        let what = format!("it is less than the degree {} of the input", problem.degree);
+    if degree < own {
+        let what = format!("it is less than the degree {own} of the input");
         return Err(fault(&flag, what, "a reference must be more accurate than the members"));
     }
-    problem.scheme.check(degree).map_err(|error| {
+    scheme.check(degree).map_err(|error| {
         fault(&flag, error, "choose a scheme that allows it, or leave it out and give a smaller --reference")
     })?;
     Ok(degree)

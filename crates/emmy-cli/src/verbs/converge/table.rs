@@ -45,6 +45,7 @@ pub fn json(study: &Study, reference: &Reference, rows: &[Row]) -> Value {
         "from": study.from,
         "window": [study.window.0, study.window.1],
         "reference": {
+            "scheme": study.reference_scheme.to_string(),
             "step_size": study.reference_size,
             "degree": study.reference_degree,
             "kept": reference.is_kept,

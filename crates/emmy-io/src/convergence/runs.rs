@@ -1,0 +1,142 @@
+//! The runs of a study: the shared start, the reference, the members side by side.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use emmy::motion::{MarchError, Motion, Observer, Phase, State, StepPlan, View};
+
+use super::{ErrorNorm, Measure, Row, Sampler, Samples, Study};
+use crate::input::Problem;
+
+/// The state at a time, reached by the input's own scheme and plan; its steps are counted from there.
+///
+/// # Errors
+/// [`MarchError`] of the first step that fails.
+pub fn start(problem: &Problem, from: f64, observers: &mut [&mut dyn Observer]) -> Result<State, MarchError> {
+    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
+    let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
+    if from > problem.plan.start() {
+        motion.march(&until(&problem.plan, from)?, observers)?;
+    }
+    Ok(State { step: 0, ..motion.state().clone() })
+}
+
+/// The part of a plan before a time.
+///
+/// # Errors
+/// [`emmy::Error::Plan`] if the time is not after the plan's start.
+pub fn until(plan: &StepPlan, time: f64) -> emmy::Result<StepPlan> {
+    let mut phases: Vec<Phase> = Vec::new();
+    for phase in plan.phases() {
+        phases.push(Phase { until: phase.until.min(time), ..*phase });
+        if phase.until >= time {
+            break;
+        }
+    }
+    StepPlan::new(plan.start(), phases)
+}
+
+/// The reference at some times.
+///
+/// # Errors
+/// [`MarchError`] of the first step that fails.
+pub fn reference(
+    problem: &Problem,
+    study: &Study,
+    state: &State,
+    times: &[f64],
+    observer: &mut dyn Observer,
+) -> Result<Samples, MarchError> {
+    let (body, degree) = (&problem.body, study.reference_degree);
+    let mut motion = Motion::new(body, study.reference_scheme, degree, problem.newton, state.clone())?;
+    let mut sampler = Sampler::new(times.to_vec(), study.tolerance(), body.n_dofs());
+    motion.march(&study.plan(study.reference_size)?, &mut [&mut sampler, observer])?;
+    Ok(sampler.finish())
+}
+
+/// All members, side by side; the longest ones begin. Rows stand in the order of the sizes, and are reported when they
+/// are there.
+///
+/// Every member has one thread: that of the problem's body must not expect more ([`on_one_thread`]).
+pub fn members(
+    problem: &Problem,
+    study: &Study,
+    state: &State,
+    samples: &Samples,
+    report: impl Fn(&Row) + Sync,
+) -> Vec<Row> {
+    let mut order: Vec<usize> = (0..study.sizes.len()).collect();
+    order.sort_by(|&a, &b| study.sizes[a].total_cmp(&study.sizes[b]));
+    let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let size = study.sizes[index];
+            let row = on_one_thread(|| member(problem, study, state, samples, size));
+            let row = row.unwrap_or_else(|failure| Row {
+                step_size: size,
+                outcome: Err(failure),
+                wall_seconds: 0.0,
+            });
+            report(&row);
+            rows.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((index, row));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..rayon::current_num_threads().min(study.sizes.len()) {
+            scope.spawn(work);
+        }
+    });
+    let mut rows = rows.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    rows.sort_by_key(|(index, _)| *index);
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+/// Does something in a pool of one thread: what is built there works on one thread, whoever calls.
+///
+/// # Errors
+/// The message of a system that has no thread to give.
+pub fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, String> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.map_err(|error| format!("cannot start a thread: {error}"))?;
+    Ok(pool.install(work))
+}
+
+fn member(problem: &Problem, study: &Study, state: &State, samples: &Samples, step_size: f64) -> Row {
+    let started = Instant::now();
+    let outcome = measure(problem, study, state, samples, step_size).map_err(|error| with_causes(&error));
+    Row { step_size, outcome, wall_seconds: started.elapsed().as_secs_f64() }
+}
+
+fn measure(
+    problem: &Problem,
+    study: &Study,
+    state: &State,
+    samples: &Samples,
+    step_size: f64,
+) -> Result<Measure, MarchError> {
+    let mut motion = Motion::new(&problem.body, study.scheme, study.degree, problem.newton, state.clone())?;
+    let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
+    let mut newton = Newton(0);
+    motion.march(&study.plan(step_size)?, &mut [&mut norm, &mut newton])?;
+    let (error, relative_error) = (norm.error(), norm.relative_error());
+    Ok(Measure { error, relative_error, newton_iterations: newton.0 })
+}
+
+/// An error with everything that led to it.
+fn with_causes(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
+        None => error.to_string(),
+    }
+}
+
+/// Counts Newton iterations.
+struct Newton(usize);
+
+impl Observer for Newton {
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        self.0 += view.record.newton_iterations;
+        Ok(())
+    }
+}
