@@ -80,6 +80,9 @@ fn description(kind: CellKind) -> &'static str {
         CellKind::Hex27 => "triquadratic hexahedron, 27 nodes",
         CellKind::Tet4 => "linear tetrahedron, 4 nodes",
         CellKind::Tet10 => "quadratic tetrahedron, 10 nodes",
+        CellKind::Wedge6 => "linear wedge, 6 nodes",
+        CellKind::Wedge15 => "serendipity wedge, 15 nodes",
+        CellKind::Pyramid5 => "linear pyramid with rational shape functions, 5 nodes",
     }
 }
 

@@ -24,6 +24,9 @@ fn cell_type(kind: CellKind) -> u8 {
         CellKind::Hex27 => 29,
         CellKind::Tet4 => 10,
         CellKind::Tet10 => 24,
+        CellKind::Wedge6 => 13,
+        CellKind::Wedge15 => 26,
+        CellKind::Pyramid5 => 14,
     }
 }
 

@@ -4,13 +4,69 @@ use super::*;
 use proptest::prelude::*;
 
 /// Kronecker delta at the nodes, partition of unity, completeness, gradients, and the measure of the domain.
-fn conforms<const D: usize>(element: &dyn ReferenceElement<D>, degree: i32, points: &[[f64; D]]) {
+fn conforms<const D: usize>(
+    element: &dyn ReferenceElement<D>,
+    domain: Domain,
+    degree: i32,
+    points: &[[f64; D]],
+) {
     is_nodal(element);
     for &xi in points {
         reproduces_polynomials(element, degree, xi);
-        gradient_is_the_derivative(element, xi);
+        gradient_is_the_derivative(element, domain, xi);
     }
-    integrates_products(element);
+    integrates_products(element, domain);
+}
+
+/// Reference domain of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Domain {
+    Cube,
+    Simplex,
+    Wedge,
+    Pyramid,
+}
+
+impl Domain {
+    fn of(kind: CellKind) -> Self {
+        match kind.linear() {
+            CellKind::Tet4 => Domain::Simplex,
+            CellKind::Wedge6 => Domain::Wedge,
+            CellKind::Pyramid5 => Domain::Pyramid,
+            _ => Domain::Cube,
+        }
+    }
+
+    /// What the shape functions are multiplied with to become polynomials, a function of the last coordinate.
+    fn denominator<const D: usize>(self, xi: [f64; D]) -> f64 {
+        if self == Domain::Pyramid { 1.0 - xi[D - 1] } else { 1.0 }
+    }
+
+    fn denominator_slope<const D: usize>(self, i: usize) -> f64 {
+        if self == Domain::Pyramid && i == D - 1 { -1.0 } else { 0.0 }
+    }
+
+    /// Image of a point of the unit cube, and the determinant of the map there.
+    fn image<const D: usize>(self, u: [f64; D]) -> ([f64; D], f64) {
+        let line = |u: f64| 2.0 * u - 1.0;
+        // x_i = u_i (1 - u_{i+1}) (1 - u_{i+2}) ... in n dimensions
+        let shrink = |i: usize, n: usize| u[i + 1..n].iter().map(|v| 1.0 - v).product::<f64>();
+        match self {
+            Domain::Cube => (u.map(line), 2f64.powi(D as i32)),
+            Domain::Simplex => {
+                (std::array::from_fn(|i| u[i] * shrink(i, D)), (0..D).map(|i| shrink(i, D)).product())
+            }
+            Domain::Wedge => {
+                let x = |i: usize| if i == D - 1 { line(u[i]) } else { u[i] * shrink(i, D - 1) };
+                (std::array::from_fn(x), 2.0 * (0..D - 1).map(|i| shrink(i, D - 1)).product::<f64>())
+            }
+            Domain::Pyramid => {
+                let w = 1.0 - u[D - 1];
+                let x = |i: usize| if i == D - 1 { u[i] } else { w * line(u[i]) };
+                (std::array::from_fn(x), (2.0 * w).powi(D as i32 - 1))
+            }
+        }
+    }
 }
 
 fn shape_at<const D: usize>(element: &dyn ReferenceElement<D>, xi: [f64; D]) -> Vec<f64> {
@@ -50,24 +106,32 @@ fn reproduces_polynomials<const D: usize>(element: &dyn ReferenceElement<D>, deg
     }
 }
 
-fn gradient_is_the_derivative<const D: usize>(element: &dyn ReferenceElement<D>, xi: [f64; D]) {
-    let dN = gradient_at(element, xi);
+/// Where N is rational, it is `d N` that is differentiated, d being the denominator: `(d N)' = d N' + d' N`.
+fn gradient_is_the_derivative<const D: usize>(
+    element: &dyn ReferenceElement<D>,
+    domain: Domain,
+    xi: [f64; D],
+) {
+    let (N, dN) = (shape_at(element, xi), gradient_at(element, xi));
     for i in 0..D {
-        let shifted =
-            |h: f64| shape_at(element, std::array::from_fn(|j| if i == j { xi[j] + h } else { xi[j] }));
-        // Four-point difference: exact for shape functions, whose degree in one coordinate is at most two.
+        let shifted = |h: f64| {
+            let x = std::array::from_fn(|j| if i == j { xi[j] + h } else { xi[j] });
+            shape_at(element, x).into_iter().map(|N| N * domain.denominator(x)).collect::<Vec<_>>()
+        };
+        // Four-point difference: exact for functions whose degree in one coordinate is at most four.
         let [m2, m1, p1, p2] = [-0.5, -0.25, 0.25, 0.5].map(shifted);
         for A in 0..dN.len() {
             let difference = (m2[A] - 8.0 * m1[A] + 8.0 * p1[A] - p2[A]) / 3.0;
-            assert!((difference - dN[A][i]).abs() < 1e-13, "dN_{A}/dx_{i} at {xi:?}");
+            let slope = domain.denominator(xi) * dN[A][i] + domain.denominator_slope::<D>(i) * N[A];
+            assert!((difference - slope).abs() < 1e-13, "dN_{A}/dx_{i} at {xi:?}");
         }
     }
 }
 
 /// The mass rule agrees with a rule of high degree on every product of shape functions.
-fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>) {
+fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>, domain: Domain) {
     let n = element.nodes().len();
-    let (rule, fine) = (element.mass_quadrature(), collapsed(element.nodes()[0][0] == 0.0));
+    let (rule, fine) = (element.mass_quadrature(), fine_rule(domain));
     let integral = |rule: &Quadrature<D>, A: usize, B: usize| -> f64 {
         rule.iter().map(|(&xi, w)| w * shape_at(element, xi)[A] * shape_at(element, xi)[B]).sum()
     };
@@ -81,24 +145,34 @@ fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>) {
     assert!((measure - fine.weights.iter().sum::<f64>()).abs() < 1e-14);
 }
 
-/// Gauss rule of high degree on the cube, or collapsed onto the simplex: x_i = u_i (1 - u_{i+1}) (1 - u_{i+2}) ...
-fn collapsed<const D: usize>(simplex: bool) -> Quadrature<D> {
+/// Gauss rule of high degree on the unit cube, mapped to a domain.
+fn fine_rule<const D: usize>(domain: Domain) -> Quadrature<D> {
     let (n, line) = (5usize, crate::quadrature::gauss(5));
     let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for index in 0..n.pow(D as u32) {
         let digits: [usize; D] = std::array::from_fn(|i| index / n.pow(i as u32) % n);
-        let u = digits.map(|d| line.points[d][0]);
-        let weight: f64 = digits.map(|d| line.weights[d]).iter().product();
-        let shrink = |i: usize| u[i + 1..].iter().map(|v| 1.0 - v).product::<f64>();
-        if simplex {
-            rule.points.push(std::array::from_fn(|i| u[i] * shrink(i)));
-            rule.weights.push(weight * (0..D).map(shrink).product::<f64>());
-        } else {
-            rule.points.push(u.map(|v| 2.0 * v - 1.0));
-            rule.weights.push(weight * 2f64.powi(D as i32));
-        }
+        let (point, det) = domain.image(digits.map(|d| line.points[d][0]));
+        rule.points.push(point);
+        rule.weights.push(det * digits.map(|d| line.weights[d]).iter().product::<f64>());
     }
     rule
+}
+
+/// The rule of the internal force agrees with a rule of high degree on the stiffness of an undistorted cell.
+fn integrates_stiffness(element: &dyn ReferenceElement<3>, domain: Domain) {
+    let (rule, fine) = (element.quadrature(), fine_rule(domain));
+    let stiffness = |rule: &Quadrature<3>| {
+        let mut sums = vec![0.0; 9 * element.nodes().len().pow(2)];
+        for (&xi, w) in rule.iter() {
+            let dN: Vec<f64> = gradient_at(element, xi).into_iter().flatten().collect();
+            let products = dN.iter().flat_map(|a| dN.iter().map(move |b| a * b));
+            sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += w * product);
+        }
+        sums
+    };
+    for (a, b) in stiffness(&rule).into_iter().zip(stiffness(&fine)) {
+        assert!((a - b).abs() < 1e-13, "{a} is not {b}");
+    }
 }
 
 /// Faces of a cell: tangents make an outward normal, and the facet element is the cell's restricted to the face.
@@ -144,12 +218,21 @@ fn is_the_restriction(cell: &dyn ReferenceElement<3>, nodes: &[usize], N_facet: 
 
 fn cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 3]]) {
     assert_eq!(element(kind).nodes().len(), kind.n_nodes());
-    conforms(element(kind), degree, points);
+    conforms(element(kind), Domain::of(kind), degree, points);
+    integrates_stiffness(element(kind), Domain::of(kind));
     facets_conform(kind);
 }
 
 fn points<const D: usize>() -> impl Strategy<Value = Vec<[f64; D]>> {
     prop::collection::vec(prop::array::uniform::<_, D>(-1.0..1.0f64), 8)
+}
+
+/// Rounding grows with the coordinates u and v of the ray, so no points beside the pyramid as with the others.
+fn inside_the_pyramid() -> impl Strategy<Value = Vec<[f64; 3]>> {
+    let inside = |points: Vec<[f64; 3]>| {
+        points.into_iter().map(|x| Domain::Pyramid.image(x.map(|x| 0.5 * x + 0.5)).0).collect()
+    };
+    points().prop_map(inside)
 }
 
 proptest! {
@@ -166,13 +249,19 @@ proptest! {
     #[test]
     fn tet10(points in points()) { cell_conforms(CellKind::Tet10, 2, &points) }
     #[test]
-    fn tri3(points in points()) { conforms(facet_element(FacetKind::Tri3), 1, &points) }
+    fn wedge6(points in points()) { cell_conforms(CellKind::Wedge6, 1, &points) }
     #[test]
-    fn tri6(points in points()) { conforms(facet_element(FacetKind::Tri6), 2, &points) }
+    fn wedge15(points in points()) { cell_conforms(CellKind::Wedge15, 2, &points) }
     #[test]
-    fn quad4(points in points()) { conforms(facet_element(FacetKind::Quad4), 1, &points) }
+    fn pyramid5(points in inside_the_pyramid()) { cell_conforms(CellKind::Pyramid5, 1, &points) }
     #[test]
-    fn quad8(points in points()) { conforms(facet_element(FacetKind::Quad8), 2, &points) }
+    fn tri3(points in points()) { conforms(facet_element(FacetKind::Tri3), Domain::Simplex, 1, &points) }
     #[test]
-    fn quad9(points in points()) { conforms(facet_element(FacetKind::Quad9), 2, &points) }
+    fn tri6(points in points()) { conforms(facet_element(FacetKind::Tri6), Domain::Simplex, 2, &points) }
+    #[test]
+    fn quad4(points in points()) { conforms(facet_element(FacetKind::Quad4), Domain::Cube, 1, &points) }
+    #[test]
+    fn quad8(points in points()) { conforms(facet_element(FacetKind::Quad8), Domain::Cube, 2, &points) }
+    #[test]
+    fn quad9(points in points()) { conforms(facet_element(FacetKind::Quad9), Domain::Cube, 2, &points) }
 }

@@ -7,6 +7,7 @@ mod conformance;
 mod hex20;
 mod hex27;
 mod hex8;
+mod pyramid5;
 mod quad;
 mod quality;
 mod simplex;
@@ -14,15 +15,21 @@ mod tensor_product;
 mod tet10;
 mod tet4;
 mod tri;
+mod wedge;
+mod wedge15;
+mod wedge6;
 
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
+pub use pyramid5::Pyramid5;
 pub use quad::{Quad4, Quad8, Quad9};
 pub use quality::{Quality, Worst, check, quality};
 pub use tet4::Tet4;
 pub use tet10::Tet10;
 pub use tri::{Tri3, Tri6};
+pub use wedge6::Wedge6;
+pub use wedge15::Wedge15;
 
 use crate::mesh::{CellKind, FacetKind};
 use crate::quadrature::Quadrature;
@@ -67,6 +74,9 @@ pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
         CellKind::Hex27 => &Hex27,
         CellKind::Tet4 => &Tet4,
         CellKind::Tet10 => &Tet10,
+        CellKind::Wedge6 => &Wedge6,
+        CellKind::Wedge15 => &Wedge15,
+        CellKind::Pyramid5 => &Pyramid5,
     }
 }
 

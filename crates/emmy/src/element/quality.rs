@@ -27,11 +27,13 @@ pub struct Worst {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
     /// Smallest det(dX/dxi) of a cell, at its quadrature points and nodes, by its mean over the cell: 1 for a
-    /// parallelepiped and a straight tetrahedron, less where faces are warped or curved, not positive where the map
-    /// folds.
+    /// parallelepiped, a straight tetrahedron, a pyramid over a parallelogram, less where faces are warped or curved, not
+    /// positive where the map folds. (In a pyramid det is constant along a ray from the apex: the apex, where it has no
+    /// single value, has those of the base; the one on the axis is taken.)
     pub jacobian_ratio: Worst,
-    /// Smallest volume spanned by the three edges at a corner, by the product of their lengths, relative to the cube
-    /// or the regular tetrahedron: 1 at best, near zero for a flat cell. Source: Knupp (2000), IJNME 48, 1165-1185.
+    /// Smallest volume spanned by the three edges at a corner, by the product of their lengths, relative to the cell with
+    /// edges of one length (cube, regular tetrahedron, ...): 1 at best, near zero for a flat cell. At the apex of a
+    /// pyramid every three successive ones of its four edges count. Source: Knupp (2000), IJNME 48, 1165-1185.
     pub scaled_jacobian: Worst,
     /// Largest quotient of the longest by the shortest edge of a cell (distance of the corners).
     pub aspect_ratio: Worst,
@@ -111,10 +113,10 @@ struct Sample {
     /// Points of the mass quadrature, which the weights belong to, then those of the internal force.
     at_quadrature: Vec<Vec<[f64; 3]>>,
     at_nodes: Vec<Vec<[f64; 3]>>,
-    /// Of the straight-edged cell with the same corners.
-    at_corners: Vec<Vec<[f64; 3]>>,
     edges: Vec<[usize; 2]>,
-    /// Product of the edge lengths at a corner by det(dX/dxi) there, in the cube or the regular tetrahedron.
+    /// Corners, each with three of its neighbours in the order in which their edges span a positive volume.
+    spans: Vec<[usize; 4]>,
+    /// Product of the edge lengths at a corner by the volume that they span, in a cell with edges of one length.
     ideal: f64,
 }
 
@@ -125,19 +127,15 @@ fn samples() -> BTreeMap<CellKind, Sample> {
 impl Sample {
     fn new(kind: CellKind) -> Self {
         let (curved, mass) = (element(kind), element(kind).mass_quadrature());
-        let (straight, ideal) = match kind {
-            CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => (element(CellKind::Hex8), 8.0),
-            CellKind::Tet4 | CellKind::Tet10 => (element(CellKind::Tet4), 2f64.sqrt()),
-        };
         let mut at_quadrature = gradients(curved, &mass.points);
         at_quadrature.extend(gradients(curved, &curved.quadrature().points));
         Sample {
             weights: mass.weights,
             at_quadrature,
             at_nodes: gradients(curved, curved.nodes()),
-            at_corners: gradients(straight, straight.nodes()),
             edges: edges(kind),
-            ideal,
+            spans: spans(kind),
+            ideal: ideal(kind),
         }
     }
 
@@ -153,20 +151,29 @@ impl Sample {
         Measures {
             smallest_det,
             jacobian_ratio: at_nodes.fold(smallest_det, smaller) / mean.abs(),
-            scaled_jacobian: self.scaled_jacobian(X, &lengths),
+            scaled_jacobian: self.scaled_jacobian(X),
             aspect_ratio: longest.unwrap_or(f64::NAN) / shortest.unwrap_or(f64::NAN),
             volume,
         }
     }
 
-    fn scaled_jacobian(&self, X: &[[f64; 3]], lengths: &[f64]) -> f64 {
-        let corner = |(A, dN): (usize, &Vec<[f64; 3]>)| {
-            let at_corner = self.edges.iter().zip(lengths).filter(|(edge, _)| edge.contains(&A));
-            let product: f64 = at_corner.map(|(_, length)| length).product();
+    fn scaled_jacobian(&self, X: &[[f64; 3]]) -> f64 {
+        let scaled = |&[corner, a, b, c]: &[usize; 4]| {
+            let edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
+            let product: f64 = [a, b, c].iter().map(|&end| distance(X[end], X[corner])).product();
             // An edge of no length spans no volume.
-            if product == 0.0 { 0.0 } else { self.ideal * det(&jacobian(X, dN)) / product }
+            if product == 0.0 { 0.0 } else { self.ideal * det(&edges) / product }
         };
-        self.at_corners.iter().enumerate().map(corner).reduce(smaller).unwrap_or(f64::NAN)
+        self.spans.iter().map(scaled).reduce(smaller).unwrap_or(f64::NAN)
+    }
+}
+
+/// Product of the edge lengths at a corner by the volume that they span, where all edges of a cell have one length.
+fn ideal(kind: CellKind) -> f64 {
+    match kind.linear() {
+        CellKind::Tet4 | CellKind::Pyramid5 => 2f64.sqrt(),
+        CellKind::Wedge6 => 2.0 / 3f64.sqrt(),
+        _ => 1.0,
     }
 }
 
@@ -189,6 +196,33 @@ fn edges(kind: CellKind) -> Vec<[usize; 2]> {
         }
     }
     edges.into_iter().collect()
+}
+
+/// Corners with each three successive neighbours, anticlockwise as seen from outside.
+fn spans(kind: CellKind) -> Vec<[usize; 4]> {
+    let mut spans = Vec::new();
+    for corner in 0..kind.n_corners() {
+        let around = neighbours(kind, corner);
+        // The triples of three neighbours are one triple, turned.
+        let n = if around.len() == 3 { 1 } else { around.len() };
+        let neighbour = |i: usize| around[i % around.len()];
+        spans.extend((0..n).map(|i| [corner, neighbour(i), neighbour(i + 1), neighbour(i + 2)]));
+    }
+    spans
+}
+
+/// Corners that are joined to a corner by an edge, in the order in which the faces around it follow each other.
+fn neighbours(kind: CellKind, corner: usize) -> Vec<usize> {
+    let mut following = BTreeMap::new();
+    for facet in kind.facets() {
+        let (corners, n) = (facet.nodes, facet.kind.n_corners());
+        if let Some(at) = corners[..n].iter().position(|&node| node == corner) {
+            following.insert(corners[(at + n - 1) % n], corners[(at + 1) % n]);
+        }
+    }
+    let first = following.keys().next().copied();
+    let around = std::iter::successors(first, |last| following.get(last).copied());
+    around.take(following.len()).collect()
 }
 
 /// The smaller of two numbers, NaN if one of them is.
@@ -232,15 +266,78 @@ mod tests {
         assert_eq!(check(&mesh), Ok(()));
     }
 
+    /// Volume, scaled Jacobian and aspect ratio of the reference cell itself.
+    fn reference(kind: CellKind) -> [f64; 3] {
+        match kind.linear() {
+            CellKind::Tet4 => [1.0 / 6.0, 0.5f64.sqrt(), 2f64.sqrt()],
+            // Corner (1, 0): edges of lengths 1, sqrt 2 and 2 span a prism of volume 2.
+            CellKind::Wedge6 => [1.0, 0.5f64.sqrt() * 2.0 / 3f64.sqrt(), 2.0],
+            // Corner of the base: edges of lengths 2, 2 and sqrt 3 span 4.
+            CellKind::Pyramid5 => [4.0 / 3.0, (2.0f64 / 3.0).sqrt(), 2.0 / 3f64.sqrt()],
+            _ => [8.0, 1.0, 1.0],
+        }
+    }
+
     #[test]
-    fn every_undistorted_kind_has_the_volume_of_its_domain() {
+    fn undistorted_kinds_have_the_numbers_of_their_reference_cells() {
         for kind in CellKind::ALL {
             let quality = quality(&mesh_of(kind, element(kind).nodes()));
-            near(quality.volume, if kind.n_corners() == 8 { 8.0 } else { 1.0 / 6.0 });
+            let [volume, scaled_jacobian, aspect_ratio] = reference(kind);
+            near(quality.volume, volume);
             near(quality.jacobian_ratio.value, 1.0);
-            near(quality.scaled_jacobian.value, if kind.n_corners() == 8 { 1.0 } else { 0.5f64.sqrt() });
-            near(quality.aspect_ratio.value, if kind.n_corners() == 8 { 1.0 } else { 2f64.sqrt() });
+            near(quality.scaled_jacobian.value, scaled_jacobian);
+            near(quality.aspect_ratio.value, aspect_ratio);
         }
+    }
+
+    #[test]
+    fn wedges_and_pyramids_with_edges_of_one_length_are_perfect() {
+        let wedge = element(CellKind::Wedge6).nodes();
+        let wedge: Vec<_> =
+            wedge.iter().map(|&[x, y, z]| [x + 0.5 * y, 0.75f64.sqrt() * y, 0.5 * z]).collect();
+        let pyramid = element(CellKind::Pyramid5).nodes();
+        let pyramid: Vec<_> = pyramid.iter().map(|&[x, y, z]| [x, y, 2f64.sqrt() * z]).collect();
+        for (kind, points) in [(CellKind::Wedge6, wedge), (CellKind::Pyramid5, pyramid)] {
+            let quality = quality(&mesh_of(kind, &points));
+            near(quality.scaled_jacobian.value, 1.0);
+            near(quality.aspect_ratio.value, 1.0);
+        }
+    }
+
+    #[test]
+    fn a_steep_pyramid_is_bad_at_its_apex_and_a_flat_one_at_its_base() {
+        // Height h over the base [-1, 1]^2: edges sqrt(2 + h^2); three span 4 h at the apex, 4 h at the base.
+        let with_height = |h: f64| {
+            let mut points = element(CellKind::Pyramid5).nodes().to_vec();
+            points[4][2] = h;
+            quality(&mesh_of(CellKind::Pyramid5, &points)).scaled_jacobian.value
+        };
+        near(with_height(10.0), 2f64.sqrt() * 40.0 / 102f64.powf(1.5));
+        near(with_height(0.1), 2f64.sqrt() * 0.1 / 2.01f64.sqrt());
+    }
+
+    #[test]
+    fn a_pyramid_folded_over_its_base_is_inverted() {
+        // The apex below the base: det(dX/dxi) is minus its height everywhere.
+        let mut points = element(CellKind::Pyramid5).nodes().to_vec();
+        points[4][2] = -0.25;
+        let mesh = mesh_of(CellKind::Pyramid5, &points);
+        assert_eq!(check(&mesh), Err(Error::InvertedCell { cell: 0, kind: CellKind::Pyramid5, det: -0.25 }));
+        // A corner of the base drawn beyond the diagonal between its neighbours.
+        let mut points = element(CellKind::Pyramid5).nodes().to_vec();
+        points[0] = [0.2, 0.2, 0.0];
+        let folded = quality(&mesh_of(CellKind::Pyramid5, &points));
+        assert!(folded.jacobian_ratio.value < 0.0 && folded.scaled_jacobian.value < 0.0);
+    }
+
+    #[test]
+    fn a_wedge_with_its_ends_exchanged_is_inverted() {
+        let nodes = element(CellKind::Wedge15).nodes();
+        let mirrored: Vec<_> = nodes.iter().map(|&[x, y, z]| [x, y, -z]).collect();
+        assert!(matches!(
+            check(&mesh_of(CellKind::Wedge15, &mirrored)),
+            Err(Error::InvertedCell { cell: 0, .. })
+        ));
     }
 
     #[test]

@@ -21,6 +21,12 @@ pub enum CellKind {
     Tet4,
     /// Quadratic tetrahedron, 10 nodes.
     Tet10,
+    /// Linear wedge, 6 nodes. The base 0, 1, 2 is seen counter-clockwise from the top 3, 4, 5.
+    Wedge6,
+    /// Serendipity wedge, 15 nodes.
+    Wedge15,
+    /// Linear pyramid with rational shape functions, 5 nodes. The base is seen counter-clockwise from the apex.
+    Pyramid5,
 }
 
 /// Kind of a facet (a face of a cell). Node order is that of VTK for every kind.
@@ -70,8 +76,16 @@ impl FacetKind {
 
 impl CellKind {
     /// All kinds, in the order of `emmy list elements`.
-    pub const ALL: [CellKind; 5] =
-        [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Tet10];
+    pub const ALL: [CellKind; 8] = [
+        CellKind::Hex8,
+        CellKind::Hex20,
+        CellKind::Hex27,
+        CellKind::Tet4,
+        CellKind::Tet10,
+        CellKind::Wedge6,
+        CellKind::Wedge15,
+        CellKind::Pyramid5,
+    ];
 
     /// Number of nodes.
     pub const fn n_nodes(self) -> usize {
@@ -81,6 +95,9 @@ impl CellKind {
             CellKind::Hex27 => 27,
             CellKind::Tet4 => 4,
             CellKind::Tet10 => 10,
+            CellKind::Wedge6 => 6,
+            CellKind::Wedge15 => 15,
+            CellKind::Pyramid5 => 5,
         }
     }
 
@@ -89,6 +106,23 @@ impl CellKind {
         match self {
             CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => 8,
             CellKind::Tet4 | CellKind::Tet10 => 4,
+            CellKind::Wedge6 | CellKind::Wedge15 => 6,
+            CellKind::Pyramid5 => 5,
+        }
+    }
+
+    /// The linear kind with the same corners.
+    ///
+    /// ```
+    /// use emmy::mesh::CellKind;
+    /// assert_eq!(CellKind::Wedge15.linear(), CellKind::Wedge6);
+    /// ```
+    pub const fn linear(self) -> CellKind {
+        match self {
+            CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => CellKind::Hex8,
+            CellKind::Tet4 | CellKind::Tet10 => CellKind::Tet4,
+            CellKind::Wedge6 | CellKind::Wedge15 => CellKind::Wedge6,
+            CellKind::Pyramid5 => CellKind::Pyramid5,
         }
     }
 
@@ -100,6 +134,9 @@ impl CellKind {
             CellKind::Hex27 => &HEX27_FACETS,
             CellKind::Tet4 => &TET4_FACETS,
             CellKind::Tet10 => &TET10_FACETS,
+            CellKind::Wedge6 => &WEDGE6_FACETS,
+            CellKind::Wedge15 => &WEDGE15_FACETS,
+            CellKind::Pyramid5 => &PYRAMID5_FACETS,
         }
     }
 
@@ -111,6 +148,9 @@ impl CellKind {
             CellKind::Hex27 => "hex27",
             CellKind::Tet4 => "tet4",
             CellKind::Tet10 => "tet10",
+            CellKind::Wedge6 => "wedge6",
+            CellKind::Wedge15 => "wedge15",
+            CellKind::Pyramid5 => "pyramid5",
         }
     }
 }
@@ -121,9 +161,12 @@ impl fmt::Display for CellKind {
     }
 }
 
-/// Faces from one kind and one list of node lists.
+/// Faces from a list of node lists: all of one kind, or each with its own.
 macro_rules! facets {
     ($kind:ident; $([$($node:literal),*]),* $(,)?) => {
+        [$(LocalFacet { kind: FacetKind::$kind, nodes: &[$($node),*] }),*]
+    };
+    ($($kind:ident [$($node:literal),*]),* $(,)?) => {
         [$(LocalFacet { kind: FacetKind::$kind, nodes: &[$($node),*] }),*]
     };
 }
@@ -148,6 +191,18 @@ const HEX27_FACETS: [LocalFacet; 6] = facets![Quad9;
 const TET4_FACETS: [LocalFacet; 4] = facets![Tri3; [1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 const TET10_FACETS: [LocalFacet; 4] = facets![Tri6;
     [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]];
+// Order of the wedge's faces: base, top, then the sides over the edges 01, 12, 20 of the base.
+const WEDGE6_FACETS: [LocalFacet; 5] = facets![
+    Tri3[0, 2, 1], Tri3[3, 4, 5], Quad4[0, 1, 4, 3], Quad4[1, 2, 5, 4], Quad4[2, 0, 3, 5]];
+const WEDGE15_FACETS: [LocalFacet; 5] = facets![
+    Tri6[0, 2, 1, 8, 7, 6],
+    Tri6[3, 4, 5, 9, 10, 11],
+    Quad8[0, 1, 4, 3, 6, 13, 9, 12],
+    Quad8[1, 2, 5, 4, 7, 14, 10, 13],
+    Quad8[2, 0, 3, 5, 8, 12, 11, 14]];
+// Order of the pyramid's faces: base, then the sides over the edges 01, 12, 23, 30 of the base.
+const PYRAMID5_FACETS: [LocalFacet; 5] = facets![
+    Quad4[0, 3, 2, 1], Tri3[0, 1, 4], Tri3[1, 2, 4], Tri3[2, 3, 4], Tri3[3, 0, 4]];
 
 #[cfg(test)]
 mod tests {

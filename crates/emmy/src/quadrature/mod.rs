@@ -1,12 +1,16 @@
 //! Quadrature rules, in space and in time.
 
 mod interval;
+mod pyramid;
 mod simplex;
 mod tensor_product;
+mod wedge;
 
 pub use interval::{gauss, lobatto};
+pub use pyramid::pyramid;
 pub use simplex::{tetrahedron, triangle};
 pub use tensor_product::{cube, square};
+pub use wedge::wedge;
 
 /// Points and weights on a reference domain of dimension `D`.
 ///

@@ -24,13 +24,19 @@ impl Shape {
     /// Kind of cell, and the place in the file's node list of each node in VTK order.
     pub(super) fn cell(&self) -> Option<(CellKind, &'static [usize])> {
         let kind = CellKind::ALL.into_iter().find(|kind| kind.name() == self.name)?;
-        let order: &[usize] = if kind == CellKind::Tet10 { &TET10 } else { &HEX27[..self.n_nodes] };
+        let order: &[usize] = match kind {
+            CellKind::Tet10 => &TET10,
+            CellKind::Wedge15 => &WEDGE15,
+            _ => &HEX27[..self.n_nodes],
+        };
         Some((kind, order))
     }
 }
 
 /// The last two edges, 2-3 and 1-3, stand the other way round in VTK.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
+/// Gmsh numbers edges by their lower corner: 01, 02, 03, 12, 14, 25, 34, 35, 45.
+const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
 /// Gmsh numbers edges by their lower corner and faces as z-min, y-min, x-min, x-max, y-max, z-max; linear cells and the
 /// 20-node brick are the beginning of this list.
 const HEX27: [usize; 27] = [

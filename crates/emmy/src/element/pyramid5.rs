@@ -1,0 +1,68 @@
+//! Linear pyramid.
+
+use super::ReferenceElement;
+use crate::quadrature::{Quadrature, pyramid};
+
+/// Linear pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 5 nodes, 2x2 points for the
+/// internal force, 2x2x2 for the mass.
+///
+/// ```math
+/// N_A = (w + a_1 x_1) (w + a_2 x_2) / (4 w),      w = 1 - x_3,      node A of the base at (a_1, a_2);      N_4 = x_3
+/// ```
+///
+/// On its faces these are the functions of the triangle and the quadrilateral, so pyramids join hexahedra to tetrahedra.
+/// The gradients depend on `u = x_1/w, v = x_2/w` alone, that is on the ray from the apex; so do dX/dxi and the
+/// deformation gradient, and one layer of points in the height integrates the internal force of any pyramid and material
+/// as well as many would. In u and v the degree of `dN_A dN_B det(dX/dxi)` is that of the trilinear hexahedron: 2x2 Gauss
+/// points are exact for the stiffness of a pyramid over a parallelogram and for the volume of any.
+///
+/// At the apex the gradient has no value of its own: it is the one along the axis (u = v = 0) that is returned. No
+/// quadrature point lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
+///
+/// ```
+/// use emmy::element::{Pyramid5, ReferenceElement};
+/// let mut N = [0.0; 5];
+/// Pyramid5.shape([0.0, 0.0, 0.5], &mut N);
+/// assert_eq!(N, [0.125, 0.125, 0.125, 0.125, 0.5]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pyramid5;
+
+const NODES: [[f64; 3]; 5] =
+    [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// The ray from the apex through a point, `(u, v)`; at the apex itself the axis.
+fn ray([x, y, z]: [f64; 3]) -> [f64; 2] {
+    let w = 1.0 - z;
+    if w == 0.0 { [0.0, 0.0] } else { [x / w, y / w] }
+}
+
+impl ReferenceElement<3> for Pyramid5 {
+    fn nodes(&self) -> &'static [[f64; 3]] {
+        &NODES
+    }
+
+    fn shape(&self, xi: [f64; 3], N: &mut [f64]) {
+        let [u, v] = ray(xi);
+        for (N, [a, b, _]) in N.iter_mut().zip(&NODES[..4]) {
+            *N = 0.25 * (1.0 - xi[2]) * (1.0 + a * u) * (1.0 + b * v);
+        }
+        N[4] = xi[2];
+    }
+
+    fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
+        let [u, v] = ray(xi);
+        for (dN, [a, b, _]) in dN.iter_mut().zip(&NODES[..4]) {
+            *dN = [0.25 * a * (1.0 + b * v), 0.25 * b * (1.0 + a * u), 0.25 * (a * b * u * v - 1.0)];
+        }
+        dN[4] = [0.0, 0.0, 1.0];
+    }
+
+    fn quadrature(&self) -> Quadrature<3> {
+        pyramid(2, 1)
+    }
+
+    fn mass_quadrature(&self) -> Quadrature<3> {
+        pyramid(2, 2)
+    }
+}

@@ -1,0 +1,65 @@
+//! Serendipity wedge.
+
+use super::ReferenceElement;
+use super::wedge::{WEDGE_NODES, linear, quadratic};
+use crate::quadrature::{Quadrature, wedge};
+
+/// Serendipity wedge on the triangle (0,0), (1,0), (0,1) by `[-1, 1]`: 15 nodes (6 corners, 9 edges), complete to degree
+/// 2, 6x3 points.
+///
+/// With the linear and quadratic functions b_i, q_i of the triangle, and a = -1 in the base, 1 in the top:
+///
+/// ```math
+/// edge of base or top: N_A = q_i (1 + a x_3)/2,      edge between them: N_A = b_i (1 - x_3^2)
+/// corner: N_A = q_i (1 + a x_3)/2 - b_i (1 - x_3^2)/2
+/// ```
+///
+/// The edges come in the order 01, 12, 20, 34, 45, 53, 03, 14, 25. The rule, of degree 4 in the triangle by 3 Gauss
+/// points, is exact for stiffness and mass of an undistorted wedge. Source: Zienkiewicz and Taylor (2000), The Finite
+/// Element Method, volume 1, chapter 8.
+///
+/// ```
+/// use emmy::element::{ReferenceElement, Wedge15};
+/// let mut N = [0.0; 15];
+/// Wedge15.shape([0.5, 0.0, 0.0], &mut N);
+/// assert_eq!((N[0], N[6], N[12]), (-0.25, 0.5, 0.5));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wedge15;
+
+impl ReferenceElement<3> for Wedge15 {
+    fn nodes(&self) -> &'static [[f64; 3]] {
+        &WEDGE_NODES
+    }
+
+    fn shape(&self, xi: [f64; 3], N: &mut [f64]) {
+        let ((b, _), (q, _)) = (linear(xi), quadratic(xi));
+        let bubble = 1.0 - xi[2] * xi[2];
+        for A in 0..6 {
+            let height = 0.5 * (1.0 + WEDGE_NODES[A][2] * xi[2]);
+            N[A] = q[A % 3] * height - 0.5 * b[A % 3] * bubble;
+            N[6 + A] = q[3 + A % 3] * height;
+        }
+        (0..3).for_each(|i| N[12 + i] = b[i] * bubble);
+    }
+
+    fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
+        let ((b, db), (q, dq)) = (linear(xi), quadratic(xi));
+        let (bubble, slope) = (1.0 - xi[2] * xi[2], -2.0 * xi[2]);
+        for i in 0..3 {
+            dN[12 + i] = [db[i][0] * bubble, db[i][1] * bubble, b[i] * slope];
+        }
+        for A in 0..6 {
+            let (i, a) = (A % 3, WEDGE_NODES[A][2]);
+            let height = 0.5 * (1.0 + a * xi[2]);
+            let product = |j: usize| [dq[j][0] * height, dq[j][1] * height, 0.5 * a * q[j]];
+            let (corner, side) = (product(i), dN[12 + i]);
+            dN[A] = [0, 1, 2].map(|d| corner[d] - 0.5 * side[d]);
+            dN[6 + A] = product(3 + i);
+        }
+    }
+
+    fn quadrature(&self) -> Quadrature<3> {
+        wedge(4, 3)
+    }
+}
