@@ -70,7 +70,7 @@ fn own(name: &str) -> PathBuf {
 
 #[test]
 fn every_kind_of_cell_flies_free() {
-    for kind in ["hex8", "hex20", "hex27", "tet4", "tet10"] {
+    for kind in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed"] {
         for degree in [1, 2] {
             assert_balances(read(&own(&format!("{kind}-41-binary.msh"))), &[], degree);
         }
@@ -79,7 +79,7 @@ fn every_kind_of_cell_flies_free() {
 
 #[test]
 fn abaqus_meshes_fly_free() {
-    for name in ["flat.inp", "quadratic.inp", "assembly.inp"] {
+    for name in ["flat.inp", "quadratic.inp", "assembly.inp", "wedges.inp"] {
         assert_balances(read(&own(name)), &[], 1);
     }
 }

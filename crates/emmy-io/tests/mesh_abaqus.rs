@@ -78,6 +78,32 @@ fn quadratic_cells_go_on_over_lines_and_includes_are_followed() {
     assert_eq!(file.notes, ["C3D10M is read as plain tet10", "C3D20R is read as hex20 and integrated fully"]);
 }
 
+#[test]
+fn wedges_and_pyramids_have_their_faces_where_abaqus_has_them() {
+    let file = read("wedges.inp");
+    let mesh = &file.mesh;
+    let kinds: Vec<CellKind> = mesh.cells().map(|cell| cell.kind).collect();
+    assert_eq!(kinds, [CellKind::Wedge15, CellKind::Hex8, CellKind::Pyramid5, CellKind::Wedge6]);
+    assert!((volume(mesh) - 0.5 - 1.0 - 1.0 / 3.0 - 0.5).abs() < 1e-12);
+    assert!((emmy::element::quality(mesh).volume - volume(mesh)).abs() < 1e-12);
+    assert_straight(mesh);
+    for (group, axis, value, n_nodes) in [
+        ("curved-s1", 2, 0.0, 6),
+        ("curved-s2", 2, 1.0, 6),
+        ("curved-s3", 1, 0.0, 8),
+        ("curved-s5", 0, 0.0, 8),
+        ("roof-s1", 2, 1.0, 4),
+        ("bottom", 2, 0.0, 5),
+        ("front", 1, 0.0, 6),
+    ] {
+        assert_plane(mesh, group, axis, value);
+        assert_eq!(mesh.group_nodes(group).unwrap().len(), n_nodes, "{group}");
+    }
+    let slope = mesh.group_nodes("slope").unwrap();
+    assert!(slope.iter().map(|&node| mesh.points()[node as usize]).all(|[_, y, z]| z == 1.0 + 2.0 * y));
+    assert_eq!(file.notes, ["C3D5H is read as pyramid5 without its pressure"]);
+}
+
 const BRICK: &str = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                      *ELEMENT,TYPE=C3D8\n1,1,2,3,4,5,6,7,8\n";
 

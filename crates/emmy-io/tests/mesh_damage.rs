@@ -6,7 +6,7 @@ use emmy_io::mesh::parse;
 use meshes::{bytes, path};
 use proptest::prelude::*;
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     "hex8-22-ascii.msh",
     "hex8-22-binary.msh",
     "hex20-41-ascii.msh",
@@ -17,6 +17,9 @@ const FILES: [&str; 10] = [
     "flat.inp",
     "assembly.inp",
     "quadratic.inp",
+    "wedge15-41-binary.msh",
+    "mixed-22-ascii.msh",
+    "wedges.inp",
 ];
 
 proptest! {

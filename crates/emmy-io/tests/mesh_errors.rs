@@ -79,8 +79,11 @@ fn bad_gmsh_elements() {
     let v2: [(&str, &[&str]); 7] = [
         ("1\n1 4 2 0 1 1 2 3 5\n", &["line 13: element 1 names node 5, which the file does not define"]),
         (
-            "1\n1 6 2 0 1 1 2 3 4 1 2\n",
-            &["line 13: elements of type wedge6", "hex8, hex20, hex27, tet4 or tet10"],
+            "1\n1 13 2 0 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n",
+            &[
+                "line 13: elements of type wedge18",
+                "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5",
+            ],
         ),
         ("1\n1 777 2 0 1\n", &["line 13: elements of type 777 of Gmsh"]),
         ("1\n1 4 99999 0 1\n", &["line 13: 99999 tags are announced"]),
@@ -98,7 +101,7 @@ fn bad_gmsh_elements() {
         ("1 1 1 1\n3 1 4 1\n1 1 2 3 5\n", &["line 16: element 1 names node 5"]),
         ("1 1 1 1\n3 1 4 88888888\n1 1 2 3 4\n", &["line 15: 88888888 elements are announced"]),
         ("1 2 1 2\n3 1 4 2\n1 1 2 3 4\n1 1 2 3 4\n", &["line 17: element 1 is there already"]),
-        ("1 1 1 1\n3 1 7 1\n1 1 2 3 4 1\n", &["elements of type pyramid5"]),
+        ("1 1 1 1\n3 1 14 1\n1 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n", &["elements of type pyramid14"]),
     ];
     for (text, parts) in v4 {
         assert_message("a.msh", &format!("{V4}$Elements\n{text}$EndElements\n"), parts);
@@ -121,8 +124,10 @@ fn errors_of_binary_files_name_the_byte() {
     lying[nodes..nodes + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     let lie = message(&lying);
     assert!(lie.contains("18446744073709551615 blocks of nodes are announced"), "{lie}");
-    let wedges = emmy_io::mesh::read(&path("wedges-41.msh")).unwrap_err().to_string();
-    assert!(wedges.contains(", byte ") && wedges.contains("wedge6"), "{wedges}");
+    let wedges = emmy_io::mesh::read(&path("wedge18.msh")).unwrap_err().to_string();
+    assert!(wedges.contains(", byte ") && wedges.contains("wedge18"), "{wedges}");
+    let version = emmy_io::mesh::read(&path("version-40.msh")).unwrap_err().to_string();
+    assert!(version.contains("version 4 of the MSH format"), "{version}");
 }
 
 #[test]
@@ -148,7 +153,7 @@ fn bad_abaqus_nodes_and_elements() {
             "*Element, type=S4\n1,1,2,3,4\n",
             &["line 6: elements of type S4 are not supported", "C3D8", "C3D10"],
         ),
-        ("*Element, type=c3d6\n", &["line 6: elements of type C3D6"]),
+        ("*Element, type=c3d15v\n", &["line 6: elements of type C3D15V"]),
         ("*Element\n", &["line 6: *ELEMENT without type="]),
         ("*Node\n4, 0, 0, 0\n", &["line 7: node 4 is there already"]),
         ("*Node\n5, 0, nan, 0\n", &["line 7: node 5 has a coordinate that is not a finite number"]),

@@ -9,12 +9,14 @@ use meshes::{assert_plane, assert_straight, close, parse_text, read, volume};
 const FORMATS: [&str; 4] = ["22-ascii", "22-binary", "41-ascii", "41-binary"];
 
 /// Kind, nodes, cells, facets at an end, facets of the skin, nodes of the edge.
-const MESHES: [(CellKind, usize, usize, usize, usize, usize); 5] = [
+const MESHES: [(CellKind, usize, usize, usize, usize, usize); 7] = [
     (CellKind::Hex8, 18, 4, 2, 6, 3),
     (CellKind::Hex20, 51, 4, 2, 6, 5),
     (CellKind::Hex27, 75, 4, 2, 6, 5),
     (CellKind::Tet4, 23, 48, 4, 12, 3),
     (CellKind::Tet10, 113, 48, 4, 12, 5),
+    (CellKind::Wedge6, 15, 8, 4, 6, 3),
+    (CellKind::Wedge15, 49, 8, 4, 6, 5),
 ];
 
 #[test]
@@ -61,6 +63,25 @@ fn one_mesh_is_the_same_in_all_formats() {
             // ASCII files have 16 digits.
             assert!(first.points().iter().zip(other.points()).all(|(a, b)| close(*a, *b)));
         }
+    }
+}
+
+#[test]
+fn kinds_are_mixed_with_triangles_and_quadrilaterals_between_them() {
+    for format in FORMATS {
+        let file = read(&format!("mixed-{format}.msh"));
+        let (mesh, groups) = (&file.mesh, file.mesh.groups());
+        let count = |kind| mesh.cells().filter(|cell| cell.kind == kind).count();
+        assert_eq!([CellKind::Hex8, CellKind::Pyramid5, CellKind::Tet4].map(count), [1, 1, 24]);
+        assert!((volume(mesh) - 2.0).abs() < 1e-12);
+        assert!(emmy::element::quality(mesh).inverted.is_empty());
+        // The face of the hexahedron on which the pyramid stands is found once, as one of the first cell's.
+        let n_facets = ["clamp", "tip", "7", "skin"].map(|name| groups.facets(name).unwrap().len());
+        assert_eq!(n_facets, [1, 4, 1, 9]);
+        for (name, value) in [("clamp", 0.0), ("7", 1.0), ("tip", 2.0)] {
+            assert_plane(mesh, name, 0, value);
+        }
+        assert!(file.notes.is_empty(), "{:?}", file.notes);
     }
 }
 

@@ -11,6 +11,9 @@ use emmy::mesh::{Mesh, MeshBuilder};
 
 pub use error::{MeshError, Place, Position};
 
+/// Kinds of cells that files may hold, for messages.
+const KINDS: &str = "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5";
+
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
 /// A mesh from a file, and what its user should be told once about the way it was read.
@@ -32,7 +35,7 @@ pub struct MeshFile {
 /// instance are a group of the instance's name.
 ///
 /// # Errors
-/// [`MeshError`]: file unreadable, of no known format or damaged; elements other than hex8, hex20, hex27, tet4, tet10.
+/// [`MeshError`]: file unreadable, of no known format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
 pub fn read(path: &Path) -> Result<MeshFile> {
     let bytes =
         fs::read(path).map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;

@@ -4,30 +4,36 @@ KIND-VERSION-ENCODING.msh for each kind of cell: a box [0, 2] x [0, 1] x [0, 1] 
 Physical groups: volumes "left part", "right part" and "whole" (both, so every cell is in two groups); surfaces "clamp"
 (x = 0), "tip" (x = 2), "skin" (x = 2 and z = 1) and one without a name, number 7 (the inner one at x = 1); curve
 "edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
-but with all elements (all-VERSION.msh). wedges-VERSION.msh are for the errors.
+but with all elements (all-VERSION.msh). mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
+pyramids and tetrahedra in the right one. wedge18.msh and version-40.msh are for the errors.
 """
 
 import gmsh
 
-KINDS = {"tet4": (1, 0), "tet10": (2, 0), "hex8": (1, 0), "hex20": (2, 1), "hex27": (2, 0)}
+KINDS = {"tet4": (1, 0), "tet10": (2, 0), "hex8": (1, 0), "hex20": (2, 1), "hex27": (2, 0),
+         "wedge6": (1, 0), "wedge15": (2, 1), "mixed": (1, 0)}
 FORMATS = {"22": 2.2, "41": 4.1}
 
 
-def box(hexahedra):
+def box(kind):
     """Two unit cubes side by side."""
     gmsh.clear()
+    hexahedra = kind.startswith("hex")
     corners = [gmsh.model.occ.addPoint(0, y, z) for y, z in [(0, 0), (1, 0), (1, 1), (0, 1)]]
     edges = [gmsh.model.occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1])]
     square = gmsh.model.occ.addPlaneSurface([gmsh.model.occ.addCurveLoop(edges)])
-    layers = {"numElements": [1], "recombine": True} if hexahedra else {}
+    layers = {} if kind.startswith("tet") else {"numElements": [1], "recombine": True}
     gmsh.model.occ.extrude([(2, square)], 1, 0, 0, **layers)
     gmsh.model.occ.synchronize()
+    layers = {} if kind == "mixed" else layers
     gmsh.model.occ.extrude([(2, tag) for tag in on(2, x=1)], 1, 0, 0, **layers)
     gmsh.model.occ.synchronize()
+    left = on(2, x=0) if kind == "mixed" else []
     along_y = on(1, y=0.5)
     for _, curve in gmsh.model.getEntities(1):
         gmsh.model.mesh.setTransfiniteCurve(curve, 3 if hexahedra and curve in along_y else 2)
-    for _, surface in gmsh.model.getEntities(2) if hexahedra else []:
+    quadrilaterals = [surface for _, surface in gmsh.model.getEntities(2)] if hexahedra else left
+    for surface in quadrilaterals:
         gmsh.model.mesh.setTransfiniteSurface(surface)
         gmsh.model.mesh.setRecombine(2, surface)
 
@@ -71,18 +77,14 @@ def partitions():
     gmsh.model.mesh.unpartition()
 
 
-def wedges():
-    """A kind of cell that is not read, in a version that is not read, and in two that are."""
-    gmsh.clear()
-    square = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
-    gmsh.model.occ.extrude([(2, square)], 0, 0, 1, numElements=[1], recombine=True)
-    gmsh.model.occ.synchronize()
-    for _, curve in gmsh.model.getEntities(1):
-        gmsh.model.mesh.setTransfiniteCurve(curve, 2)
+def for_errors():
+    """A kind of cell that is not read, in binary, and a version that is not read."""
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 0)
+    box("wedge18")
     gmsh.model.mesh.generate(3)
-    write("wedges-22", 2.2, 0)
-    write("wedges-41", 4.1, 1)
-    write("wedges-40", 4.0, 0)
+    write("version-40", 4.0, 0)
+    gmsh.model.mesh.setOrder(2)
+    write("wedge18", 4.1, 1)
 
 
 def main():
@@ -90,7 +92,7 @@ def main():
     gmsh.option.setNumber("General.Verbosity", 2)
     for kind, (order, incomplete) in KINDS.items():
         gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
-        box(kind.startswith("hex"))
+        box(kind)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
         groups()
@@ -103,7 +105,7 @@ def main():
             gmsh.model.removePhysicalGroups()
             write("all-22", 2.2, 0, SaveAll=1)
             write("all-41", 4.1, 0, SaveAll=1)
-    wedges()
+    for_errors()
     gmsh.finalize()
 
 

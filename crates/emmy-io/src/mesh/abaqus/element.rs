@@ -3,8 +3,7 @@
 use emmy::mesh::CellKind;
 
 /// The types that are read.
-pub(super) const SUPPORTED: &str =
-    "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4 or C3D10 (C3D10M, ...)";
+pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5";
 
 /// Kind of cell of an element type, given in upper case.
 pub(super) fn kind(element_type: &str) -> Option<CellKind> {
@@ -15,6 +14,9 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
         "C3D20" | "C3D20R" | "C3D20H" | "C3D20RH" => Some(CellKind::Hex20),
         "C3D4" | "C3D4H" => Some(CellKind::Tet4),
         "C3D10" | "C3D10M" | "C3D10H" | "C3D10MH" | "C3D10I" | "C3D10HS" => Some(CellKind::Tet10),
+        "C3D6" | "C3D6R" | "C3D6H" => Some(CellKind::Wedge6),
+        "C3D15" | "C3D15H" => Some(CellKind::Wedge15),
+        "C3D5" | "C3D5H" => Some(CellKind::Pyramid5),
         _ => None,
     }
 }
@@ -34,7 +36,12 @@ pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
 
 /// Number of the face in [`CellKind::facets`] of a face of Abaqus, `S1` being 1.
 pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
-    let faces: &[&[usize]] = if kind.n_corners() == 8 { &HEX_FACES } else { &TET_FACES };
+    let faces: &[&[usize]] = match kind.linear() {
+        CellKind::Tet4 => &TET_FACES,
+        CellKind::Wedge6 => &WEDGE_FACES,
+        CellKind::Pyramid5 => &PYRAMID_FACES,
+        _ => &HEX_FACES,
+    };
     let corners = faces.get(usize::from(face).checked_sub(1)?)?;
     let same = |nodes: &[usize]| corners.iter().all(|corner| nodes.contains(corner));
     kind.facets().iter().position(|facet| same(facet.nodes)).map(|local| local as u8)
@@ -43,6 +50,8 @@ pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
 const HEX_FACES: [&[usize]; 6] =
     [&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]];
 const TET_FACES: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
+const WEDGE_FACES: [&[usize]; 5] = [&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
+const PYRAMID_FACES: [&[usize]; 5] = [&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]];
 
 #[cfg(test)]
 mod tests {
@@ -50,7 +59,7 @@ mod tests {
 
     #[test]
     fn every_face_has_its_own_place_in_the_cell() {
-        for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet4, CellKind::Tet10] {
+        for kind in CellKind::ALL {
             let n_faces = kind.facets().len() as u8;
             let mut locals: Vec<u8> = (1..=n_faces).map(|face| local_facet(kind, face).unwrap()).collect();
             locals.sort();

@@ -243,6 +243,6 @@ pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshEr
     MeshError::UnsupportedElement {
         place: cursor.place(start),
         kind,
-        supported: "hex8, hex20, hex27, tet4 or tet10",
+        supported: super::super::KINDS,
     }
 }
