@@ -2,6 +2,7 @@
 
 mod builder;
 mod cell;
+mod connectivity;
 mod groups;
 mod shapes;
 

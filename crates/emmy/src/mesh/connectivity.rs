@@ -1,0 +1,158 @@
+//! How the cells of a mesh hang together: parts, repeated cells, nodes at one place.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::Mesh;
+
+impl Mesh {
+    /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are connected.
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([1.0; 3], [2, 2, 2])?;
+    /// assert_eq!(mesh.parts().len(), 1);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn parts(&self) -> Vec<Vec<u32>> {
+        let mut roots: Vec<u32> = (0..self.n_nodes() as u32).collect();
+        for cell in self.cells() {
+            for &node in &cell.nodes[1..] {
+                let (a, b) = (root(&mut roots, cell.nodes[0]), root(&mut roots, node));
+                roots[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let (mut part_of_root, mut parts) = (HashMap::new(), Vec::<Vec<u32>>::new());
+        for (index, cell) in self.cells().enumerate() {
+            let part = *part_of_root.entry(root(&mut roots, cell.nodes[0])).or_insert(parts.len());
+            if part == parts.len() {
+                parts.push(Vec::new());
+            }
+            parts[part].push(index as u32);
+        }
+        parts
+    }
+
+    /// Cells with the nodes of an earlier cell, in whatever order: `[earlier, later]`, by the later one ascending.
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
+    /// assert!(mesh.repeated_cells().is_empty());
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn repeated_cells(&self) -> Vec<[u32; 2]> {
+        let mut first_of: HashMap<Vec<u32>, u32> = HashMap::with_capacity(self.n_cells());
+        let mut repeated = Vec::new();
+        for (index, cell) in self.cells().enumerate() {
+            let mut nodes = cell.nodes.to_vec();
+            nodes.sort_unstable();
+            let first = *first_of.entry(nodes).or_insert(index as u32);
+            if first != index as u32 {
+                repeated.push([first, index as u32]);
+            }
+        }
+        repeated
+    }
+
+    /// Nodes at the place of an earlier node, up to 1e-9 of the extent of the mesh: `[earlier, later]`, by the later one
+    /// ascending. Cells on both sides of them touch, but do not hang together.
+    ///
+    /// ```
+    /// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
+    /// assert!(mesh.coincident_nodes().is_empty());
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn coincident_nodes(&self) -> Vec<[u32; 2]> {
+        let tolerance = 1e-9 * self.extent().into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= tolerance);
+        // Boxes much larger than the tolerance, so that a place lies in one of them as a rule, in up to eight at most.
+        let box_of = |x: f64| (x / (64.0 * tolerance)).floor() as i64;
+        let mut nodes_in: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.n_nodes());
+        let mut pairs = Vec::new();
+        for (node, &point) in self.points().iter().enumerate() {
+            let ends = point.map(|x| [box_of(x - tolerance), box_of(x + tolerance)]);
+            let candidates = boxes(ends).filter_map(|key| nodes_in.get(&key)).flatten();
+            let earlier = candidates.filter(|&&other| near(self.points()[other as usize], point)).min();
+            pairs.extend(earlier.map(|&earlier| [earlier, node as u32]));
+            nodes_in.entry(point.map(box_of)).or_default().push(node as u32);
+        }
+        pairs
+    }
+
+    /// Edge lengths of the smallest box along the axes around the nodes \[length\].
+    pub fn extent(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| {
+            let x = || self.points().iter().map(|point| point[i]);
+            x().fold(f64::NEG_INFINITY, f64::max) - x().fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// Number of cells of each kind, in the order of [`super::CellKind::ALL`].
+    ///
+    /// ```
+    /// use emmy::mesh::{CellKind, block};
+    /// assert_eq!(block([1.0; 3], [2, 1, 1])?.counts_by_kind(), [(CellKind::Hex8, 2)]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn counts_by_kind(&self) -> Vec<(super::CellKind, usize)> {
+        let mut counts = BTreeMap::new();
+        self.cells().for_each(|cell| *counts.entry(cell.kind).or_default() += 1);
+        counts.into_iter().collect()
+    }
+}
+
+/// The node that stands for all nodes connected with one; the path to it is halved on the way.
+fn root(roots: &mut [u32], mut node: u32) -> u32 {
+    while roots[node as usize] != node {
+        roots[node as usize] = roots[roots[node as usize] as usize];
+        node = roots[node as usize];
+    }
+    node
+}
+
+/// All boxes between two along each axis.
+fn boxes(ends: [[i64; 2]; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let [x, y, z] = ends.map(|[first, last]| first..=last);
+    x.flat_map(move |i| {
+        let z = z.clone();
+        y.clone().flat_map(move |j| z.clone().map(move |k| [i, j, k]))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CellKind, MeshBuilder};
+    use super::*;
+
+    /// Tetrahedra with nodes of their own, each moved along x.
+    fn tetrahedra(offsets: &[f64]) -> MeshBuilder {
+        let mut builder = MeshBuilder::new();
+        for x in offsets {
+            let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let nodes = points.map(|p| builder.point([p[0] + x, p[1], p[2]]));
+            builder.cell(CellKind::Tet4, &nodes).unwrap();
+        }
+        builder
+    }
+
+    #[test]
+    fn parts_are_told_apart_by_their_nodes() {
+        let mut builder = tetrahedra(&[0.0, 1.0, 5.0]);
+        builder.cell(CellKind::Tet4, &[9, 1, 2, 3]).unwrap();
+        // The last cell joins the first to the third.
+        assert_eq!(builder.build().unwrap().parts(), [vec![0, 2, 3], vec![1]]);
+    }
+
+    #[test]
+    fn cells_with_the_same_nodes_are_found_in_any_order_of_them() {
+        let mut builder = tetrahedra(&[0.0, 2.0]);
+        builder.cell(CellKind::Tet4, &[5, 6, 4, 7]).unwrap();
+        assert_eq!(builder.build().unwrap().repeated_cells(), [[1, 2]]);
+    }
+
+    #[test]
+    fn nodes_at_one_place_are_found_up_to_rounding() {
+        // (1, 0, 0) of the first is the origin of the second; the third is off by more than rounding.
+        let mesh = tetrahedra(&[0.0, 1.0 + 1e-12, 2.0 + 1e-6]).build().unwrap();
+        assert_eq!(mesh.coincident_nodes(), [[1, 4]]);
+        assert_eq!(tetrahedra(&[0.0, 0.0]).build().unwrap().coincident_nodes().len(), 4);
+    }
+}
