@@ -6,7 +6,7 @@ use emmy_io::mesh::parse;
 use meshes::{bytes, path};
 use proptest::prelude::*;
 
-const FILES: [&str; 13] = [
+const FILES: [&str; 18] = [
     "hex8-22-ascii.msh",
     "hex8-22-binary.msh",
     "hex20-41-ascii.msh",
@@ -20,6 +20,11 @@ const FILES: [&str; 13] = [
     "wedge15-41-binary.msh",
     "mixed-22-ascii.msh",
     "wedges.inp",
+    "vtk-ascii.vtu",
+    "vtk-inline-zlib.vtu",
+    "vtk-raw-plain.vtu",
+    "vtk-raw-zlib.vtu",
+    "vtk-base64-zlib.vtu",
 ];
 
 proptest! {

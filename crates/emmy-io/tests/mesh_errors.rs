@@ -214,3 +214,38 @@ fn bad_abaqus_assemblies() {
     let circle = emmy_io::mesh::read(&path("circle.inp")).unwrap_err().to_string();
     assert!(circle.contains("circle.inp, line 2: more than 16 files"), "{circle}");
 }
+
+#[test]
+fn cells_that_are_inverted_or_there_twice_have_their_own_numbers() {
+    let inverted =
+        "is inverted or degenerate: det(dX/dxi) = -1e0 at one of its points; check its orientation";
+    let (one, other) =
+        ("a.msh: element 7 (tet4) ", "a.msh: element 9 has the nodes of element 7; remove one");
+    let elements = |text: &str| format!("{V2}$Elements\n{text}$EndElements\n");
+    assert_message("a.msh", &elements("1\n7 4 2 0 1 1 3 2 4\n"), &[one, inverted]);
+    assert_message("a.msh", &elements("2\n7 4 2 1 1 1 2 3 4\n9 4 2 2 1 2 3 1 4\n"), &[other]);
+    let elements = |text: &str| format!("{V4}$Elements\n1 2 7 9\n{text}$EndElements\n");
+    assert_message("a.msh", &elements("3 1 4 1\n7 1 3 2 4\n"), &[one, inverted]);
+    assert_message("a.msh", &elements("3 1 4 2\n7 1 2 3 4\n9 1 2 3 4\n"), &[other]);
+    let inp = |text: &str| format!("{INP}*Element, type=C3D4\n{text}");
+    assert_message("a.inp", &inp("7, 1, 3, 2, 4\n"), &["a.inp: element 7 (tet4) ", inverted]);
+    assert_message(
+        "a.inp",
+        &inp("7, 1, 2, 3, 4\n9, 1, 2, 4, 3\n"),
+        &["element 9 has the nodes of element 7"],
+    );
+    let part =
+        format!("*Part, name=Tet\n{}*End Part\n*Instance, name=Arm, part=Tet\n", inp("7, 1, 3, 2, 4\n"));
+    assert_message("a.inp", &part, &["a.inp: element 7 of instance Arm (tet4) is inverted"]);
+    let vtu = std::fs::read_to_string(path("vtk-ascii.vtu")).unwrap();
+    let vtu = vtu.replacen("9 11 10 0", "9 10 11 0", 1);
+    assert_message("a.vtu", &vtu, &["a.vtu: cell 3 (counted from 0) (tet4) is inverted"]);
+}
+
+#[test]
+fn nodes_at_one_place_are_noted() {
+    let text = "5, 0, 0, 0\n6, 1, 0, 0\n7, 0, 1, 0\n8, 0, 0, -1\n*Element, type=C3D4\n1, 1, 2, 3, 4\n2, 5, 7, 6, 8\n";
+    let file = parse_text("a.inp", &format!("{INP}{text}")).unwrap();
+    let note = "3 nodes lie where another one does, the first at [0, 0, 0]: cells on both sides are not joined there";
+    assert_eq!(file.notes, [note]);
+}

@@ -52,7 +52,7 @@ const MATERIALS: [Item; 2] = [
 const MESHES: [Item; 3] = [
     ("l-block", "L-shaped block, { cell_size = 1.0 }; groups body, face-a, face-b"),
     ("box", "block of bricks, { size = [2, 8, 2], cells = [2, 8, 2] }; groups body, x-min, x-max, ... z-max"),
-    ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp; groups by their names in the file"),
+    ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp, VTK .vtu; groups by their names in the file"),
 ];
 
 const SOLVERS: [Item; 1] = [(

@@ -51,8 +51,8 @@ pub enum MeshError {
     },
     /// A file of a format that is not known.
     #[error(
-        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 2.2 and 4.1, ASCII or binary) \
-         and Abaqus (.inp)", file.display()
+        "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 2.2 and 4.1, ASCII or binary), \
+         Abaqus (.inp) and VTK (.vtu)", file.display()
     )]
     UnknownFormat {
         /// The file.
@@ -136,6 +136,34 @@ pub enum MeshError {
         group: String,
         /// Corner nodes of the facet, as numbered in the file.
         nodes: Vec<u64>,
+    },
+    /// A cell that is there already, with its nodes in the same or in another order.
+    #[error(
+        "{}: {repeated} has the nodes of {first}; remove one of the two, or their stiffness and mass would add up",
+        file.display()
+    )]
+    RepeatedCell {
+        /// The file.
+        file: PathBuf,
+        /// The later one, by the file's own number.
+        repeated: String,
+        /// The earlier one.
+        first: String,
+    },
+    /// A cell that is inverted or degenerate.
+    #[error(
+        "{}: {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {det:e} at one of its points; check its \
+         orientation (the order of its nodes) and its shape in the mesher", file.display()
+    )]
+    InvertedCell {
+        /// The file.
+        file: PathBuf,
+        /// The cell, by the file's own number.
+        cell: String,
+        /// Kind of the cell.
+        kind: emmy::mesh::CellKind,
+        /// The smallest determinant.
+        det: f64,
     },
     /// A file without cells.
     #[error("{}: the mesh has no solid cells; {advice}", file.display())]

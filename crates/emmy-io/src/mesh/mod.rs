@@ -1,8 +1,9 @@
-//! Meshes of other programs: Gmsh (`.msh`) and Abaqus (`.inp`).
+//! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`) and VTK (`.vtu`).
 
 mod abaqus;
 mod error;
 mod gmsh;
+mod vtu;
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +26,8 @@ pub struct MeshFile {
     pub notes: Vec<String>,
 }
 
-/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary) or of Abaqus (keyword input).
+/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input) or of VTK (unstructured grid in XML,
+/// ASCII or binary, appended or not, compressed by zlib or not).
 ///
 /// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups;
 /// a physical group without a name is called by its number. Volume elements in no group are kept.
@@ -33,6 +35,13 @@ pub struct MeshFile {
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is found under its own name (in all instances together) and as `Instance.Set`; the cells of an
 /// instance are a group of the instance's name.
+///
+/// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the file) and
+/// the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell stands for its
+/// face i. Any other array with up to 64 values: groups of solid cells called `ARRAY=VALUE`. Emmy's own frames come back
+/// with all their groups.
+///
+/// No cell may be inverted or be there twice. Nodes at one place are noted.
 ///
 /// # Errors
 /// [`MeshError`]: file unreadable, of no known format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
@@ -64,6 +73,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
     match format(path, bytes) {
         Some(Format::Gmsh) => gmsh::mesh(path, bytes),
         Some(Format::Abaqus) => abaqus::mesh(path, bytes),
+        Some(Format::Vtu) => vtu::mesh(path, bytes),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
 }
@@ -72,6 +82,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
 enum Format {
     Gmsh,
     Abaqus,
+    Vtu,
 }
 
 /// Format by the first character, else (for the message of its reader) by the extension.
@@ -79,12 +90,14 @@ fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
     match without_mark(bytes).trim_ascii_start().first() {
         Some(b'$') => return Some(Format::Gmsh),
         Some(b'*') => return Some(Format::Abaqus),
+        Some(b'<') => return Some(Format::Vtu),
         _ => {}
     }
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
         "msh" => Some(Format::Gmsh),
         "inp" => Some(Format::Abaqus),
+        "vtu" => Some(Format::Vtu),
         _ => None,
     }
 }
@@ -94,10 +107,21 @@ fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// Builds the mesh and says what was left out of it.
-fn finished(builder: MeshBuilder, n_nodes: usize, mut notes: Vec<String>) -> emmy::Result<MeshFile> {
-    let mesh = builder.build()?;
-    let unused = n_nodes - mesh.n_nodes();
+/// What the check of a mesh needs to know of its file.
+struct Origin<'a> {
+    file: &'a Path,
+    /// Number of nodes that the file has.
+    n_nodes: usize,
+    /// The cell with an index, by the file's own number: `element 17`.
+    name: &'a dyn Fn(usize) -> String,
+}
+
+/// Builds the mesh, checks its cells, and says what was left out of it.
+fn finished(builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String>) -> Result<MeshFile> {
+    let file = || origin.file.to_path_buf();
+    let mesh = builder.build().map_err(|reason| MeshError::Mesh { file: file(), reason })?;
+    check_cells(&mesh, origin)?;
+    let unused = origin.n_nodes - mesh.n_nodes();
     if unused > 0 {
         let [one, many] =
             ["node belongs to no cell and is left out", "nodes belong to no cell and are left out"];
@@ -106,7 +130,32 @@ fn finished(builder: MeshBuilder, n_nodes: usize, mut notes: Vec<String>) -> emm
     for (name, _) in mesh.groups().nodes.iter().filter(|(_, nodes)| nodes.is_empty()) {
         notes.push(format!("node group \"{name}\" has no node of a cell"));
     }
+    notes.extend(note_on_coincident_nodes(&mesh));
     Ok(MeshFile { mesh, notes })
+}
+
+/// No cell may be there twice or be inverted.
+fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
+    let (file, name) = (|| origin.file.to_path_buf(), |cell: u32| (origin.name)(cell as usize));
+    if let Some(&[first, repeated]) = mesh.repeated_cells().first() {
+        return Err(MeshError::RepeatedCell { file: file(), repeated: name(repeated), first: name(first) });
+    }
+    emmy::element::check(mesh).map_err(|reason| match reason {
+        emmy::Error::InvertedCell { cell, kind, det } => {
+            MeshError::InvertedCell { file: file(), cell: name(cell as u32), kind, det }
+        }
+        reason => MeshError::Mesh { file: file(), reason },
+    })
+}
+
+/// Nodes at one place are what contact and cracks are made of, or else a mesh that was not joined.
+fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
+    let pairs = mesh.coincident_nodes();
+    let [x, y, z] = mesh.points()[pairs.first()?[1] as usize];
+    let lie = counted(pairs.len(), "node lies", "nodes lie");
+    Some(format!(
+        "{lie} where another one does, the first at [{x}, {y}, {z}]: cells on both sides are not joined there"
+    ))
 }
 
 /// `1 node`, `2 nodes`.

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use emmy::mesh::{CellKind, Mesh};
+use emmy::mesh::Mesh;
 use emmy::motion::State;
 
 use super::array::data_array;
+use super::{FACETS, GROUP, cell_type, escaped};
 
 /// What is the same in every frame, as XML.
 #[derive(Debug)]
@@ -14,20 +15,7 @@ pub(super) struct Frame {
     n_cells: usize,
     points_and_cells: String,
     cell_data: String,
-}
-
-/// Number of a cell type in VTK.
-fn cell_type(kind: CellKind) -> u8 {
-    match kind {
-        CellKind::Hex8 => 12,
-        CellKind::Hex20 => 25,
-        CellKind::Hex27 => 29,
-        CellKind::Tet4 => 10,
-        CellKind::Tet10 => 24,
-        CellKind::Wedge6 => 13,
-        CellKind::Wedge15 => 26,
-        CellKind::Pyramid5 => 14,
-    }
+    node_groups: String,
 }
 
 impl Frame {
@@ -45,7 +33,10 @@ impl Frame {
             n_nodes: mesh.n_nodes(),
             n_cells: mesh.n_cells(),
             points_and_cells: format!("<Points>\n{points}</Points>\n<Cells>\n{cells}</Cells>\n"),
-            cell_data: data_array("region", 1, region_of_cell.iter().map(|&region| region as i32)),
+            cell_data: data_array("region", 1, region_of_cell.iter().map(|&region| region as i32))
+                + &cell_groups(mesh)
+                + &facet_groups(mesh),
+            node_groups: node_groups(mesh),
         }
     }
 
@@ -69,8 +60,37 @@ impl Frame {
         xml += "<PointData Vectors=\"displacement\">\n";
         xml += &data_array("displacement", 3, state.displacement.iter().copied());
         xml += &data_array("velocity", 3, state.velocity.iter().copied());
+        xml += &self.node_groups;
         let _ = writeln!(xml, "</PointData>\n<CellData Scalars=\"region\">\n{}</CellData>", self.cell_data);
         xml += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
         xml
     }
+}
+
+/// An array for each group, 1 for its members.
+fn node_groups(mesh: &Mesh) -> String {
+    let groups = mesh.groups().nodes.iter();
+    groups
+        .map(|(name, nodes)| marks(GROUP, name, mesh.n_nodes(), nodes.iter().map(|&node| (node, 1))))
+        .collect()
+}
+
+fn cell_groups(mesh: &Mesh) -> String {
+    let groups = mesh.groups().cells.iter();
+    groups
+        .map(|(name, cells)| marks(GROUP, name, mesh.n_cells(), cells.iter().map(|&cell| (cell, 1))))
+        .collect()
+}
+
+/// An array of the cells for each group, with a bit for each of their faces.
+fn facet_groups(mesh: &Mesh) -> String {
+    let groups = mesh.groups().facets.iter();
+    let bits = |facet: &emmy::mesh::Facet| (facet.cell, 1 << facet.local);
+    groups.map(|(name, facets)| marks(FACETS, name, mesh.n_cells(), facets.iter().map(bits))).collect()
+}
+
+fn marks(prefix: &str, name: &str, n: usize, members: impl Iterator<Item = (u32, u8)>) -> String {
+    let mut values = vec![0; n];
+    members.for_each(|(member, bits)| values[member as usize] |= bits);
+    data_array::<u8>(&escaped(&format!("{prefix}{name}")), 1, values.into_iter())
 }

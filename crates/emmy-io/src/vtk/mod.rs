@@ -7,14 +7,34 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use emmy::mesh::Mesh;
+use emmy::mesh::{CellKind, Mesh};
 use emmy::motion::State;
 
 use crate::directory::{COLLECTION_MARK, replace};
 use frame::Frame;
 
+/// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
+pub(crate) const GROUP: &str = "group:";
+
+/// Array of a group of facets, as cell data: bit i of a cell's number stands for its face i. `facets:NAME`.
+pub(crate) const FACETS: &str = "facets:";
+
+/// Number of a cell type in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
+pub(crate) fn cell_type(kind: CellKind) -> u8 {
+    match kind {
+        CellKind::Hex8 => 12,
+        CellKind::Hex20 => 25,
+        CellKind::Hex27 => 29,
+        CellKind::Tet4 => 10,
+        CellKind::Tet10 => 24,
+        CellKind::Wedge6 => 13,
+        CellKind::Wedge15 => 26,
+        CellKind::Pyramid5 => 14,
+    }
+}
+
 /// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, point data
-/// `displacement` and `velocity`, cell data `region`.
+/// `displacement` and `velocity`, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
 #[derive(Debug)]
 pub struct Frames {
     directory: PathBuf,

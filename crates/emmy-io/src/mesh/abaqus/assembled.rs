@@ -4,7 +4,7 @@ use std::path::Path;
 
 use emmy::mesh::{Facet, MeshBuilder};
 
-use super::super::{MeshError, MeshFile, Result, counted, finished};
+use super::super::{MeshError, MeshFile, Origin, Result, counted, finished};
 use super::body::{Body, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
 use super::element;
@@ -23,11 +23,29 @@ pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         assembly.add_groups(Some(index as u32), &mut notes)?;
         assembly.add_instance_group(index);
     }
-    let Assembly { builder, n_nodes, .. } = assembly;
-    finished(builder, n_nodes, notes).map_err(|reason| match reason {
-        emmy::Error::EmptyMesh => no_cells(file, deck),
-        reason => MeshError::Mesh { file: file.to_path_buf(), reason },
+    let (builder, starts) = (assembly.builder, assembly.starts);
+    let name = |cell: usize| element_name(deck, &starts, cell);
+    let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
+    finished(builder, &origin, notes).map_err(|error| match error {
+        MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
+        error => error,
     })
+}
+
+/// `element 3`, or `element 3 of instance Arm-1`.
+fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
+    let instances = deck.instances.iter().map(|instance| (&instance.body, Some(&instance.name)));
+    for ((body, instance), [_, first]) in std::iter::once((&deck.root, None)).chain(instances).zip(starts) {
+        let element = cell.checked_sub(*first as usize).and_then(|index| body.elements.get(index));
+        match (element, instance) {
+            (Some(element), Some(instance)) => {
+                return format!("element {} of instance {instance}", element.number);
+            }
+            (Some(element), None) => return format!("element {}", element.number),
+            _ => {}
+        }
+    }
+    format!("cell {cell}")
 }
 
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use emmy::mesh::MeshBuilder;
 
-use super::super::{MeshError, MeshFile, Result, counted, finished};
+use super::super::{MeshError, MeshFile, Origin, Result, counted, finished};
 use super::Version;
 use super::cursor::Cursor;
 use super::shape::Shape;
@@ -118,8 +118,10 @@ impl Draft {
             let name = self.names.get(&(dim, tag)).cloned().unwrap_or_else(|| tag.to_string());
             self.add_group(cursor, &mut builder, dim, &name, members, &cells)?;
         }
-        let built = finished(builder, self.points.len(), self.notes());
-        built.map_err(|error| self.in_numbers_of_the_file(cursor, error))
+        let elements = self.elements_of_cells(&cells);
+        let name = |cell: usize| format!("element {}", self.elements[elements[cell] as usize].number);
+        let origin = Origin { file: cursor.file(), n_nodes: self.points.len(), name: &name };
+        finished(builder, &origin, self.notes()).map_err(|error| self.in_numbers_of_the_file(error))
     }
 
     /// Adds the cells and says for each element which cell it is.
@@ -140,6 +142,17 @@ impl Draft {
             cells.push(cell);
         }
         Ok(cells)
+    }
+
+    /// For each cell its element, the first one where it is repeated.
+    fn elements_of_cells(&self, cells: &[u32]) -> Vec<u32> {
+        let mut elements = Vec::new();
+        for (element, &cell) in cells.iter().enumerate() {
+            if cell as usize == elements.len() {
+                elements.push(element as u32);
+            }
+        }
+        elements
     }
 
     /// For each element the first one with the same nodes: MSH 2.2 repeats an element once for each of its groups.
@@ -222,15 +235,16 @@ impl Draft {
         ignored.map(note).collect()
     }
 
-    fn in_numbers_of_the_file(&self, cursor: &Cursor, error: emmy::Error) -> MeshError {
-        let file = cursor.file().to_path_buf();
+    fn in_numbers_of_the_file(&self, error: MeshError) -> MeshError {
+        let number = |&node: &u32| self.node_numbers[node as usize];
         match error {
-            emmy::Error::EmptyMesh => MeshError::NoCells { file, advice: NO_CELLS },
-            emmy::Error::FacetWithoutCell { group, nodes } => {
-                let nodes = nodes.iter().map(|&node| self.node_numbers[node as usize]).collect();
-                MeshError::FacetWithoutCell { file, group, nodes }
+            MeshError::Mesh { file, reason: emmy::Error::EmptyMesh } => {
+                MeshError::NoCells { file, advice: NO_CELLS }
             }
-            reason => MeshError::Mesh { file, reason },
+            MeshError::Mesh { file, reason: emmy::Error::FacetWithoutCell { group, nodes } } => {
+                MeshError::FacetWithoutCell { file, group, nodes: nodes.iter().map(number).collect() }
+            }
+            error => error,
         }
     }
 }
@@ -240,9 +254,5 @@ const NO_CELLS: &str = "mesh the volume (`gmsh -3`), and where there are physica
 
 /// The error of an element type that is no cell.
 pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshError {
-    MeshError::UnsupportedElement {
-        place: cursor.place(start),
-        kind,
-        supported: super::super::KINDS,
-    }
+    MeshError::UnsupportedElement { place: cursor.place(start), kind, supported: super::super::KINDS }
 }

@@ -1,0 +1,227 @@
+//! The XML around the arrays.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use roxmltree::{Document, Node};
+
+use super::super::{MeshError, Place, Result};
+use super::array::{Encoding, Numbers, from_base64, from_bytes, from_text, payload};
+
+const DAMAGED: &str = "the file is damaged or cut off, write it again";
+
+/// XML text of a file and the appended data behind it, which may be no text.
+pub(super) struct Parts<'a> {
+    pub(super) xml: Cow<'a, str>,
+    /// Behind the underscore.
+    appended: &'a [u8],
+    appended_is_raw: bool,
+}
+
+impl<'a> Parts<'a> {
+    pub(super) fn new(file: &Path, bytes: &'a [u8]) -> Result<Self> {
+        let tag = b"<AppendedData";
+        let found = bytes.windows(tag.len()).position(|window| window == tag);
+        let text = |bytes: &'a [u8]| {
+            let bad = |error: std::str::Utf8Error| {
+                let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+                malformed(Place::line(file, line), "text that is not UTF-8".to_string())
+            };
+            std::str::from_utf8(bytes).map_err(bad)
+        };
+        let Some(start) = found else {
+            return Ok(Parts { xml: text(bytes)?.into(), appended: &[], appended_is_raw: true });
+        };
+        let rest = &bytes[start..];
+        let tag_end = rest.iter().position(|&byte| byte == b'>').unwrap_or(rest.len());
+        let underscore = rest[tag_end..].iter().position(|&byte| byte == b'_');
+        let begin = underscore.map_or(rest.len(), |at| tag_end + at + 1);
+        let appended_is_raw = !rest[..tag_end].windows(6).any(|window| window == b"base64");
+        let xml = format!("{}</VTKFile>", text(&bytes[..start])?).into();
+        Ok(Parts { xml, appended: &rest[begin..], appended_is_raw })
+    }
+}
+
+fn malformed(place: Place, problem: String) -> MeshError {
+    MeshError::Malformed { place, problem, advice: DAMAGED }
+}
+
+/// The one piece of an unstructured grid.
+pub(super) struct Grid<'a, 'input> {
+    file: &'a Path,
+    parts: &'a Parts<'a>,
+    document: &'a Document<'input>,
+    encoding: Encoding,
+    piece: Node<'a, 'input>,
+    pub(super) n_points: usize,
+    pub(super) n_cells: usize,
+}
+
+/// Name and numbers of an array.
+pub(super) struct Array<'a, 'input> {
+    pub(super) name: &'a str,
+    pub(super) components: usize,
+    numeric_type: &'a str,
+    node: Node<'a, 'input>,
+}
+
+impl Array<'_, '_> {
+    pub(super) fn is_whole(&self) -> bool {
+        !self.numeric_type.starts_with("Float")
+    }
+}
+
+/// The document, or what is wrong with it.
+pub(super) fn document<'a>(file: &Path, parts: &'a Parts<'a>) -> Result<Document<'a>> {
+    Document::parse(&parts.xml).map_err(|error| {
+        let place = Place::line(file, error.pos().row as usize);
+        malformed(place, format!("the XML cannot be read: {error}"))
+    })
+}
+
+impl<'a, 'input> Grid<'a, 'input> {
+    pub(super) fn new(file: &'a Path, parts: &'a Parts<'a>, document: &'a Document<'input>) -> Result<Self> {
+        let root = document.root_element();
+        let at = |node: Node<'_, '_>| place(file, document, node);
+        let grid = child(root, "UnstructuredGrid").filter(|_| root.has_tag_name("VTKFile"));
+        let grid = grid.ok_or_else(|| MeshError::Malformed {
+            place: at(root),
+            problem: "no unstructured grid of VTK".to_string(),
+            advice: "in ParaView, save it as VTK UnstructuredGrid file (.vtu)",
+        })?;
+        let count = |piece: &Node<'a, 'input>, name: &str| {
+            let count = piece.attribute(name).and_then(|text| text.trim().parse::<u32>().ok());
+            let problem = || format!("<Piece> without its {name}");
+            count.map(|count| count as usize).ok_or_else(|| malformed(at(*piece), problem()))
+        };
+        let pieces: Vec<Node> = grid.children().filter(|node| node.has_tag_name("Piece")).collect();
+        let mut filled = Vec::new();
+        for piece in pieces {
+            if count(&piece, "NumberOfCells")? > 0 {
+                filled.push(piece);
+            }
+        }
+        let piece = match filled[..] {
+            [piece] => piece,
+            [] => return Err(no_cells(file)),
+            [_, second, ..] => {
+                return Err(MeshError::Malformed {
+                    place: at(second),
+                    problem: "a second piece of the grid".to_string(),
+                    advice: "join the pieces in ParaView (Merge Blocks, with its points) and save again",
+                });
+            }
+        };
+        let [n_points, n_cells] = [count(&piece, "NumberOfPoints")?, count(&piece, "NumberOfCells")?];
+        let encoding = encoding(root, at(root))?;
+        Ok(Grid { file, parts, document, encoding, piece, n_points, n_cells })
+    }
+
+    /// Arrays of a section, such as `Points` or `CellData`.
+    pub(super) fn arrays(&self, section: &str) -> Vec<Array<'a, 'input>> {
+        let arrays = child(self.piece, section).into_iter().flat_map(|section| section.children());
+        let array = |node: Node<'a, 'input>| Array {
+            name: node.attribute("Name").unwrap_or_default(),
+            components: node.attribute("NumberOfComponents").map_or(Some(1), |n| n.parse().ok()).unwrap_or(1),
+            numeric_type: node.attribute("type").unwrap_or_default(),
+            node,
+        };
+        arrays.filter(|node| node.has_tag_name("DataArray")).map(array).collect()
+    }
+
+    /// Numbers of an array that must be there: the only one of its section where `name` is empty.
+    pub(super) fn required(&self, section: &str, name: &str, n: Option<usize>) -> Result<Numbers> {
+        let array = self.arrays(section).into_iter().find(|array| name.is_empty() || array.name == name);
+        let missing = || malformed(self.place(self.piece), format!("<{section}> without the array {name}"));
+        self.numbers(&array.ok_or_else(missing)?, n)
+    }
+
+    /// Whole numbers of an array that must be there.
+    pub(super) fn required_whole(&self, section: &str, name: &str, n: Option<usize>) -> Result<Vec<i64>> {
+        match self.required(section, name, n)? {
+            Numbers::Whole(numbers) => Ok(numbers),
+            Numbers::Real(_) => {
+                Err(malformed(self.place(self.piece), format!("array {name} of numbers that are not whole")))
+            }
+        }
+    }
+
+    /// Numbers of an array, `n` of them.
+    pub(super) fn numbers(&self, array: &Array<'a, 'input>, n: Option<usize>) -> Result<Numbers> {
+        let wrong = |problem: String| {
+            malformed(self.place(array.node), format!("array \"{}\": {problem}", array.name))
+        };
+        let numbers = self.decoded(array).map_err(wrong)?;
+        let found = match &numbers {
+            Numbers::Whole(numbers) => numbers.len(),
+            Numbers::Real(numbers) => numbers.len(),
+        };
+        match n {
+            Some(n) if n != found => Err(wrong(format!("{found} numbers instead of {n}"))),
+            _ => Ok(numbers),
+        }
+    }
+
+    fn decoded(&self, array: &Array<'a, 'input>) -> Result<Numbers, String> {
+        let text = || array.node.text().unwrap_or_default();
+        let bytes = match array.node.attribute("format") {
+            Some("ascii") => return from_text(array.numeric_type, text()),
+            Some("binary") => payload(self.encoding, &from_base64(text().as_bytes())?)?,
+            Some("appended") => self.appended(array.node)?,
+            other => return Err(format!("format {other:?} is not ascii, binary or appended")),
+        };
+        from_bytes(array.numeric_type, self.encoding, &bytes)
+    }
+
+    fn appended(&self, node: Node<'_, '_>) -> Result<Vec<u8>, String> {
+        let offset = node.attribute("offset").and_then(|offset| offset.trim().parse::<usize>().ok());
+        let bytes = offset.and_then(|offset| self.parts.appended.get(offset..));
+        let bytes = bytes.ok_or("its offset lies beyond the appended data")?;
+        if self.parts.appended_is_raw {
+            return payload(self.encoding, bytes);
+        }
+        let next =
+            self.document.descendants().filter_map(|node| node.attribute("offset")?.trim().parse().ok());
+        let next = next.filter(|&next: &usize| Some(next) > offset).min();
+        let length = next.unwrap_or(usize::MAX) - offset.unwrap_or_default();
+        let end = bytes.iter().position(|&byte| byte == b'<').unwrap_or(bytes.len());
+        payload(self.encoding, &from_base64(&bytes[..length.min(end)])?)
+    }
+
+    pub(super) fn malformed(&self, problem: String) -> MeshError {
+        malformed(self.place(self.piece), problem)
+    }
+
+    pub(super) fn place(&self, node: Node<'_, '_>) -> Place {
+        place(self.file, self.document, node)
+    }
+}
+
+pub(super) fn no_cells(file: &Path) -> MeshError {
+    MeshError::NoCells { file: file.to_path_buf(), advice: "save the volume, not only its surface" }
+}
+
+fn place(file: &Path, document: &Document<'_>, node: Node<'_, '_>) -> Place {
+    Place::line(file, document.text_pos_at(node.range().start).row as usize)
+}
+
+fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+/// How the root element says that binary arrays are written.
+fn encoding(root: Node<'_, '_>, place: Place) -> Result<Encoding> {
+    let compressed = match root.attribute("compressor") {
+        None | Some("") => false,
+        Some("vtkZLibDataCompressor") => true,
+        Some(other) => {
+            return Err(MeshError::Malformed {
+                place,
+                problem: format!("compressed by {other}"),
+                advice: "save it compressed by ZLib, or not at all",
+            });
+        }
+    };
+    let header = if root.attribute("header_type") == Some("UInt64") { 8 } else { 4 };
+    Ok(Encoding { big_endian: root.attribute("byte_order") == Some("BigEndian"), header, compressed })
+}

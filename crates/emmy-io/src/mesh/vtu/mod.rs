@@ -1,0 +1,120 @@
+//! VTK: unstructured grids in XML (`.vtu`), Emmy's own frames among them.
+
+mod array;
+mod cell;
+mod file;
+mod groups;
+
+use std::path::Path;
+
+use emmy::mesh::MeshBuilder;
+
+use super::{KINDS, MeshError, MeshFile, Origin, Place, Result, counted, finished, without_mark};
+use cell::{MIRRORED_WEDGE, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
+use file::{Grid, Parts, document, no_cells};
+
+/// The mesh in the bytes of a file.
+pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
+    let parts = Parts::new(file, without_mark(bytes))?;
+    let document = document(file, &parts)?;
+    let grid = Grid::new(file, &parts, &document)?;
+    let mut draft = Draft::new(file, &grid)?;
+    let cells = draft.add_cells(file)?;
+    groups::add(&grid, &mut draft, &cells)?;
+    let numbers: Vec<usize> = (0..cells.len()).filter(|&index| cells[index].is_some()).collect();
+    let name = |cell: usize| format!("cell {} (counted from 0)", numbers[cell]);
+    let origin = Origin { file, n_nodes: grid.n_points, name: &name };
+    finished(draft.builder, &origin, draft.notes).map_err(|error| match error {
+        MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file),
+        MeshError::Mesh { reason: emmy::Error::FacetWithoutCell { group, nodes }, file } => {
+            MeshError::FacetWithoutCell { file, group, nodes: nodes.into_iter().map(u64::from).collect() }
+        }
+        error => error,
+    })
+}
+
+/// What was read so far.
+struct Draft {
+    builder: MeshBuilder,
+    points: Vec<[f64; 3]>,
+    shapes: Vec<(i64, Shape)>,
+    /// End of the nodes of each cell in the connectivity.
+    ends: Vec<usize>,
+    connectivity: Vec<u32>,
+    notes: Vec<String>,
+}
+
+impl Draft {
+    fn new(file: &Path, grid: &Grid<'_, '_>) -> Result<Self> {
+        let coordinates = grid.required("Points", "", Some(3 * grid.n_points))?.into_reals();
+        let points: Vec<[f64; 3]> = coordinates.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+        let mut builder = MeshBuilder::new();
+        points.iter().for_each(|&point| {
+            builder.point(point);
+        });
+        let types = grid.required_whole("Cells", "types", Some(grid.n_cells))?;
+        let shapes = types.into_iter().map(|id| Ok((id, known(file, id)?))).collect::<Result<Vec<_>>>()?;
+        let offsets = grid.required_whole("Cells", "offsets", Some(grid.n_cells))?;
+        let ends = ends(grid, &shapes, &offsets)?;
+        let connectivity = grid.required_whole("Cells", "connectivity", ends.last().copied())?;
+        let node = |&node: &i64| u32::try_from(node).ok().filter(|&node| (node as usize) < points.len());
+        let unknown = |node: &i64| grid.malformed(format!("a cell names node {node}, of {}", points.len()));
+        let connectivity =
+            connectivity.iter().map(|id| node(id).ok_or_else(|| unknown(id))).collect::<Result<_>>()?;
+        Ok(Draft { builder, points, shapes, ends, connectivity, notes: Vec::new() })
+    }
+
+    fn nodes(&self, index: usize) -> &[u32] {
+        let begin = if index == 0 { 0 } else { self.ends[index - 1] };
+        &self.connectivity[begin..self.ends[index]]
+    }
+
+    /// Adds the solid cells and says for each cell of the file which one it is.
+    fn add_cells(&mut self, file: &Path) -> Result<Vec<Option<u32>>> {
+        let (mut cells, mut n_mirrored) = (Vec::with_capacity(self.shapes.len()), 0);
+        for (index, &(id, shape)) in self.shapes.iter().enumerate() {
+            let Some(kind) = shape.kind else {
+                cells.push(None);
+                continue;
+            };
+            let mut nodes = self.nodes(index).to_vec();
+            let corners = |nodes: &[u32]| -> Vec<[f64; 3]> {
+                nodes[..kind.n_corners()].iter().map(|&node| self.points[node as usize]).collect()
+            };
+            if id == VOXEL {
+                nodes = VOXEL_ORDER.map(|local| nodes[local]).to_vec();
+            }
+            if kind.n_corners() == 6 && is_mirrored(kind, &corners(&nodes)) {
+                nodes = MIRRORED_WEDGE[..nodes.len()].iter().map(|&local| nodes[local]).collect();
+                n_mirrored += 1;
+            }
+            let cell = self.builder.cell(kind, &nodes);
+            let mesh_error = |reason| MeshError::Mesh { file: file.to_path_buf(), reason };
+            cells.push(Some(cell.map_err(mesh_error)?));
+        }
+        if n_mirrored > 0 {
+            let wedges = counted(n_mirrored, "wedge has its base", "wedges have their bases");
+            self.notes.push(format!("{wedges} numbered the other way round, as in older VTK, and read so"));
+        }
+        Ok(cells)
+    }
+}
+
+fn known(file: &Path, id: i64) -> Result<Shape> {
+    shape(id).ok_or_else(|| MeshError::UnsupportedElement {
+        place: Place::line(file, 1),
+        kind: format!("{id} of VTK"),
+        supported: KINDS,
+    })
+}
+
+/// End of the nodes of each cell, checked against its type.
+fn ends(grid: &Grid<'_, '_>, shapes: &[(i64, Shape)], offsets: &[i64]) -> Result<Vec<usize>> {
+    let mut end = 0;
+    let checked = |(index, (&offset, (id, shape))): (usize, (&i64, &(i64, Shape)))| {
+        end += shape.n_nodes;
+        let problem = || format!("cell {index} of type {id} ends at {offset} instead of {end}");
+        if offset == end as i64 { Ok(end) } else { Err(grid.malformed(problem())) }
+    };
+    offsets.iter().zip(shapes).enumerate().map(checked).collect()
+}
