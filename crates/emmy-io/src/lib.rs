@@ -23,6 +23,7 @@ pub mod history;
 pub mod input;
 pub mod limits;
 pub mod mesh;
+mod picture;
 pub mod results;
 pub mod summary;
 pub mod tally;

@@ -1,22 +1,21 @@
 //! Charts: lines and points over linear or logarithmic axes, as SVG and PNG.
 //!
-//! A [`Chart`] is data. It is laid out once (`layout`) into a list of strokes, areas and texts (`canvas`), which is then
-//! written as SVG (`svg`) or drawn as PNG (`png`): both show the same. The font is a part of the program, so that a
-//! picture does not depend on what is installed. Colours are those of Okabe and Ito (2008), which the colour-blind can
-//! tell apart; points differ in shape as well.
+//! A [`Chart`] is data; plotters lays it out. Colours are those of Okabe and Ito (2008), which the colour-blind can tell
+//! apart; points differ in shape as well.
 
-mod canvas;
-mod font;
-mod layout;
-mod png;
-mod scaling;
-mod svg;
+mod axis;
+mod panel;
 
 use std::io;
 use std::path::Path;
 
-use crate::directory::replace;
-use canvas::Canvas;
+use crate::picture::{self, Area, Drawn, units};
+use panel::Legend;
+
+/// Size of a chart by itself, in points.
+const SIZE: (f64, f64) = (560.0, 420.0);
+/// Size of a chart beside others.
+const BESIDE: (f64, f64) = (480.0, 300.0);
 
 /// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -135,7 +134,8 @@ pub struct Figure {
 impl Chart {
     /// The chart as SVG.
     pub fn svg(&self) -> String {
-        svg::text(&self.canvas())
+        let sheet = Sheet::new(std::slice::from_ref(self), 1, SIZE);
+        picture::svg(sheet.size(), |area| sheet.draw(area))
     }
 
     /// Writes `STEM.svg` and `STEM.png`.
@@ -143,18 +143,21 @@ impl Chart {
     /// # Errors
     /// What the system refuses.
     pub fn write(&self, stem: &Path) -> io::Result<()> {
-        write(&self.canvas(), stem)
-    }
-
-    fn canvas(&self) -> Canvas {
-        layout::chart(self)
+        picture::write(&self.svg(), stem)
     }
 }
 
 impl Figure {
+    /// The charts over a width in points.
+    pub(crate) fn sheet(&self, width: f64) -> Sheet<'_> {
+        let columns = self.columns.clamp(1, self.charts.len().max(1));
+        Sheet::new(&self.charts, columns, (width / columns as f64, BESIDE.1))
+    }
+
     /// The figure as SVG.
     pub fn svg(&self) -> String {
-        svg::text(&layout::figure(self))
+        let sheet = self.sheet(BESIDE.0 * self.columns.clamp(1, self.charts.len().max(1)) as f64);
+        picture::svg(sheet.size(), |area| sheet.draw(area))
     }
 
     /// Writes `STEM.svg` and `STEM.png`.
@@ -162,19 +165,39 @@ impl Figure {
     /// # Errors
     /// What the system refuses.
     pub fn write(&self, stem: &Path) -> io::Result<()> {
-        write(&layout::figure(self), stem)
+        picture::write(&self.svg(), stem)
     }
 }
 
-fn write(canvas: &Canvas, stem: &Path) -> io::Result<()> {
-    // Not `with_extension`: the stem may have dots of its own.
-    let file = |extension: &str| {
-        let mut name = stem.file_name().unwrap_or_default().to_os_string();
-        name.push(extension);
-        stem.with_file_name(name)
-    };
-    replace(&file(".svg"), svg::text(canvas).as_bytes())?;
-    replace(&file(".png"), &png::bytes(canvas)?)
+/// Charts of a size, row by row under the legend of the first.
+pub(crate) struct Sheet<'a> {
+    charts: &'a [Chart],
+    /// Rows and columns.
+    grid: (usize, usize),
+    /// Size of a chart.
+    size: (f64, f64),
+    legend: Legend<'a>,
+}
+
+impl<'a> Sheet<'a> {
+    fn new(charts: &'a [Chart], columns: usize, size: (f64, f64)) -> Self {
+        let columns = columns.clamp(1, charts.len().max(1));
+        let series = charts.first().map_or(&[][..], |chart| &chart.series);
+        let legend = Legend::new(series, size.0 * columns as f64);
+        Sheet { charts, grid: (charts.len().div_ceil(columns), columns), size, legend }
+    }
+
+    /// Width and height in points.
+    pub(crate) fn size(&self) -> (f64, f64) {
+        let (rows, columns) = self.grid;
+        (self.size.0 * columns as f64, self.legend.height() + self.size.1 * rows as f64)
+    }
+
+    pub(crate) fn draw(&self, area: &Area<'_>) -> Drawn {
+        self.legend.draw(area)?;
+        let panels = area.split_vertically(units(self.legend.height())).1.split_evenly(self.grid);
+        panels.iter().zip(self.charts).try_for_each(|(area, chart)| panel::draw(area, chart))
+    }
 }
 
 #[cfg(test)]
@@ -199,6 +222,7 @@ mod tests {
             vec![(0.0, 0.0), (-1.0, 1e-300), (1.0, 1e300)],
             vec![(0.04, 1e-3), (0.02, f64::NAN), (0.01, f64::INFINITY)],
             vec![(1e9, -5500.0), (2e9, -5500.000001)],
+            vec![(-1e308, -1e300), (1e308, 1e300), (5e-324, 5e-324)],
         ] {
             for (x, y) in [(log(), log()), (linear(), linear()), (linear(), log())] {
                 let chart = chart(points.clone(), x, y);

@@ -1,0 +1,110 @@
+//! What charts and drawings share: plotters draws into SVG, resvg turns that into PNG.
+//!
+//! The font (DejaVu Sans, free, Bitstream Vera licence) is a part of the program: a picture depends on nothing that is
+//! installed.
+
+use std::io;
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+
+use crate::directory::{MARK, replace};
+
+/// Units of the canvas a point: plotters knows whole numbers only, and curves are finer than points.
+const UNITS: f64 = 10.0;
+/// Pixels a point in PNG.
+const PIXELS: f32 = 2.5;
+const FAMILY: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
+/// plotters writes texts smaller by this factor than it is told.
+const SHRINKING: f64 = 1.24;
+
+pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+
+/// A part of the canvas, in units.
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// Whether something could be drawn.
+pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
+
+/// Units of a length in points.
+pub(crate) fn units(points: f64) -> i32 {
+    (UNITS * points).round() as i32
+}
+
+/// A line of a width in points.
+pub(crate) fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
+    ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: units(width) as u32 }
+}
+
+/// Writing of a size in points.
+pub(crate) fn writing(size: f64) -> TextStyle<'static> {
+    static FONT: LazyLock<()> = LazyLock::new(|| {
+        // plotters only measures with it; if it could not, texts would stand less well.
+        let _ = plotters::style::register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular());
+    });
+    LazyLock::force(&FONT);
+    (FAMILY, UNITS * size * SHRINKING).into_font().color(&INK)
+}
+
+/// A text whose start, middle or end, half its height up, is at a place.
+pub(crate) fn text(area: &Area<'_>, text: &str, style: &TextStyle<'_>, side: HPos, at: (i32, i32)) -> Drawn {
+    if text.is_empty() {
+        return Ok(());
+    }
+    area.draw(&Text::new(text, at, style.pos(Pos::new(side, VPos::Center))))
+}
+
+/// Width of a text in units.
+pub(crate) fn width(text: &str, style: &TextStyle<'_>) -> i32 {
+    style.font.box_size(text).map_or(0, |(width, _)| width as i32)
+}
+
+/// A picture of a size in points, as SVG.
+pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Area<'_>) -> Drawn) -> String {
+    let mut svg = String::new();
+    let area =
+        SVGBackend::with_string(&mut svg, (units(width) as u32, units(height) as u32)).into_drawing_area();
+    // Writing to a string cannot fail.
+    let _ = area.fill(&WHITE).and_then(|()| draw(&area)).and_then(|()| area.present());
+    drop(area);
+    let header = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
+         stroke-linejoin=\"round\">\n<!-- {} -->\n",
+        units(width),
+        units(height),
+        MARK.trim_start_matches("# ")
+    );
+    let content = svg.split_once('\n').map_or("", |(_, content)| content);
+    header + content
+}
+
+/// Writes `STEM.svg` and `STEM.png`.
+pub(crate) fn write(svg: &str, stem: &Path) -> io::Result<()> {
+    // Not `with_extension`: the stem may have dots of its own.
+    let file = |extension: &str| {
+        let mut name = stem.file_name().unwrap_or_default().to_os_string();
+        name.push(extension);
+        stem.with_file_name(name)
+    };
+    replace(&file(".svg"), svg.as_bytes())?;
+    replace(&file(".png"), &png(svg)?)
+}
+
+fn png(svg: &str) -> io::Result<Vec<u8>> {
+    static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(dejavu::sans::regular().to_vec());
+        Arc::new(fonts)
+    });
+    let options = Options { fontdb: FONTS.clone(), ..Options::default() };
+    let tree = Tree::from_str(svg, &options).map_err(io::Error::other)?;
+    let size = tree.size().to_int_size().scale_by(PIXELS);
+    let pixmap = size.and_then(|size| Pixmap::new(size.width(), size.height()));
+    let mut pixmap = pixmap.ok_or_else(|| io::Error::other("the picture is too large to be drawn"))?;
+    resvg::render(&tree, Transform::from_scale(PIXELS, PIXELS), &mut pixmap.as_mut());
+    pixmap.encode_png().map_err(io::Error::other)
+}
