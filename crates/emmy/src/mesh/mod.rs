@@ -1,5 +1,6 @@
 //! The mesh: nodes, cells, named groups, quality, built-in shapes.
 
+mod boundary;
 mod builder;
 mod cell;
 mod connectivity;
