@@ -26,7 +26,7 @@ validate:
 
 # The picture of the README.
 picture:
-    cargo run --release -p emmy --example tumble > docs/tumble.svg
+    cargo run --release -p emmy-io --example tumble > docs/tumble.svg
 
 # The documentation with all formulas.
 doc:

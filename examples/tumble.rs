@@ -4,13 +4,14 @@
 //!     cargo run --release --example tumble > docs/tumble.svg
 
 use std::error::Error;
-use std::fmt::Write;
 
 use emmy::body::{Body, History, Load, LoadKind, Region};
 use emmy::material::NeoHooke;
 use emmy::mesh::Mesh;
-use emmy::motion::{Motion, NewtonSettings, Observer, Phase, Record, State, StepPlan, View};
+use emmy::motion::{self, Motion, NewtonSettings, Observer, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
+use emmy_io::chart::{Axis, Chart, Figure, Series, Style};
+use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
 
 /// Keeps every record, and the positions at some times.
 struct Film {
@@ -20,7 +21,7 @@ struct Film {
 }
 
 impl Observer for Film {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn observe(&mut self, view: motion::View<'_>) -> Result<(), Box<dyn Error + Send + Sync>> {
         self.records.push(view.record.clone());
         if self.times.get(self.frames.len()).is_some_and(|time| view.record.time >= time - 1e-9) {
             let nodes = 0..view.body.mesh().n_nodes();
@@ -47,116 +48,43 @@ fn fly() -> emmy::Result<(Mesh, Film)> {
     Ok((body.mesh().clone(), film))
 }
 
-/// Faces of cells that have no neighbour, as corner nodes.
-fn surface(mesh: &Mesh) -> Vec<Vec<u32>> {
-    let mut faces = std::collections::BTreeMap::new();
-    for cell in mesh.cells() {
-        for facet in cell.kind.facets() {
-            let corners: Vec<u32> =
-                facet.nodes[..facet.kind.n_corners()].iter().map(|&a| cell.nodes[a]).collect();
-            let mut key = corners.clone();
-            key.sort_unstable();
-            faces.entry(key).and_modify(|face| *face = None).or_insert(Some(corners));
-        }
-    }
-    faces.into_values().flatten().collect()
-}
-
-/// View from a corner: right, up and depth of a position.
-fn projected([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [0.82 * x - 0.57 * z, 0.9 * y - 0.25 * x - 0.36 * z, 0.52 * x + 0.38 * y + 0.76 * z]
-}
-
-/// One configuration as shaded polygons, far ones first.
-fn draw_frame(svg: &mut String, faces: &[Vec<u32>], frame: &[[f64; 3]], origin: [f64; 2], colour: [f64; 3]) {
-    let mut polygons: Vec<(f64, String)> = Vec::new();
-    for face in faces {
-        let corners: Vec<[f64; 3]> = face.iter().map(|&node| projected(frame[node as usize])).collect();
-        let edge = |a: usize, b: usize| [0, 1, 2].map(|i| corners[b][i] - corners[a][i]);
-        let (u, v) = (edge(0, 1), edge(0, 3));
-        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        if normal[2] <= 0.0 {
-            continue;
-        }
-        let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
-        let light = 0.35 + 0.65 * (0.25 * normal[0] + 0.6 * normal[1] + 0.75 * normal[2]).max(0.0) / length;
-        let points =
-            corners.iter().map(|c| format!("{:.1},{:.1}", origin[0] + 14.0 * c[0], origin[1] - 14.0 * c[1]));
-        let points = points.collect::<Vec<_>>().join(" ");
-        let depth = corners.iter().map(|c| c[2]).sum::<f64>();
-        let fill = colour.map(|c| format!("{:02x}", (c * light.min(1.0)) as u8)).concat();
-        polygons.push((depth, format!("<polygon points=\"{points}\" fill=\"#{fill}\"/>\n")));
-    }
-    polygons.sort_by(|a, b| a.0.total_cmp(&b.0));
-    svg.extend(polygons.into_iter().map(|(_, polygon)| polygon));
-}
-
-/// A curve over time in a chart that spans 0..4 across and 0..`top` up.
-fn curve(records: &[Record], value: impl Fn(&Record) -> f64, top: f64, colour: &str) -> String {
-    let point = |r: &Record| format!("{:.1},{:.1}", 70.0 + 215.0 * r.time, 500.0 - 140.0 * value(r) / top);
-    let points = records.iter().map(point).collect::<Vec<_>>().join(" ");
-    format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"/>\n")
-}
-
-fn label(x: f64, y: f64, colour: &str, text: &str) -> String {
-    format!("<text x=\"{x}\" y=\"{y}\" fill=\"{colour}\">{text}</text>\n")
-}
-
-fn picture(mesh: &Mesh, film: &Film) -> Result<String, std::fmt::Error> {
-    let mut svg = String::new();
-    writeln!(
-        svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1000 540\" font-family=\"sans-serif\" font-size=\"15\">"
-    )?;
-    writeln!(
-        svg,
-        "<rect width=\"1000\" height=\"540\" fill=\"#ffffff\"/><g stroke=\"#33414f\" stroke-width=\"0.5\" stroke-linejoin=\"round\">"
-    )?;
-    let faces = surface(mesh);
-    for (i, (frame, time)) in film.frames.iter().zip(&film.times).enumerate() {
-        let x = 70.0 + 160.0 * i as f64;
-        // Each configuration is centred on its own place: side by side, not on top of each other.
-        let centre = [0, 1, 2].map(|d| frame.iter().map(|q| q[d]).sum::<f64>() / frame.len() as f64);
-        let frame: Vec<[f64; 3]> = frame.iter().map(|q| [0, 1, 2].map(|d| q[d] - centre[d])).collect();
-        draw_frame(
-            &mut svg,
-            &faces,
-            &frame,
-            [x + 25.0, 150.0],
-            [90.0 + 27.0 * i as f64, 190.0 - 9.0 * i as f64, 240.0 - 25.0 * i as f64],
-        );
-        write!(
-            svg,
-            "</g>{}<g stroke=\"#33414f\" stroke-width=\"0.5\" stroke-linejoin=\"round\">",
-            label(x, 318.0, "#33414f", &format!("t = {time}"))
-        )?;
-    }
-    writeln!(svg, "</g><path d=\"M70 360V500H930\" fill=\"none\" stroke=\"#33414f\"/>")?;
-    writeln!(
-        svg,
-        "<rect x=\"70\" y=\"360\" width=\"215\" height=\"140\" fill=\"#33414f\" opacity=\"0.07\"/>"
-    )?;
-    svg += &label(80.0, 378.0, "#66737f", "load acts");
-    let energy = film.records.iter().map(|r| r.total_energy).fold(0.0, f64::max);
+/// Six configurations side by side; energy and angular momentum over time below.
+fn picture<'a>(mesh: &'a Mesh, film: &Film) -> Drawing<'a> {
+    let configuration = |(time, positions): (&f64, &Vec<[f64; 3]>)| Configuration {
+        label: format!("t = {time}"),
+        positions: positions.clone(),
+    };
     let norm = |r: &Record| r.angular_momentum.iter().map(|l| l * l).sum::<f64>().sqrt();
-    let momentum = film.records.iter().map(norm).fold(0.0, f64::max);
-    svg += &curve(&film.records, |r| r.total_energy, energy, "#0b6fb8");
-    svg += &curve(&film.records, |r| r.kinetic_energy, energy, "#7fb6dc");
-    svg += &curve(&film.records, norm, 1.9 * momentum, "#c2571a");
-    svg += &label(800.0, 378.0, "#0b6fb8", "total energy H");
-    svg += &label(330.0, 424.0, "#5a9bc9", "kinetic energy T");
-    svg += &label(765.0, 458.0, "#c2571a", "angular momentum |L|");
-    for t in 0..=4 {
-        svg += &label(66.0 + 215.0 * f64::from(t), 518.0, "#33414f", &t.to_string());
+    let energy = vec![
+        curve(film, "total energy H", 0, |r| r.total_energy),
+        curve(film, "kinetic energy T", 5, |r| r.kinetic_energy),
+    ];
+    let momentum = vec![curve(film, "angular momentum |L|", 1, norm)];
+    Drawing {
+        mesh,
+        configurations: film.times.iter().zip(&film.frames).map(configuration).collect(),
+        arrangement: Arrangement::Beside(6),
+        view: View::default(),
+        below: Figure {
+            charts: vec![chart("energy", energy), chart("angular momentum |L|", momentum)],
+            columns: 2,
+        },
     }
-    svg += &label(480.0, 534.0, "#33414f", "time");
-    svg += "</svg>\n";
-    Ok(svg)
+}
+
+fn chart(label: &str, series: Vec<Series>) -> Chart {
+    let title = "The load acts until t = 1".to_string();
+    Chart { title, x: Axis::linear("time t"), y: Axis::linear(label), series, guides: vec![] }
+}
+
+fn curve(film: &Film, label: &str, colour: usize, value: impl Fn(&Record) -> f64) -> Series {
+    let points = film.records.iter().map(|r| (r.time, value(r))).collect();
+    Series { label: label.into(), points, style: Style::Line, colour }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mesh, film) = fly()?;
-    print!("{}", picture(&mesh, &film)?);
+    print!("{}", picture(&mesh, &film).svg());
     Ok(())
 }
 
@@ -175,7 +103,7 @@ mod tests {
                 assert!((l - expected).abs() < 1e-5);
             }
         }
-        assert_eq!(surface(&mesh).len(), 2 * 39 + 3 * 32); // two L of 39 squares, and the rim between them
-        assert_eq!(picture(&mesh, &film).unwrap().matches("<polyline").count(), 3);
+        let svg = picture(&mesh, &film).svg();
+        assert!(svg.contains("t = 0.6") && svg.contains("kinetic energy T"));
     }
 }

@@ -10,6 +10,7 @@
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`) |
 //! | [`summary`] | `summary.json` |
 //! | [`chart`] | charts as `.svg` and `.png` |
+//! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
 //! | [`comparison`] | runs read back and drawn side by side |
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`tally`] | balances over a whole run |
@@ -19,6 +20,7 @@ pub mod chart;
 pub mod comparison;
 pub mod convergence;
 pub mod directory;
+pub mod drawing;
 pub mod history;
 pub mod input;
 pub mod limits;
