@@ -1,12 +1,11 @@
 //! `emmy check FILE`: what an input stands for. Runs nothing and writes nothing.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use clap::Args;
-use emmy::body::{InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
-use emmy::element::quality;
-use emmy::mesh::{CellKind, Mesh};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
+use emmy::element::{Worst, quality};
+use emmy::mesh::Mesh;
 use emmy::motion::State;
 use emmy_io::input::Problem;
 
@@ -39,6 +38,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&report.text)
 }
 
+/// Most parts that are listed one by one.
+const MOST_PARTS: usize = 10;
+
 /// Lines under key words.
 #[derive(Debug, Default)]
 struct Report {
@@ -51,8 +53,7 @@ impl Report {
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
-        let mut counts: BTreeMap<CellKind, usize> = BTreeMap::new();
-        mesh.cells().for_each(|cell| *counts.entry(cell.kind).or_default() += 1);
+        let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let (nodes, cells) = (mesh.n_nodes(), mesh.n_cells());
         self.line("mesh", &format!("{nodes} nodes, {cells} cells ({})", kinds.join(", ")));
@@ -62,7 +63,8 @@ impl Report {
             ("smallest scaled Jacobian", quality.scaled_jacobian),
             ("largest aspect ratio", quality.aspect_ratio),
         ] {
-            self.line("quality", &format!("{name} {:.4} (cell {})", worst.value, worst.cell));
+            let Worst { value, cell } = worst;
+            self.line("quality", &format!("{name} {value:.4} (cell {cell}, {})", mesh.cell(cell).kind));
         }
     }
 
@@ -81,7 +83,12 @@ impl Report {
         let body = &problem.body;
         let (all, free) = (body.n_dofs(), body.n_free_dofs());
         self.line("dofs", &format!("{all} degrees of freedom, {} fixed, {free} free", all - free));
-        body.regions().iter().for_each(|region| self.region(region));
+        self.parts(body);
+        let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
+        body.regions().iter().for_each(|region| self.region("region", &name(region), region));
+        if body.regions().len() > 1 {
+            self.region("body", "all regions", &RegionSummary::combined(body.regions()));
+        }
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
             self.load(load, &resultant);
         }
@@ -116,14 +123,34 @@ impl Report {
         }
     }
 
-    fn region(&mut self, region: &RegionSummary) {
-        let group = region.group.as_deref().unwrap_or("all cells");
+    /// Parts that do not hang together, if there are several: a mesh that was not joined, or bodies that fly apart.
+    fn parts(&mut self, body: &Body) {
+        let parts = body.mesh().parts();
+        if parts.len() == 1 {
+            return;
+        }
+        self.line("parts", &format!("{} that do not hang together", parts.len()));
+        for cells in parts.iter().take(MOST_PARTS) {
+            let count = |region: usize| {
+                cells.iter().filter(|&&cell| body.region_of_cell()[cell as usize] as usize == region).count()
+            };
+            let shares = body.regions().iter().enumerate().map(|(index, region)| (count(index), region));
+            let shares = shares.filter(|(count, _)| *count > 0).map(|(count, region)| {
+                let cells = if count == 1 { "cell" } else { "cells" };
+                format!("{count} {cells} of {}", region.group.as_deref().unwrap_or("the body"))
+            });
+            let (shares, first) = (shares.collect::<Vec<_>>().join(", "), cells[0]);
+            self.line("", &format!("{shares}, the first is cell {first}"));
+        }
+        if parts.len() > MOST_PARTS {
+            self.line("", &format!("and {} more", parts.len() - MOST_PARTS));
+        }
+    }
+
+    fn region(&mut self, word: &str, group: &str, region: &RegionSummary) {
         let (volume, mass, centre) = (number(region.volume), number(region.mass), vector(region.centre));
         let cells = region.n_cells;
-        self.line(
-            "region",
-            &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"),
-        );
+        self.line(word, &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"));
         let inertia = without_rounding(region.inertia).map(vector).join(", ");
         self.line("", &format!("inertia about the centre [{inertia}]"));
     }

@@ -71,6 +71,43 @@ fn check_reports_and_writes_nothing() {
     assert!(report.contains("out, 4 frames"), "{report}");
 }
 
+/// Two unit cubes side by side that have no node in common, and one node of no cell.
+const CUBES: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
+                     11,1,0,0\n12,2,0,0\n13,2,1,0\n14,1,1,0\n15,1,0,1\n16,2,0,1\n17,2,1,1\n18,1,1,1\n99,9,9,9\n\
+                     *Element, type=C3D8, elset=steel\n7, 1,2,3,4,5,6,7,8\n\
+                     *Element, type=C3D8, elset=rubber\n9, 11,12,13,14,15,16,17,18\n";
+
+#[test]
+fn check_reports_on_parts_and_the_whole_body() {
+    let region = |group: &str, density: f64| {
+        format!(
+            "[[region]]\ngroup = \"{group}\"\ndensity = {density}\nmaterial.neo-hooke = {{ lambda = 10.0, mu = 5.0 }}\n"
+        )
+    };
+    let time = "[time]\nscheme = \"DGM\"\nsteps = [{ until = 1.0, size = 0.5 }]\n";
+    let (steel, rubber) = (region("steel", 3.0), region("rubber", 1.0));
+    let place = Place::with(&format!("[mesh]\nfile = \"cubes.inp\"\n{steel}{rubber}{time}"));
+    place.write("cubes.inp", CUBES);
+    let outcome = place.succeed(&["check", "box.toml"]);
+    // Masses 3 and 1, centres 1 apart: I_yy = (3 + 1)/6 + 3/4.
+    for part in [
+        "parts      2 that do not hang together",
+        "1 cell of steel, the first is cell 0",
+        "1 cell of rubber, the first is cell 1",
+        "largest aspect ratio 1.0000 (cell 0, hex8)",
+        "steel: 1 cells, volume 1, mass 3, centre [0.5, 0.5, 0.5]",
+        "body       all regions: 2 cells, volume 2, mass 4, centre [0.75, 0.5, 0.5]",
+        "[[0.6666666667, 0, 0], [0, 1.416666667, 0], [0, 0, 1.416666667]]",
+    ] {
+        assert!(outcome.stdout.contains(part), "{part}\n{}", outcome.stdout);
+    }
+    for note in ["4 nodes lie where another one does, the first at [1, 0, 0]", "1 node belongs to no cell"] {
+        assert!(outcome.stderr.contains(note), "{note}\n{}", outcome.stderr);
+    }
+    let report = Place::with(BOX).succeed(&["check", "box.toml"]).stdout;
+    assert!(!report.contains("parts") && !report.contains("all regions"), "{report}");
+}
+
 #[test]
 fn check_reports_on_the_start() {
     let input = BOX.replace(

@@ -24,6 +24,41 @@ pub struct RegionSummary {
     pub inertia: [[f64; 3]; 3],
 }
 
+impl RegionSummary {
+    /// Several regions as one body, its group `None`; inertia tensors are moved to the common centre of mass (Steiner).
+    ///
+    /// ```math
+    /// I = sum_r I_r + m_r (|d_r|^2 1 - d_r d_r^T),      d_r = centre_r - centre
+    /// ```
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region, RegionSummary}, material::NeoHooke, mesh};
+    /// let rubber = NeoHooke::new(1000.0, 500.0)?;
+    /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 6.0, rubber)], &[], &[])?;
+    /// let whole = RegionSummary::combined(body.regions());
+    /// assert!((whole.inertia[0][0] - 1.0).abs() < 1e-14); // m (b^2 + c^2) / 12
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn combined(regions: &[RegionSummary]) -> RegionSummary {
+        let total = |of: fn(&RegionSummary) -> f64| regions.iter().map(of).sum::<f64>();
+        let mass = total(|region| region.mass);
+        let centre = [0, 1, 2].map(|i| regions.iter().map(|r| r.mass * r.centre[i]).sum::<f64>() / mass);
+        let mut inertia = [[0.0; 3]; 3];
+        for region in regions {
+            let d = [0, 1, 2].map(|i| region.centre[i] - centre[i]);
+            let square: f64 = d.iter().map(|x| x * x).sum();
+            for i in 0..3 {
+                for j in 0..3 {
+                    let diagonal = if i == j { square } else { 0.0 };
+                    inertia[i][j] += region.inertia[i][j] + region.mass * (diagonal - d[i] * d[j]);
+                }
+            }
+        }
+        let n_cells = regions.iter().map(|region| region.n_cells).sum();
+        RegionSummary { group: None, n_cells, volume: total(|region| region.volume), mass, centre, inertia }
+    }
+}
+
 /// Region of every cell, checked to be exactly one.
 pub(super) struct RegionOfCell(Vec<u32>);
 
@@ -148,5 +183,69 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
         mass: region.density * volume,
         centre: [0, 1, 2].map(|i| origin[i] + offset[i]),
         inertia,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Body;
+    use super::*;
+    use crate::material::NeoHooke;
+    use crate::mesh::{Mesh, MeshBuilder, block};
+
+    fn region(group: &str, density: f64) -> Region {
+        Region::new(Some(group.into()), density, NeoHooke::new(1000.0, 500.0).unwrap())
+    }
+
+    /// A block whose cells are the groups `lower` and `upper` along y.
+    fn halves(size: [f64; 3]) -> Mesh {
+        let whole = block(size, [2, 2, 2]).unwrap();
+        let mut builder = MeshBuilder::new();
+        whole.points().iter().for_each(|&point| {
+            builder.point(point);
+        });
+        for cell in whole.cells() {
+            let index = builder.cell(cell.kind, cell.nodes).unwrap();
+            let y = cell.nodes.iter().map(|&node| whole.points()[node as usize][1]).fold(0.0, f64::max);
+            builder.cell_group(if y > 0.5 * size[1] { "upper" } else { "lower" }, [index]);
+        }
+        builder.build().unwrap()
+    }
+
+    fn assert_box(summary: &RegionSummary, mass: f64, size: [f64; 3], centre: [f64; 3]) {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * mass, "{a} is not {b}");
+        near(summary.volume, size.iter().product());
+        near(summary.mass, mass);
+        for i in 0..3 {
+            near(summary.centre[i], centre[i]);
+            for j in 0..3 {
+                let square = size.iter().map(|x| x * x).sum::<f64>() - size[i] * size[i];
+                near(summary.inertia[i][j], if i == j { mass * square / 12.0 } else { 0.0 });
+            }
+        }
+    }
+
+    /// Inertia of a box with edges a, b, c about its centre: m (b^2 + c^2) / 12.
+    #[test]
+    fn two_halves_are_the_box_that_they_make() {
+        let size = [1.0, 4.0, 2.0];
+        let body =
+            Body::new(halves(size), vec![region("lower", 3.0), region("upper", 3.0)], &[], &[]).unwrap();
+        assert_box(&body.regions()[1], 12.0, [1.0, 2.0, 2.0], [0.5, 3.0, 1.0]);
+        assert_box(&RegionSummary::combined(body.regions()), 24.0, size, [0.5, 2.0, 1.0]);
+    }
+
+    #[test]
+    fn halves_of_different_density_turn_about_the_common_centre() {
+        // Cubes of edge 2, masses 8 and 24, centres 2 apart: I_xx = (8 + 24) 8/12 + 8 24/32 2^2, I_yy = 32 8/12.
+        let body =
+            Body::new(halves([2.0, 4.0, 2.0]), vec![region("lower", 1.0), region("upper", 3.0)], &[], &[]);
+        let whole = RegionSummary::combined(body.unwrap().regions());
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} is not {b}");
+        (0..3).for_each(|i| near(whole.centre[i], [1.0, 2.5, 1.0][i]));
+        near(whole.inertia[0][0], 64.0 / 3.0 + 24.0);
+        near(whole.inertia[1][1], 64.0 / 3.0);
+        near(whole.inertia[2][2], 64.0 / 3.0 + 24.0);
+        near(whole.inertia[0][1], 0.0);
     }
 }
