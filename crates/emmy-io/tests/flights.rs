@@ -99,7 +99,8 @@ fn a_clamped_body_vibrates() {
 fn meshes_of_a_folder_fly_free() {
     let folder = std::env::var("EMMY_MESHES").expect("EMMY_MESHES names a folder");
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    for path in files.filter(|path| path.extension().is_some_and(|e| e == "msh" || e == "inp")) {
+    for path in files.filter(|path| path.extension().is_some_and(|e| e == "msh" || e == "inp" || e == "vtu"))
+    {
         println!("{}", path.display());
         assert_balances(read(&path), &[], 1);
     }

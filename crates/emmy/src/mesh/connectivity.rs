@@ -120,7 +120,6 @@ fn boxes(ends: [[i64; 2]; 3]) -> impl Iterator<Item = [i64; 3]> {
 #[cfg(test)]
 mod tests {
     use super::super::{CellKind, MeshBuilder};
-    use super::*;
 
     /// Tetrahedra with nodes of their own, each moved along x.
     fn tetrahedra(offsets: &[f64]) -> MeshBuilder {

@@ -51,7 +51,7 @@ pub(super) fn from_bytes(numeric_type: &str, encoding: Encoding, bytes: &[u8]) -
     macro_rules! numbers {
         ($variant:ident, $type:ty, $as:ty) => {{
             const SIZE: usize = size_of::<$type>();
-            if bytes.len() % SIZE != 0 {
+            if !bytes.len().is_multiple_of(SIZE) {
                 return Err(format!("{} bytes are no whole number of {numeric_type}", bytes.len()));
             }
             let number = |chunk: &[u8]| {
@@ -133,7 +133,7 @@ fn header_number(encoding: Encoding, rest: &mut &[u8]) -> Outcome<usize> {
     let (bytes, after) =
         rest.split_at_checked(encoding.header).ok_or_else(|| cut_off(encoding.header, rest.len()))?;
     *rest = after;
-    let digit = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
+    let digit = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
     let number = match encoding.big_endian {
         true => bytes.iter().fold(0, digit),
         false => bytes.iter().rev().fold(0, digit),

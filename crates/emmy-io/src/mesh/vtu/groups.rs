@@ -82,7 +82,7 @@ impl Draft {
     fn add_facets(&mut self, name: &str, values: &[i64], cells: &[Option<u32>]) {
         let facets = values.iter().enumerate().flat_map(|(index, &bits)| {
             let n_faces = self.shapes[index].1.kind.map_or(0, |kind| kind.facets().len()) as u8;
-            let local = (0..n_faces).filter(move |local| bits >> local & 1 == 1);
+            let local = (0..n_faces).filter(move |local| (bits >> local) & 1 == 1);
             local.filter_map(move |local| cells[index].map(|cell| Facet { cell, local }))
         });
         let facets: Vec<Facet> = facets.collect();
