@@ -2,12 +2,18 @@
 
 #![allow(non_snake_case)]
 
+mod eigen;
+
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+pub use eigen::eigen;
 
 /// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
 ///
 /// Everything between the mesh and a material is written once over this trait. Constants are made from a number that
-/// is already there ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set with it.
+/// is already there ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set with it. What no
+/// register does, the eigenvalues, is asked of the lane type as a whole ([`Lane::eigen`]): a batch takes its points one
+/// by one there, and a number that carries derivatives differentiates.
 pub trait Lane:
     Copy
     + Add<Output = Self>
@@ -27,12 +33,16 @@ pub trait Lane:
     fn sqrt(self) -> Self;
     /// Logarithm of 1 + self, accurate for small self.
     fn ln_1p(self) -> Self;
+    /// Exponential less 1, accurate for small self.
+    fn exp_m1(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// The smaller of two numbers; NaN if one of them is NaN, so that a failure is not lost.
     fn min(self, other: Self) -> Self;
     /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// Eigenvalues and eigenvectors (in columns) of a symmetric tensor: [`eigen`] in every lane.
+    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>);
 }
 
 impl Lane for f64 {
@@ -49,6 +59,10 @@ impl Lane for f64 {
         f64::ln_1p(self)
     }
     #[inline(always)]
+    fn exp_m1(self) -> f64 {
+        f64::exp_m1(self)
+    }
+    #[inline(always)]
     fn abs(self) -> f64 {
         f64::abs(self)
     }
@@ -59,6 +73,10 @@ impl Lane for f64 {
     #[inline(always)]
     fn select_below(self, bound: f64, below: f64, otherwise: f64) -> f64 {
         if self < bound { below } else { otherwise }
+    }
+    #[inline(always)]
+    fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
+        eigen(A)
     }
 }
 
@@ -209,6 +227,50 @@ pub fn minus_ln_1p<L: Lane>(z: L) -> L {
     z.abs().select_below(z.splat(0.06), z * z * sum, z - z.ln_1p())
 }
 
+/// `e^x - 1 - x` without cancellation: a series where x is small.
+///
+/// ```math
+/// e^x - 1 - x = x^2 / 2! + x^3 / 3! + x^4 / 4! + ...
+/// ```
+///
+/// ```
+/// let x = 1e-9;
+/// assert!((emmy::tensor::exp_m1_minus(x) - 0.5e-18 * (1.0 + 1e-9 / 3.0)).abs() < 1e-33);
+/// ```
+#[inline(always)]
+pub fn exp_m1_minus<L: Lane>(x: L) -> L {
+    // 16 terms reach 1e-17 of the sum at |x| = 0.6; beyond, the direct form has lost less than a digit.
+    let one = x.splat(1.0);
+    let mut sum = one;
+    for n in (3..18).rev() {
+        sum = one + x * sum * (1.0 / n as f64);
+    }
+    x.abs().select_below(x.splat(0.6), x * x * sum * 0.5, x.exp_m1() - x)
+}
+
+/// `(e^x - 1) / x`, 1 at zero.
+///
+/// ```
+/// assert_eq!(emmy::tensor::exp_m1_over(0.0), 1.0);
+/// assert!((emmy::tensor::exp_m1_over(1e-9) - (1.0 + 0.5e-9)).abs() < 1e-16);
+/// ```
+#[inline(always)]
+pub fn exp_m1_over<L: Lane>(x: L) -> L {
+    // Up to the bound the next term, x/2, is below rounding; it keeps the derivative.
+    x.abs().select_below(x.splat(1e-17), x.splat(1.0) + x * 0.5, x.exp_m1() / x)
+}
+
+/// `ln(1 + x) / x`, 1 at zero.
+///
+/// ```
+/// assert_eq!(emmy::tensor::ln_1p_over(0.0), 1.0);
+/// assert!((emmy::tensor::ln_1p_over(1e-9) - (1.0 - 0.5e-9)).abs() < 1e-16);
+/// ```
+#[inline(always)]
+pub fn ln_1p_over<L: Lane>(x: L) -> L {
+    x.abs().select_below(x.splat(1e-17), x.splat(1.0) - x * 0.5, x.ln_1p() / x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,6 +317,14 @@ mod tests {
             for z in [z, -z] {
                 let direct = z - z.ln_1p();
                 prop_assert!((minus_ln_1p(z) - direct).abs() < 4.0 * f64::EPSILON * z.abs());
+            }
+        }
+
+        #[test]
+        fn series_of_the_exponential_joins_the_direct_form(x in 0.3..0.5999f64) {
+            for x in [x, -x] {
+                let direct = x.exp_m1() - x;
+                prop_assert!((exp_m1_minus(x) - direct).abs() < 4.0 * f64::EPSILON * x.abs());
             }
         }
     }

@@ -5,13 +5,28 @@
 
 #![allow(non_snake_case)]
 
+mod arruda_boyce;
+mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
+mod gent;
+mod invariants;
+mod isochoric;
+mod mooney_rivlin;
 mod neo_hooke;
+mod polynomial;
 mod saint_venant_kirchhoff;
+mod volumetric;
+mod yeoh;
 
+pub use arruda_boyce::ArrudaBoyce;
+pub use ciarlet_geymonat::CiarletGeymonat;
+pub use gent::Gent;
+pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+pub use volumetric::Volumetric;
+pub use yeoh::Yeoh;
 
 use crate::error::{Error, Result};
 use crate::tensor::{Elasticity, Lane, Sym};
@@ -76,12 +91,52 @@ fn stable_lame(material: &'static str, lambda: f64, mu: f64) -> Result<()> {
     Err(Error::MaterialParameter { material, parameter: "lambda", value: lambda, requirement })
 }
 
-fn positive(material: &'static str, parameter: &'static str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
+/// Checks a condition on a parameter.
+fn fulfils(
+    condition: bool,
+    material: &'static str,
+    parameter: &'static str,
+    value: f64,
+    requirement: &'static str,
+) -> Result<()> {
+    if condition {
         return Ok(());
     }
-    Err(Error::MaterialParameter { material, parameter, value, requirement: "must be positive and finite" })
+    Err(Error::MaterialParameter { material, parameter, value, requirement })
 }
+
+fn positive(material: &'static str, parameter: &'static str, value: f64) -> Result<()> {
+    let is_positive = value > 0.0 && value.is_finite();
+    fulfils(is_positive, material, parameter, value, "must be positive and finite")
+}
+
+fn finite(material: &'static str, parameter: &'static str, value: f64) -> Result<()> {
+    fulfils(value.is_finite(), material, parameter, value, "must be finite")
+}
+
+/// Makes a material of a model whose work is done in one of the shared rooms, [`isochoric`] say.
+macro_rules! split_material {
+    ($model:ty, $room:ident) => {
+        impl super::Material for $model {
+            #[inline(always)]
+            fn strain_energy<L: Lane>(&self, E: &crate::tensor::Sym<L>) -> L {
+                super::$room::strain_energy(self, E)
+            }
+            #[inline(always)]
+            fn stress<L: Lane>(&self, E: &crate::tensor::Sym<L>) -> crate::tensor::Sym<L> {
+                super::$room::stress(self, E)
+            }
+            #[inline(always)]
+            fn stress_and_elasticity<L: Lane>(
+                &self,
+                E: &crate::tensor::Sym<L>,
+            ) -> (crate::tensor::Sym<L>, crate::tensor::Elasticity<L>) {
+                super::$room::stress_and_elasticity(self, E)
+            }
+        }
+    };
+}
+use split_material;
 
 #[cfg(test)]
 mod tests {

@@ -2,11 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use super::invariants::{inverse_dyads, right_cauchy_green, second_invariant, volume_change};
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{
-    Elasticity, Lane, SYM, SYM_INDEX, Sym, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled, trace,
-};
+use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled};
 
 /// Compressible neo-Hooke material.
 ///
@@ -56,7 +55,8 @@ impl NeoHooke {
     fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
         let A = sym_scaled(E[0].splat(2.0), E);
         let (C, z) = (right_cauchy_green(&A), volume_change(&A));
-        let inverse_det = C[0].splat(1.0) / (C[0].splat(1.0) + z);
+        // Not 1 + z, which cancels under strong compression.
+        let inverse_det = C[0].splat(1.0) / sym_det(&C);
         let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
         let ln_J = z.ln_1p() * 0.5;
         // S = mu C^-1 A + lambda ln J C^-1: no difference of numbers near one.
@@ -66,26 +66,6 @@ impl NeoHooke {
         };
         (C_inv, ln_J, sym(component))
     }
-}
-
-/// C = I + A.
-#[inline(always)]
-fn right_cauchy_green<L: Lane>(A: &Sym<L>) -> Sym<L> {
-    let one = A[0].splat(1.0);
-    [A[0] + one, A[1] + one, A[2] + one, A[3], A[4], A[5]]
-}
-
-/// det C - 1, from the invariants of A = C - I.
-#[inline(always)]
-fn volume_change<L: Lane>(A: &Sym<L>) -> L {
-    trace(A) + (second_invariant(A) + sym_det(A))
-}
-
-/// Second invariant of A: the trace of its cofactor.
-#[inline(always)]
-fn second_invariant<L: Lane>(A: &Sym<L>) -> L {
-    let cofactor = sym_cofactor(A);
-    cofactor[0] + cofactor[1] + cofactor[2]
 }
 
 impl Material for NeoHooke {
@@ -109,15 +89,7 @@ impl Material for NeoHooke {
         let (C_inv, ln_J, S) = self.state(E);
         // D_ijkl = lambda C^-1_ij C^-1_kl + (mu - lambda ln J) (C^-1_ik C^-1_jl + C^-1_il C^-1_jk)
         let factor = ln_J.splat(self.mu) - ln_J * self.lambda;
-        let c = |i: usize, j: usize| C_inv[SYM_INDEX[i][j]];
-        let mut D = [[factor; 6]; 6];
-        for (a, (i, j)) in SYM.into_iter().enumerate() {
-            for (b, (k, l)) in SYM.into_iter().enumerate().skip(a) {
-                D[a][b] = c(i, j) * c(k, l) * self.lambda + factor * (c(i, k) * c(j, l) + c(i, l) * c(j, k));
-                D[b][a] = D[a][b];
-            }
-        }
-        (S, D)
+        (S, inverse_dyads(&C_inv, ln_J.splat(self.lambda), factor))
     }
 }
 

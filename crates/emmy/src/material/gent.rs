@@ -1,0 +1,101 @@
+//! Gent material.
+
+use super::isochoric::Isochoric;
+use super::volumetric::Volume;
+use super::{Volumetric, positive, split_material};
+use crate::error::Result;
+use crate::tensor::Lane;
+
+/// Gent material, for rubber whose chains cannot be stretched beyond a limit.
+///
+/// ```math
+/// W = -mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)
+/// ```
+///
+/// The energy grows without bound as I1bar - 3 comes to jm; beyond, energy and stress are NaN, which no step accepts.
+///
+/// Source: Gent (1996), Rubber Chem. Technol. 69. mu and the bulk modulus in \[force/length^2\], jm has no
+/// dimension.
+///
+/// ```
+/// use emmy::material::{Gent, Material, Volumetric};
+/// let rubber = Gent::new(3.0, 0.32, 100.0, Volumetric::default())?;
+/// // Simple shear by 0.4: I1 = 3 + 0.4^2, half of the limit, J = 1.
+/// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);
+/// assert!((energy - 1.5 * 0.32 * std::f64::consts::LN_2).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gent {
+    mu: f64,
+    jm: f64,
+    volume: Volume,
+}
+
+const NAME: &str = "gent";
+
+impl Gent {
+    /// The material with shear modulus, limit of I1bar - 3, bulk modulus, and law of volume.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless mu, jm and the bulk modulus are positive.
+    pub fn new(mu: f64, jm: f64, bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
+        positive(NAME, "mu", mu)?;
+        positive(NAME, "jm", jm)?;
+        Ok(Gent { mu, jm, volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Isochoric for Gent {
+    fn volume(&self) -> &Volume {
+        &self.volume
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, x: L) -> L {
+        (x * (-1.0 / self.jm)).ln_1p() * (-0.5 * self.mu * self.jm)
+    }
+    #[inline(always)]
+    fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
+        let left = x.splat(1.0) - x * (1.0 / self.jm);
+        let slope = x.splat(0.5 * self.mu) / left;
+        // Beyond the limit the formula would pull the material further apart.
+        let slope = left.select_below(x.splat(0.0), x.splat(f64::NAN), slope);
+        [slope, slope / left * (1.0 / self.jm)]
+    }
+}
+
+split_material!(Gent, isochoric);
+
+#[cfg(test)]
+mod tests {
+    use super::super::Material;
+    use super::super::conformance::{big, big_det, big_isochoric, conforms};
+    use super::super::tests::refuses;
+    use super::super::volumetric::tests::energy;
+    use super::*;
+
+    #[test]
+    fn conforms_to_its_textbook_form() {
+        // The large gradients of the test must stay below the limit: I1bar is up to about 90 there.
+        let (mu, jm, K, law) = (500.0, 150.0, 1500.0, Volumetric::Miehe);
+        conforms(&Gent::new(mu, jm, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
+            let x = big_isochoric(C)[0].clone() - big(3.0);
+            big(-0.5 * mu * jm) * (big(1.0) - x / big(jm)).ln() + energy(law, K, &big_det(C))
+        });
+    }
+
+    #[test]
+    fn there_is_nothing_beyond_the_limit() {
+        let rubber = Gent::new(1.0, 0.5, 1.0, Volumetric::default()).unwrap();
+        let shear = [0.0, 0.5, 0.0, 0.5, 0.0, 0.0]; // by 1: I1 - 3 = 1
+        assert!(rubber.strain_energy(&shear).is_nan() && rubber.stress(&shear)[3].is_nan());
+    }
+
+    #[test]
+    fn bad_parameters_are_refused() {
+        let new = |mu, jm, K| Gent::new(mu, jm, K, Volumetric::default());
+        refuses("mu", new(0.0, 1.0, 1.0));
+        refuses("jm", new(1.0, -1.0, 1.0));
+        refuses("bulk_modulus", new(1.0, 1.0, f64::NAN));
+    }
+}

@@ -1,0 +1,72 @@
+//! What materials share: C, its change of volume, and the elasticity tensor put together from dyads.
+
+#![allow(non_snake_case)]
+
+use crate::tensor::{Elasticity, Lane, SYM, SYM_INDEX, Sym, sym, sym_cofactor, sym_det, trace};
+
+/// C = I + A.
+#[inline(always)]
+pub fn right_cauchy_green<L: Lane>(A: &Sym<L>) -> Sym<L> {
+    let one = A[0].splat(1.0);
+    [A[0] + one, A[1] + one, A[2] + one, A[3], A[4], A[5]]
+}
+
+/// det C - 1, from the invariants of A = C - I.
+#[inline(always)]
+pub fn volume_change<L: Lane>(A: &Sym<L>) -> L {
+    trace(A) + (second_invariant(A) + sym_det(A))
+}
+
+/// Second invariant of A: the trace of its cofactor.
+#[inline(always)]
+pub fn second_invariant<L: Lane>(A: &Sym<L>) -> L {
+    let cofactor = sym_cofactor(A);
+    cofactor[0] + cofactor[1] + cofactor[2]
+}
+
+/// Product of two symmetric tensors that commute, which is symmetric itself.
+#[inline(always)]
+pub fn commuting_product<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> Sym<L> {
+    let product = |i: usize, j: usize, k: usize| A[SYM_INDEX[i][k]] * B[SYM_INDEX[k][j]];
+    sym(|i, j| product(i, j, 0) + product(i, j, 1) + product(i, j, 2))
+}
+
+/// Elasticity tensor with the given components `(i, j, k, l)`, computed once for both of a symmetric pair.
+#[inline(always)]
+pub fn elasticity<L: Lane>(entry: impl Fn(usize, usize, usize, usize) -> L) -> Elasticity<L> {
+    let mut D = [[entry(0, 0, 0, 0); 6]; 6];
+    for (a, (i, j)) in SYM.into_iter().enumerate() {
+        for (b, (k, l)) in SYM.into_iter().enumerate().skip(a) {
+            D[a][b] = entry(i, j, k, l);
+            D[b][a] = D[a][b];
+        }
+    }
+    D
+}
+
+/// `alpha B (x) B + beta (B_ik B_jl + B_il B_jk)` with B = C^-1: the elasticity of every law of volume.
+#[inline(always)]
+pub fn inverse_dyads<L: Lane>(B: &Sym<L>, alpha: L, beta: L) -> Elasticity<L> {
+    let b = |i: usize, j: usize| B[SYM_INDEX[i][j]];
+    elasticity(|i, j, k, l| alpha * b(i, j) * b(k, l) + beta * (b(i, k) * b(j, l) + b(i, l) * b(j, k)))
+}
+
+/// Adds `s A (x) A`.
+#[inline(always)]
+pub fn add_dyad<L: Lane>(D: &mut Elasticity<L>, s: L, A: &Sym<L>) {
+    for a in 0..6 {
+        for b in 0..6 {
+            D[a][b] += s * (A[a] * A[b]);
+        }
+    }
+}
+
+/// Adds `A (x) B + B (x) A`.
+#[inline(always)]
+pub fn add_dyads<L: Lane>(D: &mut Elasticity<L>, A: &Sym<L>, B: &Sym<L>) {
+    for a in 0..6 {
+        for b in 0..6 {
+            D[a][b] += A[a] * B[b] + B[a] * A[b];
+        }
+    }
+}

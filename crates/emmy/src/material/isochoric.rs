@@ -1,0 +1,225 @@
+//! Energies of the isochoric invariants: the work that such materials share.
+//!
+//! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
+//!
+//! ```math
+//! C = m (I + b),      m = tr C / 3,      tr b = 0,      det(I + b) = 1 - w,      w = b:b/2 - det b
+//! ```
+//!
+//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 - w)^(-1/3)`
+//!
+//! ```math
+//! I1bar - 3 = 3 (g - 1),      I2bar - 3 = 3 (g^2 - 1) - g^2 b:b/2,      J^2 = m^3 (1 - w)
+//! ```
+
+#![allow(non_snake_case)]
+
+use super::invariants::{add_dyad, add_dyads, commuting_product, inverse_dyads};
+use super::volumetric::Volume;
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym, sym_cofactor, sym_det, sym_scaled, trace};
+
+/// A material whose energy is one of the isochoric invariants and one of the volume.
+///
+/// ```math
+/// W = f(x) + c y + W_vol(J),      x = I1bar - 3,      y = I2bar - 3
+/// ```
+pub(super) trait Isochoric {
+    /// Law of volume.
+    fn volume(&self) -> &Volume;
+    /// f.
+    fn energy<L: Lane>(&self, x: L) -> L;
+    /// First and second derivative of f.
+    fn derivatives<L: Lane>(&self, x: L) -> [L; 2];
+    /// c.
+    fn second_modulus(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Mean, distortion and volume of a deformation.
+pub(super) struct Distortion<L> {
+    /// m.
+    pub mean: L,
+    /// b.
+    pub b: Sym<L>,
+    /// b:b / 2.
+    pub q: L,
+    /// det b.
+    pub det: L,
+    /// ln J.
+    pub ln_J: L,
+    /// g - 1.
+    pub g_m1: L,
+}
+
+impl<L: Lane> Distortion<L> {
+    #[inline(always)]
+    pub fn of(E: &Sym<L>) -> Self {
+        let (one, a) = (E[0].splat(1.0), trace(E) * (2.0 / 3.0));
+        let mean = one + a;
+        let deviator = [E[0] * 2.0 - a, E[1] * 2.0 - a, E[2] * 2.0 - a, E[3] * 2.0, E[4] * 2.0, E[5] * 2.0];
+        let b = sym_scaled(one / mean, &deviator);
+        let (q, det) = (double_dot(&b, &b) * 0.5, sym_det(&b));
+        let ln_det = (det - q).ln_1p();
+        let ln_J = (a.ln_1p() * 3.0 + ln_det) * 0.5;
+        Distortion { mean, b, q, det, ln_J, g_m1: (ln_det * (-1.0 / 3.0)).exp_m1() }
+    }
+
+    /// g.
+    #[inline(always)]
+    pub fn g(&self) -> L {
+        self.mean.splat(1.0) + self.g_m1
+    }
+
+    /// I1bar - 3.
+    #[inline(always)]
+    pub fn x(&self) -> L {
+        self.g_m1 * 3.0
+    }
+
+    /// I2bar - 3.
+    #[inline(always)]
+    pub fn y(&self) -> L {
+        let square_m1 = self.g_m1 * (self.g_m1 + self.mean.splat(2.0));
+        square_m1 * 3.0 - self.q * (square_m1 + self.mean.splat(1.0))
+    }
+
+    /// C^-1.
+    #[inline(always)]
+    pub fn inverse(&self) -> Sym<L> {
+        let (one, b) = (self.mean.splat(1.0), &self.b);
+        let cofactor = sym_cofactor(&[b[0] + one, b[1] + one, b[2] + one, b[3], b[4], b[5]]);
+        sym_scaled(one / (self.mean * (one - self.q + self.det)), &cofactor)
+    }
+
+    /// b - dev(b^2), which belongs to I2bar as b belongs to I1bar.
+    #[inline(always)]
+    fn second_direction(&self) -> Sym<L> {
+        let (b, square) = (&self.b, commuting_product(&self.b, &self.b));
+        let third = self.q * (2.0 / 3.0);
+        sym(|i, j| {
+            let a = crate::tensor::SYM_INDEX[i][j];
+            if i == j { b[a] - square[a] + third } else { b[a] - square[a] }
+        })
+    }
+}
+
+/// The second derivative of a material of this kind, as sums over its invariants. With B = C^-1:
+///
+/// ```math
+/// D = alpha B (x) B + beta (B_ik B_jl + B_il B_jk) + A (x) B + B (x) A + ...
+/// ```
+pub(super) struct SecondDerivative<L> {
+    alpha: L,
+    beta: L,
+    A: Sym<L>,
+}
+
+impl<L: Lane> SecondDerivative<L> {
+    /// That of the law of volume.
+    #[inline(always)]
+    pub fn of_volume(volume: &Volume, ln_J: L) -> Self {
+        let zero = ln_J.splat(0.0);
+        SecondDerivative { alpha: volume.stiffness(ln_J), beta: -volume.pressure(ln_J), A: [zero; 6] }
+    }
+
+    /// Adds `slope` times that of `J^(-2/3) H:C`, for a structure tensor H and the value `I = H:C`.
+    ///
+    /// ```math
+    /// 4 J^(-2/3) [I/9 B (x) B + I/6 (B_ik B_jl + B_il B_jk) - 1/3 (H (x) B + B (x) H)]
+    /// ```
+    #[inline(always)]
+    pub fn add_first(&mut self, slope: L, scale: L, I: L, H: &Sym<L>) {
+        let factor = slope * scale * 4.0;
+        self.alpha += factor * I * (1.0 / 9.0);
+        self.beta += factor * I * (1.0 / 6.0);
+        (0..6).for_each(|a| self.A[a] += factor * H[a] * (-1.0 / 3.0));
+    }
+
+    /// Adds c times that of I2bar, but for its constant part; the factor of that is returned.
+    ///
+    /// ```math
+    /// 4 J^(-4/3) [4/9 I2 B (x) B + I2/3 (B_ik B_jl + B_il B_jk) - 2/3 (X (x) B + B (x) X) + I (x) I - 1],  X = I1 I - C
+    /// ```
+    #[inline(always)]
+    fn add_second(&mut self, c: f64, of: &Distortion<L>) -> L {
+        let g = of.g();
+        let isochoric = g * g * (of.mean.splat(3.0) - of.q) * (4.0 * c); // 4 c J^(-4/3) I2
+        self.alpha += isochoric * (4.0 / 9.0);
+        self.beta += isochoric * (1.0 / 3.0);
+        let factor = g * g / of.mean * (-8.0 / 3.0 * c); // of X = m (2 I - b)
+        for a in 0..6 {
+            let twice = of.mean.splat(if a < 3 { 2.0 } else { 0.0 });
+            self.A[a] += factor * (twice - of.b[a]);
+        }
+        g * g / (of.mean * of.mean) * (4.0 * c)
+    }
+
+    /// The sum.
+    #[inline(always)]
+    pub fn elasticity(&self, inverse: &Sym<L>) -> Elasticity<L> {
+        let mut D = inverse_dyads(inverse, self.alpha, self.beta);
+        add_dyads(&mut D, &self.A, inverse);
+        D
+    }
+}
+
+#[inline(always)]
+pub(super) fn strain_energy<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> L {
+    let distortion = Distortion::of(E);
+    let energy = material.energy(distortion.x()) + material.volume().energy(distortion.ln_J);
+    match material.second_modulus() {
+        0.0 => energy,
+        c => energy + distortion.y() * c,
+    }
+}
+
+#[inline(always)]
+pub(super) fn stress<L: Lane>(material: &impl Isochoric, E: &Sym<L>) -> Sym<L> {
+    let distortion = Distortion::of(E);
+    let slope = material.derivatives(distortion.x())[0];
+    stress_of(material, &distortion, slope, &distortion.inverse())
+}
+
+/// ```math
+/// S = C^-1 [2 f' g b + 2 c g^2 (b - dev b^2) + dW_vol/d(ln J) I]
+/// ```
+#[inline(always)]
+fn stress_of<L: Lane>(material: &impl Isochoric, of: &Distortion<L>, slope: L, inverse: &Sym<L>) -> Sym<L> {
+    let g = of.g();
+    let mut M = sym_scaled(slope * g * 2.0, &of.b);
+    let c = material.second_modulus();
+    if c != 0.0 {
+        let direction = of.second_direction();
+        (0..6).for_each(|a| M[a] += g * g * direction[a] * (2.0 * c));
+    }
+    let pressure = material.volume().pressure(of.ln_J);
+    (0..3).for_each(|i| M[i] += pressure);
+    commuting_product(inverse, &M)
+}
+
+#[inline(always)]
+pub(super) fn stress_and_elasticity<L: Lane>(
+    material: &impl Isochoric,
+    E: &Sym<L>,
+) -> (Sym<L>, Elasticity<L>) {
+    let of = Distortion::of(E);
+    let ([slope, curvature], inverse) = (material.derivatives(of.x()), of.inverse());
+    let (one, scale, c) = (of.mean.splat(1.0), of.g() / of.mean, material.second_modulus());
+    let mut second = SecondDerivative::of_volume(material.volume(), of.ln_J);
+    let zero = one.splat(0.0);
+    second.add_first(slope, scale, of.mean * 3.0, &[one, one, one, zero, zero, zero]);
+    let constant = if c == 0.0 { zero } else { second.add_second(c, &of) };
+    let mut D = second.elasticity(&inverse);
+    add_dyad(&mut D, curvature, &sym_scaled(of.g() * 2.0, &commuting_product(&inverse, &of.b)));
+    if c != 0.0 {
+        // I (x) I - 1: the second derivative of I2.
+        for a in 0..6 {
+            (0..3).filter(|&b| a < 3 && a != b).for_each(|b| D[a][b] += constant);
+            if a >= 3 {
+                D[a][a] += constant * -0.5;
+            }
+        }
+    }
+    (stress_of(material, &of, slope, &inverse), D)
+}

@@ -1,0 +1,87 @@
+//! Yeoh material.
+
+use super::isochoric::Isochoric;
+use super::polynomial::Polynomial;
+use super::volumetric::Volume;
+use super::{Volumetric, finite, positive, split_material};
+use crate::error::Result;
+use crate::tensor::Lane;
+
+/// Yeoh material, for filled rubber at large strain: it softens first and stiffens later.
+///
+/// ```math
+/// W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + W_vol(J),      mu = 2 c10
+/// ```
+///
+/// Source: Yeoh (1993), Rubber Chem. Technol. 66. Parameters in \[force/length^2\].
+///
+/// ```
+/// use emmy::material::{Material, Volumetric, Yeoh};
+/// let rubber = Yeoh::new([3.0, -0.5, 2.0], 100.0, Volumetric::default())?;
+/// // Simple shear by 0.4: I1 = 3 + 0.4^2, J = 1.
+/// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);
+/// assert!((energy - (3.0 * 0.16 - 0.5 * 0.0256 + 2.0 * 0.004096)).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Yeoh {
+    polynomial: Polynomial<3>,
+    volume: Volume,
+}
+
+const NAME: &str = "yeoh";
+
+impl Yeoh {
+    /// The material with the moduli c10, c20, c30, bulk modulus, and law of volume.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless c10 > 0, the others are finite, and the bulk modulus is positive.
+    pub fn new(moduli: [f64; 3], bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
+        positive(NAME, "c10", moduli[0])?;
+        finite(NAME, "c20", moduli[1])?;
+        finite(NAME, "c30", moduli[2])?;
+        Ok(Yeoh { polynomial: Polynomial(moduli), volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Isochoric for Yeoh {
+    fn volume(&self) -> &Volume {
+        &self.volume
+    }
+    #[inline(always)]
+    fn energy<L: Lane>(&self, x: L) -> L {
+        self.polynomial.value(x)
+    }
+    #[inline(always)]
+    fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
+        self.polynomial.derivatives(x)
+    }
+}
+
+split_material!(Yeoh, isochoric);
+
+#[cfg(test)]
+mod tests {
+    use super::super::conformance::{big, big_det, big_isochoric, conforms};
+    use super::super::tests::refuses;
+    use super::super::volumetric::tests::energy;
+    use super::*;
+
+    #[test]
+    fn conforms_to_its_textbook_form() {
+        let (c, K, law) = ([250.0, -20.0, 40.0], 1500.0, Volumetric::SimoTaylor);
+        conforms(&Yeoh::new(c, K, law).unwrap(), [K - 4.0 / 3.0 * c[0], 2.0 * c[0]], |C| {
+            let x = big_isochoric(C)[0].clone() - big(3.0);
+            big(c[0]) * &x + big(c[1]) * &x * &x + big(c[2]) * &x * &x * &x + energy(law, K, &big_det(C))
+        });
+    }
+
+    #[test]
+    fn bad_parameters_are_refused() {
+        let new = |c, K| Yeoh::new(c, K, Volumetric::default());
+        refuses("c10", new([0.0, 1.0, 1.0], 1.0));
+        refuses("c20", new([1.0, f64::NAN, 1.0], 1.0));
+        refuses("c30", new([1.0, 1.0, f64::INFINITY], 1.0));
+        refuses("bulk_modulus", new([1.0, 1.0, 1.0], 0.0));
+    }
+}
