@@ -10,20 +10,25 @@ mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
 mod gent;
+mod hencky;
 mod invariants;
 mod isochoric;
 mod mooney_rivlin;
 mod neo_hooke;
+mod ogden;
 mod polynomial;
 mod saint_venant_kirchhoff;
+mod spectral;
 mod volumetric;
 mod yeoh;
 
 pub use arruda_boyce::ArrudaBoyce;
 pub use ciarlet_geymonat::CiarletGeymonat;
 pub use gent::Gent;
+pub use hencky::Hencky;
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
+pub use ogden::Ogden;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;

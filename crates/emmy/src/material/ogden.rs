@@ -1,0 +1,124 @@
+//! Ogden material.
+
+use super::spectral::Separable;
+use super::volumetric::Volume;
+use super::{Volumetric, finite, fulfils, split_material};
+use crate::error::Result;
+use crate::tensor::{Lane, exp_m1_minus, exp_m1_over};
+
+/// Ogden material with any number of terms, for rubber at any strain.
+///
+/// ```math
+/// W = sum_p mu_p/alpha_p (l_1^alpha_p + l_2^alpha_p + l_3^alpha_p - 3) + W_vol(J),      l_i = J^(-1/3) lambda_i
+/// mu = 1/2 sum_p mu_p alpha_p
+/// ```
+///
+/// Source: Ogden (1972), Proc. R. Soc. Lond. A 326; split as in Simo and Taylor (1991).
+/// mu_p and the bulk modulus in \[force/length^2\]; alpha_p, of either sign, have no dimension. Some programs write
+/// 2 mu_p / alpha_p^2 where mu_p / alpha_p stands here.
+///
+/// ```
+/// use emmy::material::{Material, Ogden, Volumetric};
+/// let rubber = Ogden::new(&[(3.0, 2.0), (-1.0, -2.0)], 100.0, Volumetric::default())?;
+/// // With these exponents, Mooney-Rivlin: c10 = 3/2, c01 = 1/2. Simple shear by 0.4: I1 = I2 = 3 + 0.4^2, J = 1.
+/// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);
+/// assert!((energy - 2.0 * 0.16).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ogden {
+    /// (mu_p, alpha_p).
+    terms: Vec<(f64, f64)>,
+    volume: Volume,
+}
+
+const NAME: &str = "ogden";
+
+impl Ogden {
+    /// The material with terms (mu_p, alpha_p), bulk modulus, and law of volume.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] unless every alpha_p is finite and not zero, every mu_p is finite, the sum of
+    /// mu_p alpha_p is positive (so there is at least one), and so is the bulk modulus.
+    pub fn new(terms: &[(f64, f64)], bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
+        for &(mu, alpha) in terms {
+            finite(NAME, "mu", mu)?;
+            let usable = alpha.is_finite() && alpha != 0.0;
+            fulfils(usable, NAME, "alpha", alpha, "must be finite and not zero")?;
+        }
+        let sum = terms.iter().map(|(mu, alpha)| mu * alpha).sum();
+        let requirement =
+            "is the sum of mu alpha over the terms; it must be positive (twice the shear modulus)";
+        fulfils(sum > 0.0, NAME, "mu", sum, requirement)?;
+        Ok(Ogden { terms: terms.to_vec(), volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+
+    #[inline(always)]
+    fn sum<L: Lane>(&self, zero: L, term: impl Fn(f64, f64) -> L) -> L {
+        self.terms.iter().fold(zero.splat(0.0), |sum, &(mu, alpha)| sum + term(mu, alpha))
+    }
+}
+
+impl Separable for Ogden {
+    fn volume(&self) -> &Volume {
+        &self.volume
+    }
+    /// As the strains e add up to zero, their linear terms may be left out: nothing cancels then.
+    #[inline(always)]
+    fn energy<L: Lane>(&self, e: L) -> L {
+        self.sum(e, |mu, alpha| exp_m1_minus(e * alpha) * (mu / alpha))
+    }
+    #[inline(always)]
+    fn slope<L: Lane>(&self, e: L) -> L {
+        self.sum(e, |mu, alpha| (e * alpha).exp_m1() * mu)
+    }
+    #[inline(always)]
+    fn curvature<L: Lane>(&self, e: L) -> L {
+        self.sum(e, |mu, alpha| (e.splat(1.0) + (e * alpha).exp_m1()) * (mu * alpha))
+    }
+    /// mu alpha exp(alpha e) (exp(alpha difference) - 1) / (alpha difference).
+    #[inline(always)]
+    fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L {
+        let exp = |alpha: f64| e.splat(1.0) + (e * alpha).exp_m1();
+        self.sum(e, |mu, alpha| exp(alpha) * exp_m1_over(difference * alpha) * (mu * alpha))
+    }
+}
+
+split_material!(Ogden, spectral);
+
+#[cfg(test)]
+mod tests {
+    use super::super::conformance::{Big, big, big_det, big_principal_stretches, conforms};
+    use super::super::tests::refuses;
+    use super::super::volumetric::tests::energy;
+    use super::*;
+
+    /// The rubber of Treloar, as fitted by Ogden (1972), in N/cm^2.
+    const TRELOAR: [(f64, f64); 3] = [(63.0, 1.3), (0.12, 5.0), (-1.0, -2.0)];
+
+    #[test]
+    fn conforms_to_its_textbook_form() {
+        let (K, law) = (200.0, Volumetric::Quadratic);
+        let mu = TRELOAR.iter().map(|(mu, alpha)| mu * alpha / 2.0).sum();
+        conforms(&Ogden::new(&TRELOAR, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
+            let ln_J = big_det(C).ln() / big(2.0);
+            let e = big_principal_stretches(C).map(|stretch| stretch.ln() - &ln_J / big(3.0));
+            let term = |(mu, alpha): (f64, f64)| {
+                let powers = e.iter().fold(big(0.0), |sum: Big, e| sum + (big(alpha) * e).exp());
+                big(mu) / big(alpha) * (powers - big(3.0))
+            };
+            TRELOAR.into_iter().fold(energy(law, K, &big_det(C)), |sum, p| sum + term(p))
+        });
+    }
+
+    #[test]
+    fn bad_parameters_are_refused() {
+        let new = |terms: &[(f64, f64)], K| Ogden::new(terms, K, Volumetric::default());
+        refuses("mu", new(&[], 1.0));
+        refuses("mu", new(&[(1.0, -2.0)], 1.0));
+        refuses("mu", new(&[(f64::NAN, 2.0)], 1.0));
+        refuses("alpha", new(&[(1.0, 2.0), (1.0, 0.0)], 1.0));
+        refuses("alpha", new(&[(1.0, f64::INFINITY)], 1.0));
+        refuses("bulk_modulus", new(&[(1.0, 2.0)], 0.0));
+    }
+}

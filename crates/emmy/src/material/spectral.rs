@@ -1,0 +1,163 @@
+//! Energies of the principal stretches: the work that such materials share.
+//!
+//! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small strain,
+//! the deviatoric logarithmic strains are
+//!
+//! ```math
+//! e_i = ln lambda_i - ln J / 3 = 1/2 ln(1 + beta_i) - 1/6 sum_j ln(1 + beta_j)
+//! ```
+//!
+//! Derivatives of eigenvectors bring in divided differences. They are written as products of the functions
+//! `ln(1 + x) / x` and `(e^x - 1) / x`, which know no difference between equal, nearly equal and distinct eigenvalues.
+
+#![allow(non_snake_case)]
+
+use super::isochoric::Distortion;
+use super::volumetric::Volume;
+use crate::tensor::{Elasticity, Lane, Mat3, Sym, ln_1p_over, sym};
+
+/// A material whose energy is a sum over the principal stretches and one of the volume: the form of Valanis and Landel
+/// (1967), J. Appl. Phys. 38, in deviatoric logarithmic strains.
+///
+/// ```math
+/// W = omega(e_1) + omega(e_2) + omega(e_3) + W_vol(J),      e_1 + e_2 + e_3 = 0
+/// ```
+///
+/// omega'(0) must be zero; any linear part of omega adds nothing to W.
+pub(super) trait Separable {
+    /// Law of volume.
+    fn volume(&self) -> &Volume;
+    /// omega.
+    fn energy<L: Lane>(&self, e: L) -> L;
+    /// omega'.
+    fn slope<L: Lane>(&self, e: L) -> L;
+    /// omega''.
+    fn curvature<L: Lane>(&self, e: L) -> L;
+    /// (omega'(e + difference) - omega'(e)) / difference, omega''(e) where that is zero.
+    fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L;
+}
+
+/// Principal values of a deformation.
+struct Principal<L> {
+    distortion: Distortion<L>,
+    /// beta_i.
+    beta: [L; 3],
+    /// Principal directions, in columns.
+    Q: Mat3<L>,
+    /// e_i.
+    e: [L; 3],
+}
+
+impl<L: Lane> Principal<L> {
+    #[inline(always)]
+    fn of(E: &Sym<L>) -> Self {
+        let distortion = Distortion::of(E);
+        let (beta, Q) = L::eigen(&distortion.b);
+        let ln = [beta[0].ln_1p(), beta[1].ln_1p(), beta[2].ln_1p()];
+        let mean = (ln[0] + ln[1] + ln[2]) * (1.0 / 3.0);
+        let e = [(ln[0] - mean) * 0.5, (ln[1] - mean) * 0.5, (ln[2] - mean) * 0.5];
+        Principal { distortion, beta, Q, e }
+    }
+
+    /// Eigenvalues of C^-1.
+    #[inline(always)]
+    fn inverse(&self) -> [L; 3] {
+        let (one, mean) = (self.distortion.mean.splat(1.0), self.distortion.mean);
+        let inverse = |i: usize| one / (mean * (one + self.beta[i]));
+        [inverse(0), inverse(1), inverse(2)]
+    }
+
+    /// Principal Kirchhoff stresses tau_i = dW / d ln lambda_i.
+    #[inline(always)]
+    fn kirchhoff_stress(&self, material: &impl Separable) -> [L; 3] {
+        let slope = self.e.map(|e| material.slope(e));
+        let pressure = material.volume().pressure(self.distortion.ln_J);
+        let all = pressure - (slope[0] + slope[1] + slope[2]) * (1.0 / 3.0);
+        [slope[0] + all, slope[1] + all, slope[2] + all]
+    }
+
+    /// Dyad of principal directions, `(q_i q_j^T + q_j q_i^T) / 2`.
+    #[inline(always)]
+    fn dyad(&self, i: usize, j: usize) -> Sym<L> {
+        let Q = &self.Q;
+        sym(|r, c| (Q[r][i] * Q[c][j] + Q[r][j] * Q[c][i]) * 0.5)
+    }
+
+    /// (tau_i - tau_j) / (E_i - E_j).
+    #[inline(always)]
+    fn shear_stiffness(&self, material: &impl Separable, i: usize, j: usize) -> L {
+        let (one, beta) = (self.distortion.mean.splat(1.0), &self.beta);
+        let C_j = self.distortion.mean * (one + beta[j]);
+        let t = (beta[i] - beta[j]) / (one + beta[j]); // C_i / C_j - 1
+        let difference = t.ln_1p() * 0.5; // e_i - e_j
+        material.divided_difference(self.e[j], difference) * ln_1p_over(t) / C_j
+    }
+}
+
+#[inline(always)]
+pub(super) fn strain_energy<L: Lane>(material: &impl Separable, E: &Sym<L>) -> L {
+    let principal = Principal::of(E);
+    let [a, b, c] = principal.e.map(|e| material.energy(e));
+    a + b + c + material.volume().energy(principal.distortion.ln_J)
+}
+
+#[inline(always)]
+pub(super) fn stress<L: Lane>(material: &impl Separable, E: &Sym<L>) -> Sym<L> {
+    let principal = Principal::of(E);
+    stress_of(&principal, &principal.kirchhoff_stress(material))
+}
+
+/// ```math
+/// S = sum_i tau_i / C_i q_i (x) q_i
+/// ```
+#[inline(always)]
+fn stress_of<L: Lane>(principal: &Principal<L>, tau: &[L; 3]) -> Sym<L> {
+    let inverse = principal.inverse();
+    let (S, Q) = ([tau[0] * inverse[0], tau[1] * inverse[1], tau[2] * inverse[2]], &principal.Q);
+    sym(|r, c| Q[r][0] * S[0] * Q[c][0] + Q[r][1] * S[1] * Q[c][1] + Q[r][2] * S[2] * Q[c][2])
+}
+
+/// ```math
+/// D = sum_ij D_ij (q_i q_i^T) (x) (q_j q_j^T) + sum_(i<j) 2 (S_i - S_j)/(E_i - E_j) q_ij (x) q_ij
+/// D_ij = (dtau_i/d ln lambda_j - 2 tau_i delta_ij) / (C_i C_j),      q_ij = (q_i q_j^T + q_j q_i^T) / 2
+/// ```
+///
+/// Source: Ogden (1984), Non-Linear Elastic Deformations, chapter 6, in the variables of this page.
+#[inline(always)]
+pub(super) fn stress_and_elasticity<L: Lane>(
+    material: &impl Separable,
+    E: &Sym<L>,
+) -> (Sym<L>, Elasticity<L>) {
+    let principal = Principal::of(E);
+    let (tau, inverse) = (principal.kirchhoff_stress(material), principal.inverse());
+    let curvature = principal.e.map(|e| material.curvature(e));
+    let all = (curvature[0] + curvature[1] + curvature[2]) * (1.0 / 9.0)
+        + material.volume().stiffness(principal.distortion.ln_J);
+    let mut D = [[all.splat(0.0); 6]; 6];
+    for i in 0..3 {
+        let own = principal.dyad(i, i);
+        let direct = (all + curvature[i] * (1.0 / 3.0) - tau[i] * 2.0) * inverse[i] * inverse[i];
+        add_pair(&mut D, direct, &own, &own, 0.5);
+        for j in 0..i {
+            let (other, both) = (principal.dyad(j, j), principal.dyad(i, j));
+            let product = inverse[i] * inverse[j];
+            let cross = (all - (curvature[i] + curvature[j]) * (1.0 / 3.0)) * product;
+            add_pair(&mut D, cross, &own, &other, 1.0);
+            // (S_i - S_j) / (E_i - E_j), in a form that is symmetric in i and j.
+            let shear = principal.shear_stiffness(material, i, j) * (inverse[i] + inverse[j]) * 0.5
+                - (tau[i] + tau[j]) * product;
+            add_pair(&mut D, shear, &both, &both, 1.0);
+        }
+    }
+    (stress_of(&principal, &tau), D)
+}
+
+/// Adds `factor s (A (x) B + B (x) A)`.
+#[inline(always)]
+fn add_pair<L: Lane>(D: &mut Elasticity<L>, s: L, A: &Sym<L>, B: &Sym<L>, factor: f64) {
+    for a in 0..6 {
+        for b in 0..6 {
+            D[a][b] += s * (A[a] * B[b] + B[a] * A[b]) * factor;
+        }
+    }
+}
