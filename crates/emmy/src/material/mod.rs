@@ -6,16 +6,19 @@
 #![allow(non_snake_case)]
 
 mod arruda_boyce;
+mod axes;
 mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
 mod gent;
 mod hencky;
+mod holzapfel_gasser_ogden;
 mod invariants;
 mod isochoric;
 mod mooney_rivlin;
 mod neo_hooke;
 mod ogden;
+mod orthotropic;
 mod polynomial;
 mod saint_venant_kirchhoff;
 mod spectral;
@@ -26,9 +29,11 @@ pub use arruda_boyce::ArrudaBoyce;
 pub use ciarlet_geymonat::CiarletGeymonat;
 pub use gent::Gent;
 pub use hencky::Hencky;
+pub use holzapfel_gasser_ogden::HolzapfelGasserOgden;
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
+pub use orthotropic::{EngineeringConstants, Orthotropic};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;
