@@ -36,7 +36,7 @@ enum What {
 
 type Item = (&'static str, &'static str);
 
-const MATERIALS: [Item; 2] = [
+const MATERIALS: [Item; 11] = [
     (
         "saint-venant-kirchhoff",
         "W(C) = lambda/2 (tr E)^2 + mu E : E, E = (C - I)/2; parameters lambda, mu or youngs_modulus, poissons_ratio; \
@@ -46,6 +46,52 @@ const MATERIALS: [Item; 2] = [
         "neo-hooke",
         "W(C) = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J, J^2 = det C; parameters lambda, mu or youngs_modulus, \
          poissons_ratio; large strain",
+    ),
+    (
+        "ciarlet-geymonat",
+        "W(C) = mu/2 (tr C - 3) + lambda/4 (J^2 - 1) - (lambda/2 + mu) ln J; parameters lambda, mu or youngs_modulus, \
+         poissons_ratio; large strain, strong compression",
+    ),
+    (
+        "hencky",
+        "W(C) = lambda/2 (tr h)^2 + mu h : h, h = ln(C)/2; parameters lambda, mu or youngs_modulus, poissons_ratio; \
+         metals, polymers",
+    ),
+    (
+        "mooney-rivlin",
+        "W(C) = c10 (I1bar - 3) + c01 (I2bar - 3) + W_vol; parameters c10, c01, bulk_modulus, \
+         volumetric = \"simo-taylor\"; rubber",
+    ),
+    (
+        "yeoh",
+        "W(C) = c10 x + c20 x^2 + c30 x^3 + W_vol, x = I1bar - 3; parameters c10, c20, c30, bulk_modulus, \
+         volumetric = \"simo-taylor\"; filled rubber",
+    ),
+    (
+        "gent",
+        "W(C) = -mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol; parameters mu, jm, bulk_modulus, \
+         volumetric = \"simo-taylor\"; rubber with a limit of its stretch",
+    ),
+    (
+        "arruda-boyce",
+        "W(C) = n sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol, five terms; parameters mu, lambda_m, bulk_modulus, \
+         volumetric = \"simo-taylor\"; rubber, eight chains",
+    ),
+    (
+        "ogden",
+        "W(C) = sum_p mu_p/alpha_p (l_1^alpha_p + l_2^alpha_p + l_3^alpha_p - 3) + W_vol, l_i = J^(-1/3) lambda_i; \
+         parameters mu = [...], alpha = [...], bulk_modulus, volumetric = \"simo-taylor\"; rubber, any strain",
+    ),
+    (
+        "orthotropic",
+        "W(C) = E : D : E / 2, E = (C - I)/2; parameters youngs_modulus_1, _2, _3, poissons_ratio_12, _23, _13, mu_12, \
+         mu_23, mu_13, axis_1 = [1, 0, 0], axis_2 = [0, 1, 0]; wood, plies, bone, small strain",
+    ),
+    (
+        "holzapfel-gasser-ogden",
+        "W(C) = mu/2 (I1bar - 3) + k1/(2 k2) sum_f (exp(k2 <E_f>^2) - 1) + W_vol, E_f = kappa (I1bar - 3) + \
+         (1 - 3 kappa) (I4bar_f - 1); parameters mu, k1, k2, kappa = 0, fibres = [[x, y, z], ...], bulk_modulus, \
+         volumetric = \"simo-taylor\"; soft tissue with fibres",
     ),
 ];
 

@@ -1,6 +1,7 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
 mod bad_input;
+mod bad_material;
 mod compare;
 mod converge;
 mod examples;

@@ -134,7 +134,7 @@ fn list_has_the_key_word_first() {
     let place = Place::new();
     let expected = [
         ("schemes", ["FE(n)", "DGM"]),
-        ("materials", ["saint-venant-kirchhoff", "neo-hooke"]),
+        ("materials", ["neo-hooke", "holzapfel-gasser-ogden"]),
         ("elements", ["hex8", "tet10"]),
         ("meshes", ["l-block", "file"]),
         ("solvers", ["auto", "auto"]),
@@ -151,7 +151,7 @@ fn list_has_the_key_word_first() {
         assert!(words.iter().all(|word| named.contains(word)), "{what}: {text}");
     }
     for line in place.succeed(&["list", "materials"]).stdout.lines() {
-        let parts = ["W(C) = ", "lambda, mu", "youngs_modulus, poissons_ratio"];
+        let parts = ["W(C) = ", "; parameters "];
         assert!(parts.iter().all(|part| line.contains(part)), "{line}");
     }
     assert_eq!(place.emmy(&["list", "cheese"]).code, 2);

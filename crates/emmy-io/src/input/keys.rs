@@ -24,8 +24,46 @@ pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "file", "scale"
 pub(super) const L_BLOCK: Keys = keys("l-block", &["cell_size"]);
 pub(super) const BOX: Keys = keys("box", &["size", "cells"]);
 pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "material"]);
-pub(super) const MATERIAL: Keys = keys("material", &["saint-venant-kirchhoff", "neo-hooke"]);
+pub(super) const MATERIAL: Keys = keys(
+    "material",
+    &[
+        "saint-venant-kirchhoff",
+        "neo-hooke",
+        "ciarlet-geymonat",
+        "hencky",
+        "mooney-rivlin",
+        "yeoh",
+        "gent",
+        "arruda-boyce",
+        "ogden",
+        "orthotropic",
+        "holzapfel-gasser-ogden",
+    ],
+);
 pub(super) const PARAMETERS: Keys = keys("a material", &["lambda", "mu", "youngs_modulus", "poissons_ratio"]);
+pub(super) const MOONEY_RIVLIN: Keys = keys("mooney-rivlin", &["c10", "c01", "bulk_modulus", "volumetric"]);
+pub(super) const YEOH: Keys = keys("yeoh", &["c10", "c20", "c30", "bulk_modulus", "volumetric"]);
+pub(super) const GENT: Keys = keys("gent", &["mu", "jm", "bulk_modulus", "volumetric"]);
+pub(super) const ARRUDA_BOYCE: Keys = keys("arruda-boyce", &["mu", "lambda_m", "bulk_modulus", "volumetric"]);
+pub(super) const OGDEN: Keys = keys("ogden", &["mu", "alpha", "bulk_modulus", "volumetric"]);
+pub(super) const ORTHOTROPIC: Keys = keys(
+    "orthotropic",
+    &[
+        "youngs_modulus_1",
+        "youngs_modulus_2",
+        "youngs_modulus_3",
+        "poissons_ratio_12",
+        "poissons_ratio_23",
+        "poissons_ratio_13",
+        "mu_12",
+        "mu_23",
+        "mu_13",
+        "axis_1",
+        "axis_2",
+    ],
+);
+pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
+    keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
 pub(super) const LOAD: Keys = keys("[[load]]", &["group", "traction", "force", "acceleration", "history"]);
 pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix"]);
 pub(super) const INITIAL: Keys =
@@ -38,18 +76,69 @@ pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkp
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
-const TABLES: [Keys; 17] = [
-    ROOT, MESH, L_BLOCK, BOX, REGION, MATERIAL, PARAMETERS, LOAD, SUPPORT, INITIAL, TIME, PHASE, NEWTON,
-    SOLVER, OUTPUT, PROBE, LIMITS,
+const TABLES: [Keys; 24] = [
+    ROOT,
+    MESH,
+    L_BLOCK,
+    BOX,
+    REGION,
+    MATERIAL,
+    PARAMETERS,
+    MOONEY_RIVLIN,
+    YEOH,
+    GENT,
+    ARRUDA_BOYCE,
+    OGDEN,
+    ORTHOTROPIC,
+    HOLZAPFEL_GASSER_OGDEN,
+    LOAD,
+    SUPPORT,
+    INITIAL,
+    TIME,
+    PHASE,
+    NEWTON,
+    SOLVER,
+    OUTPUT,
+    PROBE,
+    LIMITS,
 ];
 
 /// Words that people bring from elsewhere, and the keys they stand for.
-const KIN: [(&str, &str); 17] = [
+const KIN: &[(&str, &str)] = &[
     ("E", "youngs_modulus"),
     ("nu", "poissons_ratio"),
     ("rho", "density"),
     ("young", "youngs_modulus"),
     ("poisson", "poissons_ratio"),
+    ("G", "mu"),
+    ("shear_modulus", "mu"),
+    ("K", "bulk_modulus"),
+    ("bulk", "bulk_modulus"),
+    ("Jm", "jm"),
+    ("c1", "c10"),
+    ("c2", "c01"),
+    ("C10", "c10"),
+    ("C01", "c01"),
+    ("C20", "c20"),
+    ("C30", "c30"),
+    ("locking_stretch", "lambda_m"),
+    ("lambda_L", "lambda_m"),
+    ("E1", "youngs_modulus_1"),
+    ("E2", "youngs_modulus_2"),
+    ("E3", "youngs_modulus_3"),
+    ("nu12", "poissons_ratio_12"),
+    ("nu23", "poissons_ratio_23"),
+    ("nu13", "poissons_ratio_13"),
+    ("G12", "mu_12"),
+    ("G23", "mu_23"),
+    ("G13", "mu_13"),
+    ("fiber", "fibres"),
+    ("fibers", "fibres"),
+    ("dispersion", "kappa"),
+    ("svk", "saint-venant-kirchhoff"),
+    ("mooney", "mooney-rivlin"),
+    ("eight-chain", "arruda-boyce"),
+    ("hgo", "holzapfel-gasser-ogden"),
     ("dt", "size"),
     ("h", "size"),
     ("time_step", "size"),

@@ -9,6 +9,7 @@ mod groups;
 mod initial;
 mod keys;
 mod load;
+mod material;
 mod probes;
 mod problem;
 mod region;
