@@ -207,6 +207,55 @@ fn curved_cells_pass_it_too() {
     }
 }
 
+/// Stiffness of a single undistorted cell at rest, row by row (up to the factor of the mid-point rule).
+fn stiffness(kind: CellKind) -> Vec<Vec<f64>> {
+    let mut builder = MeshBuilder::new();
+    let nodes: Vec<u32> = element(kind).nodes().iter().map(|&xi| builder.point(xi)).collect();
+    builder.cell(kind, &nodes).unwrap();
+    let body = Body::new(builder.build().unwrap(), rubber(), &[], &[]).unwrap();
+    let (rule, zeros) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
+    let step = StepInput { rule: &rule, tangent_factor: 1.0, displacement: &zeros, rates: &zeros };
+    let mut assembly = body.assembly(1);
+    body.assemble(&step, Want::Tangent, &[0.0], &mut assembly).unwrap();
+    let column = |dof: usize| {
+        let (mut x, mut y) = (zeros.clone(), zeros.clone());
+        x[dof] = 1.0;
+        assembly.matrix.multiply(body.pattern(), &x, &mut y);
+        y
+    };
+    (0..body.n_dofs()).map(column).collect()
+}
+
+/// Rank by elimination with full pivoting: pivots below 1e-9 of the first are rounding.
+fn rank(mut A: Vec<Vec<f64>>) -> usize {
+    let (n, mut first) = (A.len(), 0.0);
+    for k in 0..n {
+        let places = (k..n).flat_map(|i| (k..n).map(move |j| (i, j)));
+        let (i, j) = places.max_by(|a, b| A[a.0][a.1].abs().total_cmp(&A[b.0][b.1].abs())).unwrap();
+        A.swap(k, i);
+        A.iter_mut().for_each(|row| row.swap(k, j));
+        let pivot = A[k][k];
+        first = if k == 0 { pivot } else { first };
+        if pivot.abs() < 1e-9 * first.abs() {
+            return k;
+        }
+        let (above, below) = A.split_at_mut(k + 1);
+        for row in below {
+            let factor = row[k] / pivot;
+            (k..n).for_each(|j| row[j] -= factor * above[k][j]);
+        }
+    }
+    n
+}
+
+/// The quadrature leaves no deformation without energy: only the six rigid motions of a cell cost nothing.
+#[test]
+fn no_kind_has_modes_without_energy() {
+    for kind in CellKind::ALL {
+        assert_eq!(rank(stiffness(kind)), 3 * kind.n_nodes() - 6, "{kind}");
+    }
+}
+
 /// 50 steps with strains of several percent: every step's balances are at round-off.
 fn flies_free(kind: CellKind, degree: usize) {
     let body = Body::new(patch(kind, false), rubber(), &[], &[]).unwrap();
