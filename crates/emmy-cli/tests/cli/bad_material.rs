@@ -72,6 +72,7 @@ const CASES: &[(usize, &str, &str, &[&str])] = &[
     (9, "mu_23 = 30", "mu_23 = 0", &["orthotropic: mu_23 = 0 must be positive"]),
     (9, "[0, 1, 0]", "[0, 0, 0]", &["orthotropic: axis_1 = 0", "not zero"]),
     (9, "[0, 0, 1]", "[0, -2, 0]", &["orthotropic: axis_2 = 0", "differ in direction"]),
+    (9, ", axis_2 = [0, 0, 1]", "", &["orthotropic: axis_2 = 0", "differ in direction"]),
     (10, "k1 = 200.0", "k1 = 0", &["holzapfel-gasser-ogden: k1 = 0 must be positive"]),
     (10, "k2 = 0.8", "k2 = -0.8", &["holzapfel-gasser-ogden: k2 = -0.8 must be positive"]),
     (10, "kappa = 0.1", "kappa = 0.34", &["kappa = 0.34 must lie between 0 (parallel) and 1/3"]),
@@ -94,6 +95,21 @@ fn every_model_runs_with_good_parameters() {
             place.history("again")["total_energy"],
             "{material}"
         );
+    }
+}
+
+#[test]
+fn values_that_are_left_out_are_written_down() {
+    let orthotropic = GOOD[9].replace(", axis_1 = [0, 1, 0], axis_2 = [0, 0, 1]", "");
+    for (material, values) in [
+        (GOOD[8], "volumetric = \"simo-taylor\""),
+        (&orthotropic, "axis_1 = [1, 0, 0], axis_2 = [0, 1, 0]"),
+        (&GOOD[10].replace(", volumetric = 'simo-taylor'", ""), "volumetric = \"simo-taylor\""),
+        (&GOOD[10].replace("kappa = 0.1, ", ""), "kappa = 0.0"),
+    ] {
+        let place = Place::with(&with_material(material));
+        place.succeed(&["run", "box.toml", "--quiet"]);
+        assert!(place.read("out/input.toml").contains(values), "{}", place.read("out/input.toml"));
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use emmy::motion::{Phase, StepPlan};
 
 use super::fault::{InputError, Place};
-use super::settings;
 use super::tree::{self, Node, Value};
+use super::{material, settings};
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
@@ -19,14 +19,33 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
             }
             continue;
         };
-        let Value::Table(entries) = section.node.value else { continue };
-        for entry in entries {
-            if own.get_mut(&entry.key).is_none() {
-                own.put(&entry.key, entry.node);
-            }
+        fill(own, section.node);
+    }
+    let materials = tree::parse("defaults", material::DEFAULTS)?;
+    tree.get_mut("region").into_iter().for_each(|regions| fill_materials(regions, &materials));
+    Ok(())
+}
+
+/// Puts in the parameters that the models of one region or several leave out.
+fn fill_materials(regions: &mut Node, defaults: &Node) {
+    if let Value::Array(regions) = &mut regions.value {
+        return regions.iter_mut().for_each(|region| fill_materials(region, defaults));
+    }
+    let (Some(own), Value::Table(models)) = (regions.get_mut("material"), &defaults.value) else { return };
+    for model in models {
+        own.get_mut(&model.key).into_iter().for_each(|own| fill(own, model.node.clone()));
+    }
+}
+
+/// Puts the entries of a table that are left out into another; they are said to stand where that does.
+fn fill(own: &mut Node, defaults: Node) {
+    let Value::Table(entries) = defaults.value else { return };
+    for entry in entries {
+        if own.get_mut(&entry.key).is_none() {
+            let place = own.place.clone();
+            own.put(&entry.key, Node { place, ..entry.node });
         }
     }
-    Ok(())
 }
 
 /// The directory of the command line, else that of the file, else the name of the file.

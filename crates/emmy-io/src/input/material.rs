@@ -37,6 +37,17 @@ pub(super) fn region(item: Item<'_>, group: Option<String>, density: f64) -> Res
     })
 }
 
+/// Values of parameters that are left out.
+pub(super) const DEFAULTS: &str = "
+mooney-rivlin = { volumetric = 'simo-taylor' }
+yeoh = { volumetric = 'simo-taylor' }
+gent = { volumetric = 'simo-taylor' }
+arruda-boyce = { volumetric = 'simo-taylor' }
+ogden = { volumetric = 'simo-taylor' }
+orthotropic = { axis_1 = [1, 0, 0], axis_2 = [0, 1, 0] }
+holzapfel-gasser-ogden = { kappa = 0.0, volumetric = 'simo-taylor' }
+";
+
 /// The parameters of a model.
 struct Parameters<'a> {
     item: Item<'a>,
@@ -50,10 +61,6 @@ impl<'a> Parameters<'a> {
 
     fn number(&self, key: &str) -> Result<f64, Fault> {
         self.table.require(key)?.number()
-    }
-
-    fn number_or(&self, key: &str, default: f64) -> Result<f64, Fault> {
-        self.table.get(key).map_or(Ok(default), |item| item.number())
     }
 
     fn numbers<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Fault> {
@@ -73,16 +80,14 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    fn direction_or(&self, key: &str, default: [f64; 3]) -> Result<[f64; 3], Fault> {
-        self.table.get(key).map_or(Ok(default), |item| item.numbers())
+    fn direction(&self, key: &str) -> Result<[f64; 3], Fault> {
+        self.table.require(key)?.numbers()
     }
 
     /// Bulk modulus and law of volume.
     fn volume(&self) -> Result<(f64, Volumetric), Fault> {
         let bulk_modulus = self.number("bulk_modulus")?;
-        let Some(item) = self.table.get("volumetric") else {
-            return Ok((bulk_modulus, Volumetric::default()));
-        };
+        let item = self.table.require("volumetric")?;
         let word = item.word("a law of volume", &Volumetric::ALL.map(Volumetric::name))?;
         Ok((bulk_modulus, word.parse().map_err(|message: String| item.fault(message, "not known"))?))
     }
@@ -170,17 +175,26 @@ fn orthotropic(item: Item<'_>) -> Result<Orthotropic, Fault> {
         ])?,
         shear_moduli: parameters.numbers(["mu_12", "mu_23", "mu_13"])?,
     };
-    let first = parameters.direction_or("axis_1", [1.0, 0.0, 0.0])?;
-    let second = parameters.direction_or("axis_2", [0.0, 1.0, 0.0])?;
-    parameters.checked(Orthotropic::new(constants, [first, second]))
+    let directions = [parameters.direction("axis_1")?, parameters.direction("axis_2")?];
+    parameters.checked(Orthotropic::new(constants, directions))
 }
 
 fn holzapfel_gasser_ogden(item: Item<'_>) -> Result<HolzapfelGasserOgden, Fault> {
     let parameters = Parameters::read(item, keys::HOLZAPFEL_GASSER_OGDEN)?;
-    let ([mu, k1, k2], kappa) =
-        (parameters.numbers(["mu", "k1", "k2"])?, parameters.number_or("kappa", 0.0)?);
+    let [mu, k1, k2, kappa] = parameters.numbers(["mu", "k1", "k2", "kappa"])?;
     let fibres = parameters.list("fibres")?;
     let fibres = fibres.iter().map(|item| item.numbers()).collect::<Result<Vec<_>, _>>()?;
     let (bulk_modulus, law) = parameters.volume()?;
     parameters.checked(HolzapfelGasserOgden::new(mu, [k1, k2], kappa, &fibres, bulk_modulus, law))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_law_of_volume_is_that_of_the_library() {
+        let name = Volumetric::default().name();
+        assert_eq!(DEFAULTS.matches("volumetric = ").count(), DEFAULTS.matches(&format!("'{name}'")).count());
+    }
 }
