@@ -1,4 +1,4 @@
-//! Claims of the paper and their verdicts.
+//! Claims and their verdicts.
 
 /// A statement that is checked by numbers.
 #[derive(Debug, Clone)]
@@ -11,33 +11,34 @@ pub struct Claim {
     pub holds: bool,
 }
 
-impl Claim {
-    /// A claim with its measurement.
-    pub fn new(statement: impl Into<String>, measured: impl Into<String>, holds: bool) -> Self {
-        Claim { statement: statement.into(), measured: measured.into(), holds }
-    }
-}
-
-/// One table or figure: its claims and its pictures.
+/// One table or figure: its claims, tables and pictures.
 #[derive(Debug, Clone)]
 pub struct Item {
     /// Key word, also the stem of its files.
     pub name: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// What the paper shows there, and what was lost of it.
+    /// What is shown there, and what there is to know about it.
     pub note: &'static str,
     /// Claims.
     pub claims: Vec<Claim>,
     /// Pictures that were written, file names.
     pub pictures: Vec<String>,
-    /// A table in the page: header and rows.
-    pub table: Vec<Vec<String>>,
+    /// Tables in the page, each a header and rows.
+    pub tables: Vec<Vec<Vec<String>>>,
+    /// Commands that repeat the runs.
+    pub commands: Vec<String>,
 }
 
 impl Item {
     /// An item without claims yet.
     pub fn new(name: &'static str, title: &'static str, note: &'static str) -> Self {
-        Item { name, title, note, claims: Vec::new(), pictures: Vec::new(), table: Vec::new() }
+        let (claims, pictures, tables, commands) = Default::default();
+        Item { name, title, note, claims, pictures, tables, commands }
+    }
+
+    /// Adds a claim with its measurement.
+    pub fn claim(&mut self, statement: impl Into<String>, measured: impl Into<String>, holds: bool) {
+        self.claims.push(Claim { statement: statement.into(), measured: measured.into(), holds });
     }
 }

@@ -1,14 +1,14 @@
 //! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with the claims that
-//! the paper makes there, checked by numbers.
+//! the paper makes there, checked by numbers; and beside them the schemes that other codes use, higher degrees, long flights.
 //!
-//!     cargo run --release -p emmy-validation -- [--quick] [--output FOLDER]
+//!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
 //!
 //! Ends with exit code 1 if a claim fails.
 
-mod block;
+mod case;
 mod claim;
 mod items;
-mod norm;
+mod measure;
 mod page;
 mod picture;
 
@@ -16,19 +16,24 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use emmy_io::convergence::on_one_thread;
 use rayon::prelude::*;
 
 use crate::claim::Item;
-use crate::items::Effort;
+use crate::items::{Effort, Entry};
+use crate::page::Page;
 use crate::picture::Pictures;
 
 /// Reproduces the results of Betsch and Steinmann (2001), Section 5, with a verdict on each claim.
 #[derive(Debug, Parser)]
 struct Arguments {
-    /// Coarser references and fewer points, for continuous integration
+    /// Coarser references, fewer points, no claims about time: for continuous integration
     #[arg(long)]
     quick: bool,
-    /// Folder for the pictures and the index page
+    /// Only these items, such as table-3,figure-5
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Folder for the pictures, the pages (index.html, results.md) and the kept references
     #[arg(long, default_value = "validation-results")]
     output: PathBuf,
 }
@@ -46,14 +51,12 @@ fn main() -> ExitCode {
 
 /// Whether every claim holds.
 fn run(arguments: &Arguments) -> Result<bool, String> {
+    let entries = arguments.entries()?;
     std::fs::create_dir_all(&arguments.output)
         .map_err(|error| format!("{}: {error}", arguments.output.display()))?;
     let pictures = Pictures { folder: arguments.output.clone() };
-    let effort = Effort { quick: arguments.quick };
     let start = std::time::Instant::now();
-    // Items side by side: each is a handful of serial runs.
-    let items: Vec<Item> =
-        items::ALL.par_iter().map(|item| item(effort, &pictures)).collect::<Result<_, String>>()?;
+    let items = items(&entries, Effort { quick: arguments.quick }, &pictures)?;
     for item in &items {
         println!("{}", item.title);
         for claim in &item.claims {
@@ -61,12 +64,41 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
             println!("  {word}: {} ({})", claim.statement, claim.measured);
         }
     }
-    let set = if effort.quick { "Quick set" } else { "Full set" };
-    let effort = format!("{set}, computed in {:.0} s.", start.elapsed().as_secs_f64());
-    let index = arguments.output.join("index.html");
-    std::fs::write(&index, page::html(&items, &effort)).map_err(|error| error.to_string())?;
+    let page = Page { items: &items, quick: arguments.quick, seconds: start.elapsed().as_secs_f64() };
+    page.write(&arguments.output).map_err(|error| error.to_string())?;
     let claims = items.iter().flat_map(|item| &item.claims);
     let (held, failed): (Vec<_>, Vec<_>) = claims.partition(|claim| claim.holds);
+    let index = arguments.output.join("index.html");
     println!("{} claims hold, {} fail; see {}", held.len(), failed.len(), index.display());
     Ok(failed.is_empty())
+}
+
+impl Arguments {
+    /// The items asked for; all if none is named.
+    fn entries(&self) -> Result<Vec<Entry>, String> {
+        let names: Vec<&str> = items::ALL.iter().map(|entry| entry.name).collect();
+        if let Some(unknown) = self.only.iter().find(|name| !names.contains(&name.as_str())) {
+            return Err(format!("--only {unknown}: there is no such item; there are {}", names.join(", ")));
+        }
+        let is_wanted =
+            |entry: &&Entry| self.only.is_empty() || self.only.iter().any(|name| name == entry.name);
+        Ok(items::ALL.iter().filter(is_wanted).copied().collect())
+    }
+}
+
+/// All items in their order: side by side, each on one thread, but for those that measure times, which run alone.
+fn items(entries: &[Entry], effort: Effort, pictures: &Pictures) -> Result<Vec<Item>, String> {
+    let reproduce = |entry: &Entry| {
+        let item = on_one_thread(|| (entry.reproduce)(effort, pictures)).and_then(|item| item);
+        eprintln!("{}: {}", entry.name, if item.is_ok() { "done" } else { "failed" });
+        item.map_err(|message| format!("{}: {message}", entry.name))
+    };
+    let (timed, others): (Vec<_>, Vec<_>) = (0..entries.len()).partition(|&i| entries[i].timed);
+    let others = others.par_iter().map(|&i| Ok((i, reproduce(&entries[i])?)));
+    let mut items = others.collect::<Result<Vec<(usize, Item)>, String>>()?;
+    for i in timed {
+        items.push((i, reproduce(&entries[i])?));
+    }
+    items.sort_by_key(|(i, _)| *i);
+    Ok(items.into_iter().map(|(_, item)| item).collect())
 }

@@ -1,49 +1,108 @@
-//! The index page: every item with its claims, verdicts and pictures.
+//! The page: every item with its claims, verdicts, tables and pictures, as Markdown and as HTML.
 
 use std::fmt::Write;
+use std::path::Path;
 
-use crate::claim::Item;
+use pulldown_cmark::{Options, Parser, html};
+
+use crate::claim::{Claim, Item};
 use crate::items::COMPLETED;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
     table{border-collapse:collapse;margin:.5rem 0}td,th{border:1px solid #bbb;padding:.2rem .6rem;text-align:left}\
-    img{max-width:100%}.yes{color:#00664a;font-weight:bold}.no{color:#b3261e;font-weight:bold}";
+    img{max-width:100%}code{font-size:.85em}";
 
-/// The page as HTML.
-pub fn html(items: &[Item], effort: &str) -> String {
-    let mut page = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>The paper, reproduced</title><style>{STYLE}</style>\
-         <h1>The paper, reproduced</h1><p>P. Betsch, P. Steinmann, <em>Conservation properties of a time FE method, Part II</em> \
-         (2001), Section 5. {COMPLETED}</p><p>{effort}</p>"
-    );
-    items.iter().for_each(|item| section(&mut page, item));
-    page + "</html>\n"
+/// What the page shows.
+pub struct Page<'a> {
+    /// The items.
+    pub items: &'a [Item],
+    /// Whether it is the quick set.
+    pub quick: bool,
+    /// Seconds that all of it took.
+    pub seconds: f64,
+}
+
+impl Page<'_> {
+    /// Writes `results.md` and `index.html` into a folder.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        let text = self.markdown();
+        std::fs::write(folder.join("results.md"), &text)?;
+        let mut body = String::new();
+        html::push_html(&mut body, Parser::new_ext(&text, Options::ENABLE_TABLES));
+        let head = format!(
+            "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>The paper, reproduced</title><style>{STYLE}</style>"
+        );
+        std::fs::write(folder.join("index.html"), format!("{head}{body}</html>\n"))
+    }
+
+    fn markdown(&self) -> String {
+        let set = if self.quick { "Quick set" } else { "Full set" };
+        let claims = || self.items.iter().flat_map(|item| &item.claims);
+        let held = claims().filter(|claim| claim.holds).count();
+        let mut page = format!(
+            "# The paper, reproduced\n\nP. Betsch, P. Steinmann, *Conservation properties of a time FE method, Part II* (2001), Section 5. \
+             {COMPLETED}\n\n{set}: {held} of {} claims hold. Computed in {:.0} s on {}, by Emmy {}.\n",
+            claims().count(),
+            self.seconds,
+            machine(),
+            env!("CARGO_PKG_VERSION")
+        );
+        self.items.iter().for_each(|item| section(&mut page, item));
+        page
+    }
+}
+
+/// The processor, as far as the system tells it, and the number of threads.
+fn machine() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let name = name.map_or(std::env::consts::ARCH, |(_, name)| name);
+    format!("{name}, {} threads", rayon::current_num_threads())
 }
 
 fn section(page: &mut String, item: &Item) {
     // Writing to a string cannot fail.
-    let _ = write!(page, "<h2>{}</h2><p>{}</p><ul>", escaped(item.title), escaped(item.note));
-    for claim in &item.claims {
-        let (class, word) = if claim.holds { ("yes", "holds") } else { ("no", "FAILS") };
-        let (statement, measured) = (escaped(&claim.statement), escaped(&claim.measured));
-        let _ = write!(page, "<li><span class=\"{class}\">{word}</span>: {statement} ({measured})</li>");
-    }
-    page.push_str("</ul>");
-    if !item.table.is_empty() {
-        page.push_str("<table>");
-        for (row, cells) in item.table.iter().enumerate() {
-            let tag = if row == 0 { "th" } else { "td" };
-            let cells: String =
-                cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
-            let _ = write!(page, "<tr>{cells}</tr>");
-        }
-        page.push_str("</table>");
-    }
-    for picture in &item.pictures {
-        let _ = write!(page, "<p><img src=\"{picture}\" alt=\"{}\"></p>", escaped(item.title));
+    let _ = write!(page, "\n## {}\n\n{}\n", escaped(item.title), escaped(item.note));
+    part(page, item.name, "claims", item.claims.iter().map(claim).collect());
+    part(page, item.name, "tables", item.tables.iter().map(|rows| table(rows)).collect());
+    let picture = |picture: &String| format!("![{}]({picture})\n\n", escaped(item.title));
+    part(page, item.name, "pictures", item.pictures.iter().map(picture).collect());
+    if !item.commands.is_empty() {
+        part(page, item.name, "commands", format!("```sh\n{}\n```\n", item.commands.join("\n")));
     }
 }
 
+/// A part of a section between the marks by which the book finds it.
+fn part(page: &mut String, item: &str, part: &str, text: String) {
+    if !text.is_empty() {
+        let name = format!("{item}-{part}");
+        let _ =
+            write!(page, "\n<!-- ANCHOR: {name} -->\n\n{}\n\n<!-- ANCHOR_END: {name} -->\n", text.trim_end());
+    }
+}
+
+fn claim(claim: &Claim) -> String {
+    let word = if claim.holds { "holds" } else { "FAILS" };
+    format!("- **{word}**: {} ({})\n", escaped(&claim.statement), escaped(&claim.measured))
+}
+
+fn table(rows: &[Vec<String>]) -> String {
+    let mut text = String::new();
+    for (i, cells) in rows.iter().enumerate() {
+        let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+        if i == 0 {
+            let _ = writeln!(text, "|{}", "---|".repeat(cells.len()));
+        }
+    }
+    text + "\n"
+}
+
+/// A text without what Markdown would take for its own.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    let own = ['\\', '|', '*', '_', '<', '>', '`', '['];
+    text.chars().flat_map(|c| own.contains(&c).then_some('\\').into_iter().chain([c])).collect()
 }

@@ -1,8 +1,12 @@
-//! Pictures of the items, through the charts of `emmy_io`.
+//! Pictures of the items, through the charts and drawings of `emmy_io`.
 
 use std::path::PathBuf;
 
-use emmy_io::chart::{Axis, Chart, Guide, Series as Drawn, Style};
+use emmy::mesh::Mesh;
+use emmy_io::chart::{Axis, Chart, Figure, Guide, Series as Drawn, Style};
+use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
+
+use crate::case::Run;
 
 /// A named curve.
 pub struct Series {
@@ -23,20 +27,19 @@ impl Series {
     }
 }
 
-/// Where pictures are written.
+/// Where pictures are written. Every method returns the name of the file.
 pub struct Pictures {
     /// The folder.
     pub folder: PathBuf,
 }
 
 impl Pictures {
-    /// A chart with linear axes; returns the name of the file.
+    /// A chart with linear axes.
     pub fn linear(
         &self,
         stem: &str,
         title: &str,
-        x: &str,
-        y: &str,
+        [x, y]: [&str; 2],
         series: Vec<Series>,
     ) -> Result<String, String> {
         self.write(stem, chart(title, Axis::linear(x), Axis::linear(y), series))
@@ -47,29 +50,49 @@ impl Pictures {
         &self,
         stem: &str,
         title: &str,
-        x: &str,
-        y: &str,
+        [x, y]: [&str; 2],
         series: Vec<Series>,
     ) -> Result<String, String> {
         self.write(stem, chart(title, Axis::linear(x), Axis::log(y), series))
     }
 
-    /// A chart with logarithmic axes and a line of a slope below the curves.
+    /// A chart with logarithmic axes and lines of some slopes through points.
     pub fn log_log(
         &self,
         stem: &str,
         title: &str,
-        [x, y]: [&str; 2],
+        [x, y]: [String; 2],
         series: Vec<Series>,
-        slope: f64,
+        guides: Vec<(f64, (f64, f64))>,
     ) -> Result<String, String> {
-        let points = series.iter().flat_map(|series| &series.points);
-        let lowest = points.min_by(|a, b| a.1.total_cmp(&b.1)).copied();
         let mut chart = chart(title, Axis::log(x), Axis::log(y), series);
-        let guide =
-            |(x, y): (f64, f64)| Guide { label: format!("order {slope}"), slope, through: (x, 0.5 * y) };
-        chart.guides = lowest.map(guide).into_iter().collect();
+        let guide = |(slope, through)| Guide { label: format!("order {slope}"), slope, through };
+        chart.guides = guides.into_iter().map(guide).collect();
         self.write(stem, chart)
+    }
+
+    /// The configurations of a run at some times, side by side.
+    pub fn configurations(
+        &self,
+        stem: &str,
+        mesh: &Mesh,
+        run: &Run,
+        times: &[f64],
+    ) -> Result<String, String> {
+        let configuration = |&time: &f64| {
+            let index = run.records.partition_point(|record| record.time < time - 1e-9);
+            let positions = run.positions.get(index).cloned().unwrap_or_default();
+            Configuration { label: format!("t = {time}"), positions }
+        };
+        let drawing = Drawing {
+            mesh,
+            configurations: times.iter().map(configuration).collect(),
+            arrangement: Arrangement::Beside(times.len().min(5)),
+            view: View::default(),
+            below: Figure::default(),
+        };
+        drawing.write(&self.folder.join(stem)).map_err(|error| format!("{stem}: {error}"))?;
+        Ok(format!("{stem}.svg"))
     }
 
     fn write(&self, stem: &str, chart: Chart) -> Result<String, String> {

@@ -1,0 +1,231 @@
+//! Errors of schemes over step sizes, from a shared state, against one reference.
+
+use std::path::Path;
+
+use emmy_io::convergence::kept::{self, Found, Key};
+use emmy_io::convergence::{self, Row, Samples, Study};
+use emmy_io::input::Problem;
+
+use crate::case::Case;
+use crate::claim::Item;
+use crate::measure::order;
+use crate::picture::{Pictures, Series};
+
+/// One curve: a scheme of a degree.
+pub struct Member {
+    /// Scheme.
+    pub scheme: &'static str,
+    /// Degree.
+    pub degree: usize,
+    /// Step sizes, the largest first.
+    pub sizes: Vec<f64>,
+}
+
+impl Member {
+    /// A scheme of degree 1.
+    pub fn new(scheme: &'static str, sizes: &[f64]) -> Self {
+        Member { scheme, degree: 1, sizes: sizes.to_vec() }
+    }
+}
+
+/// What the errors are measured against: scheme, degree, step size.
+pub struct Reference(pub &'static str, pub usize, pub f64);
+
+/// Rows of every curve.
+pub struct Curves {
+    window: (f64, f64),
+    reference: String,
+    curves: Vec<(Member, Vec<Row>)>,
+}
+
+/// Runs all members from the state that the case reaches at the window's start.
+///
+/// # Errors
+/// The message of a start, a reference or a member that fails.
+pub fn study(
+    case: &Case,
+    window: (f64, f64),
+    reference: &Reference,
+    members: Vec<Member>,
+    folder: &Path,
+) -> Result<Curves, String> {
+    let problem = case.problem()?;
+    let start = convergence::start(&problem, window.0, &mut []).map_err(|error| error.to_string())?;
+    let study = |member: &Member| -> Result<Study, String> {
+        let scheme = |text: &str| text.parse().map_err(|error: emmy::Error| error.to_string());
+        let Reference(reference, reference_degree, reference_size) = *reference;
+        Ok(Study {
+            scheme: scheme(member.scheme)?,
+            degree: member.degree,
+            from: window.0,
+            window,
+            sizes: member.sizes.clone(),
+            reference_scheme: scheme(reference)?,
+            reference_size,
+            reference_degree,
+        })
+    };
+    let studies = members.iter().map(study).collect::<Result<Vec<Study>, String>>()?;
+    let mut all = studies[0].clone();
+    all.sizes = studies.iter().flat_map(|study| study.sizes.iter().copied()).collect();
+    let samples = samples(&problem, &all, &start, folder)?;
+    let rows = |study| convergence::members(&problem, study, &start, &samples, |_| ());
+    let curves = members.into_iter().zip(studies.iter().map(rows)).collect();
+    let Reference(scheme, degree, size) = reference;
+    Ok(Curves { window, reference: format!("{}, h = {size}", label(scheme, *degree)), curves })
+}
+
+/// The reference: kept in the folder, or else computed and kept.
+fn samples(
+    problem: &Problem,
+    study: &Study,
+    start: &emmy::motion::State,
+    folder: &Path,
+) -> Result<Samples, String> {
+    let times = study.sample_times().map_err(|error| error.to_string())?;
+    let key = Key::new(problem, study, start).map_err(|error| error.to_string())?;
+    if let Found::Samples(samples) = kept::find(folder, &key, &times, study.tolerance()) {
+        return Ok(samples);
+    }
+    let samples = convergence::reference(problem, study, start, &times, &mut Nobody);
+    let samples = samples.map_err(|error| format!("the reference: {error}"))?;
+    kept::keep(folder, &key, &samples).map_err(|error| error.to_string())?;
+    Ok(samples)
+}
+
+/// Looks on without doing anything.
+struct Nobody;
+
+impl emmy::motion::Observer for Nobody {
+    fn observe(&mut self, _: emmy::motion::View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
+}
+
+/// Name of a scheme of a degree.
+fn label(scheme: &str, degree: usize) -> String {
+    if degree == 1 { scheme.to_string() } else { format!("{scheme}, k = {degree}") }
+}
+
+impl Curves {
+    /// (step size, error) of the runs of a curve that went to their end.
+    pub fn errors(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
+        self.rows(scheme, degree).iter().filter_map(|row| Some((row.step_size, row.error()?))).collect()
+    }
+
+    /// Error at one of the step sizes; not a number if that run failed.
+    pub fn error(&self, scheme: &str, degree: usize, size: f64) -> f64 {
+        let errors = self.errors(scheme, degree);
+        errors.iter().find(|point| point.0 == size).map_or(f64::NAN, |point| point.1)
+    }
+
+    /// (seconds, error) of the same.
+    pub fn costs(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
+        self.rows(scheme, degree).iter().filter_map(|row| Some((row.wall_seconds, row.error()?))).collect()
+    }
+
+    fn rows(&self, scheme: &str, degree: usize) -> &[Row] {
+        let is_it = |member: &Member| member.scheme == scheme && member.degree == degree;
+        self.curves.iter().find(|(member, _)| is_it(member)).map_or(&[], |(_, rows)| rows)
+    }
+
+    /// Order between the two smallest steps; not a number if there are not two.
+    pub fn order(&self, scheme: &str, degree: usize) -> f64 {
+        match self.errors(scheme, degree)[..] {
+            [.., coarse, fine] => order(coarse, fine),
+            _ => f64::NAN,
+        }
+    }
+
+    /// Error at the smallest step; not a number if there is none.
+    pub fn last(&self, scheme: &str) -> f64 {
+        self.errors(scheme, 1).last().map_or(f64::NAN, |(_, error)| *error)
+    }
+
+    /// Adds the table of errors, and a picture of them over the step size, with lines of some slopes below curves.
+    ///
+    /// # Errors
+    /// The message of a picture that cannot be written.
+    pub fn show_errors(
+        &self,
+        item: &mut Item,
+        pictures: &Pictures,
+        title: &str,
+        guides: &[(i32, &str, usize)],
+    ) -> Result<(), String> {
+        item.tables.push(self.table());
+        let axes = ["step size h".to_string(), self.error_label()];
+        let series = self.series(|row| row.step_size);
+        let guide = |&(slope, scheme, degree): &(i32, &str, usize)| {
+            let below = self.errors(scheme, degree).last().map(|&(size, error)| (size, 0.5 * error));
+            below.map(|through| (f64::from(slope), through))
+        };
+        let guides = guides.iter().filter_map(guide).collect();
+        item.pictures.push(pictures.log_log(&format!("{}-error", item.name), title, axes, series, guides)?);
+        Ok(())
+    }
+
+    /// Adds a picture of the errors over the time that a run takes.
+    ///
+    /// # Errors
+    /// The message of a picture that cannot be written.
+    pub fn show_costs(&self, item: &mut Item, pictures: &Pictures, title: &str) -> Result<(), String> {
+        let axes = ["seconds of a run on one core".to_string(), self.error_label()];
+        let series = self.series(|row| row.wall_seconds);
+        item.pictures.push(pictures.log_log(&format!("{}-cost", item.name), title, axes, series, vec![])?);
+        Ok(())
+    }
+
+    fn error_label(&self) -> String {
+        let (from, to) = self.window;
+        format!("error (80) on {from} < t < {to}; reference: {}", self.reference)
+    }
+
+    fn series(&self, x: impl Fn(&Row) -> f64) -> Vec<Series> {
+        let point = |row: &Row| Some((x(row), row.error()?));
+        let curve = |(member, rows): &(Member, Vec<Row>)| {
+            Series::marked(&label(member.scheme, member.degree), rows.iter().filter_map(point).collect())
+        };
+        self.curves.iter().map(curve).collect()
+    }
+
+    /// Errors: a row a step size, a column a curve.
+    fn table(&self) -> Vec<Vec<String>> {
+        let mut sizes: Vec<f64> = self.curves.iter().flat_map(|(member, _)| member.sizes.clone()).collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        sizes.dedup();
+        let names = self.curves.iter().map(|(member, _)| label(member.scheme, member.degree));
+        let cell = |rows: &[Row], size: f64| match rows.iter().find(|row| row.step_size == size) {
+            None => String::new(),
+            Some(row) => row.error().map_or("no convergence".into(), |error| format!("{error:.3e}")),
+        };
+        let line = |size: f64| {
+            let cells = self.curves.iter().map(|(_, rows)| cell(rows, size));
+            std::iter::once(size.to_string()).chain(cells).collect()
+        };
+        let header = std::iter::once("h".to_string()).chain(names).collect();
+        std::iter::once(header).chain(sizes.iter().map(|&size| line(size))).collect()
+    }
+}
+
+/// Error of a curve (cost, error) at a cost, by interpolation in logarithms; none outside the curve.
+pub fn error_at(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
+    let mut points = curve.to_vec();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let pair = points.windows(2).find(|pair| pair[0].0 <= cost && cost <= pair[1].0)?;
+    let part = (cost / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
+    Some((pair[0].1.ln() + part * (pair[1].1 / pair[0].1).ln()).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::error_at;
+
+    #[test]
+    fn errors_between_points_follow_the_power_law() {
+        // error = cost^-2
+        let curve = [(4.0, 1.0 / 16.0), (1.0, 1.0)];
+        assert!((error_at(&curve, 2.0).unwrap() - 0.25).abs() < 1e-15);
+        assert_eq!(error_at(&curve, 5.0), None);
+    }
+}
