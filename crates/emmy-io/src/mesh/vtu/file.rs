@@ -67,7 +67,31 @@ pub(super) struct Array<'a, 'input> {
 
 impl Array<'_, '_> {
     pub(super) fn is_whole(&self) -> bool {
-        !self.numeric_type.starts_with("Float")
+        self.numeric_type.starts_with("Int") || self.numeric_type.starts_with("UInt")
+    }
+}
+
+/// A number of points or cells.
+fn count(piece: Node<'_, '_>, name: &str) -> Option<usize> {
+    piece.attribute(name)?.trim().parse::<u32>().ok().map(|count| count as usize)
+}
+
+/// The only piece of a grid that has cells.
+fn the_piece<'a, 'input>(
+    file: &Path,
+    document: &Document<'input>,
+    grid: Node<'a, 'input>,
+) -> Result<Node<'a, 'input>> {
+    let pieces = grid.children().filter(|node| node.has_tag_name("Piece"));
+    let filled: Vec<Node> = pieces.filter(|&piece| count(piece, "NumberOfCells") != Some(0)).collect();
+    match filled[..] {
+        [] => Err(no_cells(file)),
+        [piece] => Ok(piece),
+        [_, second, ..] => Err(MeshError::Malformed {
+            place: place(file, document, second),
+            problem: "a second piece of the grid".to_string(),
+            advice: "join the pieces in ParaView (Merge Blocks, with its points) and save again",
+        }),
     }
 }
 
@@ -89,30 +113,11 @@ impl<'a, 'input> Grid<'a, 'input> {
             problem: "no unstructured grid of VTK".to_string(),
             advice: "in ParaView, save it as VTK UnstructuredGrid file (.vtu)",
         })?;
-        let count = |piece: &Node<'a, 'input>, name: &str| {
-            let count = piece.attribute(name).and_then(|text| text.trim().parse::<u32>().ok());
-            let problem = || format!("<Piece> without its {name}");
-            count.map(|count| count as usize).ok_or_else(|| malformed(at(*piece), problem()))
-        };
-        let pieces: Vec<Node> = grid.children().filter(|node| node.has_tag_name("Piece")).collect();
-        let mut filled = Vec::new();
-        for piece in pieces {
-            if count(&piece, "NumberOfCells")? > 0 {
-                filled.push(piece);
-            }
-        }
-        let piece = match filled[..] {
-            [piece] => piece,
-            [] => return Err(no_cells(file)),
-            [_, second, ..] => {
-                return Err(MeshError::Malformed {
-                    place: at(second),
-                    problem: "a second piece of the grid".to_string(),
-                    advice: "join the pieces in ParaView (Merge Blocks, with its points) and save again",
-                });
-            }
-        };
-        let [n_points, n_cells] = [count(&piece, "NumberOfPoints")?, count(&piece, "NumberOfCells")?];
+        let piece = the_piece(file, document, grid)?;
+        let [n_points, n_cells] = ["NumberOfPoints", "NumberOfCells"].map(|name| count(piece, name));
+        let missing =
+            || malformed(at(piece), "<Piece> without its NumberOfPoints or NumberOfCells".to_string());
+        let (n_points, n_cells) = n_points.zip(n_cells).ok_or_else(missing)?;
         let encoding = encoding(root, at(root))?;
         Ok(Grid { file, parts, document, encoding, piece, n_points, n_cells })
     }
