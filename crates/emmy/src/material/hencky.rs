@@ -6,7 +6,7 @@ use super::{Volumetric, lame, split_material, stable_lame};
 use crate::error::Result;
 use crate::tensor::Lane;
 
-/// Hencky material: linear elasticity in the logarithmic strain, for metals and polymers up to stretches of about 1.4.
+/// Hencky material: linear elasticity in the logarithmic strain, for metals and polymers at stretches from 0.7 to 1.3.
 ///
 /// ```math
 /// W = lambda/2 (tr h)^2 + mu h : h,      h = 1/2 ln C

@@ -194,7 +194,7 @@ mod tests {
     const MU: f64 = 3.0;
     const K1: f64 = 2.3632;
     /// A quarter of the artery's: the exponential magnifies the rounding of E_f by 2 k2 E_f^2, which is 34 with the
-    /// artery's at the largest strain of the test (E_f = 4.5, four times what tissue bears) and would hide the formula.
+    /// artery's at the largest strain of the test (E_f = 4.5) and would hide the formula.
     const K2: f64 = 0.21;
     const K: f64 = 20.0;
 
