@@ -14,6 +14,22 @@ pub fn lagrange(nodes: &[f64], i: usize, alpha: f64) -> f64 {
     others.map(|(_, c)| (alpha - c) / (nodes[i] - c)).product()
 }
 
+/// Derivative of the Lagrange basis polynomial `l_i` at a point.
+///
+/// ```math
+/// l_i'(alpha) = sum_{m != i} 1/(c_i - c_m) prod_{j != i, m} (alpha - c_j) / (c_i - c_j)
+/// ```
+///
+/// ```
+/// assert_eq!(emmy::polynomial::lagrange_rate(&[0.0, 1.0], 0, 0.25), -1.0);
+/// ```
+pub fn lagrange_rate(nodes: &[f64], i: usize, alpha: f64) -> f64 {
+    let others = |m: usize| (0..nodes.len()).filter(move |&j| j != i && j != m);
+    let product =
+        |m: usize| -> f64 { others(m).map(|j| (alpha - nodes[j]) / (nodes[i] - nodes[j])).product() };
+    others(i).map(|m| product(m) / (nodes[i] - nodes[m])).sum()
+}
+
 /// Integral of the Lagrange basis polynomial from 0 to a point, by a quadrature that is exact for its degree.
 ///
 /// ```math
@@ -34,13 +50,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn integrals_of_a_cubic_basis_are_exact() {
+    fn integrals_and_rates_of_a_cubic_basis_are_exact() {
         // sum_i c_i^m l_i(alpha) = alpha^m for m <= 3, so sum_i c_i^m L_i(alpha) = alpha^(m+1) / (m+1).
         let nodes = [0.1f64, 0.3, 0.65, 0.9];
         for alpha in [0.2, 0.77, 1.0, 1.4] {
             for m in 0..4 {
                 let sum: f64 = (0..4).map(|i| nodes[i].powi(m) * lagrange_integral(&nodes, i, alpha)).sum();
                 assert!((sum - alpha.powi(m + 1) / f64::from(m + 1)).abs() < 1e-14);
+                let rate: f64 = (0..4).map(|i| nodes[i].powi(m) * lagrange_rate(&nodes, i, alpha)).sum();
+                assert!((rate - f64::from(m) * alpha.powi(m - 1)).abs() < 1e-12);
             }
         }
     }

@@ -164,6 +164,7 @@ impl Report {
         let (force, torque) = (vector(resultant.force), vector(resultant.torque));
         let entries = load.history.entries();
         let history = match entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max) {
+            _ if load.history.text().is_some() => load.history.text().unwrap_or_default().to_string(),
             1.0 if entries.len() == 1 => "constant".to_string(),
             peak => format!("{} times, largest factor {}", entries.len(), number(peak)),
         };

@@ -25,6 +25,19 @@ impl Place {
         Place { source: self.source.clone(), span: span.start.min(end)..end }
     }
 
+    /// A part of a text that stands at this place between quotes, by the bytes of the text; the whole place where the quotes
+    /// hold something else, such as escapes.
+    pub(super) fn inside(&self, text: &str, part: Range<usize>) -> Self {
+        let written = self.text().get(self.span.clone()).unwrap_or("");
+        match written.find(text) {
+            Some(offset) if offset <= 3 && written.len() <= text.len() + 6 => {
+                let start = self.span.start + offset;
+                self.at(start + part.start..start + part.end)
+            }
+            _ => self.clone(),
+        }
+    }
+
     /// Text of the source.
     pub(super) fn text(&self) -> &str {
         self.source.inner()

@@ -3,9 +3,9 @@
 use emmy::body::{History, Load, LoadKind, Support};
 
 use super::fault::Fault;
-use super::keys;
 use super::region::{Placed, group};
 use super::table::Item;
+use super::{history, keys};
 
 /// Reads one load.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {
@@ -22,20 +22,8 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {
         "force" => LoadKind::Force { group: facets(group)?, force: vector },
         _ => LoadKind::Acceleration { group, acceleration: vector },
     };
-    let history = table.get("history").map(history).transpose()?.unwrap_or_else(History::constant);
+    let history = table.get("history").map(history::read).transpose()?.unwrap_or_else(History::constant);
     Placed::new(&table, Load { kind, history })
-}
-
-fn history(item: Item<'_>) -> Result<History, Fault> {
-    let items = item.list()?;
-    let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
-    let entries = items.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
-    History::new(entries).map_err(|error| match error {
-        emmy::Error::History { entry, reason } => {
-            items.get(entry).unwrap_or(&item).fault(format!("`history`: {reason}"), reason)
-        }
-        other => item.fault(other.to_string(), "here"),
-    })
 }
 
 /// Reads one support.

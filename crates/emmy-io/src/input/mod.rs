@@ -4,8 +4,10 @@
 //! section is read by a file of its own into the types of the library. A key that no section knows is an error.
 
 mod complete;
+mod expression;
 mod fault;
 mod groups;
+mod history;
 mod initial;
 mod keys;
 mod load;

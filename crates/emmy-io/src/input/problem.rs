@@ -12,7 +12,9 @@ use super::settings::{Limits, Output};
 use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
-use super::{complete, groups, initial, keys, load, probes, region, set, settings, shape, time, write};
+use super::{
+    complete, groups, history, initial, keys, load, probes, region, set, settings, shape, time, write,
+};
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -123,6 +125,9 @@ impl Parts {
         let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
         let limits = faults.keep(limits).unwrap_or_default();
         faults.keep(root.get("solver").map_or(Ok(()), settings::solver));
+        if let Some(time) = &time {
+            history::check_finite(tree, &time.plan, &mut faults);
+        }
         let Some(shape) = shape else { return Err(finished(faults)) };
         let (Some(time), Some(newton), Some(output)) = (time, newton, output) else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &initial, faults));

@@ -128,8 +128,21 @@ impl<'a> Item<'a> {
 
     /// The items of a list.
     pub(super) fn list(&self) -> Result<Vec<Item<'a>>, Fault> {
-        let Value::Array(nodes) = &self.node.value else { return Err(self.mismatch("a list")) };
+        self.list_or("a list")
+    }
+
+    /// The items of a list; `wanted` is what the value must be, in the message.
+    pub(super) fn list_or(&self, wanted: &str) -> Result<Vec<Item<'a>>, Fault> {
+        let Value::Array(nodes) = &self.node.value else { return Err(self.mismatch(wanted)) };
         Ok(nodes.iter().map(|node| Item { node, ..*self }).collect())
+    }
+
+    /// The text, if the value is a string.
+    pub(super) fn text(&self) -> Option<&'a str> {
+        match &self.node.value {
+            Value::String(text) => Some(text),
+            _ => None,
+        }
     }
 
     /// A string that is not empty.

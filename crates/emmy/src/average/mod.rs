@@ -17,7 +17,7 @@ mod standard;
 mod tests;
 
 use crate::material::Material;
-use crate::polynomial::{lagrange, lagrange_integral};
+use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate};
 use crate::quadrature::{Quadrature, gauss};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
 
@@ -39,6 +39,7 @@ pub struct Rule {
     kind: Kind,
     points: Vec<TimePoint>,
     load_quadrature: Quadrature<1>,
+    smooth_quadrature: Quadrature<1>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,8 +134,8 @@ impl Rule {
             TimePoint { weight, passed, basis, share }
         });
         let points = points.collect();
-        let load_quadrature = gauss(degree.div_ceil(2) + 1);
-        Rule { c, b, a, kind, points, load_quadrature }
+        let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
+        Rule { c, b, a, kind, points, load_quadrature, smooth_quadrature }
     }
 
     /// Degree k of the time element.
@@ -180,6 +181,19 @@ impl Rule {
     /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a load history.
     pub fn load_quadrature(&self) -> &Quadrature<1> {
         &self.load_quadrature
+    }
+
+    /// Quadrature for smooth functions of time times a test function: k + 4 Gauss points.
+    ///
+    /// It is exact for a function of degree k + 8, so that averages have an error of order k + 9: no less than the order 2k of
+    /// the time element, for all degrees there are.
+    pub fn smooth_quadrature(&self) -> &Quadrature<1> {
+        &self.smooth_quadrature
+    }
+
+    /// Derivative `dl_i/dalpha` of the Lagrange basis polynomial l_i of the test functions.
+    pub fn basis_rate(&self, i: usize, alpha: f64) -> f64 {
+        lagrange_rate(&self.c, i, alpha)
     }
 
     /// Stage averages of the stress over a step, and their derivatives if wanted.

@@ -1,0 +1,186 @@
+//! Expressions of the time, such as `0.5 * sin(2*pi*t)`.
+//!
+//! A text becomes a tree ([`parse`]); its value comes with first and second derivative, by the rules of differentiation
+//! applied to numbers ([`Jet`]). Only smooth functions are there: kinks belong in tables, which are integrated exactly.
+
+mod jet;
+mod parse;
+
+use emmy::body::History;
+
+pub(super) use parse::{Mistake, parse};
+
+use jet::Jet;
+
+/// Names and values of the constants.
+pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
+
+/// A function of one argument: its value and two derivatives there.
+type Function = fn(f64) -> [f64; 3];
+
+/// Names of the functions, with value and two derivatives.
+pub(super) const FUNCTIONS: [(&str, Function); 13] = [
+    ("sin", |x| [x.sin(), x.cos(), -x.sin()]),
+    ("cos", |x| [x.cos(), -x.sin(), -x.cos()]),
+    ("tan", |x| {
+        let (t, s) = (x.tan(), 1.0 + x.tan().powi(2));
+        [t, s, 2.0 * t * s]
+    }),
+    ("asin", |x| {
+        let r = 1.0 / (1.0 - x * x).sqrt();
+        [x.asin(), r, x * r.powi(3)]
+    }),
+    ("acos", |x| {
+        let r = 1.0 / (1.0 - x * x).sqrt();
+        [x.acos(), -r, -x * r.powi(3)]
+    }),
+    ("atan", |x| {
+        let r = 1.0 / (1.0 + x * x);
+        [x.atan(), r, -2.0 * x * r * r]
+    }),
+    ("sinh", |x| [x.sinh(), x.cosh(), x.sinh()]),
+    ("cosh", |x| [x.cosh(), x.sinh(), x.cosh()]),
+    ("tanh", |x| {
+        let (t, s) = (x.tanh(), x.cosh().powi(-2));
+        [t, s, -2.0 * t * s]
+    }),
+    ("exp", |x| [x.exp(); 3]),
+    ("ln", |x| [x.ln(), 1.0 / x, -1.0 / (x * x)]),
+    ("log10", |x| [x.log10(), 1.0 / x, -1.0 / (x * x)].map_rates(std::f64::consts::LOG10_E)),
+    ("sqrt", |x| [x.sqrt(), 0.5 / x.sqrt(), -0.25 * x.powf(-1.5)]),
+];
+
+/// Multiplies derivatives by a factor.
+trait MapRates {
+    fn map_rates(self, factor: f64) -> Self;
+}
+
+impl MapRates for [f64; 3] {
+    fn map_rates(self, factor: f64) -> Self {
+        [self[0], factor * self[1], factor * self[2]]
+    }
+}
+
+/// An expression in the time t.
+#[derive(Debug, Clone)]
+pub(super) enum Expression {
+    Time,
+    Number(f64),
+    Negative(Box<Expression>),
+    Operation(Operator, Box<[Expression; 2]>),
+    Function(Function, Box<Expression>),
+}
+
+/// An operator between two expressions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Operator {
+    Plus,
+    Minus,
+    Times,
+    Over,
+    Power,
+}
+
+impl Expression {
+    /// Value and derivatives at a time.
+    fn at(&self, time: f64) -> Jet {
+        match self {
+            Expression::Time => Jet([time, 1.0, 0.0]),
+            Expression::Number(value) => Jet([*value, 0.0, 0.0]),
+            Expression::Negative(argument) => argument.at(time).scaled(-1.0),
+            Expression::Function(function, argument) => argument.at(time).into_function(*function),
+            Expression::Operation(operator, sides) => {
+                let [a, b] = [sides[0].at(time), sides[1].at(time)];
+                match operator {
+                    Operator::Plus => a.plus(b),
+                    Operator::Minus => a.plus(b.scaled(-1.0)),
+                    Operator::Times => a.times(b),
+                    Operator::Over => a.times(b.power_of(-1.0)),
+                    Operator::Power => a.power(b),
+                }
+            }
+        }
+    }
+
+    /// The history of the expression; `text` is what it was read from.
+    pub(super) fn history(self, text: &str) -> History {
+        History::smooth(text, move |time| self.at(time).0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(text: &str) -> History {
+        parse(text).unwrap().history(text)
+    }
+
+    #[test]
+    fn values_are_those_of_mathematics() {
+        let t = 0.7f64;
+        for (text, value) in [
+            ("-t^2", -0.49),
+            ("2^-1", 0.5),
+            ("2^3^2", 512.0),
+            ("1 - 2 - 3", -4.0),
+            ("8/4/2*3", 3.0),
+            ("-2^2 + +1", -3.0),
+            ("2e-3*1.5E+3 + .5", 3.5),
+            ("exp(-(t/0.2)^2)", (-12.25f64).exp()),
+            ("sin(2*pi*t)", (2.0 * std::f64::consts::PI * t).sin()),
+            (" ( t ) ", t),
+            ("log10(100) + ln(e)", 3.0),
+        ] {
+            assert!((history(text).value(t) - value).abs() < 1e-14, "{text}: {}", history(text).value(t));
+        }
+    }
+
+    #[test]
+    fn rates_are_those_of_differences() {
+        let t = 0.7;
+        let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
+        texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
+        for text in texts {
+            let (d, expression) = (1e-4, parse(&text).unwrap());
+            let at = |i: f64| expression.at(t + i * d).0;
+            for order in 0..2 {
+                // Five points: the error is of order d^4, rounding of order eps/d.
+                let [a, b, c, f] = [-2.0, -1.0, 1.0, 2.0].map(|i| at(i)[order]);
+                let difference = (a - 8.0 * b + 8.0 * c - f) / (12.0 * d);
+                let rate = at(0.0)[order + 1];
+                assert!((rate - difference).abs() < 1e-9 * (1.0 + rate.abs()), "{text}: {rate} {difference}");
+            }
+        }
+        // Powers at zero: no logarithm of it comes in.
+        assert_eq!(parse("t^2").unwrap().at(0.0).0, [0.0, 0.0, 2.0]);
+        assert_eq!(parse("t^1 + t^0").unwrap().at(0.0).0, [1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        for (text, place, says) in [
+            ("sin(2*pi*", 9..9, "ends"),
+            ("sin(t", 5..5, "`)`"),
+            ("2 t", 2..3, "operator"),
+            ("2*sine(t)", 2..6, "`sin`"),
+            ("2*x", 2..3, "`t`"),
+            ("sin t", 0..3, "sin("),
+            ("t(2)", 1..2, "operator"),
+            ("pi(2)", 2..3, "operator"),
+            ("1..2", 0..4, "not a number"),
+            ("t $ 2", 2..3, "`$`"),
+            ("t)", 1..2, "`)`"),
+            ("*t", 0..1, "`*`"),
+            ("max(t)", 0..3, "table"),
+            ("1e999", 0..5, "too large"),
+            ("\u{3c0}*t", 0..2, "\u{3c0}"),
+        ] {
+            let mistake = parse(text).unwrap_err();
+            assert!(mistake.reason.contains(says) && mistake.place == place, "{text}: {mistake:?}");
+        }
+        let deep = "(".repeat(100_000);
+        assert!(parse(&deep).unwrap_err().reason.contains("deep"));
+        assert!(parse(&"-".repeat(100_000)).is_err() && parse(&"2^".repeat(100_000)).is_err());
+    }
+}

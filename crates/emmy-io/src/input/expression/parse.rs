@@ -1,0 +1,210 @@
+//! From the text of an expression to its tree, by recursive descent.
+//!
+//! ```text
+//! sum     = product { ("+" | "-") product }
+//! product = signed { ("*" | "/") signed }
+//! signed  = ("-" | "+") signed | power
+//! power   = atom [ "^" signed ]
+//! atom    = number | "t" | constant | function "(" sum ")" | "(" sum ")"
+//! ```
+
+use std::ops::Range;
+
+use super::super::suggest::{did_you_mean, listed};
+use super::{CONSTANTS, Expression, FUNCTIONS, Operator};
+
+/// What is wrong with an expression, and which bytes of it are.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::input) struct Mistake {
+    pub(in crate::input) reason: String,
+    pub(in crate::input) place: Range<usize>,
+}
+
+/// The deepest nesting of an expression; evaluation and reading call themselves so often.
+const DEEPEST: usize = 100;
+
+/// Functions that people look for and that have kinks.
+const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
+
+/// Reads an expression.
+pub(in crate::input) fn parse(text: &str) -> Result<Expression, Mistake> {
+    let mut reader = Reader { text, at: 0, depth: 0 };
+    let expression = reader.sum()?;
+    match reader.next() {
+        None => Ok(expression),
+        Some(')') => Err(reader.mistake_here("this `)` closes nothing")),
+        Some(c) if c.is_alphanumeric() || c == '_' || c == '(' || c == '.' => {
+            Err(reader.mistake_here("an operator is missing here, such as `*`"))
+        }
+        Some(c) => Err(reader.mistake_here(&format!("`{c}` has no meaning here"))),
+    }
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+}
+
+impl Reader<'_> {
+    /// The next character that is no space.
+    fn next(&mut self) -> Option<char> {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start().len();
+        self.text[self.at..].chars().next()
+    }
+
+    /// Goes past the next character if it is this one.
+    fn skip(&mut self, wanted: char) -> bool {
+        let is_there = self.next() == Some(wanted);
+        self.at += if is_there { wanted.len_utf8() } else { 0 };
+        is_there
+    }
+
+    fn mistake_here(&mut self, reason: &str) -> Mistake {
+        let length = self.next().map_or(0, char::len_utf8);
+        Mistake { reason: reason.to_string(), place: self.at..self.at + length }
+    }
+
+    /// Reads one level deeper.
+    fn deeper(
+        &mut self,
+        read: impl FnOnce(&mut Self) -> Result<Expression, Mistake>,
+    ) -> Result<Expression, Mistake> {
+        if self.depth == DEEPEST {
+            return Err(self.mistake_here("the expression is nested too deep here"));
+        }
+        self.depth += 1;
+        let expression = read(self);
+        self.depth -= 1;
+        expression
+    }
+
+    fn sum(&mut self) -> Result<Expression, Mistake> {
+        self.chain(&[('+', Operator::Plus), ('-', Operator::Minus)], Self::product)
+    }
+
+    fn product(&mut self) -> Result<Expression, Mistake> {
+        self.chain(&[('*', Operator::Times), ('/', Operator::Over)], Self::signed)
+    }
+
+    /// Parts between operators of one rank, from left to right.
+    fn chain(
+        &mut self,
+        operators: &[(char, Operator)],
+        part: fn(&mut Self) -> Result<Expression, Mistake>,
+    ) -> Result<Expression, Mistake> {
+        let (mut left, mut n_parts) = (part(self)?, 1);
+        loop {
+            let next = self.next();
+            let Some(&(sign, operator)) = operators.iter().find(|(sign, _)| Some(*sign) == next) else {
+                return Ok(left);
+            };
+            // The tree grows by a level with each part.
+            n_parts += 1;
+            if n_parts > DEEPEST {
+                return Err(self.mistake_here("the expression is too long here"));
+            }
+            self.skip(sign);
+            left = Expression::Operation(operator, Box::new([left, part(self)?]));
+        }
+    }
+
+    fn signed(&mut self) -> Result<Expression, Mistake> {
+        if self.skip('-') {
+            return Ok(Expression::Negative(Box::new(self.deeper(Self::signed)?)));
+        }
+        if self.skip('+') {
+            return self.deeper(Self::signed);
+        }
+        let base = self.atom()?;
+        if self.skip('^') {
+            let exponent = self.deeper(Self::signed)?;
+            return Ok(Expression::Operation(Operator::Power, Box::new([base, exponent])));
+        }
+        Ok(base)
+    }
+
+    fn atom(&mut self) -> Result<Expression, Mistake> {
+        match self.next() {
+            None => Err(self.mistake_here("the expression ends where a number, `t` or a function should be")),
+            Some('(') => self.bracket(),
+            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some(c) if c.is_alphabetic() || c == '_' => self.name(),
+            Some(c) => {
+                let reason = format!("a number, `t` or a function should be here, not `{c}`");
+                Err(self.mistake_here(&reason))
+            }
+        }
+    }
+
+    /// `( sum )`; the next character is the bracket.
+    fn bracket(&mut self) -> Result<Expression, Mistake> {
+        self.skip('(');
+        let inside = self.deeper(Self::sum)?;
+        match self.skip(')') {
+            true => Ok(inside),
+            false => Err(self.mistake_here("a `)` is missing here")),
+        }
+    }
+
+    fn number(&mut self) -> Result<Expression, Mistake> {
+        let (start, bytes) = (self.at, self.text.as_bytes());
+        let digits = |mut at: usize| {
+            while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'.') {
+                at += 1;
+            }
+            at
+        };
+        let mut end = digits(start);
+        if matches!(bytes.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+            let exponent = digits(end + 1 + sign);
+            // `2e` is 2 and the name e: an operator is missing between them.
+            end = if exponent > end + 1 + sign { exponent } else { end };
+        }
+        self.at = end;
+        let (text, place) = (&self.text[start..end], start..end);
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Expression::Number(value)),
+            Ok(_) => Err(Mistake { reason: format!("`{text}` is too large"), place }),
+            Err(_) => Err(Mistake { reason: format!("`{text}` is not a number"), place }),
+        }
+    }
+
+    fn name(&mut self) -> Result<Expression, Mistake> {
+        let (start, rest) = (self.at, &self.text[self.at..]);
+        let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        let (name, place) = (&rest[..length], start..start + length);
+        self.at += length;
+        if name == "t" {
+            return Ok(Expression::Time);
+        }
+        if let Some((_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
+            return Ok(Expression::Number(*value));
+        }
+        let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) else {
+            return Err(Mistake { reason: unknown(name), place });
+        };
+        if self.next() != Some('(') {
+            return Err(Mistake { reason: format!("`{name}` needs brackets: {name}(t)"), place });
+        }
+        Ok(Expression::Function(*function, Box::new(self.bracket()?)))
+    }
+}
+
+/// What is said of a name that is not known.
+fn unknown(name: &str) -> String {
+    let functions = || FUNCTIONS.iter().map(|(name, _)| *name);
+    if KINKED.contains(&name) {
+        return format!(
+            "`{name}` is not smooth; write a table [[time, value], ...], whose kinks are integrated exactly"
+        );
+    }
+    let known = ["t"].into_iter().chain(CONSTANTS.iter().map(|(name, _)| *name)).chain(functions());
+    // Any letter is near to `t`, but not meant for it.
+    match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
+        Some(advice) => format!("`{name}` is not known here: {advice}"),
+        None => format!("`{name}` is not known here; there is {}", listed(known)),
+    }
+}

@@ -1,0 +1,75 @@
+//! Histories: tables of the time, or expressions.
+
+use emmy::body::History;
+use emmy::motion::StepPlan;
+
+use super::expression::{self, Mistake};
+use super::fault::{Fault, Faults};
+use super::table::{Item, spelled};
+use super::tree::{Node, Value};
+
+/// Reads a history: a list of `[time, value]`, or the text of an expression.
+pub(super) fn read(item: Item<'_>) -> Result<History, Fault> {
+    if let Some(text) = item.text() {
+        let text = item.string().map(|_| text)?;
+        let expression = expression::parse(text).map_err(|mistake| fault(&item, text, mistake))?;
+        return Ok(expression.history(text.trim()));
+    }
+    let items = item.list_or("a list of [time, value] or an expression such as \"sin(2*pi*t)\"")?;
+    let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
+    let entries = items.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
+    History::new(entries).map_err(|error| match error {
+        emmy::Error::History { entry, reason } => {
+            items.get(entry).unwrap_or(&item).fault(format!("`{}`: {reason}", item.key()), reason)
+        }
+        other => item.fault(other.to_string(), "here"),
+    })
+}
+
+/// The fault of a mistake, at the part of the text where it is.
+fn fault(item: &Item<'_>, text: &str, Mistake { reason, place }: Mistake) -> Fault {
+    let message = format!("`{}`: {reason}", item.key());
+    Fault::at(&item.place().inside(text, place), message, "here")
+}
+
+/// Keys whose value may be an expression.
+const KEYS: [&str; 5] = ["history", "x", "y", "z", "angle"];
+
+/// Times at which an expression is tried before a run.
+const SAMPLES: usize = 1000;
+
+/// Checks that the expressions of a part of the tree are finite numbers, with their rates, all through a plan.
+pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
+    match &node.value {
+        Value::Array(items) => items.iter().for_each(|item| check_finite(item, plan, faults)),
+        Value::Table(entries) => {
+            for entry in entries {
+                match &entry.node.value {
+                    Value::String(text) if KEYS.contains(&entry.key.as_str()) => {
+                        faults.keep(finite(&entry.key, text, &entry.node, plan));
+                    }
+                    _ => check_finite(&entry.node, plan, faults),
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
+    // What cannot be read has a fault of its own.
+    let Ok(expression) = expression::parse(text) else { return Ok(()) };
+    let history = expression.history(text);
+    let (start, end) = (plan.start(), plan.end());
+    let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);
+    for time in times {
+        for (what, value) in [("", history.value(time)), ("the rate of ", history.rate(time))] {
+            if !value.is_finite() {
+                let message =
+                    format!("`{key}`: {what}`{text}` is not a finite number at t = {}", spelled(time));
+                return Err(Fault::at(&node.place, message, format!("{value} there")));
+            }
+        }
+    }
+    Ok(())
+}
