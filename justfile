@@ -14,7 +14,7 @@ test:
 ci:
     bash .ci/run
 
-# The paper, reproduced: Table III and the figures with a verdict on each claim, into validation-results (a minute).
+# The paper, reproduced, and what stands beside it, with a verdict on each claim, into validation-results (some minutes).
 paper:
     cargo run --release -p emmy-validation -- --quick
 
@@ -23,6 +23,14 @@ validate:
     cargo run --release -p emmy-validation
     cargo test --release -p emmy --test long_flight -- --ignored --nocapture
     cargo test --release -p emmy-cli --test cli -- --ignored --nocapture
+
+# The book, into book/html (needs mdBook: `cargo install mdbook --locked`).
+book:
+    mdbook build book
+
+# The results that the book shows: the full set, computed anew on this machine.
+book-results:
+    cargo run --release -p emmy-validation -- --output book/src/paper
 
 # The picture of the README.
 picture:
