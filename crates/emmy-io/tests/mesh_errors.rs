@@ -92,7 +92,7 @@ fn bad_gmsh_elements() {
             "2\n1 4 2 7 1 1 2 3 4\n2 4 2 7 1 1 2 3 4\n",
             &["line 14: element 2 has the nodes and the group of element 1"],
         ),
-        ("1\n1 2 2 7 1 1 2 3\n", &["a.msh: the mesh has no solid cells; mesh the volume"]),
+        ("1\n1 1 2 7 1 1 2\n", &["a.msh: the mesh has no solid or plane cells; mesh the volume"]),
     ];
     for (text, parts) in v2 {
         assert_message("a.msh", &format!("{V2}$Elements\n{text}$EndElements\n"), parts);
@@ -161,7 +161,7 @@ fn bad_abaqus_nodes_and_elements() {
         ("*Node\n5, 0, 0, zero\n", &["line 7: expected a number, found \"zero\""]),
         ("*Node, system=C\n", &["line 6: coordinates of system C are not supported"]),
         ("*Elgen\n1, 10\n", &["line 6: *ELGEN", "write out all nodes and elements"]),
-        ("*Nset, nset=a\n1\n", &["the mesh has no solid cells; the body must be in it"]),
+        ("*Nset, nset=a\n1\n", &["the mesh has no solid or plane cells; the body must be in it"]),
     ];
     for (text, parts) in cases {
         assert_message("a.inp", &format!("{INP}{text}"), parts);
@@ -193,7 +193,7 @@ fn bad_abaqus_sets_and_surfaces() {
 fn bad_abaqus_assemblies() {
     let part = format!("*Part, name=Tet\n{INP}*Element, type=C3D4\n1, 1, 2, 3, 4\n*End Part\n");
     let cases: [(&str, &[&str]); 8] = [
-        ("", &["the mesh has no solid cells; it has parts but no *Instance"]),
+        ("", &["the mesh has no solid or plane cells; it has parts but no *Instance"]),
         ("*Part, name=TET\n", &["line 10: part \"TET\" is there already"]),
         ("*Instance, name=a, part=Arm\n", &["line 10: there is no part \"Arm\" above, only: Tet"]),
         ("*Instance, name=a\n", &["line 10: *INSTANCE without part="]),

@@ -127,7 +127,7 @@ fn bad_files_are_told_with_their_line() {
             &["a.vtu, line 56: array \"types\": 5 numbers instead of 6"],
         ),
         ("NumberOfPoints=\"12\"", "", &["line 3: <Piece> without its NumberOfPoints"]),
-        ("NumberOfCells=\"5\"", "NumberOfCells=\"0\"", &["a.vtu: the mesh has no solid cells"]),
+        ("NumberOfCells=\"5\"", "NumberOfCells=\"0\"", &["a.vtu: the mesh has no solid or plane cells"]),
         ("format=\"ascii\"", "format=\"binary\"", &["line 5: array \"group:apex\"", "bytes are announced"]),
         ("0 0 1 1 5", "0 0 x 1 5", &["array \"region\": expected a number, found \"x\""]),
         ("12 14 13 10 9", "12 14 13 10 42", &["elements of type 42 of VTK are not supported"]),

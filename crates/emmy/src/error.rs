@@ -10,7 +10,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A mesh without cells.
-    #[error("the mesh has no cells that carry a body (hex8, hex20, hex27, tet4, tet10)")]
+    #[error("the mesh has no cells that carry a body (see `emmy list elements`)")]
     EmptyMesh,
     /// A cell that names a node which does not exist.
     #[error("cell {cell} names node {node}, but the mesh has {n_nodes} nodes")]
@@ -37,6 +37,19 @@ pub enum Error {
     CoordinateNotFinite {
         /// Index of the node.
         node: usize,
+    },
+    /// Cells of a body in plane strain that do not lie in one plane z = const.
+    #[error(
+        "cells in plane strain must lie in one plane z = const, but node {node} is at z = {z} and the first one at \
+         z = {plane}; turn the mesh into the x-y plane, or mesh a volume"
+    )]
+    NotInPlane {
+        /// Index of the node.
+        node: usize,
+        /// Its coordinate.
+        z: f64,
+        /// That of the first node of a plane cell.
+        plane: f64,
     },
     /// A scale factor or size that must be positive and finite.
     #[error("{what} must be positive and finite, not {value}")]

@@ -185,7 +185,7 @@ fn passes_the_patch_test(kind: CellKind, curved: bool) {
 
 #[test]
 fn patches_are_distorted_and_have_inner_nodes() {
-    for kind in CellKind::ALL {
+    for kind in CellKind::SOLIDS {
         let mesh = patch(kind, false);
         let quality = emmy::element::quality(&mesh);
         assert!(quality.inverted.is_empty() && quality.scaled_jacobian.value < 0.95, "{kind}: {quality:?}");
@@ -196,7 +196,7 @@ fn patches_are_distorted_and_have_inner_nodes() {
 
 #[test]
 fn every_kind_passes_the_patch_test() {
-    CellKind::ALL.into_iter().for_each(|kind| passes_the_patch_test(kind, false));
+    CellKind::SOLIDS.into_iter().for_each(|kind| passes_the_patch_test(kind, false));
 }
 
 /// tet10 is not among them: its four points integrate the gradients of curved cells almost, not quite.
@@ -251,7 +251,7 @@ fn rank(mut A: Vec<Vec<f64>>) -> usize {
 /// The quadrature leaves no deformation without energy: only the six rigid motions of a cell cost nothing.
 #[test]
 fn no_kind_has_modes_without_energy() {
-    for kind in CellKind::ALL {
+    for kind in CellKind::SOLIDS {
         assert_eq!(rank(stiffness(kind)), 3 * kind.n_nodes() - 6, "{kind}");
     }
 }
@@ -289,10 +289,10 @@ fn flies_free(kind: CellKind, degree: usize) {
 
 #[test]
 fn every_kind_flies_free_with_linear_time_elements() {
-    CellKind::ALL.into_iter().for_each(|kind| flies_free(kind, 1));
+    CellKind::SOLIDS.into_iter().for_each(|kind| flies_free(kind, 1));
 }
 
 #[test]
 fn every_kind_flies_free_with_quadratic_time_elements() {
-    CellKind::ALL.into_iter().for_each(|kind| flies_free(kind, 2));
+    CellKind::SOLIDS.into_iter().for_each(|kind| flies_free(kind, 2));
 }

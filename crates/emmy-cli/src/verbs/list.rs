@@ -95,9 +95,13 @@ const MATERIALS: [Item; 11] = [
     ),
 ];
 
-const MESHES: [Item; 3] = [
+const MESHES: [Item; 4] = [
     ("l-block", "L-shaped block, { cell_size = 1.0 }; groups body, face-a, face-b"),
     ("box", "block of bricks, { size = [2, 8, 2], cells = [2, 8, 2] }; groups body, x-min, x-max, ... z-max"),
+    (
+        "rectangle",
+        "plane strain, { size = [2, 8], cells = [2, 8] } of quad4 cells; groups body, x-min, x-max, y-min, y-max",
+    ),
     ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp, VTK .vtu; groups by their names in the file"),
 ];
 
@@ -129,6 +133,11 @@ fn description(kind: CellKind) -> &'static str {
         CellKind::Wedge6 => "linear wedge, 6 nodes",
         CellKind::Wedge15 => "serendipity wedge, 15 nodes",
         CellKind::Pyramid5 => "linear pyramid with rational shape functions, 5 nodes",
+        CellKind::Tri3 => "linear triangle in plane strain, 3 nodes",
+        CellKind::Tri6 => "quadratic triangle in plane strain, 6 nodes",
+        CellKind::Quad4 => "bilinear quadrilateral in plane strain, 4 nodes",
+        CellKind::Quad8 => "serendipity quadrilateral in plane strain, 8 nodes",
+        CellKind::Quad9 => "biquadratic quadrilateral in plane strain, 9 nodes",
     }
 }
 

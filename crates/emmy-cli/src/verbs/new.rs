@@ -36,8 +36,13 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 4] =
-    [template!("l-block"), template!("quasi-rigid"), template!("cantilever"), template!("spinning-block")];
+pub const TEMPLATES: [Template; 5] = [
+    template!("l-block"),
+    template!("quasi-rigid"),
+    template!("cantilever"),
+    template!("spinning-block"),
+    template!("plane-beam"),
+];
 
 /// Examples whose meshes lie beside them, so that an input file alone would be of no use.
 const ON_MESHES: [&str; 2] = ["tuning-fork", "two-materials"];

@@ -66,7 +66,7 @@ const CASES: &[Case] = &[
     case(
         MESH,
         "l-block.cell_size = 1\nfile = \"a.msh\"",
-        &["more than one source", "`l-block`, `box`, `file`"],
+        &["more than one source", "`l-block`, `box`, `rectangle`, `file`"],
     ),
     case(
         TRACTION,
@@ -92,6 +92,17 @@ const CASES: &[Case] = &[
     case("size = [1, 2, 1]", "size = [1, -2, 1]", &["`size` must be positive"]),
     case("cells = [1, 2, 1]", "cells = [1, 0, 1]", &["`cells` must be at least 1, not 0"]),
     case("cells = [1, 2, 1]", "cells = [100000, 100000, 1]", &["1.0e10 cells"]),
+    case(MESH, "rectangle = { size = [1, 2, 1], cells = [1, 2] }", &["`size` must have 2 numbers, not 3"]),
+    case(MESH, "rectangle = { size = [1, 0], cells = [1, 2] }", &["`size` must be positive"]),
+    case(MESH, "rectangle = { size = [1, 1], cells = [1, 0] }", &["`cells` must be at least 1"]),
+    case(
+        MESH,
+        "rectangle = { siez = [1, 1], cells = [1, 1] }",
+        &["unknown key `siez` in rectangle", "`size`"],
+    ),
+    case(MESH, "rectangel = { size = [1, 1], cells = [1, 1] }", &["did you mean `rectangle`?"]),
+    case("density = 2.0", "density = 2.0\nthickness = 0", &["`thickness` must be positive, not 0"]),
+    case("density = 2.0", "density = 2.0\nthikness = 1", &["did you mean `thickness`?"]),
     case(MESH, "l-block = { cell_size = 0.3 }", &["1, 1/2, 1/3"]),
     case(MESH, "l-block = { cell_size = 1e-9 }", &["cells; the most is"]),
     case(MESH, "file = \"none.msh\"", &["none.msh"]),
@@ -160,7 +171,7 @@ const MISSING: &[(&str, &[&str])] = &[
     ("[mesh]\nbox = { size = [1, 2, 1], cells = [1, 2, 1] }\n", &["box.toml", "`mesh` is missing"]),
     (
         "box = { size = [1, 2, 1], cells = [1, 2, 1] }\n",
-        &["box.toml:3:", "exactly one of `l-block`, `box`, `file`"],
+        &["box.toml:3:", "exactly one of `l-block`, `box`, `rectangle`, `file`"],
     ),
     ("density = 2.0\n", &["box.toml:6:", "`density` is missing in [[region]]"]),
     ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),

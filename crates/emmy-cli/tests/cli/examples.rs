@@ -57,6 +57,30 @@ fn spinning_block() {
     close(history["total_energy"][0], 464.5311, 1e-12);
 }
 
+#[test]
+fn plane_beam() {
+    let (_, history) = run("plane-beam");
+    // From t = 1 on it swings freely, with all the energy that it was given, by more than its thickness.
+    let swing = history["time"].iter().position(|&time| time >= 1.0).unwrap();
+    let energy = &history["total_energy"][swing..];
+    energy.iter().for_each(|&value| close(value, energy[0], 1e-11));
+    let (largest, tip) = (0.5, &history["tip_x"][swing..]);
+    assert!(tip.iter().any(|&x| x > largest) && tip.iter().any(|&x| x < -largest), "{tip:?}");
+    // A clamped beam's first mode: omega = 1.8751^2 sqrt(E' I / (rho A)) / L^2, E' = E / (1 - nu^2); half a period lies between
+    // the turning points. The linear cells are stiffer than the beam (shear locking), large deflection hardly matters.
+    let crossings: Vec<f64> = (1..tip.len())
+        .filter(|&i| (tip[i - 1] > 0.0) != (tip[i] > 0.0))
+        .map(|i| {
+            let (a, b) = (tip[i - 1], tip[i]);
+            history["time"][swing + i - 1] + 0.05 * a / (a - b)
+        })
+        .collect();
+    let omega = 1.8751f64.powi(2) * (1e5 / 0.91 * 0.25 / 12.0).sqrt() / 64.0;
+    let half_period = std::f64::consts::PI / omega;
+    let measured = (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64;
+    assert!(measured < half_period && measured > 0.7 * half_period, "{measured} {half_period}");
+}
+
 /// Runs an example where it stands, because its mesh lies beside it.
 fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
     let place = Place::new();

@@ -20,10 +20,11 @@ pub(super) const ROOT: Keys = keys(
         "limits",
     ],
 );
-pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "file", "scale"]);
+pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "rectangle", "file", "scale"]);
 pub(super) const L_BLOCK: Keys = keys("l-block", &["cell_size"]);
 pub(super) const BOX: Keys = keys("box", &["size", "cells"]);
-pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "material"]);
+pub(super) const RECTANGLE: Keys = keys("rectangle", &["size", "cells"]);
+pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "thickness", "material"]);
 pub(super) const MATERIAL: Keys = keys(
     "material",
     &[
@@ -76,11 +77,12 @@ pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkp
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
-const TABLES: [Keys; 24] = [
+const TABLES: [Keys; 25] = [
     ROOT,
     MESH,
     L_BLOCK,
     BOX,
+    RECTANGLE,
     REGION,
     MATERIAL,
     PARAMETERS,

@@ -32,5 +32,9 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
     let density = table.require("density")?.positive()?;
     let name = group(&table)?.map(|(name, _)| name);
     let region = material::region(table.require("material")?, name, density)?;
+    let region = match table.get("thickness") {
+        Some(thickness) => region.with_thickness(thickness.positive()?),
+        None => region,
+    };
     Placed::new(&table, region)
 }

@@ -21,6 +21,7 @@ pub(super) struct Shape {
 enum Source {
     LBlock { cell_size: f64 },
     Box { size: [f64; 3], cells: [usize; 3] },
+    Rectangle { size: [f64; 2], cells: [usize; 2] },
     File(PathBuf),
 }
 
@@ -30,12 +31,19 @@ const MAX_CELLS: f64 = 2e7;
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     let table = item.table(keys::MESH)?;
-    let source = table.exactly_one("one source", &["l-block", "box", "file"])?;
+    let source = table.exactly_one("one source", &["l-block", "box", "rectangle", "file"])?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
     let place = source.place().clone();
     let source = match source.key() {
         "l-block" => l_block(source.table(keys::L_BLOCK)?)?,
-        "box" => block(source.table(keys::BOX)?)?,
+        "box" => {
+            let (size, cells) = size_and_cells(source.table(keys::BOX)?)?;
+            Source::Box { size, cells }
+        }
+        "rectangle" => {
+            let (size, cells) = size_and_cells(source.table(keys::RECTANGLE)?)?;
+            Source::Rectangle { size, cells }
+        }
         _ => Source::File(directory.join(source.string()?)),
     };
     Ok(Shape { source, place, scale })
@@ -48,15 +56,16 @@ fn l_block(table: Table<'_>) -> Result<Source, Fault> {
     Ok(Source::LBlock { cell_size })
 }
 
-fn block(table: Table<'_>) -> Result<Source, Fault> {
+/// Edges and numbers of cells along them.
+fn size_and_cells<const N: usize>(table: Table<'_>) -> Result<([f64; N], [usize; N]), Fault> {
     let (size, cells) = (table.require("size")?, table.require("cells")?);
-    let lengths: [f64; 3] = size.numbers()?;
+    let lengths: [f64; N] = size.numbers()?;
     if let Some(length) = lengths.iter().find(|&&length| length <= 0.0) {
         return Err(size.fault(format!("`size` must be positive, not {}", spelled(*length)), "not positive"));
     }
-    let counts = cells.wholes(1)?;
+    let counts: [usize; N] = cells.wholes(1)?;
     few_cells(counts.iter().map(|&n| n as f64).product(), &cells)?;
-    Ok(Source::Box { size: lengths, cells: counts })
+    Ok((lengths, counts))
 }
 
 fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
@@ -80,6 +89,9 @@ impl Shape {
             }
             Source::Box { size, cells } => {
                 (emmy::mesh::block(*size, *cells).map_err(|e| at(&e))?, Vec::new())
+            }
+            Source::Rectangle { size, cells } => {
+                (emmy::mesh::rectangle(*size, *cells).map_err(|e| at(&e))?, Vec::new())
             }
             Source::File(path) => {
                 let file = crate::mesh::read(path).map_err(|error| at(&error))?;

@@ -166,7 +166,7 @@ pub enum MeshError {
         det: f64,
     },
     /// A file without cells.
-    #[error("{}: the mesh has no solid cells; {advice}", file.display())]
+    #[error("{}: the mesh has no solid or plane cells; {advice}", file.display())]
     NoCells {
         /// The file.
         file: PathBuf,

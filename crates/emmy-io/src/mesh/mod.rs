@@ -13,7 +13,7 @@ use emmy::mesh::{Mesh, MeshBuilder};
 pub use error::{MeshError, Place, Position};
 
 /// Kinds of cells that files may hold, for messages.
-const KINDS: &str = "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5";
+const KINDS: &str = "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5, or in a plane of tri3, tri6, quad4, quad8 or quad9";
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -35,6 +35,10 @@ pub struct MeshFile {
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is found under its own name (in all instances together) and as `Instance.Set`; the cells of an
 /// instance are a group of the instance's name.
+///
+/// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of surfaces are
+/// cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane z = const; cells whose
+/// nodes go round clockwise are turned over, with a note.
 ///
 /// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the file) and
 /// the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell stands for its
@@ -117,8 +121,14 @@ struct Origin<'a> {
 }
 
 /// Builds the mesh, checks its cells, and says what was left out of it.
-fn finished(builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String>) -> Result<MeshFile> {
+fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String>) -> Result<MeshFile> {
     let file = || origin.file.to_path_buf();
+    let turned = builder.orient_plane_cells();
+    if turned > 0 {
+        let [one, many] =
+            ["cell whose nodes go round clockwise is", "cells whose nodes go round clockwise are"];
+        notes.push(format!("{} turned over", counted(turned, one, many)));
+    }
     let mesh = builder.build().map_err(|reason| MeshError::Mesh { file: file(), reason })?;
     check_cells(&mesh, origin)?;
     let unused = origin.n_nodes - mesh.n_nodes();

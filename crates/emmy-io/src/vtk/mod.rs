@@ -30,6 +30,11 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
         CellKind::Wedge6 => 13,
         CellKind::Wedge15 => 26,
         CellKind::Pyramid5 => 14,
+        CellKind::Tri3 => 5,
+        CellKind::Tri6 => 22,
+        CellKind::Quad4 => 9,
+        CellKind::Quad8 => 23,
+        CellKind::Quad9 => 28,
     }
 }
 

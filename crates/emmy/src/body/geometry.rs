@@ -1,6 +1,6 @@
 //! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
 
-use crate::element::{ReferenceElement, element, facet_element, jacobian};
+use crate::element::{ReferenceElement, element, facet_element, facet_tangents, jacobian};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh};
 use crate::quadrature::Quadrature;
@@ -19,16 +19,16 @@ pub struct CellTable {
     pub n_points: usize,
     /// Gradients of the shape functions by the reference positions, `[cell][point][3][n_nodes]` \[1/length\].
     pub gradients: Vec<f64>,
-    /// Weights times det(dX/dxi), `[cell][point]` \[length^3\].
+    /// Weights times det(dX/dxi) and the thickness of plane cells, `[cell][point]` \[length^3\].
     pub weights: Vec<f64>,
 }
 
 impl CellTable {
-    /// The table of some cells of a mesh, all of one kind.
+    /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for solids.
     ///
     /// # Errors
     /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
-    pub fn new(mesh: &Mesh, kind: CellKind, cells: Vec<u32>) -> Result<Self> {
+    pub fn new(mesh: &Mesh, kind: CellKind, cells: Vec<u32>, section: f64) -> Result<Self> {
         let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
         let n_points = reference.weights.len();
         let mut table = CellTable {
@@ -45,7 +45,7 @@ impl CellTable {
             table.nodes.extend_from_slice(nodes);
             for point in 0..n_points {
                 let dN = reference.gradients_at(point);
-                let jacobian = jacobian(&X, dN);
+                let jacobian = jacobian(kind, &X, dN);
                 let det = det(&jacobian);
                 if det <= 0.0 || det.is_nan() {
                     return Err(Error::InvertedCell { cell: cell as usize, kind, det });
@@ -55,7 +55,7 @@ impl CellTable {
                     let along = |dN: &[f64; 3]| (0..3).map(|m| dN[m] * inverse[m][axis]).sum::<f64>();
                     table.gradients.extend(dN.iter().map(along));
                 }
-                table.weights.push(reference.weights[point] * det);
+                table.weights.push(reference.weights[point] * det * section);
             }
         }
         Ok(table)
@@ -113,7 +113,7 @@ fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
 
 /// A point of a volume integral: weight, position, and the shape functions of the cell's nodes.
 pub struct VolumePoint<'a> {
-    /// Weight times det(dX/dxi) \[length^3\].
+    /// Weight times det(dX/dxi) \[length^3\]; of plane cells \[length^2\], without their thickness.
     pub weight: f64,
     /// Reference position.
     pub position: [f64; 3],
@@ -136,7 +136,7 @@ pub fn for_each_volume_point(
         let nodes = mesh.cell(cell as usize).nodes;
         let X = positions(mesh, nodes);
         for point in 0..table.weights.len() {
-            let weight = table.weights[point] * det(&jacobian(&X, table.gradients_at(point)));
+            let weight = table.weights[point] * det(&jacobian(kind, &X, table.gradients_at(point)));
             let shapes = table.shapes_at(point);
             let position = interpolated(&X, shapes);
             visit(cell as usize, nodes, VolumePoint { weight, position, shapes });
@@ -157,15 +157,18 @@ fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
     position
 }
 
-/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`.
-pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], areas: &mut [f64]) {
+/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness of each
+/// cell, by which the length of an edge becomes an area.
+pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
     for &facet in facets {
         let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
         let table =
             ReferenceTable::new(facet_element(kind), facet_element(kind).quadrature(), kind.n_nodes());
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        let X = positions(mesh, &nodes);
         for point in 0..table.weights.len() {
-            let weight = table.weights[point] * area_element(mesh, &nodes, table.gradients_at(point));
+            let area = norm_of_product(facet_tangents(kind, &X, table.gradients_at(point)));
+            let weight = table.weights[point] * area * section[facet.cell as usize];
             for (&node, N) in nodes.iter().zip(table.shapes_at(point)) {
                 areas[node as usize] += weight * N;
             }
@@ -173,16 +176,8 @@ pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], areas: &mut [f64]) {
     }
 }
 
-/// Reference area per area of the reference facet: |dX/dxi x dX/deta|.
-fn area_element(mesh: &Mesh, nodes: &[u32], dN: &[[f64; 2]]) -> f64 {
-    let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
-    for (&node, dN) in nodes.iter().zip(dN) {
-        let X = mesh.points()[node as usize];
-        (0..3).for_each(|i| {
-            a[i] += X[i] * dN[0];
-            b[i] += X[i] * dN[1];
-        });
-    }
+/// Norm of the cross product of two vectors.
+fn norm_of_product([a, b]: [[f64; 3]; 2]) -> f64 {
     let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     normal.iter().map(|n| n * n).sum::<f64>().sqrt()
 }

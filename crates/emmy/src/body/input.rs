@@ -10,13 +10,28 @@ pub struct Region {
     pub group: Option<String>,
     /// Reference density \[mass/length^3\].
     pub density: f64,
+    /// Thickness of its plane cells \[length\]; 1 unless it is set.
+    pub thickness: f64,
     pub(super) solid: Box<dyn Solid>,
 }
 
 impl Region {
     /// A region of a material.
     pub fn new<M: Material>(group: Option<String>, density: f64, material: M) -> Self {
-        Region { group, density, solid: super::term::solid(material) }
+        Region { group, density, thickness: 1.0, solid: super::term::solid(material) }
+    }
+
+    /// The same region with another thickness of its plane cells.
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// let plate = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?).with_thickness(0.1);
+    /// let body = Body::new(mesh::rectangle([3.0, 4.0], [3, 4])?, vec![plate], &[], &[])?;
+    /// assert!((body.regions()[0].mass - 2.4).abs() < 1e-14);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_thickness(self, thickness: f64) -> Self {
+        Region { thickness, ..self }
     }
 }
 

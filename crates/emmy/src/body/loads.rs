@@ -14,15 +14,15 @@ pub struct LoadVector {
 }
 
 impl LoadVector {
-    /// Equivalent nodal forces of a load.
+    /// Equivalent nodal forces of a load; `section`: thickness of plane cells, `density`: mass per measure of each cell.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
-    pub fn new(mesh: &Mesh, load: &Load, density_of_cell: &[f64]) -> Result<Self> {
+    pub fn new(mesh: &Mesh, load: &Load, section: &[f64], density_of_cell: &[f64]) -> Result<Self> {
         let (weights, vector) = match &load.kind {
-            LoadKind::Traction { group, traction } => (facet_areas(mesh, group)?, *traction),
+            LoadKind::Traction { group, traction } => (facet_areas(mesh, group, section)?, *traction),
             LoadKind::Force { group, force } => {
-                let areas = facet_areas(mesh, group)?;
+                let areas = facet_areas(mesh, group, section)?;
                 let area: f64 = areas.iter().sum();
                 (areas.iter().map(|a| a / area).collect(), *force)
             }
@@ -39,9 +39,9 @@ impl LoadVector {
 }
 
 /// Integrals of the shape functions over a facet group.
-fn facet_areas(mesh: &Mesh, group: &str) -> Result<Vec<f64>> {
+fn facet_areas(mesh: &Mesh, group: &str, section: &[f64]) -> Result<Vec<f64>> {
     let mut areas = vec![0.0; mesh.n_nodes()];
-    add_facet_areas(mesh, mesh.groups().facets(group)?, &mut areas);
+    add_facet_areas(mesh, mesh.groups().facets(group)?, section, &mut areas);
     Ok(areas)
 }
 

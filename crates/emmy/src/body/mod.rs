@@ -58,7 +58,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// The body of a mesh.
+    /// The body of a mesh. Nodes of plane cells are fixed along z.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::RegionCover`] if the regions do not cover the cells, [`Error::NotPositive`]
@@ -75,8 +75,9 @@ impl Body {
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
         terms.iter_mut().for_each(|term| term.attach(&pattern, &parts));
-        let density_of_cell = of_cell.densities(&regions);
-        let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &density_of_cell));
+        let section = of_cell.sections(&mesh, &regions);
+        let density_of_cell = of_cell.densities(&mesh, &regions);
+        let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &section, &density_of_cell));
         Ok(Body {
             loads: loads.collect::<Result<_>>()?,
             fixed: fixed_dofs(&mesh, supports)?,
@@ -231,10 +232,18 @@ struct Part {
 
 fn fixed_dofs(mesh: &Mesh, supports: &[Support]) -> Result<Vec<bool>> {
     let mut fixed = vec![false; mesh.n_dofs()];
+    fix_planes(mesh, &mut fixed);
     for support in supports {
         for node in mesh.group_nodes(&support.group)? {
             (0..3).for_each(|i| fixed[3 * node as usize + i] |= support.fix[i]);
         }
     }
     Ok(fixed)
+}
+
+/// Plane strain: nodes of plane cells do not leave the plane.
+fn fix_planes(mesh: &Mesh, fixed: &mut [bool]) {
+    for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
+        cell.nodes.iter().for_each(|&node| fixed[3 * node as usize + 2] = true);
+    }
 }

@@ -20,7 +20,7 @@ pub struct RegionSummary {
     pub mass: f64,
     /// Centre of mass \[length\].
     pub centre: [f64; 3],
-    /// Inertia tensor about the centre of mass \[mass length^2\].
+    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the plane.
     pub inertia: [[f64; 3]; 3],
 }
 
@@ -67,8 +67,10 @@ impl RegionOfCell {
         let mut count = vec![0; mesh.n_cells()];
         let mut region_of_cell = vec![0; mesh.n_cells()];
         for (index, region) in regions.iter().enumerate() {
-            if !(region.density > 0.0 && region.density.is_finite()) {
-                return Err(Error::NotPositive { what: "density".into(), value: region.density });
+            for (what, value) in [("density", region.density), ("thickness", region.thickness)] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(Error::NotPositive { what: what.into(), value });
+                }
             }
             let all: Vec<u32>;
             let cells = match &region.group {
@@ -89,8 +91,20 @@ impl RegionOfCell {
         }
     }
 
-    pub fn densities(&self, regions: &[Region]) -> Vec<f64> {
-        self.0.iter().map(|&region| regions[region as usize].density).collect()
+    /// Thickness of every plane cell, 1 for solids.
+    pub fn sections(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
+        let cells = mesh.cells().zip(&self.0);
+        cells.map(|(cell, &region)| regions[region as usize].section(cell.kind)).collect()
+    }
+
+    /// Mass per volume of solid cells, per area of plane ones.
+    pub fn densities(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
+        let sections = self.sections(mesh, regions);
+        self.0
+            .iter()
+            .zip(sections)
+            .map(|(&region, section)| regions[region as usize].density * section)
+            .collect()
     }
 
     pub fn into_indices(self) -> Vec<u32> {
@@ -102,6 +116,13 @@ impl RegionOfCell {
     }
 }
 
+impl Region {
+    /// What makes a volume of the measure of a cell: the thickness of plane cells, 1 for solids.
+    fn section(&self, kind: CellKind) -> f64 {
+        if kind.dimension() == 2 { self.thickness } else { 1.0 }
+    }
+}
+
 /// One term for each region and kind of cell.
 pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Result<Vec<Box<dyn Term>>> {
     let mut terms = Vec::new();
@@ -110,7 +131,7 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             let cells: Vec<u32> =
                 of_cell.cells(index).filter(|&cell| mesh.cell(cell as usize).kind == kind).collect();
             if !cells.is_empty() {
-                terms.push(region.solid.term(CellTable::new(mesh, kind, cells)?));
+                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, region.section(kind))?));
             }
         }
     }
@@ -165,11 +186,12 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
     // Moments about a point of the region, so that a body far from the origin keeps its digits.
     let origin =
         cells.first().map_or([0.0; 3], |&cell| mesh.points()[mesh.cell(cell as usize).nodes[0] as usize]);
-    for_each_volume_point(mesh, cells.into_iter(), |_, _, point| {
+    for_each_volume_point(mesh, cells.into_iter(), |cell, _, point| {
         let x = [0, 1, 2].map(|i| point.position[i] - origin[i]);
-        volume += point.weight;
-        (0..3).for_each(|i| first[i] += point.weight * x[i]);
-        (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += point.weight * x[i] * x[j]));
+        let weight = point.weight * region.section(mesh.cell(cell).kind);
+        volume += weight;
+        (0..3).for_each(|i| first[i] += weight * x[i]);
+        (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += weight * x[i] * x[j]));
     });
     let offset = first.map(|x| x / volume);
     let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));

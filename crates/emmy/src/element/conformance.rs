@@ -37,6 +37,10 @@ impl Domain {
         }
     }
 
+    fn of_plane(kind: CellKind) -> Self {
+        if kind.linear() == CellKind::Tri3 { Domain::Simplex } else { Domain::Cube }
+    }
+
     /// What the shape functions are multiplied with to become polynomials, a function of the last coordinate.
     fn denominator<const D: usize>(self, xi: [f64; D]) -> f64 {
         if self == Domain::Pyramid { 1.0 - xi[D - 1] } else { 1.0 }
@@ -159,10 +163,10 @@ fn fine_rule<const D: usize>(domain: Domain) -> Quadrature<D> {
 }
 
 /// The rule of the internal force agrees with a rule of high degree on the stiffness of an undistorted cell.
-fn integrates_stiffness(element: &dyn ReferenceElement<3>, domain: Domain) {
+fn integrates_stiffness<const D: usize>(element: &dyn ReferenceElement<D>, domain: Domain) {
     let (rule, fine) = (element.quadrature(), fine_rule(domain));
-    let stiffness = |rule: &Quadrature<3>| {
-        let mut sums = vec![0.0; 9 * element.nodes().len().pow(2)];
+    let stiffness = |rule: &Quadrature<D>| {
+        let mut sums = vec![0.0; (D * element.nodes().len()).pow(2)];
         for (&xi, w) in rule.iter() {
             let dN: Vec<f64> = gradient_at(element, xi).into_iter().flatten().collect();
             let products = dN.iter().flat_map(|a| dN.iter().map(move |b| a * b));
@@ -227,6 +231,56 @@ fn points<const D: usize>() -> impl Strategy<Value = Vec<[f64; D]>> {
     prop::collection::vec(prop::array::uniform::<_, D>(-1.0..1.0f64), 8)
 }
 
+/// A plane cell without its third coordinate.
+struct Flat(CellKind);
+
+impl ReferenceElement<2> for Flat {
+    fn nodes(&self) -> &'static [[f64; 2]] {
+        element(self.0).nodes().iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>().leak()
+    }
+    fn shape(&self, [x, y]: [f64; 2], N: &mut [f64]) {
+        // Nothing depends on the third coordinate.
+        element(self.0).shape([x, y, 7.0], N);
+    }
+    fn gradient(&self, [x, y]: [f64; 2], dN: &mut [[f64; 2]]) {
+        let mut all = vec![[f64::NAN; 3]; dN.len()];
+        element(self.0).gradient([x, y, 7.0], &mut all);
+        assert!(all.iter().all(|dN| dN[2] == 0.0));
+        dN.iter_mut().zip(all).for_each(|(dN, [x, y, _])| *dN = [x, y]);
+    }
+    fn quadrature(&self) -> Quadrature<2> {
+        flat(element(self.0).quadrature())
+    }
+    fn mass_quadrature(&self) -> Quadrature<2> {
+        flat(element(self.0).mass_quadrature())
+    }
+}
+
+fn flat(rule: Quadrature<3>) -> Quadrature<2> {
+    Quadrature { points: rule.points.iter().map(|&[x, y, _]| [x, y]).collect(), weights: rule.weights }
+}
+
+/// What holds for a cell holds for a plane one in its two coordinates; its edges have the cell on their left.
+fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
+    assert_eq!(element(kind).nodes().len(), kind.n_nodes());
+    conforms(&Flat(kind), Domain::of_plane(kind), degree, points);
+    integrates_stiffness(&Flat(kind), Domain::of_plane(kind));
+    let (cell, corners) = (element(kind), &element(kind).nodes()[..kind.n_corners()]);
+    let centre = [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64);
+    for facet in kind.facets() {
+        let edge = facet_element(facet.kind);
+        assert_eq!(edge.nodes().len(), facet.kind.n_nodes());
+        let positions: Vec<[f64; 3]> = facet.nodes.iter().map(|&local| cell.nodes()[local]).collect();
+        for (&s, _) in edge.quadrature().iter() {
+            let [a, b] = facet_tangents(facet.kind, &positions, &gradient_at(edge, s));
+            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let x = combination(&shape_at(edge, s), &positions);
+            assert!((0..3).map(|i| normal[i] * (x[i] - centre[i])).sum::<f64>() > 0.1, "{kind} {facet:?}");
+            is_the_restriction(cell, facet.nodes, &shape_at(edge, s), x);
+        }
+    }
+}
+
 /// Rounding grows with the coordinates u and v of the ray, so no points beside the pyramid as with the others.
 fn inside_the_pyramid() -> impl Strategy<Value = Vec<[f64; 3]>> {
     let inside = |points: Vec<[f64; 3]>| {
@@ -254,6 +308,20 @@ proptest! {
     fn wedge15(points in points()) { cell_conforms(CellKind::Wedge15, 2, &points) }
     #[test]
     fn pyramid5(points in inside_the_pyramid()) { cell_conforms(CellKind::Pyramid5, 1, &points) }
+    #[test]
+    fn line2(points in points()) { conforms(&Line2, Domain::Cube, 1, &points) }
+    #[test]
+    fn line3(points in points()) { conforms(&Line3, Domain::Cube, 2, &points) }
+    #[test]
+    fn plane_tri3(points in points()) { plane_cell_conforms(CellKind::Tri3, 1, &points) }
+    #[test]
+    fn plane_tri6(points in points()) { plane_cell_conforms(CellKind::Tri6, 2, &points) }
+    #[test]
+    fn plane_quad4(points in points()) { plane_cell_conforms(CellKind::Quad4, 1, &points) }
+    #[test]
+    fn plane_quad8(points in points()) { plane_cell_conforms(CellKind::Quad8, 2, &points) }
+    #[test]
+    fn plane_quad9(points in points()) { plane_cell_conforms(CellKind::Quad9, 2, &points) }
     #[test]
     fn tri3(points in points()) { conforms(facet_element(FacetKind::Tri3), Domain::Simplex, 1, &points) }
     #[test]

@@ -7,6 +7,8 @@ mod conformance;
 mod hex20;
 mod hex27;
 mod hex8;
+mod lifted;
+mod line;
 mod pyramid5;
 mod quad;
 mod quality;
@@ -22,6 +24,7 @@ mod wedge6;
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
+pub use line::{Line2, Line3};
 pub use pyramid5::Pyramid5;
 pub use quad::{Quad4, Quad8, Quad9};
 pub use quality::{Quality, Worst, check, quality};
@@ -59,7 +62,7 @@ pub trait ReferenceElement<const D: usize>: Send + Sync {
     }
 }
 
-/// Reference element of a kind of cell.
+/// Reference element of a kind of cell, in three coordinates: nothing depends on those that the cell does not have.
 ///
 /// ```
 /// use emmy::{element::element, mesh::CellKind};
@@ -77,10 +80,15 @@ pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
         CellKind::Wedge6 => &Wedge6,
         CellKind::Wedge15 => &Wedge15,
         CellKind::Pyramid5 => &Pyramid5,
+        CellKind::Tri3 => &lifted::TRI3,
+        CellKind::Tri6 => &lifted::TRI6,
+        CellKind::Quad4 => &lifted::QUAD4,
+        CellKind::Quad8 => &lifted::QUAD8,
+        CellKind::Quad9 => &lifted::QUAD9,
     }
 }
 
-/// Reference element of a kind of facet.
+/// Reference element of a kind of facet, in two coordinates: nothing depends on the second one of an edge.
 ///
 /// ```
 /// use emmy::{element::facet_element, mesh::FacetKind};
@@ -89,6 +97,8 @@ pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
 /// ```
 pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
     match kind {
+        FacetKind::Line2 => &lifted::LINE2,
+        FacetKind::Line3 => &lifted::LINE3,
         FacetKind::Tri3 => &Tri3,
         FacetKind::Tri6 => &Tri6,
         FacetKind::Quad4 => &Quad4,
@@ -97,12 +107,15 @@ pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
     }
 }
 
-/// Derivative of the position by the reference coordinates, `X: [n_nodes][3]`, `dN: [n_nodes][3]`.
+/// Derivative of the position by the reference coordinates of a cell, `X: [n_nodes][3]`, `dN: [n_nodes][3]`.
 ///
 /// ```math
 /// J_ij = dX_i/dxi_j = sum_A X_Ai dN_A/dxi_j
 /// ```
-pub fn jacobian(X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
+///
+/// The third column of a plane cell is the unit vector along z: det J is then area by area, negative where the nodes go round
+/// clockwise, and gradients dN/dX have no third component.
+pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
     let mut J = [[0.0; 3]; 3];
     for (X, dN) in X.iter().zip(dN) {
         for i in 0..3 {
@@ -111,5 +124,25 @@ pub fn jacobian(X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
             }
         }
     }
+    if kind.dimension() == 2 {
+        J[2][2] = 1.0;
+    }
     J
+}
+
+/// Derivatives of the position by the two coordinates of a facet, `X: [n_nodes][3]`, `dN: [n_nodes][2]`; their cross
+/// product is the outward normal times the area by area. The second one of an edge is the unit vector along z.
+///
+/// ```
+/// use emmy::{element::facet_tangents, mesh::FacetKind};
+/// let along_x = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]]; // the cell lies above
+/// let tangents = facet_tangents(FacetKind::Line2, &along_x, &[[-0.5, 0.0], [0.5, 0.0]]);
+/// assert_eq!(tangents, [[2.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+/// ```
+pub fn facet_tangents(kind: FacetKind, X: &[[f64; 3]], dN: &[[f64; 2]]) -> [[f64; 3]; 2] {
+    let tangent = |j: usize| [0, 1, 2].map(|i| X.iter().zip(dN).map(|(X, dN)| X[i] * dN[j]).sum::<f64>());
+    match kind {
+        FacetKind::Line2 | FacetKind::Line3 => [tangent(0), [0.0, 0.0, 1.0]],
+        _ => [tangent(0), tangent(1)],
+    }
 }

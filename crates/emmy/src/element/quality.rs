@@ -29,15 +29,15 @@ pub struct Quality {
     /// Smallest det(dX/dxi) of a cell, at its quadrature points and nodes, by its mean over the cell: 1 for a
     /// parallelepiped, a straight tetrahedron, a pyramid over a parallelogram, less where faces are warped or curved, not
     /// positive where the map folds. (In a pyramid det is constant along a ray from the apex: the apex, where it has no
-    /// single value, has those of the base; the one on the axis is taken.)
+    /// single value, has those of the base; the one on the axis is taken.) In a plane det is that of the two coordinates.
     pub jacobian_ratio: Worst,
     /// Smallest volume spanned by the three edges at a corner, by the product of their lengths, relative to the cell with
     /// edges of one length (cube, regular tetrahedron, ...): 1 at best, near zero for a flat cell. At the apex of a
-    /// pyramid every three successive ones of its four edges count. Source: Knupp (2000), IJNME 48, 1165-1185.
+    /// pyramid every three successive ones of its four edges count; in a plane it is the area that two edges span. Source: Knupp (2000), IJNME 48, 1165-1185.
     pub scaled_jacobian: Worst,
     /// Largest quotient of the longest by the shortest edge of a cell (distance of the corners).
     pub aspect_ratio: Worst,
-    /// Total volume \[length^3\].
+    /// Total volume \[length^3\]; of plane cells the area.
     pub volume: f64,
     /// Cells whose det(dX/dxi) is not positive at one of their quadrature points, ascending.
     pub inverted: Vec<usize>,
@@ -110,6 +110,7 @@ impl Measures {
 /// What the cells of a kind share: gradients of the shape functions at all points that are looked at, and the edges.
 struct Sample {
     weights: Vec<f64>,
+    kind: CellKind,
     /// Points of the mass quadrature, which the weights belong to, then those of the internal force.
     at_quadrature: Vec<Vec<[f64; 3]>>,
     at_nodes: Vec<Vec<[f64; 3]>>,
@@ -130,6 +131,7 @@ impl Sample {
         let mut at_quadrature = gradients(curved, &mass.points);
         at_quadrature.extend(gradients(curved, &curved.quadrature().points));
         Sample {
+            kind,
             weights: mass.weights,
             at_quadrature,
             at_nodes: gradients(curved, curved.nodes()),
@@ -140,11 +142,11 @@ impl Sample {
     }
 
     fn measures(&self, X: &[[f64; 3]]) -> Measures {
-        let dets: Vec<f64> = self.at_quadrature.iter().map(|dN| det(&jacobian(X, dN))).collect();
+        let dets: Vec<f64> = self.at_quadrature.iter().map(|dN| det(&jacobian(self.kind, X, dN))).collect();
         let volume: f64 = self.weights.iter().zip(&dets).map(|(w, det)| w * det).sum();
         let mean = volume / self.weights.iter().sum::<f64>();
         let smallest_det = dets.into_iter().reduce(smaller).unwrap_or(f64::NAN);
-        let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(X, dN)));
+        let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(self.kind, X, dN)));
         let lengths: Vec<f64> = self.edges.iter().map(|&[a, b]| distance(X[a], X[b])).collect();
         let (shortest, longest) =
             (lengths.iter().copied().reduce(smaller), lengths.iter().copied().reduce(f64::max));
@@ -158,9 +160,13 @@ impl Sample {
     }
 
     fn scaled_jacobian(&self, X: &[[f64; 3]]) -> f64 {
+        let is_plane = self.kind.dimension() == 2;
         let scaled = |&[corner, a, b, c]: &[usize; 4]| {
-            let edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
-            let product: f64 = [a, b, c].iter().map(|&end| distance(X[end], X[corner])).product();
+            let mut edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
+            if is_plane {
+                edges[2] = [0.0, 0.0, 1.0];
+            }
+            let product: f64 = edges.iter().map(|edge| distance(*edge, [0.0; 3])).product();
             // An edge of no length spans no volume.
             if product == 0.0 { 0.0 } else { self.ideal * det(&edges) / product }
         };
@@ -172,7 +178,7 @@ impl Sample {
 fn ideal(kind: CellKind) -> f64 {
     match kind.linear() {
         CellKind::Tet4 | CellKind::Pyramid5 => 2f64.sqrt(),
-        CellKind::Wedge6 => 2.0 / 3f64.sqrt(),
+        CellKind::Wedge6 | CellKind::Tri3 => 2.0 / 3f64.sqrt(),
         _ => 1.0,
     }
 }
@@ -198,9 +204,13 @@ fn edges(kind: CellKind) -> Vec<[usize; 2]> {
     edges.into_iter().collect()
 }
 
-/// Corners with each three successive neighbours, anticlockwise as seen from outside.
+/// Corners with each three successive neighbours, anticlockwise as seen from outside; in a plane with the next corner and the
+/// one before, the third edge being the unit vector along z.
 fn spans(kind: CellKind) -> Vec<[usize; 4]> {
-    let mut spans = Vec::new();
+    let (mut spans, n) = (Vec::new(), kind.n_corners());
+    if kind.dimension() == 2 {
+        return (0..n).map(|corner| [corner, (corner + 1) % n, (corner + n - 1) % n, corner]).collect();
+    }
     for corner in 0..kind.n_corners() {
         let around = neighbours(kind, corner);
         // The triples of three neighbours are one triple, turned.
@@ -270,6 +280,9 @@ mod tests {
     fn reference(kind: CellKind) -> [f64; 3] {
         match kind.linear() {
             CellKind::Tet4 => [1.0 / 6.0, 0.5f64.sqrt(), 2f64.sqrt()],
+            // Corner (1, 0): edges of lengths 1 and sqrt 2 span 1.
+            CellKind::Tri3 => [0.5, 0.5f64.sqrt() * 2.0 / 3f64.sqrt(), 2f64.sqrt()],
+            CellKind::Quad4 => [4.0, 1.0, 1.0],
             // Corner (1, 0): edges of lengths 1, sqrt 2 and 2 span a prism of volume 2.
             CellKind::Wedge6 => [1.0, 0.5f64.sqrt() * 2.0 / 3f64.sqrt(), 2.0],
             // Corner of the base: edges of lengths 2, 2 and sqrt 3 span 4.

@@ -76,10 +76,41 @@ impl MeshBuilder {
         self.groups.nodes.entry(name.to_string()).or_default().extend(nodes);
     }
 
+    /// Turns plane cells whose corners go round clockwise over, and says how many; facets stay where they are.
+    ///
+    /// ```
+    /// use emmy::mesh::{CellKind, MeshBuilder};
+    /// let mut builder = MeshBuilder::new();
+    /// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+    ///     builder.point(point);
+    /// }
+    /// builder.cell(CellKind::Tri3, &[0, 2, 1])?;
+    /// assert_eq!(builder.orient_plane_cells(), 1);
+    /// assert_eq!(builder.build()?.cell(0).nodes, [0, 1, 2]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn orient_plane_cells(&mut self) -> usize {
+        let mut turned = vec![false; self.kinds.len()];
+        for (cell, (&kind, range)) in self.kinds.iter().zip(self.offsets.windows(2)).enumerate() {
+            let nodes = &mut self.connectivity[range[0] as usize..range[1] as usize];
+            if kind.dimension() == 2 && area(&self.points, &nodes[..kind.n_corners()]) < 0.0 {
+                turned[cell] = true;
+                turn_over(nodes, kind.n_corners());
+            }
+        }
+        for facet in self.groups.facets.values_mut().flatten() {
+            if turned[facet.cell as usize] {
+                facet.local = self.kinds[facet.cell as usize].facets().len() as u8 - 1 - facet.local;
+            }
+        }
+        turned.into_iter().filter(|turned| *turned).count()
+    }
+
     /// The mesh, checked. Nodes that no cell uses are kept out: they would have no mass.
     ///
     /// # Errors
-    /// [`Error::EmptyMesh`], [`Error::NodeOutOfRange`], [`Error::CoordinateNotFinite`], [`Error::FacetWithoutCell`].
+    /// [`Error::EmptyMesh`], [`Error::NodeOutOfRange`], [`Error::CoordinateNotFinite`], [`Error::FacetWithoutCell`],
+    /// [`Error::NotInPlane`].
     pub fn build(mut self) -> Result<Mesh> {
         self.check()?;
         self.resolve_facets()?;
@@ -104,6 +135,22 @@ impl MeshBuilder {
         }
         match self.points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
             Some(node) => Err(Error::CoordinateNotFinite { node }),
+            None => self.check_plane(),
+        }
+    }
+
+    /// All nodes of plane cells must have one z, up to rounding of the coordinates.
+    fn check_plane(&self) -> Result<()> {
+        let cells = self.kinds.iter().zip(self.offsets.windows(2));
+        let plane_cells = cells.filter(|(kind, _)| kind.dimension() == 2);
+        let nodes =
+            plane_cells.flat_map(|(_, range)| &self.connectivity[range[0] as usize..range[1] as usize]);
+        let nodes: Vec<(usize, [f64; 3])> =
+            nodes.map(|&node| (node as usize, self.points[node as usize])).collect();
+        let Some(&(_, [.., plane])) = nodes.first() else { return Ok(()) };
+        let size = nodes.iter().flat_map(|(_, point)| point).fold(0.0, |size: f64, x| size.max(x.abs()));
+        match nodes.iter().find(|(_, [.., z])| (z - plane).abs() > 1e-9 * size) {
+            Some(&(node, [.., z])) => Err(Error::NotInPlane { node, z, plane }),
             None => Ok(()),
         }
     }
@@ -162,9 +209,27 @@ impl MeshBuilder {
     }
 }
 
-/// Corner sets that a node list can stand for: the first four nodes, else the first three.
+/// Twice the area of a polygon in the x-y plane, positive if it goes round counter-clockwise; about its first corner, so that
+/// it keeps its digits far from the origin.
+fn area(points: &[[f64; 3]], corners: &[u32]) -> f64 {
+    let at = |i: usize| {
+        let (a, b) = (points[corners[i % corners.len()] as usize], points[corners[0] as usize]);
+        [a[0] - b[0], a[1] - b[1]]
+    };
+    (0..corners.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i)[1] * at(i + 1)[0]).sum()
+}
+
+/// Reverses the order of the corners, the first kept, and of the edges between them: edge i becomes edge n - 1 - i.
+fn turn_over(nodes: &mut [u32], n_corners: usize) {
+    nodes[1..n_corners].reverse();
+    if nodes.len() >= 2 * n_corners {
+        nodes[n_corners..2 * n_corners].reverse();
+    }
+}
+
+/// Corner sets that a node list can stand for: the first four nodes, else the first three, else two.
 fn corner_keys(nodes: &[u32]) -> impl Iterator<Item = [u32; 4]> + '_ {
-    [4, 3].into_iter().filter(|&n| n <= nodes.len()).map(|n| {
+    [4, 3, 2].into_iter().filter(|&n| n <= nodes.len()).map(|n| {
         let mut key = [u32::MAX; 4];
         key[..n].copy_from_slice(&nodes[..n]);
         key.sort_unstable();
@@ -200,6 +265,36 @@ mod tests {
         assert_eq!(mesh.n_nodes(), 4);
         assert_eq!(mesh.groups().nodes["some"], [3]);
         assert_eq!(mesh.group_nodes("slope").unwrap(), [1, 2, 3]);
+    }
+
+    #[test]
+    fn cells_that_are_turned_over_keep_their_facets() {
+        // A quad8 on the unit square, clockwise: facet 1 is its edge from (0, 1) over (0.5, 1) to (1, 1).
+        let points =
+            [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.5], [0.5, 1.0], [1.0, 0.5], [0.5, 0.0]];
+        let mut builder = MeshBuilder::new();
+        points.iter().for_each(|&[x, y]| {
+            builder.point([x, y, 3.0]);
+        });
+        let cell = builder.cell(CellKind::Quad8, &[0, 1, 2, 3, 4, 5, 6, 7]).unwrap();
+        builder.facet_group("top", [Facet { cell, local: 1 }]);
+        builder.facet_group_by_nodes("left", vec![vec![0, 1, 4]]);
+        assert_eq!((builder.orient_plane_cells(), builder.orient_plane_cells()), (1, 0));
+        let mesh = builder.build().unwrap();
+        assert_eq!(mesh.cell(0).nodes, [0, 3, 2, 1, 7, 6, 5, 4]);
+        assert_eq!(mesh.group_nodes("top").unwrap(), [1, 2, 5]);
+        assert_eq!(mesh.group_nodes("left").unwrap(), [0, 1, 4]);
+        assert_eq!(crate::element::check(&mesh), Ok(()));
+    }
+
+    #[test]
+    fn plane_cells_lie_in_one_plane() {
+        let mut builder = MeshBuilder::new();
+        for point in [[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 2.5]] {
+            builder.point(point);
+        }
+        builder.cell(CellKind::Tri3, &[0, 1, 2]).unwrap();
+        assert_eq!(builder.build().unwrap_err(), Error::NotInPlane { node: 2, z: 2.5, plane: 2.0 });
     }
 
     #[test]

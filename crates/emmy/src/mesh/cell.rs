@@ -27,11 +27,25 @@ pub enum CellKind {
     Wedge15,
     /// Linear pyramid with rational shape functions, 5 nodes. The base is seen counter-clockwise from the apex.
     Pyramid5,
+    /// Linear triangle of a body in plane strain, 3 nodes, counter-clockwise.
+    Tri3,
+    /// Quadratic triangle of a body in plane strain, 6 nodes.
+    Tri6,
+    /// Bilinear quadrilateral of a body in plane strain, 4 nodes, counter-clockwise.
+    Quad4,
+    /// Serendipity quadrilateral of a body in plane strain, 8 nodes.
+    Quad8,
+    /// Biquadratic quadrilateral of a body in plane strain, 9 nodes.
+    Quad9,
 }
 
-/// Kind of a facet (a face of a cell). Node order is that of VTK for every kind.
+/// Kind of a facet: a face of a solid cell, an edge of a plane one. Node order is that of VTK for every kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FacetKind {
+    /// Linear edge.
+    Line2,
+    /// Quadratic edge: its ends, then the node between them.
+    Line3,
     /// Linear triangle.
     Tri3,
     /// Quadratic triangle.
@@ -44,7 +58,8 @@ pub enum FacetKind {
     Quad9,
 }
 
-/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule.
+/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule; an edge
+/// has the cell on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LocalFacet {
     /// Kind of the facet.
@@ -57,6 +72,8 @@ impl FacetKind {
     /// Number of nodes.
     pub const fn n_nodes(self) -> usize {
         match self {
+            FacetKind::Line2 => 2,
+            FacetKind::Line3 => 3,
             FacetKind::Tri3 => 3,
             FacetKind::Tri6 => 6,
             FacetKind::Quad4 => 4,
@@ -68,6 +85,7 @@ impl FacetKind {
     /// Number of corner nodes; they come first in the node order.
     pub const fn n_corners(self) -> usize {
         match self {
+            FacetKind::Line2 | FacetKind::Line3 => 2,
             FacetKind::Tri3 | FacetKind::Tri6 => 3,
             _ => 4,
         }
@@ -76,7 +94,24 @@ impl FacetKind {
 
 impl CellKind {
     /// All kinds, in the order of `emmy list elements`.
-    pub const ALL: [CellKind; 8] = [
+    pub const ALL: [CellKind; 13] = [
+        CellKind::Hex8,
+        CellKind::Hex20,
+        CellKind::Hex27,
+        CellKind::Tet4,
+        CellKind::Tet10,
+        CellKind::Wedge6,
+        CellKind::Wedge15,
+        CellKind::Pyramid5,
+        CellKind::Tri3,
+        CellKind::Tri6,
+        CellKind::Quad4,
+        CellKind::Quad8,
+        CellKind::Quad9,
+    ];
+
+    /// Kinds of solid cells.
+    pub const SOLIDS: [CellKind; 8] = [
         CellKind::Hex8,
         CellKind::Hex20,
         CellKind::Hex27,
@@ -86,6 +121,23 @@ impl CellKind {
         CellKind::Wedge15,
         CellKind::Pyramid5,
     ];
+
+    /// Kinds of cells of a body in plane strain.
+    pub const PLANES: [CellKind; 5] =
+        [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9];
+
+    /// Dimension of the cell: 3 for a solid, 2 in a plane.
+    ///
+    /// ```
+    /// use emmy::mesh::CellKind;
+    /// assert_eq!((CellKind::Hex8.dimension(), CellKind::Quad8.dimension()), (3, 2));
+    /// ```
+    pub const fn dimension(self) -> usize {
+        match self {
+            CellKind::Tri3 | CellKind::Tri6 | CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => 2,
+            _ => 3,
+        }
+    }
 
     /// Number of nodes.
     pub const fn n_nodes(self) -> usize {
@@ -98,6 +150,11 @@ impl CellKind {
             CellKind::Wedge6 => 6,
             CellKind::Wedge15 => 15,
             CellKind::Pyramid5 => 5,
+            CellKind::Tri3 => 3,
+            CellKind::Tri6 => 6,
+            CellKind::Quad4 => 4,
+            CellKind::Quad8 => 8,
+            CellKind::Quad9 => 9,
         }
     }
 
@@ -108,6 +165,8 @@ impl CellKind {
             CellKind::Tet4 | CellKind::Tet10 => 4,
             CellKind::Wedge6 | CellKind::Wedge15 => 6,
             CellKind::Pyramid5 => 5,
+            CellKind::Tri3 | CellKind::Tri6 => 3,
+            CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => 4,
         }
     }
 
@@ -123,10 +182,12 @@ impl CellKind {
             CellKind::Tet4 | CellKind::Tet10 => CellKind::Tet4,
             CellKind::Wedge6 | CellKind::Wedge15 => CellKind::Wedge6,
             CellKind::Pyramid5 => CellKind::Pyramid5,
+            CellKind::Tri3 | CellKind::Tri6 => CellKind::Tri3,
+            CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => CellKind::Quad4,
         }
     }
 
-    /// Faces with outward orientation, numbered as in [`crate::mesh::Facet::local`].
+    /// Faces (edges of a plane cell) with outward orientation, numbered as in [`crate::mesh::Facet::local`].
     pub const fn facets(self) -> &'static [LocalFacet] {
         match self {
             CellKind::Hex8 => &HEX8_FACETS,
@@ -137,6 +198,10 @@ impl CellKind {
             CellKind::Wedge6 => &WEDGE6_FACETS,
             CellKind::Wedge15 => &WEDGE15_FACETS,
             CellKind::Pyramid5 => &PYRAMID5_FACETS,
+            CellKind::Tri3 => &TRI3_FACETS,
+            CellKind::Tri6 => &TRI6_FACETS,
+            CellKind::Quad4 => &QUAD4_FACETS,
+            CellKind::Quad8 | CellKind::Quad9 => &QUAD8_FACETS,
         }
     }
 
@@ -151,6 +216,11 @@ impl CellKind {
             CellKind::Wedge6 => "wedge6",
             CellKind::Wedge15 => "wedge15",
             CellKind::Pyramid5 => "pyramid5",
+            CellKind::Tri3 => "tri3",
+            CellKind::Tri6 => "tri6",
+            CellKind::Quad4 => "quad4",
+            CellKind::Quad8 => "quad8",
+            CellKind::Quad9 => "quad9",
         }
     }
 }
@@ -203,6 +273,11 @@ const WEDGE15_FACETS: [LocalFacet; 5] = facets![
 // Order of the pyramid's faces: base, then the sides over the edges 01, 12, 23, 30 of the base.
 const PYRAMID5_FACETS: [LocalFacet; 5] = facets![
     Quad4[0, 3, 2, 1], Tri3[0, 1, 4], Tri3[1, 2, 4], Tri3[2, 3, 4], Tri3[3, 0, 4]];
+// Edges of plane cells go round counter-clockwise.
+const TRI3_FACETS: [LocalFacet; 3] = facets![Line2; [0, 1], [1, 2], [2, 0]];
+const TRI6_FACETS: [LocalFacet; 3] = facets![Line3; [0, 1, 3], [1, 2, 4], [2, 0, 5]];
+const QUAD4_FACETS: [LocalFacet; 4] = facets![Line2; [0, 1], [1, 2], [2, 3], [3, 0]];
+const QUAD8_FACETS: [LocalFacet; 4] = facets![Line3; [0, 1, 4], [1, 2, 5], [2, 3, 6], [3, 0, 7]];
 
 #[cfg(test)]
 mod tests {
@@ -211,7 +286,7 @@ mod tests {
 
     #[test]
     fn facets_list_corners_then_the_edges_between_them() {
-        for kind in CellKind::ALL {
+        for kind in CellKind::SOLIDS {
             let mut edge_nodes: BTreeMap<[usize; 2], usize> = BTreeMap::new();
             for facet in kind.facets() {
                 assert_eq!(facet.nodes.len(), facet.kind.n_nodes());

@@ -10,7 +10,7 @@ mod shapes;
 pub use builder::MeshBuilder;
 pub use cell::{CellKind, FacetKind, LocalFacet};
 pub use groups::{Facet, Groups};
-pub use shapes::{block, l_block};
+pub use shapes::{block, l_block, rectangle};
 
 use crate::error::{Error, Result};
 

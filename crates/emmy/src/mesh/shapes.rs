@@ -1,4 +1,4 @@
-//! Built-in shapes: a block of bricks, and the L-shaped block of Betsch and Steinmann (2001), Section 5.
+//! Built-in shapes: a block of bricks, a rectangle, and the L-shaped block of Betsch and Steinmann (2001), Section 5.
 
 use std::collections::HashMap;
 
@@ -28,6 +28,39 @@ pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
         grid.facet_group(&format!("{letter}-min"), 2 * axis, |cell| cell[axis] == 0);
         grid.facet_group(&format!("{letter}-max"), 2 * axis + 1, |cell| cell[axis] + 1 == cells[axis]);
     }
+    grid.build()
+}
+
+/// Rectangle `[0, size]` of equal quad4 cells in the plane z = 0, for plane strain; groups `body`, `x-min`, `x-max`, `y-min`,
+/// `y-max`.
+///
+/// `size`: edge lengths \[length\]; `cells`: number of cells along each edge.
+///
+/// # Errors
+/// [`Error::NotPositive`] if an edge or a number of cells is not positive.
+///
+/// ```
+/// let mesh = emmy::mesh::rectangle([2.0, 8.0], [2, 8])?;
+/// assert_eq!((mesh.n_nodes(), mesh.groups().facets("x-max")?.len()), (27, 8));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
+    for i in 0..2 {
+        positive("rectangle size", size[i])?;
+        positive("number of rectangle cells", cells[i] as f64)?;
+    }
+    let [dx, dy] = [0, 1].map(|i| size[i] / cells[i] as f64);
+    let mut grid = Grid::new([dx, dy, 1.0]);
+    for i in 0..cells[0] {
+        for j in 0..cells[1] {
+            grid.cell(CellKind::Quad4, &CORNERS[..4], [i, j, 0])?;
+        }
+    }
+    // Edges of a quadrilateral go round: y-min, x-max, y-max, x-min.
+    grid.facet_group("x-min", 3, |cell| cell[0] == 0);
+    grid.facet_group("x-max", 1, |cell| cell[0] + 1 == cells[0]);
+    grid.facet_group("y-min", 0, |cell| cell[1] == 0);
+    grid.facet_group("y-max", 2, |cell| cell[1] + 1 == cells[1]);
     grid.build()
 }
 
@@ -83,12 +116,17 @@ impl Grid {
         for i in range[0][0]..range[0][1] {
             for j in range[1][0]..range[1][1] {
                 for k in range[2][0]..range[2][1] {
-                    let corners = CORNERS.map(|c| self.node([i + c[0], j + c[1], k + c[2]]));
-                    self.builder.cell(CellKind::Hex8, &corners)?;
-                    self.cells.push([i, j, k]);
+                    self.cell(CellKind::Hex8, &CORNERS, [i, j, k])?;
                 }
             }
         }
+        Ok(())
+    }
+
+    fn cell(&mut self, kind: CellKind, corners: &[[usize; 3]], at: [usize; 3]) -> Result<()> {
+        let nodes: Vec<u32> = corners.iter().map(|c| self.node([0, 1, 2].map(|i| at[i] + c[i]))).collect();
+        self.builder.cell(kind, &nodes)?;
+        self.cells.push(at);
         Ok(())
     }
 
@@ -136,7 +174,21 @@ mod tests {
     }
 
     #[test]
+    fn rectangle_groups_are_its_four_edges() {
+        let mesh = rectangle([2.0, 8.0], [3, 5]).unwrap();
+        for (name, axis, value, n) in
+            [("x-min", 0, 0.0, 5), ("x-max", 0, 2.0, 5), ("y-min", 1, 0.0, 3), ("y-max", 1, 8.0, 3)]
+        {
+            assert_eq!(mesh.groups().facets(name).unwrap().len(), n);
+            for node in mesh.group_nodes(name).unwrap() {
+                assert!((mesh.points()[node as usize][axis] - value).abs() < 1e-15, "{name}");
+            }
+        }
+    }
+
+    #[test]
     fn sizes_must_be_positive() {
+        assert!(rectangle([1.0, -1.0], [1, 1]).is_err());
         assert!(block([1.0, -1.0, 1.0], [1, 1, 1]).is_err());
         assert!(block([1.0, 1.0, 1.0], [1, 0, 1]).is_err());
         assert!(l_block(f64::NAN).is_err());

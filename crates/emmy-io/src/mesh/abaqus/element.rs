@@ -1,9 +1,10 @@
-//! Solid elements of Abaqus. Their node order is that of VTK (Abaqus Elements Guide, "Three-dimensional solid elements").
+//! Solid elements of Abaqus, and those of plane strain. Their node order is that of VTK (Abaqus Elements Guide, "Three-dimensional
+//! solid elements", "Two-dimensional solid elements").
 
 use emmy::mesh::CellKind;
 
 /// The types that are read.
-pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5";
+pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5, or in a plane of CPE3, CPE4, CPE6 or CPE8 (CPE4R, ...)";
 
 /// Kind of cell of an element type, given in upper case.
 pub(super) fn kind(element_type: &str) -> Option<CellKind> {
@@ -17,13 +18,20 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
         "C3D6" | "C3D6R" | "C3D6H" => Some(CellKind::Wedge6),
         "C3D15" | "C3D15H" => Some(CellKind::Wedge15),
         "C3D5" | "C3D5H" => Some(CellKind::Pyramid5),
+        "CPE3" | "CPE3H" => Some(CellKind::Tri3),
+        "CPE6" | "CPE6H" | "CPE6M" | "CPE6MH" => Some(CellKind::Tri6),
+        "CPE4" | "CPE4R" | "CPE4H" | "CPE4RH" | "CPE4I" | "CPE4IH" => Some(CellKind::Quad4),
+        "CPE8" | "CPE8R" | "CPE8H" | "CPE8RH" => Some(CellKind::Quad8),
         _ => None,
     }
 }
 
 /// What the user should know about a type that is not read as it is.
 pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
-    let suffix = element_type.trim_start_matches("C3D").trim_start_matches(|c: char| c.is_ascii_digit());
+    let suffix = element_type
+        .trim_start_matches("C3D")
+        .trim_start_matches("CPE")
+        .trim_start_matches(|c: char| c.is_ascii_digit());
     let how = match suffix {
         "" => return None,
         "R" => format!("{kind} and integrated fully"),
@@ -40,6 +48,8 @@ pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
         CellKind::Tet4 => &TET_FACES,
         CellKind::Wedge6 => &WEDGE_FACES,
         CellKind::Pyramid5 => &PYRAMID_FACES,
+        CellKind::Tri3 => &TRI_EDGES,
+        CellKind::Quad4 => &QUAD_EDGES,
         _ => &HEX_FACES,
     };
     let corners = faces.get(usize::from(face).checked_sub(1)?)?;
@@ -52,6 +62,8 @@ const HEX_FACES: [&[usize]; 6] =
 const TET_FACES: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
 const WEDGE_FACES: [&[usize]; 5] = [&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
 const PYRAMID_FACES: [&[usize]; 5] = [&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]];
+const TRI_EDGES: [&[usize]; 3] = [&[0, 1], &[1, 2], &[2, 0]];
+const QUAD_EDGES: [&[usize]; 4] = [&[0, 1], &[1, 2], &[2, 3], &[3, 0]];
 
 #[cfg(test)]
 mod tests {
@@ -73,6 +85,7 @@ mod tests {
     fn types_that_are_changed_are_told() {
         assert_eq!(note("C3D8", CellKind::Hex8), None);
         assert_eq!(note("C3D20R", CellKind::Hex20).unwrap(), "C3D20R is read as hex20 and integrated fully");
+        assert_eq!(note("CPE8R", CellKind::Quad8).unwrap(), "CPE8R is read as quad8 and integrated fully");
         assert_eq!(note("C3D10M", CellKind::Tet10).unwrap(), "C3D10M is read as plain tet10");
     }
 }

@@ -9,7 +9,7 @@ use super::Version;
 use super::cursor::Cursor;
 use super::shape::Shape;
 
-/// No cell: an element of lower dimension.
+/// No cell: an element of lower dimension than the body.
 const NONE: u32 = u32::MAX;
 
 /// Nodes and elements under the numbers of the file, and physical groups by dimension and number.
@@ -24,6 +24,8 @@ pub(super) struct Draft {
     connectivity: Vec<u64>,
     groups: BTreeMap<(u8, u64), Vec<u32>>,
     n_ignored: [usize; 3],
+    /// Dimension of the body: 3, or 2 as long as there is no element of dimension 3.
+    dim: u8,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -51,6 +53,7 @@ impl Draft {
             connectivity: Vec::new(),
             groups: BTreeMap::new(),
             n_ignored: [0; 3],
+            dim: 2,
         }
     }
 
@@ -66,7 +69,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds an element; one of lower dimension that is in no group is only counted.
+    /// Adds an element; one of lower dimension that is in no group is only counted, once it is known that it is lower.
     pub(super) fn element(
         &mut self,
         cursor: &Cursor,
@@ -76,7 +79,8 @@ impl Draft {
         groups: &[u64],
         nodes: &[u64],
     ) -> Result<()> {
-        if shape.dim < 3 && groups.is_empty() {
+        self.dim = self.dim.max(shape.dim);
+        if shape.dim < self.dim && groups.is_empty() {
             self.n_ignored[shape.dim as usize] += 1;
             return Ok(());
         }
@@ -107,8 +111,28 @@ impl Draft {
         &self.connectivity[element.nodes..][..element.shape.n_nodes]
     }
 
+    /// Leaves out faces in no group that were read before the first solid element.
+    fn ignore_faces(&mut self) {
+        let mut in_group = vec![false; self.elements.len()];
+        self.groups.values().flatten().for_each(|&member| in_group[member as usize] = true);
+        let mut kept = Vec::with_capacity(self.elements.len());
+        let mut new_index = vec![NONE; self.elements.len()];
+        for (index, element) in self.elements.iter().enumerate() {
+            if element.shape.dim == self.dim || in_group[index] {
+                new_index[index] = kept.len() as u32;
+                kept.push(*element);
+            } else {
+                self.n_ignored[element.shape.dim as usize] += 1;
+            }
+        }
+        self.elements = kept;
+        let members = self.groups.values_mut().flatten();
+        members.for_each(|member| *member = new_index[*member as usize]);
+    }
+
     /// The mesh of all that was read.
-    pub(super) fn mesh(self, cursor: &Cursor) -> Result<MeshFile> {
+    pub(super) fn mesh(mut self, cursor: &Cursor) -> Result<MeshFile> {
+        self.ignore_faces();
         let mut builder = MeshBuilder::new();
         for &point in &self.points {
             builder.point(point);
@@ -130,7 +154,10 @@ impl Draft {
         let mut cells: Vec<u32> = Vec::with_capacity(self.elements.len());
         for (index, (element, &original)) in self.elements.iter().zip(&originals).enumerate() {
             let cell = match element.shape.cell() {
-                None => NONE,
+                _ if element.shape.dim < self.dim => NONE,
+                None => {
+                    return Err(unsupported(cursor, element.start, element.shape.name.to_string()));
+                }
                 Some(_) if (original as usize) < index => cells[original as usize],
                 Some((kind, order)) => {
                     let nodes = self.node_indices(cursor, element, element.shape.n_nodes)?;
@@ -162,7 +189,7 @@ impl Draft {
             return Ok(originals);
         }
         let mut order: Vec<u32> = originals.clone();
-        order.retain(|&index| self.elements[index as usize].shape.dim == 3);
+        order.retain(|&index| self.elements[index as usize].shape.dim == self.dim);
         let nodes = |index: u32| self.nodes(&self.elements[index as usize]);
         let group = |index: u32| self.elements[index as usize].group;
         order.sort_by(|&a, &b| (nodes(a), group(a), a).cmp(&(nodes(b), group(b), b)));
@@ -210,9 +237,9 @@ impl Draft {
         cells: &[u32],
     ) -> Result<()> {
         let elements = members.iter().map(|&index| &self.elements[index as usize]);
-        match dim {
-            3 => builder.cell_group(name, members.iter().map(|&index| cells[index as usize])),
-            2 => {
+        match self.dim - dim.min(self.dim) {
+            0 => builder.cell_group(name, members.iter().map(|&index| cells[index as usize])),
+            1 => {
                 let corners =
                     elements.map(|element| self.node_indices(cursor, element, element.shape.n_corners));
                 builder.facet_group_by_nodes(name, corners.collect::<Result<_>>()?);
@@ -244,12 +271,16 @@ impl Draft {
             MeshError::Mesh { file, reason: emmy::Error::FacetWithoutCell { group, nodes } } => {
                 MeshError::FacetWithoutCell { file, group, nodes: nodes.iter().map(number).collect() }
             }
+            MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
+                let node = self.node_numbers[node] as usize;
+                MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } }
+            }
             error => error,
         }
     }
 }
 
-const NO_CELLS: &str = "mesh the volume (`gmsh -3`), and where there are physical groups put it in one: \
+const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), and where there are physical groups put it in one: \
                         Gmsh saves only what is in a group";
 
 /// The error of an element type that is no cell.

@@ -27,12 +27,15 @@ impl Shape {
         let order: &[usize] = match kind {
             CellKind::Tet10 => &TET10,
             CellKind::Wedge15 => &WEDGE15,
+            // Corners, edges in the same order, centre: as in VTK.
+            _ if self.dim == 2 => &PLANE[..self.n_nodes],
             _ => &HEX27[..self.n_nodes],
         };
         Some((kind, order))
     }
 }
 
+const PLANE: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 /// The last two edges, 2-3 and 1-3, stand the other way round in VTK.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 /// Gmsh numbers edges by their lower corner: 01, 02, 03, 12, 14, 25, 34, 35, 45.

@@ -17,22 +17,27 @@ pub(super) struct Shape {
 pub(super) fn shape(id: i64) -> Option<Shape> {
     let flat = |dim, n_nodes, n_corners| Some(Shape { dim, n_nodes, n_corners, kind: None });
     match id {
-        1 => flat(0, 1, 1),     // vertex
-        3 => flat(1, 2, 2),     // line
-        21 => flat(1, 3, 2),    // quadratic edge
-        5 => flat(2, 3, 3),     // triangle
-        22 => flat(2, 6, 3),    // quadratic triangle
-        8 | 9 => flat(2, 4, 4), // pixel, quadrilateral
-        23 => flat(2, 8, 4),    // quadratic quadrilateral
-        28 => flat(2, 9, 4),    // biquadratic quadrilateral
-        VOXEL => Some(solid(CellKind::Hex8)),
-        _ => CellKind::ALL.into_iter().find(|&kind| i64::from(crate::vtk::cell_type(kind)) == id).map(solid),
+        1 => flat(0, 1, 1),  // vertex
+        3 => flat(1, 2, 2),  // line
+        21 => flat(1, 3, 2), // quadratic edge
+        PIXEL => Some(cell(CellKind::Quad4)),
+        VOXEL => Some(cell(CellKind::Hex8)),
+        _ => CellKind::ALL.into_iter().find(|&kind| i64::from(crate::vtk::cell_type(kind)) == id).map(cell),
     }
 }
 
-fn solid(kind: CellKind) -> Shape {
-    Shape { dim: 3, n_nodes: kind.n_nodes(), n_corners: kind.n_corners(), kind: Some(kind) }
+fn cell(kind: CellKind) -> Shape {
+    Shape {
+        dim: kind.dimension() as u8,
+        n_nodes: kind.n_nodes(),
+        n_corners: kind.n_corners(),
+        kind: Some(kind),
+    }
 }
+
+/// A rectangle along the axes; its last two nodes stand the other way round.
+pub(super) const PIXEL: i64 = 8;
+pub(super) const PIXEL_ORDER: [usize; 4] = [0, 1, 3, 2];
 
 /// A brick along the axes; nodes 2 and 3, 6 and 7 stand the other way round.
 pub(super) const VOXEL: i64 = 11;
@@ -49,7 +54,7 @@ pub(super) fn is_mirrored(kind: CellKind, corners: &[[f64; 3]]) -> bool {
     let middle = [0, 1, 2].map(|i| linear.nodes().iter().map(|xi| xi[i]).sum::<f64>() / n as f64);
     let mut gradients = vec![[0.0; 3]; n];
     linear.gradient(middle, &mut gradients);
-    det(&jacobian(&corners[..n], &gradients)) < 0.0
+    det(&jacobian(kind, &corners[..n], &gradients)) < 0.0
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ const GMSH: &str = "gmsh:physical";
 /// Most values of an array that make groups of it.
 const MOST_VALUES: usize = 64;
 
-/// Adds the groups that the arrays stand for; `cells`: which solid cell each cell of the file is.
+/// Adds the groups that the arrays stand for; `cells`: which cell of the body each cell of the file is.
 pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>]) -> Result<()> {
     for array in grid.arrays("PointData").iter().filter(|array| is_label(array)) {
         if let Some(name) = array.name.strip_prefix(GROUP) {
@@ -57,13 +57,16 @@ fn indices(values: &[i64], is_member: impl Fn(i64) -> bool) -> Vec<usize> {
 }
 
 impl Draft {
-    /// A group of cells of the file: solid ones are its cells, faces its facets, the others give it their nodes.
+    /// A group of cells of the file: those of the body are its cells, those of one dimension less its facets, the others
+    /// give it their nodes.
     fn add_group(&mut self, name: &str, members: &[usize], cells: &[Option<u32>]) {
         let dim = |index: usize| self.shapes[index].1.dim;
-        let of = |wanted: fn(u8) -> bool| {
+        let of = |wanted: &dyn Fn(u8) -> bool| {
             members.iter().copied().filter(|&i| wanted(dim(i))).collect::<Vec<usize>>()
         };
-        let [solids, faces, rest] = [of(|dim| dim == 3), of(|dim| dim == 2), of(|dim| dim < 2)];
+        let body = self.dim;
+        let [solids, faces] = [of(&|dim| dim == body), of(&|dim| dim + 1 == body)];
+        let rest = of(&|dim| dim + 1 < body);
         let corners = |&i: &usize| self.nodes(i)[..self.shapes[i].1.n_corners].to_vec();
         let facets: Vec<Vec<u32>> = faces.iter().map(corners).collect();
         let nodes: Vec<u32> = rest.iter().flat_map(|&i| self.nodes(i).to_vec()).collect();
@@ -93,7 +96,7 @@ impl Draft {
     fn add_values(&mut self, name: &str, values: &[i64], cells: &[Option<u32>], is_used: &mut [bool]) {
         let mut members: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         for (index, &value) in values.iter().enumerate() {
-            if self.shapes[index].1.dim == 3 || (name == GMSH && value != 0) {
+            if self.shapes[index].1.dim == self.dim || (name == GMSH && value != 0) {
                 members.entry(value).or_default().push(index);
             }
         }
@@ -110,7 +113,11 @@ impl Draft {
     fn note_on_unused(&mut self, cells: &[Option<u32>], is_used: &[bool]) {
         let unused = (0..cells.len()).filter(|&index| cells[index].is_none() && !is_used[index]).count();
         if unused > 0 {
-            let cells = counted(unused, "cell that is not solid is", "cells that are not solid are");
+            let [one, many] = match self.dim {
+                3 => ["cell that is not solid is", "cells that are not solid are"],
+                _ => ["line or vertex is", "lines or vertices are"],
+            };
+            let cells = counted(unused, one, many);
             self.notes.push(format!("{cells} in no group and ignored"));
         }
     }

@@ -10,7 +10,7 @@ use std::path::Path;
 use emmy::mesh::MeshBuilder;
 
 use super::{KINDS, MeshError, MeshFile, Origin, Place, Result, counted, finished, without_mark};
-use cell::{MIRRORED_WEDGE, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
+use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
 use file::{Grid, Parts, document, no_cells};
 
 /// The mesh in the bytes of a file.
@@ -38,6 +38,8 @@ struct Draft {
     builder: MeshBuilder,
     points: Vec<[f64; 3]>,
     shapes: Vec<(i64, Shape)>,
+    /// Dimension of the body: 3, or 2 where there are no solid or plane cells.
+    dim: u8,
     /// End of the nodes of each cell in the connectivity.
     ends: Vec<usize>,
     connectivity: Vec<u32>,
@@ -54,6 +56,7 @@ impl Draft {
         });
         let types = grid.required_whole("Cells", "types", Some(grid.n_cells))?;
         let shapes = types.into_iter().map(|id| Ok((id, known(file, id)?))).collect::<Result<Vec<_>>>()?;
+        let dim = shapes.iter().map(|(_, shape)| shape.dim).fold(2, u8::max);
         let offsets = grid.required_whole("Cells", "offsets", Some(grid.n_cells))?;
         let ends = ends(grid, &shapes, &offsets)?;
         let connectivity = grid.required_whole("Cells", "connectivity", ends.last().copied())?;
@@ -61,7 +64,7 @@ impl Draft {
         let unknown = |node: &i64| grid.malformed(format!("a cell names node {node}, of {}", points.len()));
         let connectivity =
             connectivity.iter().map(|id| node(id).ok_or_else(|| unknown(id))).collect::<Result<_>>()?;
-        Ok(Draft { builder, points, shapes, ends, connectivity, notes: Vec::new() })
+        Ok(Draft { builder, points, shapes, dim, ends, connectivity, notes: Vec::new() })
     }
 
     fn nodes(&self, index: usize) -> &[u32] {
@@ -69,11 +72,11 @@ impl Draft {
         &self.connectivity[begin..self.ends[index]]
     }
 
-    /// Adds the solid cells and says for each cell of the file which one it is.
+    /// Adds the cells of the body and says for each cell of the file which one it is.
     fn add_cells(&mut self, file: &Path) -> Result<Vec<Option<u32>>> {
         let (mut cells, mut n_mirrored) = (Vec::with_capacity(self.shapes.len()), 0);
         for (index, &(id, shape)) in self.shapes.iter().enumerate() {
-            let Some(kind) = shape.kind else {
+            let Some(kind) = shape.kind.filter(|_| shape.dim == self.dim) else {
                 cells.push(None);
                 continue;
             };
@@ -81,6 +84,9 @@ impl Draft {
             let corners = |nodes: &[u32]| -> Vec<[f64; 3]> {
                 nodes[..kind.n_corners()].iter().map(|&node| self.points[node as usize]).collect()
             };
+            if id == PIXEL {
+                nodes = PIXEL_ORDER.map(|local| nodes[local]).to_vec();
+            }
             if id == VOXEL {
                 nodes = VOXEL_ORDER.map(|local| nodes[local]).to_vec();
             }

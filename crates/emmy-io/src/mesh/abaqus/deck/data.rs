@@ -54,10 +54,14 @@ impl Deck {
         let mut fields = line.split(',').map(str::trim);
         let number = self.number(at, fields.next().unwrap_or_default())?;
         let mut point = [0.0; 3];
-        for x in &mut point {
+        for (axis, x) in point.iter_mut().enumerate() {
             let Some(field) = fields.next() else {
-                let problem = format!("node {number} has fewer than three coordinates");
-                return Err(self.malformed(at, problem, "is the file cut off, or the model not in space?"));
+                // The third coordinate of a model in the plane is left out.
+                if axis == 2 {
+                    break;
+                }
+                let problem = format!("node {number} has fewer than two coordinates");
+                return Err(self.malformed(at, problem, "is the file cut off?"));
             };
             *x = self.real(at, field)?;
         }
