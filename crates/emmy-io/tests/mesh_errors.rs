@@ -157,7 +157,7 @@ fn bad_abaqus_nodes_and_elements() {
         ("*Element\n", &["line 6: *ELEMENT without type="]),
         ("*Node\n4, 0, 0, 0\n", &["line 7: node 4 is there already"]),
         ("*Node\n5, 0, nan, 0\n", &["line 7: node 5 has a coordinate that is not a finite number"]),
-        ("*Node\n5, 0, 0\n", &["line 7: node 5 has fewer than three coordinates"]),
+        ("*Node\n5, 0\n", &["line 7: node 5 has fewer than two coordinates"]),
         ("*Node\n5, 0, 0, zero\n", &["line 7: expected a number, found \"zero\""]),
         ("*Node, system=C\n", &["line 6: coordinates of system C are not supported"]),
         ("*Elgen\n1, 10\n", &["line 6: *ELGEN", "write out all nodes and elements"]),

@@ -75,7 +75,7 @@ fn plane_beam() {
             history["time"][swing + i - 1] + 0.05 * a / (a - b)
         })
         .collect();
-    let omega = 1.8751f64.powi(2) * (1e5 / 0.91 * 0.25 / 12.0).sqrt() / 64.0;
+    let omega = 1.8751f64.powi(2) * (1e5f64 / 0.91 * 0.25 / 12.0).sqrt() / 64.0;
     let half_period = std::f64::consts::PI / omega;
     let measured = (crossings[crossings.len() - 1] - crossings[0]) / (crossings.len() - 1) as f64;
     assert!(measured < half_period && measured > 0.7 * half_period, "{measured} {half_period}");
