@@ -89,7 +89,7 @@ fn a_clamped_body_vibrates() {
     for kind in ["hex20", "tet10"] {
         let mesh = read(&own(&format!("{kind}-22-ascii.msh")));
         let group = mesh.groups().facets.keys().next().expect("the meshes have facet groups").clone();
-        assert_balances(mesh, &[Support { group, fix: [true; 3] }], 1);
+        assert_balances(mesh, &[Support { group, fix: [true; 3], ..Default::default() }], 1);
     }
 }
 

@@ -129,6 +129,25 @@ pub enum Error {
         /// What is wrong.
         reason: &'static str,
     },
+    /// A support that cannot be.
+    #[error("support of \"{group}\": {reason}")]
+    Support {
+        /// Group of the support.
+        group: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A prescribed motion that does not start at rest's place: the body is undeformed then.
+    #[error(
+        "a prescribed motion starts with a displacement of {distance:e} at t = {time}, where the body is undeformed; let it \
+         start from zero"
+    )]
+    DrivenStart {
+        /// Time of the start.
+        time: f64,
+        /// Largest displacement.
+        distance: f64,
+    },
     /// A scheme that does not parse or cannot go with the degree.
     #[error("scheme \"{scheme}\": {reason}")]
     Scheme {

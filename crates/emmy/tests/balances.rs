@@ -64,8 +64,8 @@ fn free_body_under_load() {
 #[test]
 fn supported_body_under_load() {
     let supports = [
-        Support { group: "y-min".into(), fix: [true, true, false] },
-        Support { group: "x-min".into(), fix: [false, false, true] },
+        Support { group: "y-min".into(), fix: [true, true, false], ..Default::default() },
+        Support { group: "x-min".into(), fix: [false, false, true], ..Default::default() },
     ];
     for degree in 1..=3 {
         for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {

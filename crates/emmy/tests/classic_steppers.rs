@@ -33,7 +33,7 @@ fn tractions() -> Vec<Load> {
 }
 
 fn clamp() -> Vec<Support> {
-    vec![Support { group: "face-a".into(), fix: [true, true, false] }]
+    vec![Support { group: "face-a".into(), fix: [true, true, false], ..Default::default() }]
 }
 
 /// Records of the L-block over a time of 0.4.
@@ -198,7 +198,7 @@ fn the_critical_step_follows_the_deformation() {
         history: History::new(vec![(0.0, 0.0), (10.0, 1.0)]).unwrap(),
     };
     let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
-    let wall = Support { group: "x-min".into(), fix: [true, false, false] };
+    let wall = Support { group: "x-min".into(), fix: [true, false, false], ..Default::default() };
     let body = Body::new(mesh, vec![rubber()], &[wall], &[press]).unwrap();
     let mut state = State::initial(&body, 0.0, &[]).unwrap();
     let at_rest = CentralDifferences::new(&body, &mut state).unwrap().critical_step();

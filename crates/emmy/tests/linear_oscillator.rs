@@ -18,8 +18,8 @@ fn brick() -> Body {
     let mesh = emmy::mesh::block([1.0, 2.0, 2.0], [1; 3]).unwrap();
     let material = SaintVenantKirchhoff::new(1.0, 1.0).unwrap();
     let supports = [
-        Support { group: "x-min".into(), fix: [true; 3] },
-        Support { group: "body".into(), fix: [false, true, true] },
+        Support { group: "x-min".into(), fix: [true; 3], ..Default::default() },
+        Support { group: "body".into(), fix: [false, true, true], ..Default::default() },
     ];
     Body::new(mesh, vec![Region::new(None, 1.0, material)], &supports, &[]).unwrap()
 }

@@ -91,7 +91,7 @@ fn tiny_vibration() {
 /// A clamped bar vibrates with strains of 1e-8.
 #[test]
 fn tiny_vibration_of_a_clamped_bar() {
-    let supports = [Support { group: "y-min".into(), fix: [true; 3] }];
+    let supports = [Support { group: "y-min".into(), fix: [true; 3], ..Default::default() }];
     let mesh = emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap();
     let body = Body::new(mesh, vec![rubber(1e7, 1.0)], &supports, &[]).unwrap();
     for degree in 1..=3 {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use clap::Args;
-use emmy::body::{Body, InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
 use emmy::element::{Worst, quality};
 use emmy::mesh::Mesh;
 use emmy::motion::State;
@@ -82,7 +82,8 @@ impl Report {
     fn body(&mut self, problem: &Problem) {
         let body = &problem.body;
         let (all, free) = (body.n_dofs(), body.n_free_dofs());
-        self.line("dofs", &format!("{all} degrees of freedom, {} fixed, {free} free", all - free));
+        let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
+        self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
         body.regions().iter().for_each(|region| self.region("region", &name(region), region));
@@ -162,28 +163,34 @@ impl Report {
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
         let (force, torque) = (vector(resultant.force), vector(resultant.torque));
-        let entries = load.history.entries();
-        let history = match entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max) {
-            _ if load.history.text().is_some() => load.history.text().unwrap_or_default().to_string(),
-            1.0 if entries.len() == 1 => "constant".to_string(),
-            peak => format!("{} times, largest factor {}", entries.len(), number(peak)),
-        };
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
-        self.line("", &format!("at factor 1; history: {history}"));
+        self.line("", &format!("at factor 1; history: {}", summary(&load.history)));
     }
 
     fn support(&mut self, support: &Support, mesh: &Mesh) {
-        let axes: Vec<&str> = ["x", "y", "z"]
-            .into_iter()
-            .zip(support.fix)
-            .filter(|(_, fixed)| *fixed)
-            .map(|(axis, _)| axis)
-            .collect();
-        let dofs = mesh.group_nodes(&support.group).map_or(0, |nodes| nodes.len()) * axes.len();
-        self.line(
-            "support",
-            &format!("{}: {} fixed, {dofs} degrees of freedom", support.group, axes.join(", ")),
-        );
+        let n_nodes = mesh.group_nodes(&support.group).map_or(0, |nodes| nodes.len());
+        let components = |is_in: &dyn Fn(usize) -> bool| -> Vec<&str> {
+            (0..3).filter(|&i| is_in(i)).map(|i| ["x", "y", "z"][i]).collect()
+        };
+        let (fixed, moved) = (components(&|i| support.fix[i]), components(&|i| support.drives(i)));
+        let dofs = n_nodes * (fixed.len() + moved.len());
+        let parts = [(fixed, "fixed"), (moved, "driven")];
+        let parts = parts.into_iter().filter(|(components, _)| !components.is_empty());
+        let parts: Vec<String> =
+            parts.map(|(components, how)| format!("{} {how}", components.join(", "))).collect();
+        self.line("support", &format!("{}: {}, {dofs} degrees of freedom", support.group, parts.join(", ")));
+        for (component, history) in ["x", "y", "z"].iter().zip(&support.displacement) {
+            if let Some(history) = history {
+                self.line("", &format!("{component} moves: {}", summary(history)));
+            }
+        }
+        if let Some(rotation) = &support.rotation {
+            let (axis, about) = (vector(rotation.axis), vector(rotation.about));
+            self.line(
+                "",
+                &format!("turns about the axis {axis} through {about}: {}", summary(&rotation.angle)),
+            );
+        }
     }
 
     fn time(&mut self, problem: &Problem) {
@@ -217,6 +224,16 @@ impl Report {
                 self.line("limit", &format!("{name} {}", number(limit)));
             }
         }
+    }
+}
+
+/// A history in a few words.
+fn summary(history: &History) -> String {
+    let entries = history.entries();
+    match (history.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
+        (Some(text), _) => text.to_string(),
+        (None, 1.0) if entries.len() == 1 => "constant".to_string(),
+        (None, peak) => format!("{} times, largest factor {}", entries.len(), number(peak)),
     }
 }
 

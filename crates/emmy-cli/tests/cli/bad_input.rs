@@ -18,6 +18,7 @@ const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size =
 const TRACTION: &str = "traction = [0.0, 0.0, 10.0]";
 const HISTORY: &str = "history = [[0.0, 0.0], [0.5, 1.0]]";
 const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
+const FIX: &str = "fix = [\"x\", \"y\", \"z\"]";
 const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
 
 /// Faults on the line that was changed.
@@ -144,6 +145,22 @@ const CASES: &[Case] = &[
     case("velocity = [0, 0, 0]", "group = \"tip\"", &["no group `tip`"]),
     case("fix = [\"x\", \"y\", \"z\"]", "fix = [\"x\", \"w\"]", &["`w` is not a component"]),
     case("fix = [\"x\", \"y\", \"z\"]", "fix = []", &["`fix` is empty"]),
+    case(FIX, "fixed = [\"x\"]", &["unknown key `fixed`", "did you mean `fix`?"]),
+    case(FIX, "move = { x = 1.0 }", &["`x` must be a list of [time, value] or an expression"]),
+    case(FIX, "move = {}", &["`move` is empty"]),
+    case(FIX, "move = { u = \"t\" }", &["unknown key `u` in move", "`x`, `y`, `z`"]),
+    case(FIX, "move = { x = \"1 + t\" }", &["`x` is 1 at t = 0", "start from 0"]),
+    case(FIX, "move = { x = \"t*\" }", &["`x`: the expression ends"]),
+    case(FIX, "move = { y = [[0, 0], [1, 0], [1, 2]] }", &["`y`: a motion that jumps, at t = 1"]),
+    case(FIX, "move = { y = \"t*ln(t)\" }", &["`y`", "not a finite number"]),
+    case(FIX, "fix = [\"x\"]\nmove = { x = \"t\" }", &["`x` is both fixed and moved"]),
+    case(FIX, "displacement = { x = \"t\" }", &["did you mean `move`?"]),
+    case(FIX, "rotate = { angle = \"t\" }", &["`axis` is missing in rotate"]),
+    case(FIX, "rotate = { axis = [0, 0, 1] }", &["`angle` is missing in rotate"]),
+    case(FIX, "rotate = { axis = [0, 0, 0], angle = \"t\" }", &["`axis` of a rotation", "direction"]),
+    case(FIX, "rotate = { axis = [0, 0, 1], center = [0, 0, 0], angle = \"t\" }", &["did you mean `about`?"]),
+    case(FIX, "rotate = { axis = [0, 0, 1], angle = \"cos(t)\" }", &["`angle` is 1 at t = 0"]),
+    case(FIX, "fix = [\"y\"]\nrotate = { axis = [0, 0, 1], angle = \"t\" }", &["all components"]),
     case(PROBES, "probes = [{ name = \"a,b\", point = [0, 0, 0] }]", &["letters, digits"]),
     case(PROBES, "probes = [{ name = \"linear_momentum\", point = [0, 0, 0] }]", &["already"]),
     case(
@@ -177,7 +194,7 @@ const MISSING: &[(&str, &[&str])] = &[
     ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),
     ("group = \"y-max\"\n", &["box.toml:11:", "`group` is missing in [[load]]"]),
     ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`"]),
-    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "`fix` is missing"]),
+    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "at least one of `fix`, `move`, `rotate`"]),
     ("scheme = \"AS(2)\"\n", &["box.toml:23:", "`scheme` is missing in [time]"]),
     (", size = 0.1", &["box.toml:26:", "`size` is missing"]),
     ("name = \"tip\", ", &["box.toml:38:", "`name` is missing in a probe"]),
@@ -201,6 +218,23 @@ fn regions_must_cover_the_cells_once() {
     refused(&twice, &["run", "box.toml"], &["cell 0 belongs to two regions", "first", "second"]);
     let without_group = twice.replacen("group = \"body\"\n", "", 1);
     refused(&without_group, &["run", "box.toml"], &["only where there is one region"]);
+}
+
+#[test]
+fn supports_must_agree_with_each_other_and_with_the_scheme() {
+    let moved = BOX.replacen(FIX, "move = { x = \"t\" }", 1);
+    let beside = "[[support]]\ngroup = \"x-min\"\nfix = [\"x\"]\n\n[initial]";
+    let twice = moved.replacen("[initial]", beside, 1);
+    refused(
+        &twice,
+        &["run", "box.toml"],
+        &["`x` of the node at [0.0, 0.0, 0.0]", "two supports", "first", "second"],
+    );
+    let plane = "rectangle = { size = [1, 2], cells = [1, 2] }";
+    let plane = BOX.replacen(MESH, plane, 1).replacen(FIX, "rotate = { axis = [0, 1, 0], angle = \"t\" }", 1);
+    refused(&plane, &["run", "box.toml"], &["box.toml:17:", "plane cells stay in their plane"]);
+    let classic = moved.replacen("AS(2)", "Bathe", 1);
+    refused(&classic, &["run", "box.toml"], &["Bathe cannot move a support", "time elements only", "DGM"]);
 }
 
 #[test]

@@ -66,7 +66,9 @@ pub(super) const ORTHOTROPIC: Keys = keys(
 pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
     keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
 pub(super) const LOAD: Keys = keys("[[load]]", &["group", "traction", "force", "acceleration", "history"]);
-pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix"]);
+pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix", "move", "rotate"]);
+pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
+pub(super) const ROTATE: Keys = keys("rotate", &["axis", "about", "angle"]);
 pub(super) const INITIAL: Keys =
     keys("[initial]", &["group", "velocity", "angular_velocity", "about", "gradient"]);
 pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps"]);
@@ -77,7 +79,7 @@ pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkp
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
-const TABLES: [Keys; 25] = [
+const TABLES: [Keys; 27] = [
     ROOT,
     MESH,
     L_BLOCK,
@@ -95,6 +97,8 @@ const TABLES: [Keys; 25] = [
     HOLZAPFEL_GASSER_OGDEN,
     LOAD,
     SUPPORT,
+    MOVE,
+    ROTATE,
     INITIAL,
     TIME,
     PHASE,
@@ -153,6 +157,11 @@ const KIN: &[(&str, &str)] = &[
     ("omega", "angular_velocity"),
     ("center", "about"),
     ("boundary", "support"),
+    ("fixed", "fix"),
+    ("displacement", "move"),
+    ("prescribe", "move"),
+    ("rotation", "rotate"),
+    ("amplitude", "history"),
 ];
 
 impl Keys {

@@ -1,6 +1,6 @@
-//! `[[load]]` and `[[support]]`.
+//! `[[load]]`.
 
-use emmy::body::{History, Load, LoadKind, Support};
+use emmy::body::{History, Load, LoadKind};
 
 use super::fault::Fault;
 use super::region::{Placed, group};
@@ -24,22 +24,4 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {
     };
     let history = table.get("history").map(history::read).transpose()?.unwrap_or_else(History::constant);
     Placed::new(&table, Load { kind, history })
-}
-
-/// Reads one support.
-pub(super) fn support(item: Item<'_>) -> Result<Placed<Support>, Fault> {
-    let table = item.table(keys::SUPPORT)?;
-    let (group, fix) = (table.require("group")?.string()?.to_string(), table.require("fix")?);
-    let mut fixed = [false; 3];
-    let components = fix.list()?;
-    if components.is_empty() {
-        return Err(
-            fix.fault("`fix` is empty: it lists the components that do not move", "such as [\"x\", \"y\"]")
-        );
-    }
-    for component in components {
-        let word = component.word("a component", &["x", "y", "z"])?;
-        fixed[(word.as_bytes()[0] - b'x') as usize] = true;
-    }
-    Placed::new(&table, Support { group, fix: fixed })
 }

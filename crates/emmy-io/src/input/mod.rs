@@ -19,6 +19,7 @@ mod set;
 mod settings;
 mod shape;
 mod suggest;
+mod support;
 mod table;
 mod time;
 mod tree;

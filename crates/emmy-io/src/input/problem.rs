@@ -13,7 +13,8 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    complete, groups, history, initial, keys, load, probes, region, set, settings, shape, time, write,
+    complete, groups, history, initial, keys, load, probes, region, set, settings, shape, support, time,
+    write,
 };
 
 /// What the command line says about an input.
@@ -117,7 +118,7 @@ impl Parts {
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
         let loads = optional(&root, "load", load::read, &mut faults);
-        let supports = optional(&root, "support", load::support, &mut faults);
+        let supports = optional(&root, "support", support::read, &mut faults);
         let initial = optional(&root, "initial", initial::read, &mut faults);
         let time = faults.keep(root.require("time").and_then(|item| time::read(item, overrides.until)));
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
@@ -143,13 +144,16 @@ impl Parts {
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
         self.faults.finish()?;
         groups::check_regions(&mesh, &self.regions)?;
+        support::check_together(&mesh, &self.supports, &self.time)?;
         probes::find(&mesh, &mut self.output.probes, &mut notes);
         if self.output.checkpoint_every > 0 {
             notes.push("`checkpoint_every`: this version writes no checkpoints".to_string());
         }
+        let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
         let body = Body::new(mesh, values(self.regions), &supports, &loads);
-        let body = body.map_err(|error| self.shape.fault(&error))?;
+        let body =
+            body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         Ok(Problem {
             title: self.title,
             body,

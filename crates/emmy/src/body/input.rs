@@ -35,13 +35,60 @@ impl Region {
     }
 }
 
-/// Components of a group that do not move.
-#[derive(Debug, Clone, PartialEq)]
+/// Components of a group whose motion is given: at rest, or driven.
+///
+/// ```
+/// use emmy::body::{History, Support};
+/// let rate = History::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0]);
+/// let support = Support { group: "x-max".into(), displacement: [Some(rate), None, None], ..Default::default() };
+/// assert!(support.is_driven());
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Support {
     /// Group of nodes, facets or cells.
     pub group: String,
-    /// Fixed components x, y, z.
+    /// Components x, y, z at rest.
     pub fix: [bool; 3],
+    /// Displacement of driven components over time \[length\]: without jumps, and zero at the start.
+    pub displacement: [Option<History>; 3],
+    /// Rotation that drives all components.
+    pub rotation: Option<Rotation>,
+    /// Time from which on the support no longer holds.
+    pub until: Option<f64>,
+}
+
+impl Support {
+    /// Whether the support gives a motion.
+    pub fn is_driven(&self) -> bool {
+        self.histories().next().is_some()
+    }
+
+    /// Whether the support gives the motion of a component.
+    pub fn drives(&self, component: usize) -> bool {
+        self.rotation.is_some() || self.displacement[component].is_some()
+    }
+
+    /// Whether the motion has a part along z.
+    pub(super) fn leaves_plane(&self) -> bool {
+        let about_z = |rotation: &Rotation| rotation.axis[..2] == [0.0; 2];
+        self.displacement[2].is_some() || self.rotation.as_ref().is_some_and(|rotation| !about_z(rotation))
+    }
+
+    /// The histories of the given motion.
+    pub fn histories(&self) -> impl Iterator<Item = &History> + '_ {
+        self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
+    }
+}
+
+/// Rotation of a group, `q = about + R(angle) (X - about)`, with the displacement of the support added to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rotation {
+    /// Direction of the axis, of any length.
+    pub axis: [f64; 3],
+    /// A point of the axis \[length\].
+    pub about: [f64; 3],
+    /// Angle over time \[radian\]: without jumps, and zero at the start.
+    pub angle: History,
 }
 
 /// A load: where it acts and how, with a factor over time.

@@ -4,11 +4,13 @@ use super::Body;
 use crate::error::Result;
 use crate::sparse::BlockCholesky;
 
-/// Velocity from momentum: `M_ff v_f = p_f` for the free degrees of freedom, v = 0 for the fixed ones.
+/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed ones.
 #[derive(Debug)]
 pub struct MassSolver {
     /// Factorisations with the directions that share them (those with the same fixed nodes).
     factors: Vec<(Vec<usize>, BlockCholesky)>,
+    /// p - M v_c.
+    rest: Vec<f64>,
 }
 
 impl MassSolver {
@@ -29,12 +31,27 @@ impl MassSolver {
             factor.factorize(|position| body.mass()[position])?;
             factors.push((vec![axis], factor));
         }
-        Ok(MassSolver { factors })
+        Ok(MassSolver { factors, rest: vec![0.0; body.n_dofs()] })
     }
 
-    /// Velocity of a momentum; `momentum`, `velocity`: `[n_nodes][3]`.
+    /// Velocity of a momentum with the fixed degrees of freedom at rest; `momentum`, `velocity`: `[n_nodes][3]`.
     pub fn velocity(&mut self, momentum: &[f64], velocity: &mut [f64]) {
         velocity.fill(0.0);
+        self.solve(momentum, velocity);
+    }
+
+    /// Velocity of the free degrees of freedom of a momentum, beside that of the fixed ones, which is there already.
+    pub fn velocity_beside(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
+        velocity.iter_mut().zip(body.fixed()).filter(|(_, fixed)| !**fixed).for_each(|(v, _)| *v = 0.0);
+        let mut rest = std::mem::take(&mut self.rest);
+        body.mass_product(velocity, &mut rest);
+        rest.iter_mut().zip(momentum).for_each(|(rest, p)| *rest = p - *rest);
+        self.solve(&rest, velocity);
+        self.rest = rest;
+    }
+
+    /// Sets the free entries of the velocity: `M_ff v_f = p_f`.
+    fn solve(&mut self, momentum: &[f64], velocity: &mut [f64]) {
         for (axes, factor) in &mut self.factors {
             let read = |_: &&mut [f64], column: usize, node: usize| momentum[3 * node + axes[column]];
             let write = |velocity: &mut &mut [f64], column: usize, node: usize, value: f64| {

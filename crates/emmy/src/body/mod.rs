@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod drive;
 mod geometry;
 mod history;
 mod input;
@@ -10,13 +11,14 @@ mod loads;
 mod mass;
 mod regions;
 mod solid;
+mod supports;
 mod term;
 
 use std::ops::Range;
 
 pub use geometry::CellTable;
 pub use history::History;
-pub use input::{InitialVelocity, Load, LoadKind, Region, Support};
+pub use input::{InitialVelocity, Load, LoadKind, Region, Rotation, Support};
 pub use invariants::sum;
 pub use loads::LoadResultant;
 pub use mass::MassSolver;
@@ -24,9 +26,11 @@ pub use regions::RegionSummary;
 pub use solid::Scratch;
 pub use term::{StepInput, Term};
 
+use drive::Drive;
 use loads::LoadVector;
 use rayon::prelude::*;
 use regions::RegionOfCell;
+use supports::Given;
 
 use crate::average::Want;
 use crate::error::{Error, Result};
@@ -54,6 +58,7 @@ pub struct Body {
     mass: Vec<f64>,
     lumped_mass: Vec<f64>,
     fixed: Vec<bool>,
+    drives: Vec<Drive>,
     loads: Vec<LoadVector>,
 }
 
@@ -62,7 +67,7 @@ impl Body {
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::RegionCover`] if the regions do not cover the cells, [`Error::NotPositive`]
-    /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Linear`].
+    /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Support`], [`Error::Linear`].
     pub fn new(mesh: Mesh, regions: Vec<Region>, supports: &[Support], loads: &[Load]) -> Result<Self> {
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
         let mut terms = regions::terms(&mesh, &regions, &of_cell)?;
@@ -78,9 +83,11 @@ impl Body {
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
         let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &section, &density_of_cell));
+        let given = Given::new(&mesh, supports.iter())?;
         Ok(Body {
             loads: loads.collect::<Result<_>>()?,
-            fixed: fixed_dofs(&mesh, supports)?,
+            fixed: given.fixed,
+            drives: given.drives,
             mass: regions::mass(&mesh, &pattern, &density_of_cell),
             lumped_mass: regions::lumped_mass(&mesh, &density_of_cell),
             regions: regions::summaries(&mesh, &regions, &of_cell),
@@ -103,12 +110,12 @@ impl Body {
         self.mesh.n_dofs()
     }
 
-    /// Number of degrees of freedom that are not fixed.
+    /// Number of degrees of freedom that are neither fixed nor driven.
     pub fn n_free_dofs(&self) -> usize {
         self.fixed.iter().filter(|fixed| !**fixed).count()
     }
 
-    /// Which degrees of freedom are fixed, `[n_nodes][3]`.
+    /// Which degrees of freedom are fixed, at rest or driven, `[n_nodes][3]`.
     pub fn fixed(&self) -> &[bool] {
         &self.fixed
     }
@@ -190,11 +197,13 @@ impl Body {
         assembly.parts.iter().try_for_each(|part| part.outcome.clone())
     }
 
-    /// Momentum and velocity of an initial velocity field: `(p, v)`, both `[n_nodes][3]`; fixed components do not move.
+    /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`; fixed components do not
+    /// move, driven ones as they are driven.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
-    pub fn initial_motion(&self, fields: &[InitialVelocity]) -> Result<(Vec<f64>, Vec<f64>)> {
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::DrivenStart`] if a driven node is displaced then.
+    pub fn initial_motion(&self, time: f64, fields: &[InitialVelocity]) -> Result<(Vec<f64>, Vec<f64>)> {
+        self.check_start(time)?;
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {
             let nodes = match &field.group {
@@ -209,10 +218,21 @@ impl Body {
                 velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
             }
         }
-        velocity.iter_mut().zip(&self.fixed).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        self.set_given_velocity(time, 0.0, &mut velocity);
         let mut momentum = vec![0.0; self.n_dofs()];
         self.mass_product(&velocity, &mut momentum);
         Ok((momentum, velocity))
+    }
+
+    /// The body is undeformed at the start: driven nodes must be where they are.
+    fn check_start(&self, time: f64) -> Result<()> {
+        let distance = self.driven_distance(time);
+        let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
+        // Rounding of an expression that is zero in mathematics is not a displacement.
+        if distance <= 1e-12 * size {
+            return Ok(());
+        }
+        Err(Error::DrivenStart { time, distance })
     }
 }
 
@@ -228,22 +248,4 @@ pub struct Assembly {
 struct Part {
     scratch: Scratch,
     outcome: Result<()>,
-}
-
-fn fixed_dofs(mesh: &Mesh, supports: &[Support]) -> Result<Vec<bool>> {
-    let mut fixed = vec![false; mesh.n_dofs()];
-    fix_planes(mesh, &mut fixed);
-    for support in supports {
-        for node in mesh.group_nodes(&support.group)? {
-            (0..3).for_each(|i| fixed[3 * node as usize + i] |= support.fix[i]);
-        }
-    }
-    Ok(fixed)
-}
-
-/// Plane strain: nodes of plane cells do not leave the plane.
-fn fix_planes(mesh: &Mesh, fixed: &mut [bool]) {
-    for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
-        cell.nodes.iter().for_each(|&node| fixed[3 * node as usize + 2] = true);
-    }
 }

@@ -96,7 +96,6 @@ impl<'a> Motion<'a> {
 impl Record {
     /// The record with energies and momenta of a state.
     fn with_invariants(mut self, body: &Body, state: &State) -> Record {
-        // Fixed degrees of freedom have no velocity: p . v is p_f . v_f.
         self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
         self.strain_energy = body.strain_energy(&state.displacement);
         self.total_energy = self.kinetic_energy + self.strain_energy;

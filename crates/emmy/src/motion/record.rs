@@ -17,17 +17,17 @@ pub struct Record {
     pub kinetic_energy: f64,
     /// Strain energy V \[energy\].
     pub strain_energy: f64,
-    /// Work of the loads since the start \[energy\].
+    /// Work of loads, and of reactions where supports move, since the start \[energy\].
     pub external_work: f64,
     /// Total energy E = T + V \[energy\].
     pub total_energy: f64,
     /// Defect of the step's energy balance \[energy\].
     ///
     /// ```math
-    /// E_n - E_(n-1) - sum_i b_i f_i^ext . x_i
+    /// E_n - E_(n-1) - W
     /// ```
     ///
-    /// The work of schemes that are not time elements is that of [`crate::time::Impulses`].
+    /// with the work W of [`crate::time::Impulses`].
     pub energy_residual: f64,
     /// Linear momentum \[mass length/time\].
     pub linear_momentum: [f64; 3],

@@ -31,6 +31,8 @@ pub struct TimeElementStepper<'a> {
     residual: Vec<f64>,
     averages: Vec<f64>,
     position: Vec<f64>,
+    /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
+    arrival: Vec<f64>,
     is_loaded: bool,
 }
 
@@ -49,6 +51,7 @@ impl<'a> TimeElementStepper<'a> {
             residual: vec![0.0; k * n],
             averages: vec![0.0; k],
             position: vec![0.0; n],
+            arrival: vec![0.0; if body.is_driven() { n } else { 0 }],
             is_loaded: false,
         })
     }
@@ -64,6 +67,7 @@ impl<'a> TimeElementStepper<'a> {
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
         }
         self.is_loaded = body.stage_loads(&form.rule, state.time, h, &mut self.averages, external_force);
+        self.system.set_driven_rates(state.time, h);
     }
 
     /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom.
@@ -82,7 +86,6 @@ impl<'a> TimeElementStepper<'a> {
         for i in 0..k {
             let b = rule.weights()[i];
             let external = &self.system.external_force[i * n..(i + 1) * n];
-            impulses.work += b * dot(external, &rates[i * n..(i + 1) * n]);
             self.position.copy_from_slice(&self.system.displacement);
             for j in 0..k {
                 let a = rule.coefficients()[i * k + j];
@@ -93,6 +96,7 @@ impl<'a> TimeElementStepper<'a> {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
                 force[dof] = lambda + external[dof];
             }
+            impulses.work += b * dot(force, &rates[i * n..(i + 1) * n]);
             impulses.add_force(body, h * b, &self.position, force);
         }
         Ok(impulses)
@@ -102,13 +106,13 @@ impl<'a> TimeElementStepper<'a> {
     ///
     /// The momentum is taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`: then
     /// an error of the iteration enters the energy balance through `R_i . x_i` only.
-    fn update(&mut self, state: &mut State, h: f64) {
+    fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         let (body, n) = (self.system.body, state.displacement.len());
         let form = &self.system.form;
         let (k, b) = (form.rule.degree(), form.rule.weights());
         state.momentum.fill(0.0);
         for j in 0..k {
-            let beta: f64 = (0..k).map(|i| b[i] * form.mass[i * k + j]).sum();
+            let beta = self.arrival_weight(j);
             let rates = &self.iteration.rates[j * n..(j + 1) * n];
             state.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += b[j] * x);
             body.mass_product(rates, &mut self.position);
@@ -116,25 +120,70 @@ impl<'a> TimeElementStepper<'a> {
             state.momentum.iter_mut().zip(old).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
         }
         state.momentum.iter_mut().zip(&self.momentum).for_each(|(p, p_1)| *p += p_1);
-        self.mass_solver.velocity(&state.momentum, &mut state.velocity);
-        // The momentum of fixed degrees of freedom is that of the velocity: p = M v with all of M.
-        body.mass_product(&state.velocity, &mut self.position);
-        let fixed = body.fixed().iter().zip(&self.position);
-        state
-            .momentum
-            .iter_mut()
-            .zip(fixed)
-            .filter(|(_, (fixed, _))| **fixed)
-            .for_each(|(p, (_, mv))| *p = *mv);
+        self.arrive(state, h, impulses);
     }
+
+    /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`.
+    fn arrival_weight(&self, j: usize) -> f64 {
+        let form = &self.system.form;
+        let k = form.rule.degree();
+        (0..k).map(|i| form.rule.weights()[i] * form.mass[i * k + j]).sum()
+    }
+
+    /// Gives the fixed degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
+    /// the fixed ones their momentum: p = M v with all of M.
+    fn arrive(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
+        let body = self.system.body;
+        if !body.is_driven() {
+            self.mass_solver.velocity(&state.momentum, &mut state.velocity);
+            body.mass_product(&state.velocity, &mut self.position);
+            take_fixed(body, &self.position, &mut state.momentum);
+            return;
+        }
+        self.set_arrival(&state.velocity, h);
+        body.set_given_velocity(state.time + h, h, &mut state.velocity);
+        self.mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
+        body.mass_product(&state.velocity, &mut self.position);
+        self.momentum.copy_from_slice(&state.momentum);
+        take_fixed(body, &self.position, &mut state.momentum);
+        self.add_jump(state, impulses);
+    }
+
+    /// Sets the velocity `v_c` with which the polynomial of the step ends at the driven degrees of freedom; `velocity`: that of
+    /// its start.
+    fn set_arrival(&mut self, velocity: &[f64], h: f64) {
+        let (body, n) = (self.system.body, velocity.len());
+        self.arrival.copy_from_slice(velocity);
+        for j in 0..self.averages.len() {
+            let beta = self.arrival_weight(j);
+            let rates = &self.iteration.rates[j * n..(j + 1) * n];
+            body.driven_dofs().for_each(|dof| self.arrival[dof] += beta * (rates[dof] / h - velocity[dof]));
+        }
+    }
+
+    /// Adds what the reactions do at the end of the step, where the given velocity `v_c^+` takes the place of that of the
+    /// polynomial: the impulse `p_c^+ - p_c` with the work `(v_c + v_c^+)/2 . (p_c^+ - p_c)`.
+    fn add_jump(&mut self, state: &State, impulses: &mut Impulses) {
+        let body = self.system.body;
+        self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
+        let mean = |dof: usize| 0.5 * (self.arrival[dof] + state.velocity[dof]);
+        impulses.work += body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>();
+        impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
+    }
+}
+
+/// Takes the entries of the fixed degrees of freedom over.
+fn take_fixed(body: &Body, from: &[f64], to: &mut [f64]) {
+    let fixed = body.fixed().iter().zip(from).zip(to);
+    fixed.filter(|((fixed, _), _)| **fixed).for_each(|((_, from), to)| *to = *from);
 }
 
 impl Stepper for TimeElementStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size)?;
-        let impulses = self.impulses(step_size)?;
-        self.update(state, step_size);
+        let mut impulses = self.impulses(step_size)?;
+        self.update(state, step_size, &mut impulses);
         self.iteration.remember(step_size);
         Ok(StepOutcome { newton, impulses })
     }

@@ -130,6 +130,7 @@ impl Iteration {
             }
             (Guess::Rest, _) => self.rates.fill(0.0),
         }
+        system.drive(&mut self.rates);
         true
     }
 }

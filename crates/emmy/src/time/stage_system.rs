@@ -43,6 +43,8 @@ pub struct StageSystem<'a> {
     pub known: Vec<f64>,
     /// Stage averages of the external force.
     pub external_force: Vec<f64>,
+    /// Rates of the driven degrees of freedom; empty where there are none.
+    driven_rates: Vec<f64>,
     force: Vec<f64>,
     /// M x_j of the last residual.
     mass_rates: Vec<f64>,
@@ -75,6 +77,7 @@ impl<'a> StageSystem<'a> {
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
             external_force: vec![0.0; k * n],
+            driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
             preconditioner: Preconditioner::new(body, &form)?,
@@ -92,6 +95,20 @@ impl<'a> StageSystem<'a> {
         self.displacement.copy_from_slice(displacement);
         self.time_scale = time_scale;
         self.floor = 0.0;
+    }
+
+    /// Sets the rates that driven degrees of freedom have in the step.
+    pub fn set_driven_rates(&mut self, time: f64, step_size: f64) {
+        let (rule, rates) = (&self.form.rule, &mut self.driven_rates);
+        self.body.driven_rates(rule, time, step_size, &self.displacement, rates);
+    }
+
+    /// Puts the rates of the driven degrees of freedom into a starting point of the iteration.
+    pub fn drive(&self, rates: &mut [f64]) {
+        let n = self.body.n_dofs();
+        for (rates, driven) in rates.chunks_exact_mut(n).zip(self.driven_rates.chunks_exact(n)) {
+            self.body.driven_dofs().for_each(|dof| rates[dof] = driven[dof]);
+        }
     }
 
     /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of its

@@ -25,9 +25,9 @@ impl State {
     /// The undeformed body with an initial velocity field (at rest without one).
     ///
     /// # Errors
-    /// [`crate::Error::UnknownGroup`], [`crate::Error::NotFinite`].
+    /// [`crate::Error::UnknownGroup`], [`crate::Error::NotFinite`], [`crate::Error::DrivenStart`].
     pub fn initial(body: &Body, time: f64, fields: &[InitialVelocity]) -> Result<Self> {
-        let (momentum, velocity) = body.initial_motion(fields)?;
+        let (momentum, velocity) = body.initial_motion(time, fields)?;
         Ok(State { time, step: 0, displacement: vec![0.0; body.n_dofs()], momentum, velocity })
     }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use super::classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
 use super::{Scheme, State, TimeElement, TimeElementStepper};
 use crate::body::{Body, sum};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::newton::{NewtonSettings, Outcome};
 
 /// Advances the state of a body, step by step.
@@ -35,11 +35,15 @@ pub struct StepOutcome {
 /// What loads and reactions did to the body in a step, by the scheme's own quadrature in time. What a balance then leaves
 /// over is what the scheme itself fails to conserve.
 ///
-/// For a time element these are its stage averages:
+/// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven degrees of
+/// freedom:
 ///
 /// ```math
-/// W = sum_i b_i f_i^ext . x_i,    I = h sum_i b_i (f_i^ext + lambda_i),    J = h sum_i b_i q^h(c_i) x (f_i^ext + lambda_i)
+/// W = sum_i b_i (f_i^ext + lambda_i) . x_i,   I = h sum_i b_i (f_i^ext + lambda_i),   J = h sum_i b_i q^h(c_i) x (f_i^ext + lambda_i)
 /// ```
+///
+/// At the end of a step driven degrees of freedom take their given velocity over from the polynomial of the step; the impulse
+/// that this needs is one of the reactions, with its work.
 ///
 /// For the others, the forces at the times t_s of the step that they use, with the weights w_s that these have in the new
 /// velocity, and the reactions `lambda = M a + f(u) - F` at fixed degrees of freedom:
@@ -53,7 +57,7 @@ pub struct StepOutcome {
 /// are not seen; a jump of a history belongs on none of them, since rounding of the time decides on which side it falls.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Impulses {
-    /// Work of the loads W \[energy\].
+    /// Work of loads and reactions W \[energy\]; reactions do work where supports move.
     pub work: f64,
     /// Linear impulse I \[mass length/time\].
     pub linear: [f64; 3],
@@ -84,6 +88,10 @@ impl Scheme {
         state: &mut State,
     ) -> Result<Box<dyn Stepper + 'a>> {
         self.check(degree)?;
+        if body.is_driven() && !self.is_time_element() {
+            let reason = "a prescribed motion goes with time elements only".to_string();
+            return Err(Error::Scheme { scheme: self.to_string(), reason });
+        }
         if let Some(parameters) = NewmarkParameters::of(self) {
             return Ok(Box::new(NewmarkStepper::new(body, parameters, settings, state)?));
         }

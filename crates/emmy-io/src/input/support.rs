@@ -1,0 +1,141 @@
+//! `[[support]]`: what is held, moved or turned.
+
+use emmy::body::{History, Rotation, Support};
+use emmy::mesh::Mesh;
+
+use super::fault::{Fault, Place};
+use super::region::Placed;
+use super::table::{Item, Table};
+use super::time::Time;
+use super::{history, keys};
+
+/// Names of the components.
+const COMPONENTS: [&str; 3] = ["x", "y", "z"];
+
+/// Keys that say what a support does; at least one is needed.
+const KINDS: [&str; 3] = ["fix", "move", "rotate"];
+
+/// Reads one support.
+pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
+    let table = item.table(keys::SUPPORT)?;
+    let group = table.require("group")?.string()?.to_string();
+    if KINDS.iter().all(|key| table.get(key).is_none()) {
+        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`";
+        return Err(Fault::at(table.place(), message, "none of them is here"));
+    }
+    let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();
+    let displacement = table.get("move").map(displacement).transpose()?.unwrap_or_default();
+    let rotation = table.get("rotate").map(rotation).transpose()?;
+    let support = Support { group, fix, displacement, rotation, ..Support::default() };
+    check(&table, &support)?;
+    Placed::new(&table, support)
+}
+
+fn fixed(item: Item<'_>) -> Result<[bool; 3], Fault> {
+    let (mut fixed, components) = ([false; 3], item.list()?);
+    if components.is_empty() {
+        let message = "`fix` is empty: it lists the components that do not move";
+        return Err(item.fault(message, "such as [\"x\", \"y\"]"));
+    }
+    for component in components {
+        let word = component.word("a component", &COMPONENTS)?;
+        fixed[(word.as_bytes()[0] - b'x') as usize] = true;
+    }
+    Ok(fixed)
+}
+
+fn displacement(item: Item<'_>) -> Result<[Option<History>; 3], Fault> {
+    let table = item.table(keys::MOVE)?;
+    let mut displacement = [const { None }; 3];
+    for (history, component) in displacement.iter_mut().zip(COMPONENTS) {
+        *history = table.get(component).map(motion).transpose()?;
+    }
+    if displacement.iter().all(Option::is_none) {
+        return Err(
+            item.fault("`move` is empty: it gives displacements over time", "such as { x = \"0.1*t\" }")
+        );
+    }
+    Ok(displacement)
+}
+
+fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
+    let table = item.table(keys::ROTATE)?;
+    let axis_item = table.require("axis")?;
+    let axis: [f64; 3] = axis_item.numbers()?;
+    if axis == [0.0; 3] {
+        return Err(axis_item.fault("`axis` of a rotation must have a direction", "zero"));
+    }
+    let about = table.get("about").map_or(Ok([0.0; 3]), |item| item.numbers())?;
+    Ok(Rotation { axis, about, angle: motion(table.require("angle")?)? })
+}
+
+/// A history that nodes can follow: from zero, without jumps.
+fn motion(item: Item<'_>) -> Result<History, Fault> {
+    let (history, key) = (history::read(item)?, item.key());
+    if let Some(time) = history.first_jump() {
+        let message = format!("`{key}`: a motion that jumps, at t = {time}; give the way there some time");
+        return Err(item.fault(message, "two values at one time"));
+    }
+    let start = history.value(0.0);
+    // Rounding of an expression that is zero in mathematics is no displacement; other values wait for the size of the mesh.
+    if start.abs() > 1e-9 {
+        let message =
+            format!("`{key}` is {start} at t = 0, where the body is undeformed; let it start from 0");
+        return Err(item.fault(message, "not 0 at the start"));
+    }
+    Ok(history)
+}
+
+/// Components that are given twice.
+fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
+    let Some(fix) = table.get("fix") else { return Ok(()) };
+    if let Some(rotate) = table.get("rotate") {
+        let message = "`rotate` gives the motion of all components: nothing is left to `fix`";
+        return Err(fix.fault(message, "fixed here").label(rotate.place(), "turned here"));
+    }
+    let twice = (0..3).find(|&i| support.fix[i] && support.displacement[i].is_some());
+    twice.zip(table.get("move")).map_or(Ok(()), |(component, moved)| {
+        let message = format!("component `{}` is both fixed and moved", COMPONENTS[component]);
+        Err(fix.fault(message, "fixed here").label(moved.place(), "moved here"))
+    })
+}
+
+/// What can be wrong with supports that are right one by one: that two hold the same component of a node, or that the scheme
+/// cannot move them.
+pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &Time) -> Result<(), Fault> {
+    let Some(driven) = supports.iter().find(|support| support.value.is_driven()) else { return Ok(()) };
+    if !time.scheme.is_time_element() {
+        let message =
+            format!("the scheme {} cannot move a support: that goes with time elements only", time.scheme);
+        return Err(Fault::at(&driven.place, message, "moves").help("such as scheme = \"DGM\""));
+    }
+    let mut by = vec![None; mesh.n_dofs()];
+    for (index, support) in supports.iter().enumerate() {
+        let Ok(nodes) = mesh.group_nodes(&support.value.group) else { continue };
+        for dof in nodes.iter().flat_map(|&node| (0..3).map(move |i| 3 * node as usize + i)) {
+            if !support.value.fix[dof % 3] && !support.value.drives(dof % 3) {
+                continue;
+            }
+            let other: Option<&Placed<Support>> = by[dof].replace(index).map(|other: usize| &supports[other]);
+            let moves = |support: &Placed<Support>| support.value.drives(dof % 3);
+            let Some(other) = other.filter(|other| moves(other) || moves(support)) else { continue };
+            let (component, point) = (COMPONENTS[dof % 3], mesh.points()[dof / 3]);
+            let message =
+                format!("component `{component}` of the node at {point:?} is given by two supports");
+            return Err(Fault::at(&support.place, message, "second").label(&other.place, "first"));
+        }
+    }
+    Ok(())
+}
+
+/// Groups of the supports with the places of their names.
+pub(super) fn places(supports: &[Placed<Support>]) -> Vec<(String, Place)> {
+    supports.iter().filter_map(|support| support.group.clone()).collect()
+}
+
+/// The fault of a body that cannot be supported so.
+pub(super) fn fault(error: &emmy::Error, places: &[(String, Place)]) -> Option<Fault> {
+    let emmy::Error::Support { group, .. } = error else { return None };
+    let (_, place) = places.iter().find(|(name, _)| name == group)?;
+    Some(Fault::at(place, error.to_string(), "this support"))
+}

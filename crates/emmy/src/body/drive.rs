@@ -1,0 +1,276 @@
+//! Prescribed motion: nodes of a group whose displacement is a function of time.
+
+use super::{Body, History, Rotation};
+use crate::average::Rule;
+use crate::quadrature::Quadrature;
+
+/// Displacement `B (r, 1)` of a node from its offset `r = X - about`, row by row.
+type Map = [[f64; 4]; 3];
+
+/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+const SAME_TIME: f64 = 1e-6;
+
+/// The given motion of a group: a displacement over time in some components, or a rotation with one.
+///
+/// ```math
+/// u(t) = (R(angle(t)) - I) (X - about) + displacement(t)
+/// ```
+#[derive(Debug, Clone)]
+pub struct Drive {
+    displacement: [Option<History>; 3],
+    /// Rotation with an axis of unit length.
+    rotation: Option<Rotation>,
+    /// Driven components.
+    pub(super) components: [bool; 3],
+    nodes: Vec<u32>,
+    /// X - about of every node.
+    offsets: Vec<[f64; 3]>,
+    /// When the motion is given no more.
+    pub(super) until: Option<f64>,
+}
+
+impl Drive {
+    /// The motion of some nodes. `rotation` has an axis of unit length.
+    pub(super) fn new(
+        displacement: [Option<History>; 3],
+        rotation: Option<Rotation>,
+        until: Option<f64>,
+        nodes: Vec<u32>,
+        points: &[[f64; 3]],
+    ) -> Self {
+        let about = rotation.as_ref().map_or([0.0; 3], |rotation| rotation.about);
+        let offset = |&node: &u32| [0, 1, 2].map(|i| points[node as usize][i] - about[i]);
+        let components = [0, 1, 2].map(|i| rotation.is_some() || displacement[i].is_some());
+        Drive {
+            offsets: nodes.iter().map(offset).collect(),
+            displacement,
+            rotation,
+            components,
+            nodes,
+            until,
+        }
+    }
+
+    /// Driven degrees of freedom.
+    pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.entries().map(|(dof, _, _)| dof)
+    }
+
+    /// Driven degrees of freedom with their component and the offset of their node.
+    fn entries(&self) -> impl Iterator<Item = (usize, usize, &[f64; 3])> + '_ {
+        let nodes = self.nodes.iter().zip(&self.offsets);
+        nodes.flat_map(move |(&node, offset)| {
+            let components = (0..3).filter(|&i| self.components[i]);
+            components.map(move |i| (3 * node as usize + i, i, offset))
+        })
+    }
+
+    fn histories(&self) -> impl Iterator<Item = &History> + '_ {
+        self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
+    }
+
+    /// The displacement at a time.
+    fn map(&self, time: f64) -> Map {
+        self.map_of(
+            |history| history.value(time),
+            |angle| {
+                // 1 - cos without cancellation.
+                (angle.sin(), 2.0 * (0.5 * angle).sin().powi(2))
+            },
+        )
+    }
+
+    /// The displacement's rate at a time; at a kink that on one side, by the sign of `shift`.
+    fn rate(&self, time: f64, shift: f64) -> Map {
+        let side = |history: &History| match history.text() {
+            Some(_) => history.rate(time),
+            None => history.rate(time + shift),
+        };
+        let spin = self.rotation.as_ref().map_or(0.0, |rotation| side(&rotation.angle));
+        self.map_of(side, |_| {
+            let angle = self.rotation.as_ref().map_or(0.0, |rotation| rotation.angle.value(time));
+            (spin * angle.cos(), spin * angle.sin())
+        })
+    }
+
+    /// `[s A + c A^2 | d]` with the cross product A of the axis; `part` gives d, `turn` gives (s, c) of the angle.
+    fn map_of(&self, part: impl Fn(&History) -> f64, turn: impl Fn(f64) -> (f64, f64)) -> Map {
+        let mut map = [[0.0; 4]; 3];
+        for (row, history) in map.iter_mut().zip(&self.displacement) {
+            row[3] = history.as_ref().map_or(0.0, &part);
+        }
+        let Some(rotation) = &self.rotation else { return map };
+        let (a, (s, c)) = (rotation.axis, turn(part(&rotation.angle)));
+        let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
+        for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+            // A^2 = a a^T - I.
+            let square = a[i] * a[j] - f64::from(u8::from(i == j));
+            map[i][j] = s * cross[i][j] + c * square;
+        }
+        map
+    }
+
+    /// Rate x_i of the displacement in a step, for stage i of a rule.
+    ///
+    /// ```math
+    /// x_i = (1/b_i) integral l_i u' dalpha = (1/b_i) ( l_i(1) w(1) - integral l_i' w dalpha ),   w = u - u(0)
+    /// ```
+    fn stage_rate(&self, rule: &Rule, i: usize, time: f64, h: f64) -> Map {
+        let (start, mut rate) = (self.map(time), [[0.0; 4]; 3]);
+        add(&mut rate, rule.basis(i, 1.0), &self.map(time + h), &start);
+        self.for_each_segment(time, h, |segment| {
+            for (alpha, weight) in points(rule.smooth_quadrature(), segment) {
+                let factor = -weight * rule.basis_rate(i, alpha);
+                add(&mut rate, factor, &self.map(time + alpha * h), &start);
+            }
+        });
+        rate.map(|row| row.map(|x| x / rule.weights()[i]))
+    }
+
+    /// The parts of a step between kinks, as parts of [0, 1].
+    fn for_each_segment(&self, time: f64, h: f64, mut visit: impl FnMut([f64; 2])) {
+        let (mut from, mut after) = (0.0, time);
+        while from < 1.0 {
+            let kinks = self.histories().filter_map(|history| history.next_kink(after));
+            after = kinks.fold(f64::INFINITY, f64::min);
+            let to = ((after - time) / h).min(1.0);
+            if to > from {
+                visit([from, to]);
+                from = to;
+            }
+        }
+    }
+}
+
+/// Adds `factor (map - start)`.
+fn add(sum: &mut Map, factor: f64, map: &Map, start: &Map) {
+    for (sum, (map, start)) in sum.iter_mut().zip(map.iter().zip(start)) {
+        (0..4).for_each(|j| sum[j] += factor * (map[j] - start[j]));
+    }
+}
+
+/// Points and weights of a quadrature on a part of [0, 1].
+fn points(quadrature: &Quadrature<1>, [from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    quadrature.iter().map(move |(&[s], w)| (from + (to - from) * s, w * (to - from)))
+}
+
+/// A row of a map times `(r, 1)`.
+fn apply(row: &[f64; 4], offset: &[f64; 3]) -> f64 {
+    row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2] + row[3]
+}
+
+impl Body {
+    /// Whether some degrees of freedom have a given motion.
+    pub fn is_driven(&self) -> bool {
+        !self.drives.is_empty()
+    }
+
+    /// Degrees of freedom with a given motion; [`Body::fixed`] counts them too.
+    pub fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.drives.iter().flat_map(Drive::dofs)
+    }
+
+    /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step ends
+    /// where the given motion does; the others are left alone. `rates: [k][n_nodes][3]`.
+    ///
+    /// ```math
+    /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
+    /// ```
+    pub fn driven_rates(&self, rule: &Rule, time: f64, h: f64, displacement: &[f64], rates: &mut [f64]) {
+        let n = self.n_dofs();
+        for drive in &self.drives {
+            let start = drive.map(time);
+            for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
+                let rate = drive.stage_rate(rule, i, time, h);
+                for (dof, component, offset) in drive.entries() {
+                    // What rounding has left of earlier steps is made up for, by a path of constant rate.
+                    let behind = apply(&start[component], offset) - displacement[dof];
+                    rates[dof] = apply(&rate[component], offset) + behind;
+                }
+            }
+        }
+    }
+
+    /// Sets the velocity of the fixed degrees of freedom: zero, or that of the given motion, at a kink that after it; where a
+    /// support ends that before it. The others are left alone. `step_size`: of the step that ends or starts here.
+    pub fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
+        velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        for drive in &self.drives {
+            let same = SAME_TIME * step_size;
+            let ends = drive.until.is_some_and(|until| time > until - same);
+            let rate = drive.rate(time, if ends { -same } else { same });
+            for (dof, component, offset) in drive.entries() {
+                velocity[dof] = apply(&rate[component], offset);
+            }
+        }
+    }
+
+    /// Largest displacement that the given motion has at a time \[length\].
+    pub fn driven_distance(&self, time: f64) -> f64 {
+        let of_drive = |drive: &Drive| {
+            let map = drive.map(time);
+            drive.entries().map(|(_, i, offset)| apply(&map[i], offset).abs()).fold(0.0, f64::max)
+        };
+        self.drives.iter().map(of_drive).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turning(angle: History) -> Drive {
+        let rotation = Rotation { axis: [0.6, 0.0, 0.8], about: [1.0, 2.0, 3.0], angle };
+        let displacement =
+            [None, Some(History::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()), None];
+        Drive::new(displacement, Some(rotation), None, vec![0], &[[2.0, 1.0, 5.0]])
+    }
+
+    fn displacement(drive: &Drive, map: &Map) -> [f64; 3] {
+        [0, 1, 2].map(|i| apply(&map[i], &drive.offsets[0]))
+    }
+
+    #[test]
+    fn rotations_keep_lengths_and_rates_are_those_of_differences() {
+        let drive = turning(History::smooth("t + t^2", |t| [t + t * t, 1.0 + 2.0 * t, 2.0]));
+        let at = |t: f64| displacement(&drive, &drive.map(t));
+        let (t, d) = (0.2, 1e-5);
+        let (r, mut q) = (drive.offsets[0], at(t));
+        q[1] -= 0.1 * 0.1 / 0.17;
+        (0..3).for_each(|i| q[i] += r[i]);
+        let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>();
+        assert!((length(&q) - length(&r)).abs() < 1e-14);
+        let rate = displacement(&drive, &drive.rate(t, 0.0));
+        for i in 0..3 {
+            assert!((rate[i] - (at(t + d)[i] - at(t - d)[i]) / (2.0 * d)).abs() < 1e-9);
+        }
+    }
+
+    /// `sum_i b_i c_i^m x_i = integral alpha^m u' dalpha` for m < k, with a kink inside the step; for m = 0 that is the
+    /// displacement of the step.
+    #[test]
+    fn stage_rates_have_the_moments_of_the_motion() {
+        let drive = turning(History::smooth("3 t", |t| [3.0 * t, 3.0, 0.0]));
+        let (time, h) = (0.1, 0.15);
+        for degree in 1..=4 {
+            let rule = Rule::discrete_gradient(degree);
+            let x: Vec<[f64; 3]> =
+                (0..degree).map(|i| displacement(&drive, &drive.stage_rate(&rule, i, time, h))).collect();
+            for m in 0..degree {
+                let mut exact = [0.0; 3];
+                drive.for_each_segment(time, h, |segment| {
+                    for (alpha, w) in points(&crate::quadrature::gauss(12), segment) {
+                        let rate = displacement(&drive, &drive.rate(time + alpha * h, 0.0));
+                        (0..3).for_each(|i| exact[i] += w * alpha.powi(m as i32) * h * rate[i]);
+                    }
+                });
+                for component in 0..3 {
+                    let term =
+                        |i: usize| rule.weights()[i] * rule.nodes()[i].powi(m as i32) * x[i][component];
+                    let sum: f64 = (0..degree).map(term).sum();
+                    assert!((sum - exact[component]).abs() < 1e-13, "k = {degree}, m = {m}");
+                }
+            }
+        }
+    }
+}

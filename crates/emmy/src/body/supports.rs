@@ -1,0 +1,85 @@
+//! What supports make of the degrees of freedom: free, at rest, or driven.
+
+use super::drive::Drive;
+use super::{Rotation, Support};
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// Degrees of freedom whose motion is given, and by what.
+#[derive(Debug, Clone, Default)]
+pub struct Given {
+    /// Which are given, at rest or driven, `[n_nodes][3]`.
+    pub fixed: Vec<bool>,
+    /// The motions of the driven ones.
+    pub drives: Vec<Drive>,
+}
+
+impl Given {
+    /// What the supports of a mesh give.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports give one
+    /// degree of freedom different things to do.
+    pub fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
+        let mut given = Given { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
+        for support in supports.clone() {
+            given.fix(mesh, support)?;
+        }
+        for support in supports.filter(|support| support.is_driven()) {
+            given.drive(mesh, support)?;
+        }
+        given.fix_planes(mesh);
+        Ok(given)
+    }
+
+    fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
+        for node in mesh.group_nodes(&support.group)? {
+            (0..3).for_each(|i| self.fixed[3 * node as usize + i] |= support.fix[i]);
+        }
+        Ok(())
+    }
+
+    /// Plane strain: nodes of plane cells do not leave the plane.
+    fn fix_planes(&mut self, mesh: &Mesh) {
+        for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
+            cell.nodes.iter().for_each(|&node| self.fixed[3 * node as usize + 2] = true);
+        }
+    }
+
+    fn drive(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
+        let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
+        if let Some(time) = support.histories().find_map(|history| history.first_jump()) {
+            return Err(fail(format!("its motion jumps at t = {time}; nothing moves so fast")));
+        }
+        let rotation = support.rotation.as_ref().map(normalised).transpose().map_err(fail)?;
+        let nodes = mesh.group_nodes(&support.group)?;
+        if support.leaves_plane() && mesh.cells().any(|cell| cell.kind.dimension() == 2) {
+            return Err(fail(
+                "plane cells stay in their plane: move x and y, turn about the z axis".to_string(),
+            ));
+        }
+        let drive = Drive::new(support.displacement.clone(), rotation, support.until, nodes, mesh.points());
+        for dof in drive.dofs() {
+            if std::mem::replace(&mut self.fixed[dof], true) {
+                let component = ["x", "y", "z"][dof % 3];
+                let point = mesh.points()[dof / 3];
+                let reason = "is fixed or driven by another support too";
+                return Err(fail(format!("component {component} of the node at {point:?} {reason}")));
+            }
+        }
+        self.drives.push(drive);
+        Ok(())
+    }
+}
+
+/// The rotation with an axis of unit length.
+fn normalised(rotation: &Rotation) -> Result<Rotation, String> {
+    let length = rotation.axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err("the axis of its rotation has no direction".to_string());
+    }
+    if let Some(value) = rotation.about.iter().find(|value| !value.is_finite()) {
+        return Err(format!("`about` of its rotation must be finite numbers, not {value}"));
+    }
+    Ok(Rotation { axis: rotation.axis.map(|x| x / length), ..rotation.clone() })
+}
