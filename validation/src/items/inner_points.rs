@@ -65,7 +65,11 @@ pub fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String>
             vec![seconds],
         )?);
         let ratio = costs[4].seconds / costs[0].seconds;
-        item.claim("AS(5) costs little more than AS(1)", format!("{ratio:.2} times"), ratio < 1.5);
+        item.claim(
+            "AS(5) costs at most half as much again as AS(1) on this small block",
+            format!("{ratio:.2} times"),
+            ratio < 1.5,
+        );
     }
     item.commands.push(Case::new("inner-points").scheme("AS(1)").command());
     Ok(item)
