@@ -73,7 +73,7 @@ fn bar(n_steps: usize) -> ProgressBar {
 impl Observer for Progress {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
-        self.largest_energy = self.largest_energy.max(record.total_energy);
+        self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         let done = record.step - *self.first.get_or_insert(record.step);
         let tenths = 10 * done / self.n_steps.max(1);
         let message = match self.form {

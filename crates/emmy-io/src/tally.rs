@@ -40,7 +40,7 @@ pub struct Tally {
     pub linear_momentum: Worst,
     /// Worst defect of a step's angular momentum balance.
     pub angular_momentum: Worst,
-    /// Largest total energy T + V \[energy\].
+    /// Largest T + |V| \[energy\]: the total energy, but where an attraction makes V negative.
     pub largest_energy: f64,
     /// Largest norm of the angular momentum.
     pub largest_angular_momentum: f64,
@@ -77,7 +77,7 @@ impl Tally {
 
     fn add_balances(&mut self, record: &Record, body: &Body) {
         let norm = record.angular_momentum.iter().map(|l| l * l).sum::<f64>().sqrt();
-        self.largest_energy = self.largest_energy.max(record.total_energy);
+        self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
         self.largest_angular_momentum = self.largest_angular_momentum.max(norm);
         self.accumulated_energy += record.energy_residual;
@@ -88,7 +88,7 @@ impl Tally {
         }
     }
 
-    /// Accumulated energy residual over the largest T + V.
+    /// Accumulated energy residual over the largest T + |V|.
     pub fn energy_drift(&self) -> f64 {
         ratio(self.accumulated_energy.abs(), self.largest_energy)
     }

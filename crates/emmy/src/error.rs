@@ -109,6 +109,27 @@ pub enum Error {
         /// Number of regions that claim it.
         count: usize,
     },
+    /// A cell whose region has a material for other kinds of cells.
+    #[error(
+        "cell {cell} is a {kind}: links (line2) need a bar, a spring or an attraction as their material, and no other cells do"
+    )]
+    WrongMaterial {
+        /// Index of the cell.
+        cell: usize,
+        /// Its kind.
+        kind: CellKind,
+    },
+    /// A node without mass that is free to move.
+    #[error(
+        "node {node} at {position:?} has no mass: springs and attractions have none; give it a point mass, or hold it in all \
+         directions"
+    )]
+    NoMass {
+        /// Index of the node.
+        node: usize,
+        /// Its reference position.
+        position: [f64; 3],
+    },
     /// A parameter of a material outside its range.
     #[error("{material}: {parameter} = {value} {requirement}")]
     MaterialParameter {

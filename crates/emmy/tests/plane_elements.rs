@@ -186,9 +186,9 @@ fn cantilever(mesh: Mesh, thickness: f64, supports: &[Support]) -> Vec<[f64; 4]>
 
 #[test]
 fn plane_strain_is_a_slab_that_keeps_its_thickness() {
-    let clamp = || Support { group: "y-min".into(), fix: [true; 3] };
+    let clamp = || Support { group: "y-min".into(), fix: [true; 3], ..Default::default() };
     let plane = cantilever(rectangle([1.0, 4.0], [2, 6]).unwrap(), 0.5, &[clamp()]);
-    let flat = Support { group: "body".into(), fix: [false, false, true] };
+    let flat = Support { group: "body".into(), fix: [false, false, true], ..Default::default() };
     let slab = cantilever(block([1.0, 4.0, 0.5], [2, 6, 1]).unwrap(), 1.0, &[clamp(), flat]);
     for (plane, slab) in plane.iter().zip(&slab) {
         for (a, b) in plane.iter().zip(slab) {

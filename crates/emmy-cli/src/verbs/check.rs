@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use clap::Args;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, LoadResultant, RegionSummary, Support};
+use emmy::body::{
+    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, Nodal, RegionSummary, Support,
+};
 use emmy::element::{Worst, quality};
 use emmy::mesh::Mesh;
 use emmy::motion::State;
@@ -86,7 +88,12 @@ impl Report {
         self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
-        body.regions().iter().for_each(|region| self.region("region", &name(region), region));
+        for region in body.regions() {
+            match region.n_cells {
+                0 => self.point_masses(&name(region), region),
+                _ => self.region("region", &name(region), region),
+            }
+        }
         if body.regions().len() > 1 {
             self.region("body", "all regions", &RegionSummary::combined(body.regions()));
         }
@@ -94,6 +101,7 @@ impl Report {
             self.load(load, &resultant);
         }
         problem.supports.iter().for_each(|support| self.support(support, body.mesh()));
+        self.ground(&problem.nodal);
     }
 
     fn start(&mut self, problem: &Problem) -> Result<(), Failure> {
@@ -154,6 +162,23 @@ impl Report {
         self.line(word, &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"));
         let inertia = without_rounding(region.inertia).map(vector).join(", ");
         self.line("", &format!("inertia about the centre [{inertia}]"));
+    }
+
+    fn point_masses(&mut self, group: &str, masses: &RegionSummary) {
+        let (mass, centre) = (number(masses.mass), vector(masses.centre));
+        self.line("mass", &format!("{group}: mass {mass}, centre {centre}"));
+    }
+
+    /// Springs and attractions that hold on to the ground.
+    fn ground(&mut self, nodal: &Nodal) {
+        for spring in &nodal.springs {
+            self.line("support", &format!("{}: spring {}", spring.group, number(spring.stiffness)));
+        }
+        for attraction in &nodal.attractions {
+            let group = attraction.group.as_deref().unwrap_or("all nodes");
+            let (centre, strength) = (vector(attraction.centre), number(attraction.strength));
+            self.line("load", &format!("{group}: attraction to {centre}, strength {strength}"));
+        }
     }
 
     fn load(&mut self, load: &Load, resultant: &LoadResultant) {

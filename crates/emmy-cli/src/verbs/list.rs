@@ -36,7 +36,7 @@ enum What {
 
 type Item = (&'static str, &'static str);
 
-const MATERIALS: [Item; 11] = [
+const MATERIALS: [Item; 14] = [
     (
         "saint-venant-kirchhoff",
         "W(C) = lambda/2 (tr E)^2 + mu E : E, E = (C - I)/2; parameters lambda, mu or youngs_modulus, poissons_ratio; \
@@ -93,14 +93,28 @@ const MATERIALS: [Item; 11] = [
          (1 - 3 kappa) (I4bar_f - 1); parameters mu, k1, k2, kappa = 0, fibres = [[x, y, z], ...], bulk_modulus, \
          volumetric = \"simo-taylor\"; soft tissue with fibres",
     ),
+    (
+        "bar",
+        "V = E A L e^2/2, e = (l^2/L^2 - 1)/2; parameters youngs_modulus, area; links: trusses, cables under tension",
+    ),
+    (
+        "spring",
+        "V = k/2 (l - l_0)^2; parameters stiffness, rest_length = the reference length; links without mass",
+    ),
+    ("attraction", "V = -g/l; parameter strength; links without mass: gravitation, g = G m_1 m_2"),
 ];
 
-const MESHES: [Item; 4] = [
+const MESHES: [Item; 5] = [
     ("l-block", "L-shaped block, { cell_size = 1.0 }; groups body, face-a, face-b"),
     ("box", "block of bricks, { size = [2, 8, 2], cells = [2, 8, 2] }; groups body, x-min, x-max, ... z-max"),
     (
         "rectangle",
         "plane strain, { size = [2, 8], cells = [2, 8] } of quad4 cells; groups body, x-min, x-max, y-min, y-max",
+    ),
+    (
+        "network",
+        "links between points, { points = [[0, 0, 0], ...], links = [[0, 1], ...], groups = { name = [0, ...] }, \
+         link_groups = { name = [0, ...] } }; group links",
     ),
     ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp, VTK .vtu; groups by their names in the file"),
 ];
@@ -138,6 +152,7 @@ fn description(kind: CellKind) -> &'static str {
         CellKind::Quad4 => "bilinear quadrilateral in plane strain, 4 nodes",
         CellKind::Quad8 => "serendipity quadrilateral in plane strain, 8 nodes",
         CellKind::Quad9 => "biquadratic quadrilateral in plane strain, 9 nodes",
+        CellKind::Line2 => "link: bar, spring or attraction, 2 nodes",
     }
 }
 

@@ -36,12 +36,14 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 5] = [
+pub const TEMPLATES: [Template; 7] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
     template!("spinning-block"),
     template!("plane-beam"),
+    template!("two-body"),
+    template!("spring-network"),
 ];
 
 /// Examples whose meshes lie beside them, so that an input file alone would be of no use.

@@ -67,7 +67,7 @@ const CASES: &[Case] = &[
     case(
         MESH,
         "l-block.cell_size = 1\nfile = \"a.msh\"",
-        &["more than one source", "`l-block`, `box`, `rectangle`, `file`"],
+        &["more than one source", "`l-block`, `box`, `rectangle`, `network`, `file`"],
     ),
     case(
         TRACTION,
@@ -188,13 +188,13 @@ const MISSING: &[(&str, &[&str])] = &[
     ("[mesh]\nbox = { size = [1, 2, 1], cells = [1, 2, 1] }\n", &["box.toml", "`mesh` is missing"]),
     (
         "box = { size = [1, 2, 1], cells = [1, 2, 1] }\n",
-        &["box.toml:3:", "exactly one of `l-block`, `box`, `rectangle`, `file`"],
+        &["box.toml:3:", "exactly one of `l-block`, `box`, `rectangle`, `network`, `file`"],
     ),
     ("density = 2.0\n", &["box.toml:6:", "`density` is missing in [[region]]"]),
     ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),
     ("group = \"y-max\"\n", &["box.toml:11:", "`group` is missing in [[load]]"]),
-    ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`"]),
-    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "at least one of `fix`, `move`, `rotate`"]),
+    ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`, `attraction`"]),
+    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "at least one of `fix`, `move`, `rotate`, `spring`"]),
     ("scheme = \"AS(2)\"\n", &["box.toml:23:", "`scheme` is missing in [time]"]),
     (", size = 0.1", &["box.toml:26:", "`size` is missing"]),
     ("name = \"tip\", ", &["box.toml:38:", "`name` is missing in a probe"]),

@@ -81,6 +81,35 @@ fn plane_beam() {
     assert!(measured < half_period && measured > 0.7 * half_period, "{measured} {half_period}");
 }
 
+#[test]
+fn two_body() {
+    let (_, history) = run("two-body");
+    for (name, expected) in [("total_energy", 0.75 - 4.0), ("angular_momentum_z", -1.5)] {
+        history[name].iter().for_each(|&value| close(value, expected, 1e-12));
+    }
+    // Kepler: with mu = 2/3 and g = 6 the semi-axis is a = -g / 2E, the period 2 pi sqrt(mu a^3 / g). The planet starts at its
+    // aphelion, on the negative x axis, and is there again after every period.
+    let a = 6.0 / 6.5;
+    let period = std::f64::consts::TAU * (2.0 / 3.0 * f64::powi(a, 3) / 6.0).sqrt();
+    let (x, y, time) = (&history["planet_x"], &history["planet_y"], &history["time"]);
+    let back = (1..y.len()).filter(|&i| y[i - 1] > 0.0 && y[i] <= 0.0 && x[i] < 0.0);
+    let mut times = back.map(|i| time[i - 1] + 0.05 * y[i - 1] / (y[i - 1] - y[i]));
+    close(times.nth(9).unwrap(), 10.0 * period, 2e-3);
+}
+
+#[test]
+fn spring_network() {
+    let (_, history) = run("spring-network");
+    // Twelve springs of length sqrt 2 with k = 20 and 1.2 at rest; masses 0.5 and 0.75 at the ends, bars of mass 0.02.
+    let springs = 12.0 * 10.0 * (2f64.sqrt() - 1.2).powi(2);
+    close(history["strain_energy"][0], springs, 1e-12);
+    for name in ["total_energy", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"] {
+        history[name].iter().for_each(|&value| close(value, history[name][0], 1e-11));
+    }
+    // L_z = m (x v_y - y v_x) of the four ends in the plane, v = omega x X + gradient X, and of two bars m L^2/12 omega.
+    close(history["angular_momentum_z"][0], (0.75 + 3.0 * 0.5) * 2.0 + 2.0 * 0.02 * 4.0 / 12.0 * 2.0, 1e-12);
+}
+
 /// Runs an example where it stands, because its mesh lies beside it.
 fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
     let place = Place::new();

@@ -5,6 +5,7 @@ mod bad_material;
 mod compare;
 mod converge;
 mod examples;
+mod links;
 mod messages;
 mod reference;
 mod results;

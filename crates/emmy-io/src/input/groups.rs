@@ -35,6 +35,17 @@ pub(super) fn check(
     }
 }
 
+/// Checks groups that may be of anything.
+pub(super) fn check_nodes<'a>(
+    mesh: &Mesh,
+    groups: impl Iterator<Item = &'a Option<(String, Place)>>,
+    faults: &mut Faults,
+) {
+    for (name, place) in groups.flatten() {
+        faults.keep(find(mesh, name, place, Members::Nodes));
+    }
+}
+
 fn members(load: &Load) -> Members {
     match load.kind {
         LoadKind::Acceleration { .. } => Members::Cells,
@@ -74,6 +85,12 @@ pub(super) fn check_regions(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<(
     let mut region_of = vec![NONE; mesh.n_cells()];
     for (index, region) in regions.iter().enumerate() {
         for cell in cells(mesh, region, regions.len())? {
+            let kind = mesh.cell(cell).kind;
+            if region.value.link().is_some() != (kind.dimension() == 1) {
+                let message = format!("cell {cell} is a {kind}");
+                let help = "links (line2) need `bar`, `spring` or `attraction` as their material, and no other cells do";
+                return Err(Fault::at(&region.place, message, "not for this material").help(help));
+            }
             let before = std::mem::replace(&mut region_of[cell], index as u32);
             if before != NONE {
                 let message = format!("cell {cell} belongs to two regions");

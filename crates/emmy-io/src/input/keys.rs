@@ -16,14 +16,16 @@ const fn keys(table: &'static str, keys: &'static [&'static str]) -> Keys {
 pub(super) const ROOT: Keys = keys(
     "the input",
     &[
-        "title", "mesh", "region", "load", "support", "initial", "time", "newton", "solver", "output",
-        "limits",
+        "title", "mesh", "region", "mass", "load", "support", "initial", "time", "newton", "solver",
+        "output", "limits",
     ],
 );
-pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "rectangle", "file", "scale"]);
+pub(super) const MESH: Keys = keys("[mesh]", &["l-block", "box", "rectangle", "network", "file", "scale"]);
 pub(super) const L_BLOCK: Keys = keys("l-block", &["cell_size"]);
 pub(super) const BOX: Keys = keys("box", &["size", "cells"]);
 pub(super) const RECTANGLE: Keys = keys("rectangle", &["size", "cells"]);
+pub(super) const NETWORK: Keys = keys("network", &["points", "links", "groups", "link_groups"]);
+pub(super) const MASS: Keys = keys("[[mass]]", &["group", "mass"]);
 pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "thickness", "material"]);
 pub(super) const MATERIAL: Keys = keys(
     "material",
@@ -39,8 +41,15 @@ pub(super) const MATERIAL: Keys = keys(
         "ogden",
         "orthotropic",
         "holzapfel-gasser-ogden",
+        "bar",
+        "spring",
+        "attraction",
     ],
 );
+pub(super) const BAR: Keys = keys("bar", &["youngs_modulus", "area"]);
+pub(super) const SPRING: Keys = keys("spring", &["stiffness", "rest_length"]);
+pub(super) const ATTRACTION: Keys = keys("attraction", &["strength"]);
+pub(super) const ATTRACTION_TO_A_POINT: Keys = keys("the attraction of a [[load]]", &["centre", "strength"]);
 pub(super) const PARAMETERS: Keys = keys("a material", &["lambda", "mu", "youngs_modulus", "poissons_ratio"]);
 pub(super) const MOONEY_RIVLIN: Keys = keys("mooney-rivlin", &["c10", "c01", "bulk_modulus", "volumetric"]);
 pub(super) const YEOH: Keys = keys("yeoh", &["c10", "c20", "c30", "bulk_modulus", "volumetric"]);
@@ -65,8 +74,9 @@ pub(super) const ORTHOTROPIC: Keys = keys(
 );
 pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
     keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
-pub(super) const LOAD: Keys = keys("[[load]]", &["group", "traction", "force", "acceleration", "history"]);
-pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix", "move", "rotate"]);
+pub(super) const LOAD: Keys =
+    keys("[[load]]", &["group", "traction", "force", "acceleration", "attraction", "history"]);
+pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix", "move", "rotate", "spring"]);
 pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
 pub(super) const ROTATE: Keys = keys("rotate", &["axis", "about", "angle"]);
 pub(super) const INITIAL: Keys =
@@ -79,14 +89,20 @@ pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkp
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
-const TABLES: [Keys; 27] = [
+const TABLES: [Keys; 33] = [
     ROOT,
     MESH,
     L_BLOCK,
     BOX,
     RECTANGLE,
+    NETWORK,
+    MASS,
     REGION,
     MATERIAL,
+    BAR,
+    SPRING,
+    ATTRACTION,
+    ATTRACTION_TO_A_POINT,
     PARAMETERS,
     MOONEY_RIVLIN,
     YEOH,
@@ -117,6 +133,15 @@ const KIN: &[(&str, &str)] = &[
     ("young", "youngs_modulus"),
     ("poisson", "poissons_ratio"),
     ("G", "mu"),
+    ("k", "stiffness"),
+    ("l0", "rest_length"),
+    ("cross_section", "area"),
+    ("truss", "bar"),
+    ("gravitation", "attraction"),
+    ("point-mass", "mass"),
+    ("nodes", "points"),
+    ("elements", "links"),
+    ("center", "centre"),
     ("shear_modulus", "mu"),
     ("K", "bulk_modulus"),
     ("bulk", "bulk_modulus"),
@@ -167,11 +192,12 @@ const KIN: &[(&str, &str)] = &[
 impl Keys {
     /// The key of this table that is meant by a word which does not belong to it, or the table it belongs to.
     pub(super) fn advice(self, word: &str) -> Option<String> {
-        let kin = KIN.iter().find(|(other, _)| *other == word).map(|(_, key)| *key);
-        let here = kin.filter(|key| self.keys.contains(key)).map(|key| format!("did you mean `{key}`?"));
+        let mut kin = KIN.iter().filter(|(other, _)| *other == word).map(|(_, key)| *key);
+        let first = kin.clone().next();
+        let here = kin.find(|key| self.keys.contains(key)).map(|key| format!("did you mean `{key}`?"));
         here.or_else(|| super::suggest::did_you_mean(word, self.keys.iter().copied()))
             .or_else(|| elsewhere(word))
-            .or_else(|| kin.and_then(elsewhere))
+            .or_else(|| first.and_then(elsewhere))
     }
 }
 

@@ -7,10 +7,13 @@ use super::region::{Placed, group};
 use super::table::Item;
 use super::{history, keys};
 
+/// Kinds of loads. Attractions are read elsewhere ([`super::nodal`]).
+pub(super) const KINDS: &[&str] = &["traction", "force", "acceleration", "attraction"];
+
 /// Reads one load.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {
     let table = item.table(keys::LOAD)?;
-    let load = table.exactly_one("one kind of load", &["traction", "force", "acceleration"])?;
+    let load = table.exactly_one("one kind of load", KINDS)?;
     let vector = load.numbers()?;
     let group = group(&table)?.map(|(name, _)| name);
     let facets = |group: Option<String>| match group {

@@ -2,8 +2,8 @@
 
 use emmy::body::Region;
 use emmy::material::{
-    ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, MooneyRivlin,
-    NeoHooke, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
+    ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link,
+    MooneyRivlin, NeoHooke, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
 };
 
 use super::fault::Fault;
@@ -33,6 +33,9 @@ pub(super) fn region(item: Item<'_>, group: Option<String>, density: f64) -> Res
         "arruda-boyce" => Region::new(group, density, arruda_boyce(item)?),
         "ogden" => Region::new(group, density, ogden(item)?),
         "orthotropic" => Region::new(group, density, orthotropic(item)?),
+        "bar" => Region::links(group, density, bar(item)?),
+        "spring" => Region::links(group, density, spring(item)?),
+        "attraction" => Region::links(group, density, attraction(item)?),
         _ => Region::new(group, density, holzapfel_gasser_ogden(item)?),
     })
 }
@@ -186,6 +189,23 @@ fn holzapfel_gasser_ogden(item: Item<'_>) -> Result<HolzapfelGasserOgden, Fault>
     let fibres = fibres.iter().map(|item| item.numbers()).collect::<Result<Vec<_>, _>>()?;
     let (bulk_modulus, law) = parameters.volume()?;
     parameters.checked(HolzapfelGasserOgden::new(mu, [k1, k2], kappa, &fibres, bulk_modulus, law))
+}
+
+fn bar(item: Item<'_>) -> Result<Link, Fault> {
+    let parameters = Parameters::read(item, keys::BAR)?;
+    let [youngs_modulus, area] = parameters.numbers(["youngs_modulus", "area"])?;
+    parameters.checked(Link::bar(youngs_modulus, area))
+}
+
+fn spring(item: Item<'_>) -> Result<Link, Fault> {
+    let parameters = Parameters::read(item, keys::SPRING)?;
+    let rest_length = parameters.table.get("rest_length").map(|item| item.number()).transpose()?;
+    parameters.checked(Link::spring(parameters.number("stiffness")?, rest_length))
+}
+
+fn attraction(item: Item<'_>) -> Result<Link, Fault> {
+    let parameters = Parameters::read(item, keys::ATTRACTION)?;
+    parameters.checked(Link::attraction(parameters.number("strength")?))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod initial;
 mod keys;
 mod load;
 mod material;
+mod nodal;
 mod probes;
 mod problem;
 mod region;

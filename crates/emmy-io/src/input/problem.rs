@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use emmy::body::{Body, InitialVelocity, Load, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, Nodal, Region, Support};
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
 
@@ -13,8 +13,8 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    complete, groups, history, initial, keys, load, probes, region, set, settings, shape, support, time,
-    write,
+    complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape, support,
+    time, write,
 };
 
 /// What the command line says about an input.
@@ -51,6 +51,8 @@ pub struct Problem {
     pub body: Body,
     /// Supports.
     pub supports: Vec<Support>,
+    /// Point masses, springs to the ground, attraction to points.
+    pub nodal: Nodal,
     /// Loads.
     pub loads: Vec<Load>,
     /// Initial velocities.
@@ -97,6 +99,7 @@ struct Parts {
     regions: Vec<Placed<Region>>,
     loads: Vec<Placed<Load>>,
     supports: Vec<Placed<Support>>,
+    nodal: nodal::PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
     time: time::Time,
     newton: NewtonSettings,
@@ -117,8 +120,12 @@ impl Parts {
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
-        let loads = optional(&root, "load", load::read, &mut faults);
-        let supports = optional(&root, "support", support::read, &mut faults);
+        let is_load = |item: &Item<'_>| item.has_key("attraction").is_none();
+        let loads = optional_where(&root, "load", is_load, load::read, &mut faults);
+        let is_support = |item: &Item<'_>| !nodal::is_spring_alone(item);
+        let supports = optional_where(&root, "support", is_support, support::read, &mut faults);
+        let nodal = nodal::read(&root, &mut faults);
+        faults.keep(root.get("mass").map_or(Ok(()), |item| item.one_or_more().map(|_| ())));
         let initial = optional(&root, "initial", initial::read, &mut faults);
         let time = faults.keep(root.require("time").and_then(|item| time::read(item, overrides.until)));
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
@@ -131,17 +138,31 @@ impl Parts {
         }
         let Some(shape) = shape else { return Err(finished(faults)) };
         let (Some(time), Some(newton), Some(output)) = (time, newton, output) else {
-            return Err(with_groups(&shape, &regions, &loads, &supports, &initial, faults));
+            return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
-        Ok(Parts { title, shape, regions, loads, supports, initial, time, newton, output, limits, faults })
+        Ok(Parts {
+            title,
+            shape,
+            regions,
+            loads,
+            supports,
+            nodal,
+            initial,
+            time,
+            newton,
+            output,
+            limits,
+            faults,
+        })
     }
 
     /// The problem, once the mesh is made and every group found.
     fn problem(mut self, resolved: String) -> Result<Problem, InputError> {
-        let Some((mesh, mut notes)) = self.faults.keep(self.shape.mesh()) else {
+        let Some((mesh, mut notes)) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
             return Err(finished(self.faults));
         };
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
+        groups::check_nodes(&mesh, self.nodal.groups(), &mut self.faults);
         self.faults.finish()?;
         groups::check_regions(&mesh, &self.regions)?;
         support::check_together(&mesh, &self.supports, &self.time)?;
@@ -151,13 +172,15 @@ impl Parts {
         }
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
-        let body = Body::new(mesh, values(self.regions), &supports, &loads);
+        let nodal = self.nodal.values();
+        let body = Body::with_nodal(mesh, values(self.regions), &nodal, &supports, &loads);
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         Ok(Problem {
             title: self.title,
             body,
             supports,
+            nodal,
             loads,
             initial: values(self.initial),
             scheme: self.time.scheme,
@@ -178,13 +201,21 @@ fn with_groups(
     regions: &[Placed<Region>],
     loads: &[Placed<Load>],
     supports: &[Placed<Support>],
+    nodal: &nodal::PlacedNodal,
     initial: &[Placed<InitialVelocity>],
     mut faults: Faults,
 ) -> InputError {
-    if let Some((mesh, _)) = faults.keep(shape.mesh()) {
+    if let Some((mesh, _)) = faults.keep(shape.mesh(&link_groups(regions))) {
         groups::check(&mesh, regions, loads, supports, initial, &mut faults);
+        groups::check_nodes(&mesh, nodal.groups(), &mut faults);
     }
     finished(faults)
+}
+
+/// Groups of the regions of links: lines of a mesh file that are cells.
+fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
+    let links = regions.iter().filter(|region| region.value.link().is_some());
+    links.filter_map(|region| region.value.group.clone()).collect()
 }
 
 fn finished(mut faults: Faults) -> InputError {
@@ -206,6 +237,19 @@ fn at_least_one(item: Item<'_>) -> Result<Item<'_>, Fault> {
 fn each<T>(item: Item<'_>, read: fn(Item<'_>) -> Result<T, Fault>, faults: &mut Faults) -> Vec<T> {
     let items = faults.keep(item.one_or_more()).unwrap_or_default();
     items.into_iter().filter_map(|item| faults.keep(read(item))).collect()
+}
+
+/// Reads those of the tables that are of a kind.
+fn optional_where<T>(
+    root: &Table<'_>,
+    key: &str,
+    is_wanted: impl Fn(&Item<'_>) -> bool,
+    read: fn(Item<'_>) -> Result<T, Fault>,
+    faults: &mut Faults,
+) -> Vec<T> {
+    let Some(item) = root.get(key) else { return Vec::new() };
+    let items = faults.keep(item.one_or_more()).unwrap_or_default();
+    items.into_iter().filter(is_wanted).filter_map(|item| faults.keep(read(item))).collect()
 }
 
 fn optional<T>(

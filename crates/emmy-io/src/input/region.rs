@@ -29,12 +29,26 @@ pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault>
 /// Reads one region.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
     let table = item.table(keys::REGION)?;
-    let density = table.require("density")?.positive()?;
+    let material = table.require("material")?;
+    let density = density(&table, material)?;
     let name = group(&table)?.map(|(name, _)| name);
-    let region = material::region(table.require("material")?, name, density)?;
+    let region = material::region(material, name, density)?;
     let region = match table.get("thickness") {
         Some(thickness) => region.with_thickness(thickness.positive()?),
         None => region,
     };
     Placed::new(&table, region)
+}
+
+/// The density, which springs and attractions do not have.
+fn density(table: &Table<'_>, material: Item<'_>) -> Result<f64, Fault> {
+    let massless = ["spring", "attraction"].into_iter().find(|model| material.has_key(model).is_some());
+    match (massless, table.get("density")) {
+        (Some(_), None) => Ok(0.0),
+        (Some(model), Some(density)) => {
+            let message = format!("`{model}` has no mass: `density` must be left out");
+            Err(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"))
+        }
+        (None, _) => table.require("density")?.positive(),
+    }
 }

@@ -35,7 +35,7 @@ pub struct Probe {
 /// What makes a run end early (exit code 4).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Largest accumulated energy residual over the largest T + V.
+    /// Largest accumulated energy residual over the largest T + |V|.
     pub energy: Option<f64>,
     /// Largest accumulated angular momentum residual over the largest |L|.
     pub angular_momentum: Option<f64>,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use emmy::mesh::Mesh;
+use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::fault::{Fault, Place};
 use super::keys;
@@ -22,7 +22,84 @@ enum Source {
     LBlock { cell_size: f64 },
     Box { size: [f64; 3], cells: [usize; 3] },
     Rectangle { size: [f64; 2], cells: [usize; 2] },
+    Network(Network),
     File(PathBuf),
+}
+
+/// Points, links between them, and named groups of both.
+#[derive(Debug)]
+struct Network {
+    points: Vec<[f64; 3]>,
+    links: Vec<[u32; 2]>,
+    groups: Vec<(String, Vec<u32>)>,
+    link_groups: Vec<(String, Vec<u32>)>,
+}
+
+impl Network {
+    fn read(table: Table<'_>) -> Result<Self, Fault> {
+        let points = table.require("points")?.list()?;
+        let points = points.iter().map(|item| item.numbers()).collect::<Result<Vec<_>, _>>()?;
+        let item = table.require("links")?;
+        let links = item.list()?;
+        if links.is_empty() {
+            return Err(item.fault("`links` is empty: a network needs one link at least", "empty"));
+        }
+        let links = links.iter().map(|item| link(item, points.len())).collect::<Result<Vec<_>, _>>()?;
+        let groups = |key: &str, what: &str, n: usize| match table.get(key) {
+            Some(item) => {
+                item.any_table()?.into_iter().map(|(name, item)| members(&name, &item, what, n)).collect()
+            }
+            None => Ok(Vec::new()),
+        };
+        Ok(Network {
+            groups: groups("groups", "points", points.len())?,
+            link_groups: groups("link_groups", "links", links.len())?,
+            points,
+            links,
+        })
+    }
+
+    fn mesh(&self) -> emmy::Result<Mesh> {
+        let mut builder = MeshBuilder::new();
+        self.points.iter().for_each(|&point| {
+            builder.point(point);
+        });
+        for link in &self.links {
+            builder.cell(CellKind::Line2, link)?;
+        }
+        builder.cell_group("links", 0..self.links.len() as u32);
+        self.groups.iter().for_each(|(name, nodes)| builder.node_group(name, nodes.iter().copied()));
+        self.link_groups.iter().for_each(|(name, links)| builder.cell_group(name, links.iter().copied()));
+        let mesh = builder.build()?;
+        emmy::element::check(&mesh)?;
+        Ok(mesh)
+    }
+}
+
+/// A link between two of the points.
+fn link(item: &Item<'_>, n_points: usize) -> Result<[u32; 2], Fault> {
+    let [a, b]: [usize; 2] = item.wholes(0)?;
+    if a == b {
+        return Err(item.fault(format!("a link from point {a} to itself"), "two different points"));
+    }
+    within(item, a.max(b), "points", n_points)?;
+    Ok([a as u32, b as u32])
+}
+
+fn within(item: &Item<'_>, number: usize, what: &str, n: usize) -> Result<(), Fault> {
+    if number < n {
+        return Ok(());
+    }
+    Err(item.fault(format!("there is no number {number} among the {n} {what}, counted from 0"), "too large"))
+}
+
+fn members(name: &str, item: &Item<'_>, what: &str, n: usize) -> Result<(String, Vec<u32>), Fault> {
+    let number = |item: &Item<'_>| {
+        let number = item.whole(0)?;
+        within(item, number, what, n)?;
+        Ok(number as u32)
+    };
+    Ok((name.to_string(), item.list()?.iter().map(number).collect::<Result<_, Fault>>()?))
 }
 
 /// More cells than this are more likely a slip than a wish, and would not fit into memory.
@@ -31,7 +108,7 @@ const MAX_CELLS: f64 = 2e7;
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
     let table = item.table(keys::MESH)?;
-    let source = table.exactly_one("one source", &["l-block", "box", "rectangle", "file"])?;
+    let source = table.exactly_one("one source", &["l-block", "box", "rectangle", "network", "file"])?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
     let place = source.place().clone();
     let source = match source.key() {
@@ -44,6 +121,7 @@ pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
             let (size, cells) = size_and_cells(source.table(keys::RECTANGLE)?)?;
             Source::Rectangle { size, cells }
         }
+        "network" => Source::Network(Network::read(source.table(keys::NETWORK)?)?),
         _ => Source::File(directory.join(source.string()?)),
     };
     Ok(Shape { source, place, scale })
@@ -80,8 +158,8 @@ const INVERTED: &str = "cells count from 0 in the order of the file; check the o
                         nodes) and its shape in the mesher";
 
 impl Shape {
-    /// The mesh, scaled, with what its reader remarked.
-    pub(super) fn mesh(&self) -> Result<(Mesh, Vec<String>), Fault> {
+    /// The mesh, scaled, with what its reader remarked. Lines of a file in one of the groups `links` are cells.
+    pub(super) fn mesh(&self, links: &[String]) -> Result<(Mesh, Vec<String>), Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
         let (mesh, notes) = match &self.source {
             Source::LBlock { cell_size } => {
@@ -93,8 +171,9 @@ impl Shape {
             Source::Rectangle { size, cells } => {
                 (emmy::mesh::rectangle(*size, *cells).map_err(|e| at(&e))?, Vec::new())
             }
+            Source::Network(network) => (network.mesh().map_err(|e| at(&e))?, Vec::new()),
             Source::File(path) => {
-                let file = crate::mesh::read(path).map_err(|error| at(&error))?;
+                let file = crate::mesh::read_with_links(path, links).map_err(|error| at(&error))?;
                 (file.mesh, file.notes)
             }
         };

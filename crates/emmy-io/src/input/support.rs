@@ -13,14 +13,14 @@ use super::{history, keys};
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 
 /// Keys that say what a support does; at least one is needed.
-const KINDS: [&str; 3] = ["fix", "move", "rotate"];
+const KINDS: [&str; 4] = ["fix", "move", "rotate", "spring"];
 
 /// Reads one support.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
     let table = item.table(keys::SUPPORT)?;
     let group = table.require("group")?.string()?.to_string();
     if KINDS.iter().all(|key| table.get(key).is_none()) {
-        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`";
+        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`, `spring`";
         return Err(Fault::at(table.place(), message, "none of them is here"));
     }
     let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();

@@ -109,7 +109,14 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// Entries of a table, whatever its keys.
+    /// Keys and values of a table of any keys.
+    pub(super) fn any_table(&self) -> Result<Vec<(String, Item<'a>)>, Fault> {
+        let Value::Table(entries) = &self.node.value else { return Err(self.mismatch("a table")) };
+        let item = |entry: &'a Entry| Item { key: &entry.key, node: &entry.node, key_place: &entry.place };
+        Ok(entries.iter().map(|entry| (entry.key.clone(), item(entry))).collect())
+    }
+
+    /// Place of a key of a table, whatever its other keys.
     pub(super) fn has_key(&self, key: &str) -> Option<&'a Place> {
         match &self.node.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.place),

@@ -50,9 +50,18 @@ pub struct MeshFile {
 /// # Errors
 /// [`MeshError`]: file unreadable, of no known format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
 pub fn read(path: &Path) -> Result<MeshFile> {
+    read_with_links(path, &[])
+}
+
+/// Mesh in a file as [`read`], in which the lines of two nodes in some groups are cells (line2) of groups of cells. Those of
+/// Abaqus (T3D2, T2D2, CONN3D2, SPRINGA) are cells in any case.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
     let bytes =
         fs::read(path).map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
-    parse(path, &bytes)
+    parse_with_links(path, &bytes, links)
 }
 
 /// Mesh in the bytes of a file, as [`read`]; `path` names it in messages and is where its includes are looked for.
@@ -67,6 +76,14 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// Those of [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
+    parse_with_links(path, bytes, &[])
+}
+
+/// Mesh in the bytes of a file, as [`read_with_links`].
+///
+/// # Errors
+/// Those of [`read`].
+pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     if bytes.trim_ascii().is_empty() {
         return Err(MeshError::Malformed {
             place: Place::line(path, 1),
@@ -75,9 +92,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
         });
     }
     match format(path, bytes) {
-        Some(Format::Gmsh) => gmsh::mesh(path, bytes),
+        Some(Format::Gmsh) => gmsh::mesh(path, bytes, links),
         Some(Format::Abaqus) => abaqus::mesh(path, bytes),
-        Some(Format::Vtu) => vtu::mesh(path, bytes),
+        Some(Format::Vtu) => vtu::mesh(path, bytes, links),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
 }

@@ -35,6 +35,7 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
         CellKind::Quad4 => 9,
         CellKind::Quad8 => 23,
         CellKind::Quad9 => 28,
+        CellKind::Line2 => 3,
     }
 }
 

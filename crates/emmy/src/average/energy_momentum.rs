@@ -30,7 +30,7 @@ impl Rule {
         for i in 0..k {
             let G = Rule::gradient_at(start, &self.a[i * k..(i + 1) * k], rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
-            average.strain_rates[i] = sym_transposed_product(&G, &rates[i]);
+            average.strain_rates[i] = strain_part::<L, M>(sym_transposed_product(&G, &rates[i]));
             average.gradients[i] = G;
         }
         let E_1 = green_lagrange(start);
@@ -131,7 +131,7 @@ impl Rule {
         let inverse = square.select_below(resting, zero, zero.splat(1.0) / square);
         let r = numerator * inverse;
         if want == Want::Tangent {
-            self.discrete_gradient_stiffness(&material.stress(E_2), r, inverse, average);
+            self.discrete_gradient_stiffness::<L, M>(&material.stress(E_2), r, inverse, average);
         }
         for i in 0..k {
             average.stresses[i] = sym_add_scaled(&average.stresses[i], r, &average.strain_rates[i]);
@@ -168,7 +168,13 @@ impl Rule {
 
     /// dS_i/dE'_m of the discrete gradient: r and the stresses differentiated (equation (79)).
     #[inline(always)]
-    fn discrete_gradient_stiffness<L: Lane>(&self, S_2: &Sym<L>, r: L, inverse: L, average: &mut Average<L>) {
+    fn discrete_gradient_stiffness<L: Lane, M: Material>(
+        &self,
+        S_2: &Sym<L>,
+        r: L,
+        inverse: L,
+        average: &mut Average<L>,
+    ) {
         let (k, zero) = (self.degree(), r.splat(0.0));
         for m in 0..k {
             let mut dr = sym_add_scaled(
@@ -189,9 +195,9 @@ impl Rule {
                     for b in 0..6 {
                         X[a][b] = average.elasticities[i][a][b] * self.a[i * k + m] + rate[a] * dr[b];
                     }
-                    if i == m {
-                        X[a][a] += r * if a < 3 { 1.0 } else { 0.5 };
-                    }
+                }
+                if i == m {
+                    add_derivative_of_rate::<L, M>(X, r);
                 }
             }
         }
@@ -221,6 +227,26 @@ impl Rule {
             }
         }
     }
+}
+
+/// The part of a strain rate that the discrete gradient may push along: all of it, but for a link, whose energy knows tr E
+/// only, the trace. Its stress is then a multiple of I, which pulls along the link and turns nothing.
+#[inline(always)]
+fn strain_part<L: Lane, M: Material>(rate: Sym<L>) -> Sym<L> {
+    if !M::IS_LINK {
+        return rate;
+    }
+    let (third, zero) = (trace(&rate) * (1.0 / 3.0), rate[0].splat(0.0));
+    [third, third, third, zero, zero, zero]
+}
+
+/// Adds the derivative of `r E'` by E' at fixed r.
+#[inline(always)]
+fn add_derivative_of_rate<L: Lane, M: Material>(X: &mut Elasticity<L>, r: L) {
+    if M::IS_LINK {
+        return (0..3).for_each(|a| (0..3).for_each(|b| X[a][b] += r * (1.0 / 3.0)));
+    }
+    (0..6).for_each(|a| X[a][a] += r * if a < 3 { 1.0 } else { 0.5 });
 }
 
 #[inline(always)]

@@ -38,6 +38,7 @@ pub struct Rule {
     a: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
+    mean: Mean,
     load_quadrature: Quadrature<1>,
     smooth_quadrature: Quadrature<1>,
 }
@@ -60,6 +61,19 @@ struct TimePoint {
     basis: Vec<f64>,
     /// w l_i(alpha) / b_i: the point's share in each stage average.
     share: Vec<f64>,
+}
+
+/// Stage averages of a polynomial path, as a linear force sees it.
+///
+/// ```math
+/// (1/b_i) sum_m w_m l_i(alpha_m) u(alpha_m) = start_i u_1 + sum_j rates_ij x_j
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mean {
+    /// Coefficients of the displacement at the start, `[k]`.
+    pub start: Vec<f64>,
+    /// Coefficients of the rates, `[i k + j]`.
+    pub rates: Vec<f64>,
 }
 
 /// What is wanted of [`Rule::average`].
@@ -104,6 +118,17 @@ impl<L: Lane> Average<L> {
     }
 }
 
+impl Mean {
+    fn of(degree: usize, points: &[TimePoint]) -> Mean {
+        let sum = |of: &dyn Fn(&TimePoint) -> f64| points.iter().map(of).sum::<f64>();
+        let rate = |n: usize| sum(&|point| point.share[n / degree] * point.passed[n % degree]);
+        Mean {
+            start: (0..degree).map(|i| sum(&|point| point.share[i])).collect(),
+            rates: (0..degree * degree).map(rate).collect(),
+        }
+    }
+}
+
 impl Rule {
     /// Standard rule FE: any quadrature of the step, inside and out (section 4.4.1).
     pub fn standard(degree: usize, quadrature: &Quadrature<1>) -> Rule {
@@ -126,16 +151,21 @@ impl Rule {
         let c: Vec<f64> = outer.points.iter().map(|p| p[0]).collect();
         let b = outer.weights;
         let a = c.iter().flat_map(|&ci| (0..degree).map(move |j| (ci, j)));
-        let a = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
+        let a: Vec<f64> = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
         let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
             let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
             let passed = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
             let share = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
             TimePoint { weight, passed, basis, share }
         });
-        let points = points.collect();
+        let points: Vec<TimePoint> = points.collect();
+        let mean = match kind {
+            Kind::Standard => Mean::of(degree, &points),
+            // The rule's own quadrature has the path at its points.
+            _ => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
+        };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
-        Rule { c, b, a, kind, points, load_quadrature, smooth_quadrature }
+        Rule { c, b, a, kind, points, mean, load_quadrature, smooth_quadrature }
     }
 
     /// Degree k of the time element.
@@ -156,6 +186,11 @@ impl Rule {
     /// Coefficients a_ij = L_j(c_i), `[i k + j]`.
     pub fn coefficients(&self) -> &[f64] {
         &self.a
+    }
+
+    /// Coefficients of the stage averages of a linear force.
+    pub fn mean(&self) -> &Mean {
+        &self.mean
     }
 
     /// Lagrange basis polynomial l_i of the test functions, on the Gauss points.

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{Average, Rule, Want};
-use crate::material::{Material, NeoHooke, SaintVenantKirchhoff};
+use crate::material::{Link, Material, NeoHooke, SaintVenantKirchhoff};
 use crate::quadrature::{gauss, lobatto};
 use crate::tensor::{Mat3, add_scaled, green_lagrange};
 
@@ -125,6 +125,8 @@ proptest! {
         }
         for rule in rules {
             let (error_svk, error_rubber) = (tangent_error(&rule, &svk, &step), tangent_error(&rule, &rubber, &step));
+            let spring = Link::spring(1.0, Some(0.7)).unwrap().with_length(1.0);
+            prop_assert!(tangent_error(&rule, &spring, &step) < 2e-8, "{:?} {k}", rule.kind);
             prop_assert!(error_svk < 2e-8 && error_rubber < 2e-8, "{:?} {k} {error_svk:e} {error_rubber:e}", rule.kind);
         }
     }

@@ -1,7 +1,7 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
 use super::{History, term::Solid};
-use crate::material::Material;
+use crate::material::{Link, Material};
 
 /// Part of the body with one material and density.
 #[derive(Debug)]
@@ -21,6 +21,27 @@ impl Region {
         Region { group, density, thickness: 1.0, solid: super::term::solid(material) }
     }
 
+    /// A region of links. `density` is the mass per volume of bars; springs and attractions have no mass.
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region}, material::Link, mesh::{CellKind, MeshBuilder}};
+    /// let mut builder = MeshBuilder::new();
+    /// let ends = [[0.0; 3], [3.0, 4.0, 0.0]].map(|point| builder.point(point));
+    /// builder.cell(CellKind::Line2, &ends)?;
+    /// let bar = Region::links(None, 2.0, Link::bar(1000.0, 0.1)?);
+    /// let body = Body::new(builder.build()?, vec![bar], &[], &[])?;
+    /// assert!((body.regions()[0].mass - 1.0).abs() < 1e-15);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn links(group: Option<String>, density: f64, link: Link) -> Self {
+        Region { group, density, thickness: 1.0, solid: Box::new(link) }
+    }
+
+    /// The link that the region is made of, if it is one of links.
+    pub fn link(&self) -> Option<Link> {
+        self.solid.link()
+    }
+
     /// The same region with another thickness of its plane cells.
     ///
     /// ```
@@ -33,6 +54,59 @@ impl Region {
     pub fn with_thickness(self, thickness: f64) -> Self {
         Region { thickness, ..self }
     }
+}
+
+/// Masses and forces at single nodes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Nodal {
+    /// Point masses.
+    pub masses: Vec<PointMass>,
+    /// Springs to the ground.
+    pub springs: Vec<GroundSpring>,
+    /// Attraction to points of space.
+    pub attractions: Vec<GroundAttraction>,
+}
+
+/// A mass at every node of a group.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointMass {
+    /// Group of nodes, facets or cells.
+    pub group: String,
+    /// Mass of each node \[mass\].
+    pub mass: f64,
+}
+
+/// Springs from the nodes of a group to the ground, alike in all directions and at rest in the reference configuration.
+///
+/// ```math
+/// V = 1/2 sum_A k_A |u_A|^2
+/// ```
+///
+/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k for each
+/// node \[force/length\].
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroundSpring {
+    /// Group of nodes, facets or cells.
+    pub group: String,
+    /// Stiffness k.
+    pub stiffness: f64,
+}
+
+/// Attraction of all masses of a group to a point of space, as by a heavy star.
+///
+/// ```math
+/// V = -sum_A g m_A / |q_A - c|
+/// ```
+///
+/// with the lumped masses m_A ([`super::Body::lumped_mass`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroundAttraction {
+    /// Group of nodes, facets or cells; `None`: all nodes.
+    pub group: Option<String>,
+    /// The point c \[length\].
+    pub centre: [f64; 3],
+    /// Strength g, of a star the constant of gravitation times its mass \[length^3/time^2\].
+    pub strength: f64,
 }
 
 /// Components of a group whose motion is given: at rest, or driven.

@@ -9,6 +9,7 @@ mod input;
 mod invariants;
 mod loads;
 mod mass;
+mod nodal;
 mod regions;
 mod solid;
 mod supports;
@@ -18,7 +19,10 @@ use std::ops::Range;
 
 pub use geometry::CellTable;
 pub use history::History;
-pub use input::{InitialVelocity, Load, LoadKind, Region, Rotation, Support};
+pub use input::{
+    GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Rotation,
+    Support,
+};
 pub use invariants::sum;
 pub use loads::LoadResultant;
 pub use mass::MassSolver;
@@ -52,6 +56,8 @@ pub struct Body {
     regions: Vec<RegionSummary>,
     region_of_cell: Vec<u32>,
     terms: Vec<Box<dyn Term>>,
+    /// Terms that pull the body towards the ground: external to its momenta.
+    ground: Vec<Box<dyn Term>>,
     pattern: Pattern,
     parts: Vec<Range<usize>>,
     node_order: Vec<usize>,
@@ -69,8 +75,28 @@ impl Body {
     /// [`Error::UnknownGroup`], [`Error::RegionCover`] if the regions do not cover the cells, [`Error::NotPositive`]
     /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Support`], [`Error::Linear`].
     pub fn new(mesh: Mesh, regions: Vec<Region>, supports: &[Support], loads: &[Load]) -> Result<Self> {
+        Body::with_nodal(mesh, regions, &Nodal::default(), supports, loads)
+    }
+
+    /// The body of a mesh with masses and forces at single nodes.
+    ///
+    /// # Errors
+    /// Those of [`Body::new`], and [`Error::NoMass`] for a node without mass that is free to move.
+    pub fn with_nodal(
+        mesh: Mesh,
+        regions: Vec<Region>,
+        nodal: &Nodal,
+        supports: &[Support],
+        loads: &[Load],
+    ) -> Result<Self> {
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
+        let section = of_cell.sections(&mesh, &regions);
+        let density_of_cell = of_cell.densities(&mesh, &regions);
+        let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
+        let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
+        lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
         let mut terms = regions::terms(&mesh, &regions, &of_cell)?;
+        let mut ground = nodal::ground_terms(&mesh, nodal, &section, &lumped_mass)?;
         let couplings = terms.iter().flat_map(|term| {
             let (nodes, length) = term.couplings();
             nodes.chunks_exact(length)
@@ -79,21 +105,25 @@ impl Body {
         // One part a thread; fewer where there is too little to share.
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
-        terms.iter_mut().for_each(|term| term.attach(&pattern, &parts));
-        let section = of_cell.sections(&mesh, &regions);
-        let density_of_cell = of_cell.densities(&mesh, &regions);
+        terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
+        let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell);
+        for mass in &nodal.masses {
+            regions_and_masses.push(nodal::summary(&mesh, mass)?);
+        }
         let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &section, &density_of_cell));
         let given = Given::new(&mesh, supports.iter())?;
+        nodal::check_masses(&mesh, &lumped_mass, &given.fixed)?;
         Ok(Body {
             loads: loads.collect::<Result<_>>()?,
             fixed: given.fixed,
             drives: given.drives,
-            mass: regions::mass(&mesh, &pattern, &density_of_cell),
-            lumped_mass: regions::lumped_mass(&mesh, &density_of_cell),
-            regions: regions::summaries(&mesh, &regions, &of_cell),
+            mass: regions::mass(&mesh, &pattern, &density_of_cell, &point_masses),
+            lumped_mass,
+            regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             node_order: nested_dissection(&pattern)?,
             terms,
+            ground,
             pattern,
             parts,
             mesh,
@@ -120,7 +150,7 @@ impl Body {
         &self.fixed
     }
 
-    /// Volume, mass, centre and inertia of each region.
+    /// Volume, mass, centre and inertia of each region, then of each group of point masses (no cells, no volume).
     pub fn regions(&self) -> &[RegionSummary] {
         &self.regions
     }
@@ -185,7 +215,7 @@ impl Body {
             if want == Want::Tangent {
                 sink.set_blocks(&self.mass, mass_coefficients);
             }
-            let mut terms = self.terms.iter();
+            let mut terms = self.terms.iter().chain(&self.ground);
             part.outcome =
                 terms.try_for_each(|term| term.assemble(step, want, index, &mut part.scratch, sink));
         };
@@ -195,6 +225,32 @@ impl Body {
             rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
         }
         assembly.parts.iter().try_for_each(|part| part.outcome.clone())
+    }
+
+    /// Whether springs or attractions pull the body towards the ground.
+    pub fn has_ground(&self) -> bool {
+        !self.ground.is_empty()
+    }
+
+    /// Stage averages of the part of the internal force with which the body pulls at the ground, `force: [k][n_nodes][3]`: its
+    /// negative is external to the momenta of the body.
+    ///
+    /// # Errors
+    /// Those of [`Body::assemble`].
+    pub fn ground_force(
+        &self,
+        step: &StepInput<'_>,
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<()> {
+        let rows = assembly.matrix.parts_mut().iter_mut().zip(&mut assembly.parts);
+        for (index, (sink, part)) in rows.enumerate() {
+            sink.clear_force();
+            let mut terms = self.ground.iter();
+            terms.try_for_each(|term| term.assemble(step, Want::Stress, index, &mut part.scratch, sink))?;
+        }
+        assembly.matrix.copy_force(force);
+        Ok(())
     }
 
     /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`; fixed components do not

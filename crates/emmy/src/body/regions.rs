@@ -67,8 +67,9 @@ impl RegionOfCell {
         let mut count = vec![0; mesh.n_cells()];
         let mut region_of_cell = vec![0; mesh.n_cells()];
         for (index, region) in regions.iter().enumerate() {
+            let is_massless = region.link().is_some_and(|link| link.area() == 0.0);
             for (what, value) in [("density", region.density), ("thickness", region.thickness)] {
-                if !(value > 0.0 && value.is_finite()) {
+                if !(value > 0.0 && value.is_finite() || is_massless) {
                     return Err(Error::NotPositive { what: what.into(), value });
                 }
             }
@@ -83,6 +84,10 @@ impl RegionOfCell {
             for &cell in cells {
                 count[cell as usize] += 1;
                 region_of_cell[cell as usize] = index as u32;
+                let kind = mesh.cell(cell as usize).kind;
+                if region.link().is_some() != (kind.dimension() == 1) {
+                    return Err(Error::WrongMaterial { cell: cell as usize, kind });
+                }
             }
         }
         match count.iter().position(|&count| count != 1) {
@@ -91,13 +96,13 @@ impl RegionOfCell {
         }
     }
 
-    /// Thickness of every plane cell, 1 for solids.
+    /// Thickness of every plane cell, cross section of every bar, 1 for solids.
     pub fn sections(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
         let cells = mesh.cells().zip(&self.0);
         cells.map(|(cell, &region)| regions[region as usize].section(cell.kind)).collect()
     }
 
-    /// Mass per volume of solid cells, per area of plane ones.
+    /// Mass per volume of solid cells, per area of plane ones, per length of links.
     pub fn densities(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
         let sections = self.sections(mesh, regions);
         self.0
@@ -117,9 +122,14 @@ impl RegionOfCell {
 }
 
 impl Region {
-    /// What makes a volume of the measure of a cell: the thickness of plane cells, 1 for solids.
+    /// What makes a volume of the measure of a cell: thickness of plane cells, cross section of bars (that of links without
+    /// mass is 0), 1 for solids.
     fn section(&self, kind: CellKind) -> f64 {
-        if kind.dimension() == 2 { self.thickness } else { 1.0 }
+        match self.link() {
+            Some(link) => link.area(),
+            None if kind.dimension() == 2 => self.thickness,
+            None => 1.0,
+        }
     }
 }
 
@@ -131,15 +141,22 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             let cells: Vec<u32> =
                 of_cell.cells(index).filter(|&cell| mesh.cell(cell as usize).kind == kind).collect();
             if !cells.is_empty() {
-                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, region.section(kind))?));
+                // The term of a link asks for its length.
+                let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
+                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, section)?));
             }
         }
     }
     Ok(terms)
 }
 
-/// Consistent mass `M_AB = integral rho N_A N_B dV` on the pattern.
-pub(super) fn mass(mesh: &Mesh, pattern: &Pattern, density_of_cell: &[f64]) -> Vec<f64> {
+/// Consistent mass `M_AB = integral rho N_A N_B dV + m_A delta_AB` on the pattern, with point masses m_A.
+pub(super) fn mass(
+    mesh: &Mesh,
+    pattern: &Pattern,
+    density_of_cell: &[f64],
+    point_masses: &[f64],
+) -> Vec<f64> {
     let mut mass = vec![0.0; pattern.n_blocks()];
     for_each_volume_point(mesh, 0..mesh.n_cells() as u32, |cell, nodes, point| {
         for (&row, N_A) in nodes.iter().zip(point.shapes) {
@@ -151,6 +168,11 @@ pub(super) fn mass(mesh: &Mesh, pattern: &Pattern, density_of_cell: &[f64]) -> V
             }
         }
     });
+    for (node, point_mass) in point_masses.iter().enumerate() {
+        if let Some(position) = pattern.position(node, node) {
+            mass[position] += point_mass;
+        }
+    }
     mass
 }
 
@@ -193,7 +215,8 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
         (0..3).for_each(|i| first[i] += weight * x[i]);
         (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += weight * x[i] * x[j]));
     });
-    let offset = first.map(|x| x / volume);
+    // What has no volume has its centre where its first node is, for want of a better place.
+    let offset = first.map(|x| if volume > 0.0 { x / volume } else { 0.0 });
     let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));
     let trace: f64 = (0..3).map(|i| central[i][i]).sum();
     let inertia = [0, 1, 2]

@@ -1,4 +1,4 @@
-//! Solid cells of one kind and one material: the assembly that every scheme, material and element shares.
+//! Cells of one kind and one material (of links, one law): the assembly that every scheme, material and element shares.
 
 use std::fmt;
 use std::ops::Range;
@@ -13,7 +13,8 @@ use crate::tensor::{Mat3, Tangent, green_lagrange, mat3};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
-    material: M,
+    /// One for all cells, or one for each.
+    materials: Vec<M>,
     table: CellTable,
     /// Position in the pattern of every pair of nodes, `[cell][A][B]`.
     positions: Vec<u32>,
@@ -56,7 +57,16 @@ impl Scratch {
 impl<M: Material> SolidTerm<M> {
     /// The term of a table of cells.
     pub fn new(material: M, table: CellTable) -> Self {
-        SolidTerm { material, table, positions: Vec::new(), parts: Vec::new() }
+        SolidTerm::with_materials(vec![material], table)
+    }
+
+    /// The term of a table of cells with a material for each.
+    pub fn with_materials(materials: Vec<M>, table: CellTable) -> Self {
+        SolidTerm { materials, table, positions: Vec::new(), parts: Vec::new() }
+    }
+
+    fn material(&self, cell: usize) -> &M {
+        &self.materials[if self.materials.len() == 1 { 0 } else { cell }]
     }
 
     fn nodes(&self, cell: usize) -> &[u32] {
@@ -83,9 +93,9 @@ impl<M: Material> SolidTerm<M> {
             for (j, rate) in scratch.rates.iter_mut().enumerate() {
                 *rate = nodal_gradient(&scratch.nodal[(j + 1) * 3 * n..(j + 2) * 3 * n], gradients, n);
             }
-            step.rule.average(&self.material, &start, &scratch.rates, want, &mut scratch.average);
+            step.rule.average(self.material(cell), &start, &scratch.rates, want, &mut scratch.average);
             let det = scratch.average.min_det;
-            if det <= 0.0 || det.is_nan() {
+            if !M::IS_LINK && (det <= 0.0 || det.is_nan()) {
                 return Err(Error::Inverted { cell: self.table.cells[cell] as usize, det });
             }
             for (stress, force) in scratch.average.stress.iter().zip(scratch.force.chunks_exact_mut(3 * n)) {
@@ -177,7 +187,7 @@ impl<M: Material> Term for SolidTerm<M> {
                     let u = &displacement[3 * node as usize..3 * node as usize + 3];
                     (0..3).for_each(|i| (0..3).for_each(|J| G[i][J] += u[i] * gradients[J * n + A]));
                 }
-                weight * self.material.strain_energy(&green_lagrange(&G))
+                weight * self.material(cell).strain_energy(&green_lagrange(&G))
             });
             energies.sum()
         };

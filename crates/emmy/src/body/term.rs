@@ -7,7 +7,7 @@ use super::geometry::CellTable;
 use super::solid::{Scratch, SolidTerm};
 use crate::average::{Rule, Want};
 use crate::error::Result;
-use crate::material::Material;
+use crate::material::{Link, Material};
 use crate::sparse::{Pattern, RowPart};
 
 /// A step as the terms see it.
@@ -52,6 +52,11 @@ pub trait Term: fmt::Debug + Send + Sync {
 pub trait Solid: fmt::Debug + Send + Sync {
     /// The term.
     fn term(&self, table: CellTable) -> Box<dyn Term>;
+
+    /// The link, if it is one.
+    fn link(&self) -> Option<Link> {
+        None
+    }
 }
 
 /// Wraps a material.
@@ -64,6 +69,19 @@ struct Model<M>(M);
 impl<M> fmt::Debug for Model<M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(std::any::type_name::<M>())
+    }
+}
+
+impl Solid for Link {
+    fn term(&self, mut table: CellTable) -> Box<dyn Term> {
+        // The measure of a link is its length; its energy is that of the whole link.
+        let energies = table.weights.iter().map(|&length| self.with_length(length)).collect();
+        table.weights.fill(1.0);
+        Box::new(SolidTerm::with_materials(energies, table))
+    }
+
+    fn link(&self) -> Option<Link> {
+        Some(*self)
     }
 }
 

@@ -17,6 +17,7 @@ pub(super) struct Lifted<E, const D: usize, const T: usize> {
 const TRIANGLE: [[f64; 3]; 6] = lifted(TRIANGLE_NODES);
 const SQUARE: [[f64; 3]; 9] = lifted(SQUARE_NODES);
 const LINE: [[f64; 2]; 3] = lifted(LINE_NODES);
+const LINK_NODES: [[f64; 3]; 3] = lifted(LINE_NODES);
 
 // As cells triangles need fewer points than as facets: the gradients of their shape functions are of degree p - 1.
 pub(super) static TRI3: Lifted<Tri3, 2, 3> =
@@ -33,6 +34,9 @@ pub(super) static LINE2: Lifted<Line2, 1, 2> =
     Lifted { element: Line2, nodes: LINE.split_at(2).0, quadrature: || Line2.quadrature() };
 pub(super) static LINE3: Lifted<Line3, 1, 2> =
     Lifted { element: Line3, nodes: &LINE, quadrature: || Line3.quadrature() };
+
+pub(super) static LINK: Lifted<Line2, 1, 3> =
+    Lifted { element: Line2, nodes: LINK_NODES.split_at(2).0, quadrature: || super::line::line(1) };
 
 /// Points with zeros as further coordinates.
 const fn lifted<const D: usize, const T: usize, const N: usize>(points: [[f64; D]; N]) -> [[f64; T]; N] {

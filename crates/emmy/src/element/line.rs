@@ -1,4 +1,4 @@
-//! Lines: the edges of plane cells.
+//! Lines: the edges of plane cells, and links.
 
 use super::ReferenceElement;
 use super::tensor_product::{gradient, linear, quadratic, shape};
@@ -74,7 +74,7 @@ impl ReferenceElement<1> for Line3 {
 }
 
 /// Gauss rule on `[-1, 1]`.
-fn line(n: usize) -> Quadrature<1> {
+pub(super) fn line(n: usize) -> Quadrature<1> {
     let Quadrature { points, weights } = gauss(n);
     Quadrature {
         points: points.into_iter().map(|[x]| [2.0 * x - 1.0]).collect(),

@@ -85,6 +85,7 @@ pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
         CellKind::Quad4 => &lifted::QUAD4,
         CellKind::Quad8 => &lifted::QUAD8,
         CellKind::Quad9 => &lifted::QUAD9,
+        CellKind::Line2 => &lifted::LINK,
     }
 }
 
@@ -114,7 +115,8 @@ pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
 /// ```
 ///
 /// The third column of a plane cell is the unit vector along z: det J is then area by area, negative where the nodes go round
-/// clockwise, and gradients dN/dX have no third component.
+/// clockwise, and gradients dN/dX have no third component. The others of a link are unit vectors across it: det J is length
+/// by length, and gradients dN/dX lie along the link.
 pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
     let mut J = [[0.0; 3]; 3];
     for (X, dN) in X.iter().zip(dN) {
@@ -124,10 +126,29 @@ pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
             }
         }
     }
-    if kind.dimension() == 2 {
-        J[2][2] = 1.0;
+    match kind.dimension() {
+        2 => J[2][2] = 1.0,
+        1 => {
+            let across = across([J[0][0], J[1][0], J[2][0]]);
+            (0..3).for_each(|i| (0..2).for_each(|j| J[i][j + 1] = across[j][i]));
+        }
+        _ => {}
     }
     J
+}
+
+/// Two unit vectors that make a right-handed system of axes with a vector; NaN for no vector.
+fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let unit = |a: [f64; 3]| {
+        let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+        a.map(|x| x / length)
+    };
+    let axis = (0..3).min_by(|&i, &j| a[i].abs().total_cmp(&a[j].abs())).unwrap_or(0);
+    let b = unit(cross(a, [0, 1, 2].map(|i| f64::from(u8::from(i == axis)))));
+    [b, unit(cross(a, b))]
 }
 
 /// Derivatives of the position by the two coordinates of a facet, `X: [n_nodes][3]`, `dN: [n_nodes][2]`; their cross

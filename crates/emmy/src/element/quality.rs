@@ -37,7 +37,7 @@ pub struct Quality {
     pub scaled_jacobian: Worst,
     /// Largest quotient of the longest by the shortest edge of a cell (distance of the corners).
     pub aspect_ratio: Worst,
-    /// Total volume \[length^3\]; of plane cells the area.
+    /// Total volume \[length^3\]; of plane cells the area, of links the length.
     pub volume: f64,
     /// Cells whose det(dX/dxi) is not positive at one of their quadrature points, ascending.
     pub inverted: Vec<usize>,
@@ -160,6 +160,9 @@ impl Sample {
     }
 
     fn scaled_jacobian(&self, X: &[[f64; 3]]) -> f64 {
+        if self.kind.dimension() == 1 {
+            return 1.0;
+        }
         let is_plane = self.kind.dimension() == 2;
         let scaled = |&[corner, a, b, c]: &[usize; 4]| {
             let mut edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
@@ -194,6 +197,9 @@ fn gradients(element: &dyn ReferenceElement<3>, points: &[[f64; 3]]) -> Vec<Vec<
 
 /// Pairs of corners that an edge joins, each once.
 fn edges(kind: CellKind) -> Vec<[usize; 2]> {
+    if kind.dimension() == 1 {
+        return vec![[0, 1]];
+    }
     let mut edges = BTreeSet::new();
     for facet in kind.facets() {
         let corners = &facet.nodes[..facet.kind.n_corners()];
@@ -208,6 +214,9 @@ fn edges(kind: CellKind) -> Vec<[usize; 2]> {
 /// one before, the third edge being the unit vector along z.
 fn spans(kind: CellKind) -> Vec<[usize; 4]> {
     let (mut spans, n) = (Vec::new(), kind.n_corners());
+    if kind.dimension() == 1 {
+        return spans;
+    }
     if kind.dimension() == 2 {
         return (0..n).map(|corner| [corner, (corner + 1) % n, (corner + n - 1) % n, corner]).collect();
     }
@@ -283,6 +292,7 @@ mod tests {
             // Corner (1, 0): edges of lengths 1 and sqrt 2 span 1.
             CellKind::Tri3 => [0.5, 0.5f64.sqrt() * 2.0 / 3f64.sqrt(), 2f64.sqrt()],
             CellKind::Quad4 => [4.0, 1.0, 1.0],
+            CellKind::Line2 => [2.0, 1.0, 1.0],
             // Corner (1, 0): edges of lengths 1, sqrt 2 and 2 span a prism of volume 2.
             CellKind::Wedge6 => [1.0, 0.5f64.sqrt() * 2.0 / 3f64.sqrt(), 2.0],
             // Corner of the base: edges of lengths 2, 2 and sqrt 3 span 4.

@@ -15,6 +15,7 @@ mod hencky;
 mod holzapfel_gasser_ogden;
 mod invariants;
 mod isochoric;
+mod link;
 mod mooney_rivlin;
 mod neo_hooke;
 mod ogden;
@@ -30,6 +31,7 @@ pub use ciarlet_geymonat::CiarletGeymonat;
 pub use gent::Gent;
 pub use hencky::Hencky;
 pub use holzapfel_gasser_ogden::HolzapfelGasserOgden;
+pub use link::{Link, LinkEnergy};
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
@@ -58,6 +60,9 @@ use crate::tensor::{Elasticity, Lane, Sym};
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub trait Material: Clone + Send + Sync + 'static {
+    /// Whether the energy is that of a link: a function of tr E alone, for which det F means nothing.
+    const IS_LINK: bool = false;
+
     /// Stored energy W per reference volume \[energy/length^3\].
     fn strain_energy<L: Lane>(&self, strain: &Sym<L>) -> L;
 

@@ -37,6 +37,8 @@ pub enum CellKind {
     Quad8,
     /// Biquadratic quadrilateral of a body in plane strain, 9 nodes.
     Quad9,
+    /// Link of two nodes: a bar, a spring, an attraction.
+    Line2,
 }
 
 /// Kind of a facet: a face of a solid cell, an edge of a plane one. Node order is that of VTK for every kind.
@@ -94,7 +96,7 @@ impl FacetKind {
 
 impl CellKind {
     /// All kinds, in the order of `emmy list elements`.
-    pub const ALL: [CellKind; 13] = [
+    pub const ALL: [CellKind; 14] = [
         CellKind::Hex8,
         CellKind::Hex20,
         CellKind::Hex27,
@@ -108,6 +110,7 @@ impl CellKind {
         CellKind::Quad4,
         CellKind::Quad8,
         CellKind::Quad9,
+        CellKind::Line2,
     ];
 
     /// Kinds of solid cells.
@@ -126,7 +129,7 @@ impl CellKind {
     pub const PLANES: [CellKind; 5] =
         [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9];
 
-    /// Dimension of the cell: 3 for a solid, 2 in a plane.
+    /// Dimension of the cell: 3 for a solid, 2 in a plane, 1 for a link.
     ///
     /// ```
     /// use emmy::mesh::CellKind;
@@ -135,6 +138,7 @@ impl CellKind {
     pub const fn dimension(self) -> usize {
         match self {
             CellKind::Tri3 | CellKind::Tri6 | CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => 2,
+            CellKind::Line2 => 1,
             _ => 3,
         }
     }
@@ -155,6 +159,7 @@ impl CellKind {
             CellKind::Quad4 => 4,
             CellKind::Quad8 => 8,
             CellKind::Quad9 => 9,
+            CellKind::Line2 => 2,
         }
     }
 
@@ -167,6 +172,7 @@ impl CellKind {
             CellKind::Pyramid5 => 5,
             CellKind::Tri3 | CellKind::Tri6 => 3,
             CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => 4,
+            CellKind::Line2 => 2,
         }
     }
 
@@ -184,6 +190,7 @@ impl CellKind {
             CellKind::Pyramid5 => CellKind::Pyramid5,
             CellKind::Tri3 | CellKind::Tri6 => CellKind::Tri3,
             CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => CellKind::Quad4,
+            CellKind::Line2 => CellKind::Line2,
         }
     }
 
@@ -202,6 +209,7 @@ impl CellKind {
             CellKind::Tri6 => &TRI6_FACETS,
             CellKind::Quad4 => &QUAD4_FACETS,
             CellKind::Quad8 | CellKind::Quad9 => &QUAD8_FACETS,
+            CellKind::Line2 => &[],
         }
     }
 
@@ -221,6 +229,7 @@ impl CellKind {
             CellKind::Quad4 => "quad4",
             CellKind::Quad8 => "quad8",
             CellKind::Quad9 => "quad9",
+            CellKind::Line2 => "line2",
         }
     }
 }

@@ -33,6 +33,8 @@ pub struct TimeElementStepper<'a> {
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     arrival: Vec<f64>,
+    /// Force on the ground in every stage; empty without springs and attractions to it.
+    ground: Vec<f64>,
     is_loaded: bool,
 }
 
@@ -52,6 +54,7 @@ impl<'a> TimeElementStepper<'a> {
             averages: vec![0.0; k],
             position: vec![0.0; n],
             arrival: vec![0.0; if body.is_driven() { n } else { 0 }],
+            ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
         })
     }
@@ -70,7 +73,8 @@ impl<'a> TimeElementStepper<'a> {
         self.system.set_driven_rates(state.time, h);
     }
 
-    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom.
+    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground has its
+    /// part in the impulses; its work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
         let (body, n, rates) = (self.system.body, self.system.body.n_dofs(), &self.iteration.rates);
         let has_supports = body.fixed().contains(&true);
@@ -78,7 +82,10 @@ impl<'a> TimeElementStepper<'a> {
             self.system.full_residual(rates, &mut self.residual)?;
         }
         let mut impulses = Impulses::default();
-        if !has_supports && !self.is_loaded {
+        if body.has_ground() {
+            self.system.ground_force(rates, &mut self.ground)?;
+        }
+        if !has_supports && !self.is_loaded && !body.has_ground() {
             return Ok(impulses);
         }
         let rule = &self.system.form.rule;
@@ -97,6 +104,8 @@ impl<'a> TimeElementStepper<'a> {
                 force[dof] = lambda + external[dof];
             }
             impulses.work += b * dot(force, &rates[i * n..(i + 1) * n]);
+            let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
+            force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
             impulses.add_force(body, h * b, &self.position, force);
         }
         Ok(impulses)

@@ -137,6 +137,17 @@ impl<'a> StageSystem<'a> {
         Ok(squares.map(f64::sqrt))
     }
 
+    /// Stage averages of the force on the ground, on all degrees of freedom.
+    pub fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
+        let step = StepInput {
+            rule: &self.form.rule,
+            tangent_factor: 0.0,
+            displacement: &self.displacement,
+            rates: x,
+        };
+        self.body.ground_force(&step, &mut self.assembly, force)
+    }
+
     fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
         let step = StepInput {
             rule: &self.form.rule,

@@ -4,7 +4,7 @@
 use emmy::mesh::CellKind;
 
 /// The types that are read.
-pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5, or in a plane of CPE3, CPE4, CPE6 or CPE8 (CPE4R, ...)";
+pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5, or in a plane of CPE3, CPE4, CPE6 or CPE8 (CPE4R, ...), links of T3D2, CONN3D2 or SPRINGA";
 
 /// Kind of cell of an element type, given in upper case.
 pub(super) fn kind(element_type: &str) -> Option<CellKind> {
@@ -22,12 +22,16 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
         "CPE6" | "CPE6H" | "CPE6M" | "CPE6MH" => Some(CellKind::Tri6),
         "CPE4" | "CPE4R" | "CPE4H" | "CPE4RH" | "CPE4I" | "CPE4IH" => Some(CellKind::Quad4),
         "CPE8" | "CPE8R" | "CPE8H" | "CPE8RH" => Some(CellKind::Quad8),
+        "T3D2" | "T3D2H" | "T2D2" | "T2D2H" | "CONN3D2" | "CONN2D2" | "SPRINGA" => Some(CellKind::Line2),
         _ => None,
     }
 }
 
 /// What the user should know about a type that is not read as it is.
 pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
+    if kind == CellKind::Line2 {
+        return (!element_type.starts_with('T')).then(|| format!("{element_type} is read as {kind}"));
+    }
     let suffix = element_type
         .trim_start_matches("C3D")
         .trim_start_matches("CPE")
@@ -50,6 +54,7 @@ pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
         CellKind::Pyramid5 => &PYRAMID_FACES,
         CellKind::Tri3 => &TRI_EDGES,
         CellKind::Quad4 => &QUAD_EDGES,
+        CellKind::Line2 => &[],
         _ => &HEX_FACES,
     };
     let corners = faces.get(usize::from(face).checked_sub(1)?)?;

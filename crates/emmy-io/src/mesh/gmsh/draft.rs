@@ -26,6 +26,8 @@ pub(super) struct Draft {
     n_ignored: [usize; 3],
     /// Dimension of the body: 3, or 2 as long as there is no element of dimension 3.
     dim: u8,
+    /// Whether an element is a line that is a cell.
+    is_link: Vec<bool>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +56,7 @@ impl Draft {
             groups: BTreeMap::new(),
             n_ignored: [0; 3],
             dim: 2,
+            is_link: Vec::new(),
         }
     }
 
@@ -111,6 +114,29 @@ impl Draft {
         &self.connectivity[element.nodes..][..element.shape.n_nodes]
     }
 
+    /// Finds the lines that are cells: those of two nodes in some groups.
+    fn find_links(&mut self, links: &[String]) {
+        self.is_link = vec![false; self.elements.len()];
+        for (&(dim, tag), members) in &self.groups {
+            if dim == 1 && links.contains(&self.name(dim, tag)) {
+                let lines = members.iter().map(|&member| member as usize);
+                lines
+                    .filter(|&at| self.elements[at].shape.n_nodes == 2)
+                    .for_each(|at| self.is_link[at] = true);
+            }
+        }
+    }
+
+    /// Name of a physical group; its number if it has none.
+    fn name(&self, dim: u8, tag: u64) -> String {
+        self.names.get(&(dim, tag)).cloned().unwrap_or_else(|| tag.to_string())
+    }
+
+    /// Whether an element is a cell of the body.
+    fn is_cell(&self, index: usize) -> bool {
+        self.elements[index].shape.dim == self.dim || self.is_link[index]
+    }
+
     /// Leaves out faces in no group that were read before the first solid element.
     fn ignore_faces(&mut self) {
         let mut in_group = vec![false; self.elements.len()];
@@ -131,16 +157,16 @@ impl Draft {
     }
 
     /// The mesh of all that was read.
-    pub(super) fn mesh(mut self, cursor: &Cursor) -> Result<MeshFile> {
+    pub(super) fn mesh(mut self, cursor: &Cursor, links: &[String]) -> Result<MeshFile> {
         self.ignore_faces();
+        self.find_links(links);
         let mut builder = MeshBuilder::new();
         for &point in &self.points {
             builder.point(point);
         }
         let cells = self.cells(cursor, &mut builder)?;
         for (&(dim, tag), members) in &self.groups {
-            let name = self.names.get(&(dim, tag)).cloned().unwrap_or_else(|| tag.to_string());
-            self.add_group(cursor, &mut builder, dim, &name, members, &cells)?;
+            self.add_group(cursor, &mut builder, dim, &self.name(dim, tag), members, &cells)?;
         }
         let elements = self.elements_of_cells(&cells);
         let name = |cell: usize| format!("element {}", self.elements[elements[cell] as usize].number);
@@ -154,7 +180,7 @@ impl Draft {
         let mut cells: Vec<u32> = Vec::with_capacity(self.elements.len());
         for (index, (element, &original)) in self.elements.iter().zip(&originals).enumerate() {
             let cell = match element.shape.cell() {
-                _ if element.shape.dim < self.dim => NONE,
+                _ if !self.is_cell(index) => NONE,
                 None => {
                     return Err(unsupported(cursor, element.start, element.shape.name.to_string()));
                 }
@@ -189,7 +215,7 @@ impl Draft {
             return Ok(originals);
         }
         let mut order: Vec<u32> = originals.clone();
-        order.retain(|&index| self.elements[index as usize].shape.dim == self.dim);
+        order.retain(|&index| self.is_cell(index as usize));
         let nodes = |index: u32| self.nodes(&self.elements[index as usize]);
         let group = |index: u32| self.elements[index as usize].group;
         order.sort_by(|&a, &b| (nodes(a), group(a), a).cmp(&(nodes(b), group(b), b)));
@@ -237,7 +263,12 @@ impl Draft {
         cells: &[u32],
     ) -> Result<()> {
         let elements = members.iter().map(|&index| &self.elements[index as usize]);
+        let are_links = dim == 1 && members.iter().any(|&member| self.is_link[member as usize]);
         match self.dim - dim.min(self.dim) {
+            _ if are_links => {
+                let links = members.iter().map(|&index| cells[index as usize]);
+                builder.cell_group(name, links.filter(|&cell| cell != NONE));
+            }
             0 => builder.cell_group(name, members.iter().map(|&index| cells[index as usize])),
             1 => {
                 let corners =

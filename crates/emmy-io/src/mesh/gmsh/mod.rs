@@ -19,8 +19,8 @@ enum Version {
     V4,
 }
 
-/// The mesh in the bytes of an MSH file.
-pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
+/// The mesh in the bytes of an MSH file; lines in the groups `links` are cells.
+pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     let mut cursor = Cursor::new(file, without_mark(bytes));
     let version = version(&mut cursor)?;
     let mut draft = Draft::new(version);
@@ -38,7 +38,7 @@ pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
         }
         cursor.end(section)?;
     }
-    draft.mesh(&cursor)
+    draft.mesh(&cursor, links)
 }
 
 /// Reads up to the end of `$MeshFormat` and sets the encoding.

@@ -18,7 +18,6 @@ pub(super) fn shape(id: i64) -> Option<Shape> {
     let flat = |dim, n_nodes, n_corners| Some(Shape { dim, n_nodes, n_corners, kind: None });
     match id {
         1 => flat(0, 1, 1),  // vertex
-        3 => flat(1, 2, 2),  // line
         21 => flat(1, 3, 2), // quadratic edge
         PIXEL => Some(cell(CellKind::Quad4)),
         VOXEL => Some(cell(CellKind::Hex8)),

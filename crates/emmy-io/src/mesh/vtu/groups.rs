@@ -41,6 +41,23 @@ pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>])
     Ok(())
 }
 
+/// Which cells of the file are lines in one of the groups `links`.
+pub(super) fn links(grid: &Grid<'_, '_>, draft: &Draft, links: &[String]) -> Result<Vec<bool>> {
+    let mut is_link = vec![false; grid.n_cells];
+    for array in grid.arrays("CellData").iter().filter(|array| is_label(array) && !links.is_empty()) {
+        let values = whole(grid, array, grid.n_cells)?;
+        for (index, &value) in values.iter().enumerate().filter(|(index, _)| draft.shapes[*index].1.dim == 1)
+        {
+            let name = match array.name.strip_prefix(GROUP) {
+                Some(name) if value != 0 => name.to_string(),
+                _ => format!("{}={value}", array.name),
+            };
+            is_link[index] |= links.contains(&name) && draft.shapes[index].1.kind.is_some();
+        }
+    }
+    Ok(is_link)
+}
+
 fn is_label(array: &Array<'_, '_>) -> bool {
     array.components == 1 && array.is_whole()
 }
@@ -62,10 +79,12 @@ impl Draft {
     fn add_group(&mut self, name: &str, members: &[usize], cells: &[Option<u32>]) {
         let dim = |index: usize| self.shapes[index].1.dim;
         let of = |wanted: &dyn Fn(u8) -> bool| {
-            members.iter().copied().filter(|&i| wanted(dim(i))).collect::<Vec<usize>>()
+            let others = members.iter().copied().filter(|&i| cells[i].is_none());
+            others.filter(|&i| wanted(dim(i))).collect::<Vec<usize>>()
         };
         let body = self.dim;
-        let [solids, faces] = [of(&|dim| dim == body), of(&|dim| dim + 1 == body)];
+        let solids: Vec<usize> = members.iter().copied().filter(|&i| cells[i].is_some()).collect();
+        let faces = of(&|dim| dim + 1 == body);
         let rest = of(&|dim| dim + 1 < body);
         let corners = |&i: &usize| self.nodes(i)[..self.shapes[i].1.n_corners].to_vec();
         let facets: Vec<Vec<u32>> = faces.iter().map(corners).collect();
@@ -96,7 +115,7 @@ impl Draft {
     fn add_values(&mut self, name: &str, values: &[i64], cells: &[Option<u32>], is_used: &mut [bool]) {
         let mut members: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         for (index, &value) in values.iter().enumerate() {
-            if self.shapes[index].1.dim == self.dim || (name == GMSH && value != 0) {
+            if cells[index].is_some() || (name == GMSH && value != 0) {
                 members.entry(value).or_default().push(index);
             }
         }

@@ -13,13 +13,14 @@ use super::{KINDS, MeshError, MeshFile, Origin, Place, Result, counted, finished
 use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
 use file::{Grid, Parts, document, no_cells};
 
-/// The mesh in the bytes of a file.
-pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
+/// The mesh in the bytes of a file; lines in the groups `links` are cells.
+pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     let parts = Parts::new(file, without_mark(bytes))?;
     let document = document(file, &parts)?;
     let grid = Grid::new(file, &parts, &document)?;
     let mut draft = Draft::new(file, &grid)?;
-    let cells = draft.add_cells(file)?;
+    let is_link = groups::links(&grid, &draft, links)?;
+    let cells = draft.add_cells(file, &is_link)?;
     groups::add(&grid, &mut draft, &cells)?;
     let numbers: Vec<usize> = (0..cells.len()).filter(|&index| cells[index].is_some()).collect();
     let name = |cell: usize| format!("cell {} (counted from 0)", numbers[cell]);
@@ -73,10 +74,10 @@ impl Draft {
     }
 
     /// Adds the cells of the body and says for each cell of the file which one it is.
-    fn add_cells(&mut self, file: &Path) -> Result<Vec<Option<u32>>> {
+    fn add_cells(&mut self, file: &Path, is_link: &[bool]) -> Result<Vec<Option<u32>>> {
         let (mut cells, mut n_mirrored) = (Vec::with_capacity(self.shapes.len()), 0);
         for (index, &(id, shape)) in self.shapes.iter().enumerate() {
-            let Some(kind) = shape.kind.filter(|_| shape.dim == self.dim) else {
+            let Some(kind) = shape.kind.filter(|_| shape.dim == self.dim || is_link[index]) else {
                 cells.push(None);
                 continue;
             };

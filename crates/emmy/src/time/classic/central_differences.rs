@@ -79,7 +79,7 @@ impl Stepper for CentralDifferences<'_> {
         self.limit.check(&mut self.forces, state, h)?;
         for (dof, x) in self.increment.iter_mut().enumerate() {
             let middle = state.momentum[dof] + 0.5 * h * self.inertia[dof];
-            *x = h * middle / body.lumped_mass()[dof / 3];
+            *x = if body.fixed()[dof] { 0.0 } else { h * middle / body.lumped_mass()[dof / 3] };
             self.end.displacement[dof] = state.displacement[dof] + *x;
         }
         self.end.evaluate(&mut self.forces, state.time + h)?;
@@ -92,7 +92,7 @@ impl Stepper for CentralDifferences<'_> {
         add(&mut state.momentum, &self.inertia);
         state.displacement.copy_from_slice(&self.end.displacement);
         for (dof, v) in state.velocity.iter_mut().enumerate() {
-            *v = state.momentum[dof] / body.lumped_mass()[dof / 3];
+            *v = if body.fixed()[dof] { 0.0 } else { state.momentum[dof] / body.lumped_mass()[dof / 3] };
         }
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);

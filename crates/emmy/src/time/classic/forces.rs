@@ -39,6 +39,19 @@ impl<'a> Forces<'a> {
         self.body.assemble(&step, want, &[0.0], &mut self.assembly)
     }
 
+    /// The force with which the body pulls at the ground at a displacement; an empty one without ground.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    fn ground(&mut self, displacement: &[f64], ground: &mut [f64]) -> Result<()> {
+        if !self.body.has_ground() {
+            return Ok(());
+        }
+        let step =
+            StepInput { rule: &self.rule, tangent_factor: 0.0, displacement, rates: self.rest.as_slice() };
+        self.body.ground_force(&step, &mut self.assembly, ground)
+    }
+
     /// The force that is left for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
     ///
     /// # Errors
@@ -66,13 +79,20 @@ pub struct TimePoint {
     pub displacement: Vec<f64>,
     /// External force F.
     pub external: Vec<f64>,
-    /// The net force F - f(u) once it is evaluated; F + lambda once the reactions are set.
+    /// The net force F - f(u) once it is evaluated; F + lambda, less the force on the ground, once the reactions are set.
     pub force: Vec<f64>,
+    /// Force on the ground.
+    ground: Vec<f64>,
 }
 
 impl TimePoint {
     pub fn new(n: usize) -> Self {
-        TimePoint { displacement: vec![0.0; n], external: vec![0.0; n], force: vec![0.0; n] }
+        TimePoint {
+            displacement: vec![0.0; n],
+            external: vec![0.0; n],
+            force: vec![0.0; n],
+            ground: vec![0.0; n],
+        }
     }
 
     /// Evaluates the forces at the displacement of the point.
@@ -80,6 +100,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
+        forces.ground(&self.displacement, &mut self.ground)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)
     }
 
@@ -92,15 +113,15 @@ impl TimePoint {
             return self.evaluate(forces, time);
         }
         forces.body.loads_at(time, &mut self.external);
-        Ok(())
+        forces.ground(&self.displacement, &mut self.ground)
     }
 
-    /// Sets the force to that of loads and reactions, `lambda = M a + f(u) - F` at fixed degrees of freedom;
+    /// Sets the force to that of loads, reactions and the ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
     /// `inertia`: M a.
     pub fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
-            self.force[dof] = self.external[dof] + reaction;
+            self.force[dof] = self.external[dof] + reaction - self.ground[dof];
         }
     }
 

@@ -1,0 +1,94 @@
+//! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, the attraction of `[[load]]`.
+
+use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass};
+
+use super::fault::{Fault, Faults, Place};
+use super::keys;
+use super::region::{Placed, group};
+use super::table::{Item, Table};
+
+/// What is read, with the places of the groups.
+#[derive(Debug, Default)]
+pub(super) struct PlacedNodal {
+    masses: Vec<Placed<PointMass>>,
+    springs: Vec<Placed<GroundSpring>>,
+    attractions: Vec<Placed<GroundAttraction>>,
+}
+
+/// Reads all of them; what fails leaves its fault.
+pub(super) fn read(root: &Table<'_>, faults: &mut Faults) -> PlacedNodal {
+    PlacedNodal {
+        masses: each(root, "mass", None, mass, faults),
+        springs: each(root, "support", Some("spring"), spring, faults),
+        attractions: each(root, "load", Some("attraction"), attraction, faults),
+    }
+}
+
+impl PlacedNodal {
+    /// Groups that are named, each with its place.
+    pub(super) fn groups(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
+        let masses = self.masses.iter().map(|mass| &mass.group);
+        let springs = self.springs.iter().map(|spring| &spring.group);
+        masses.chain(springs).chain(self.attractions.iter().map(|attraction| &attraction.group))
+    }
+
+    /// The values alone.
+    pub(super) fn values(self) -> Nodal {
+        Nodal {
+            masses: self.masses.into_iter().map(|mass| mass.value).collect(),
+            springs: self.springs.into_iter().map(|spring| spring.value).collect(),
+            attractions: self.attractions.into_iter().map(|attraction| attraction.value).collect(),
+        }
+    }
+}
+
+/// Reads the tables of a section, or those of them that have a key.
+fn each<T>(
+    root: &Table<'_>,
+    section: &str,
+    key: Option<&str>,
+    read: fn(Item<'_>) -> Result<Placed<T>, Fault>,
+    faults: &mut Faults,
+) -> Vec<Placed<T>> {
+    let Some(Ok(items)) = root.get(section).map(|item| item.one_or_more()) else { return Vec::new() };
+    let has_key = |item: &Item<'_>| key.is_none_or(|key| item.has_key(key).is_some());
+    items.into_iter().filter(has_key).filter_map(|item| faults.keep(read(item))).collect()
+}
+
+fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
+    let table = item.table(keys::MASS)?;
+    let group = table.require("group")?.string()?.to_string();
+    let mass = table.require("mass")?.positive()?;
+    Placed::new(&table, PointMass { group, mass })
+}
+
+/// Whether a support has springs and nothing else.
+pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
+    let has = |key: &str| item.has_key(key).is_some();
+    has("spring") && !["fix", "move", "rotate"].into_iter().any(has)
+}
+
+fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
+    let table = item.table(keys::SUPPORT)?;
+    let group = table.require("group")?.string()?.to_string();
+    let stiffness = table.require("spring")?.positive()?;
+    Placed::new(&table, GroundSpring { group, stiffness })
+}
+
+fn attraction(item: Item<'_>) -> Result<Placed<GroundAttraction>, Fault> {
+    let table = item.table(keys::LOAD)?;
+    let load = table.exactly_one("one kind of load", super::load::KINDS)?;
+    if let Some(history) = table.get("history") {
+        let message = "an attraction has no `history`: its potential belongs to the energy, which it keeps";
+        return Err(history.fault(message, "leave it out"));
+    }
+    let parameters = load.table(keys::ATTRACTION_TO_A_POINT)?;
+    let centre = parameters.require("centre")?.numbers()?;
+    let strength = parameters.require("strength")?;
+    let value = strength.number()?;
+    if value == 0.0 {
+        return Err(strength.fault("`strength` must not be 0; a negative one repels", "no attraction"));
+    }
+    let group = group(&table)?.map(|(name, _)| name);
+    Placed::new(&table, GroundAttraction { group, centre, strength: value })
+}
