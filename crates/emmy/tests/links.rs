@@ -262,6 +262,19 @@ fn impulses_of_the_ground_close_the_balances_of_every_scheme() {
     }
 }
 
+/// On a group of facets the stiffness is one per area: a block on an elastic foundation of k = 6 per area.
+#[test]
+fn springs_on_facets_are_a_foundation() {
+    let springs = vec![GroundSpring { group: "z-min".into(), stiffness: 6.0 }];
+    let nodal = Nodal { springs, ..Default::default() };
+    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let mesh = block([2.0, 3.0, 1.0], [2, 3, 2]).unwrap();
+    let body = Body::with_nodal(mesh, vec![rubber], &nodal, &[], &[]).unwrap();
+    let displacement: Vec<f64> = (0..body.n_dofs()).map(|dof| [0.1, 0.2, -0.2][dof % 3]).collect();
+    // k A |u|^2 / 2, with the area 2 x 3.
+    assert!((body.strain_energy(&displacement) - 0.5 * 6.0 * 6.0 * 0.09).abs() < 1e-14);
+}
+
 /// Two planets opposite each other on a circle about a star that is not at the origin, joined by a spring at rest.
 #[test]
 fn a_star_holds_its_planets_on_a_circle() {

@@ -92,7 +92,7 @@ fn two_body() {
     let a = 6.0 / 6.5;
     let period = std::f64::consts::TAU * (2.0 / 3.0 * f64::powi(a, 3) / 6.0).sqrt();
     let (x, y, time) = (&history["planet_x"], &history["planet_y"], &history["time"]);
-    let back = (1..y.len()).filter(|&i| y[i - 1] > 0.0 && y[i] <= 0.0 && x[i] < 0.0);
+    let back = (1..y.len()).filter(|&i| y[i - 1] < 0.0 && y[i] >= 0.0 && x[i] < 0.0);
     let mut times = back.map(|i| time[i - 1] + 0.05 * y[i - 1] / (y[i - 1] - y[i]));
     close(times.nth(9).unwrap(), 10.0 * period, 2e-3);
 }
