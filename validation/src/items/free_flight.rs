@@ -33,7 +33,7 @@ impl Observer for Watch {
         let momentum = momentum_change(first, record);
         self.largest = (self.largest.0.max(energy.abs()), self.largest.1.max(momentum));
         self.steps = record.step;
-        if record.step > 0 && record.step % 100 == 0 {
+        if record.step > 0 && record.step.is_multiple_of(100) {
             self.changes.push((record.step as f64, energy, momentum));
         }
         Ok(())
