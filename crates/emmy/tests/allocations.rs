@@ -1,10 +1,35 @@
 //! Nothing is allocated inside a step once the first ones are done.
 
 use allocation_counter::measure;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::Scheme;
+
+/// With driven nodes: a table and an expression, by time elements.
+#[test]
+fn a_step_with_supports_that_move_allocates_nothing() {
+    let table = History::new(vec![(0.0, 0.0), (0.105, 0.01), (1.13, 0.02), (2.0, 0.0)]).unwrap();
+    let angle = History::smooth("0.1 sin(9 t)", |t| [0.1 * (9.0 * t).sin(), 0.9 * (9.0 * t).cos(), 0.0]);
+    let rotation = Some(Rotation { axis: [0.0, 1.0, 0.0], about: [0.5; 3], angle });
+    let supports = [
+        Support { group: "y-min".into(), rotation, ..Default::default() },
+        Support { group: "y-max".into(), displacement: [Some(table), None, None], ..Default::default() },
+    ];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = pool.install(|| Body::new(mesh, vec![rubber], &supports, &[]).unwrap());
+    for degree in 1..=3 {
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let scheme = Scheme::DiscreteGradient;
+        let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
+        let mut step = |i: usize| motion.step(0.01, 0.01 * i as f64).map(|record| record.step).unwrap();
+        assert_eq!((1..100).map(&mut step).last(), Some(99));
+        let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
+        assert_eq!(counts.count_total, 0, "degree {degree}");
+    }
+}
 
 #[test]
 fn a_step_allocates_nothing() {

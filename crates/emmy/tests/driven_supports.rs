@@ -205,3 +205,70 @@ fn what_cannot_be_driven_is_refused() {
         assert!(matches!(stepper, Err(Error::Scheme { .. })), "{scheme}");
     }
 }
+
+/// A block that is swung about an axis, faster and faster, while a plane holds it in z; let go at t = 0.5, of the plane at
+/// t = 0.7. Momenta go on as they are, and in free flight energy and momenta stay.
+#[test]
+fn a_swing_that_is_released() {
+    let angle = History::smooth("3 t^2", |t| [3.0 * t * t, 6.0 * t, 6.0]);
+    let plane = Support { group: "z-min".into(), symmetry: true, until: Some(0.7), ..Default::default() };
+    let mut swing = turned("y-min", [0.0, 0.0, 1.0], [0.5, -2.0, 0.0], angle);
+    (swing.rotation, swing.until) = (swing.rotation.take(), Some(0.5));
+    // The edge at z = 0 of the face is held by both.
+    let rubber = || Region::new(None, 1.0, NeoHooke::new(500.0, 250.0).unwrap());
+    let block = || mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let both = Body::new(block(), vec![rubber()], &[plane.clone(), swing.clone()], &[]);
+    assert!(matches!(both, Err(Error::Support { .. })));
+    let plane = Support { group: "y-max".into(), ..plane };
+    let body = Body::new(block(), vec![rubber()], &[plane, swing], &[]).unwrap();
+    assert_eq!((body.n_free_dofs(), body.release().unwrap().1.n_free_dofs()), (48 - 16, 48 - 4));
+    assert_eq!(body.release().unwrap().1.release().unwrap().1.n_free_dofs(), 48);
+    for degree in 1..=3 {
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let phases = [(0.5, 0.03), (0.7, 0.03), (1.2, 0.05)];
+        let (_, records) = march(&body, Scheme::DiscreteGradient, degree, state, &phases);
+        let flight = &records[records.iter().position(|r| r.time == 0.7).unwrap()];
+        for record in &records {
+            assert!(record.energy_residual.abs() < 1e-11, "k = {degree}: {record:?}");
+            assert!(record.linear_momentum_residual < 1e-11, "k = {degree}: {record:?}");
+            assert!(record.angular_momentum_residual < 1e-11, "k = {degree}: {record:?}");
+            if record.time > 0.7 {
+                assert!((record.total_energy - flight.total_energy).abs() < 1e-11 * flight.total_energy);
+                let change = (0..3).map(|i| record.angular_momentum[i] - flight.angular_momentum[i]);
+                assert!(change.map(f64::abs).fold(0.0, f64::max) < 1e-11, "k = {degree}: {record:?}");
+                assert_eq!(record.external_work, flight.external_work);
+            }
+        }
+        assert!(flight.external_work > 10.0);
+    }
+}
+
+/// A fixed support is released in every scheme; free fall follows, and the energy is the work of gravity.
+#[test]
+fn every_scheme_releases() {
+    let held = Support { group: "z-max".into(), fix: [true; 3], until: Some(0.2), ..Default::default() };
+    let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -10.0] };
+    let gravity = Load { kind, history: History::constant() };
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let body = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[held], &[gravity]).unwrap();
+    for scheme in ["DGM", "Newmark(0.25, 0.5)", "generalized-alpha(0.8)", "Bathe", "central-differences"] {
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let phases = [(0.2, 0.002), (0.4, 0.002)];
+        let (_, records) = march(&body, scheme.parse().unwrap(), 1, state, &phases);
+        let released = &records[99];
+        assert!((released.time - 0.2).abs() < 1e-12);
+        let last = &records[records.len() - 1];
+        let change = last.linear_momentum[2] - released.linear_momentum[2];
+        assert!((change + 10.0 * 0.2).abs() < 1e-10, "{scheme}: {change}");
+    }
+}
+
+#[test]
+fn planes_of_symmetry_are_normal_to_an_axis() {
+    let axis =
+        |group: &str| emmy::body::symmetry_axis(&mesh::block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap(), group);
+    assert_eq!(["x-max", "y-min", "z-max"].map(|group| axis(group).unwrap()), [0, 1, 2]);
+    assert!(matches!(axis("body"), Err(Error::UnknownGroup { .. })));
+    let l_block = mesh::l_block(1.0).unwrap();
+    assert_eq!(emmy::body::symmetry_axis(&l_block, "face-a"), Ok(1));
+}

@@ -194,10 +194,11 @@ impl Report {
 
     fn support(&mut self, support: &Support, mesh: &Mesh) {
         let n_nodes = mesh.group_nodes(&support.group).map_or(0, |nodes| nodes.len());
+        let fix = support.fixed_components(mesh).unwrap_or_default();
         let components = |is_in: &dyn Fn(usize) -> bool| -> Vec<&str> {
             (0..3).filter(|&i| is_in(i)).map(|i| ["x", "y", "z"][i]).collect()
         };
-        let (fixed, moved) = (components(&|i| support.fix[i]), components(&|i| support.drives(i)));
+        let (fixed, moved) = (components(&|i| fix[i]), components(&|i| support.drives(i)));
         let dofs = n_nodes * (fixed.len() + moved.len());
         let parts = [(fixed, "fixed"), (moved, "driven")];
         let parts = parts.into_iter().filter(|(components, _)| !components.is_empty());
@@ -208,6 +209,12 @@ impl Report {
             if let Some(history) = history {
                 self.line("", &format!("{component} moves: {}", summary(history)));
             }
+        }
+        if support.symmetry {
+            self.line("", "plane of symmetry");
+        }
+        if let Some(time) = support.until {
+            self.line("", &format!("released at t = {}", number(time)));
         }
         if let Some(rotation) = &support.rotation {
             let (axis, about) = (vector(rotation.axis), vector(rotation.about));

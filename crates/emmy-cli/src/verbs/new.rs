@@ -36,7 +36,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 7] = [
+pub const TEMPLATES: [Template; 8] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -44,6 +44,7 @@ pub const TEMPLATES: [Template; 7] = [
     template!("plane-beam"),
     template!("two-body"),
     template!("spring-network"),
+    template!("driven-beam"),
 ];
 
 /// Examples whose meshes lie beside them, so that an input file alone would be of no use.

@@ -155,6 +155,12 @@ const CASES: &[Case] = &[
     case(FIX, "move = { y = \"t*ln(t)\" }", &["`y`", "not a finite number"]),
     case(FIX, "fix = [\"x\"]\nmove = { x = \"t\" }", &["`x` is both fixed and moved"]),
     case(FIX, "displacement = { x = \"t\" }", &["did you mean `move`?"]),
+    case(FIX, "symmetry = 1", &["`symmetry` must be true or false"]),
+    case(FIX, "symmetry = false", &["`symmetry` is true or left out"]),
+    case(FIX, "symetry = true", &["did you mean `symmetry`?"]),
+    case(FIX, "spring = 1.0\nuntil = 1.0", &["`until` does not go with `spring`"]),
+    case(FIX, "fix = [\"x\"]\nuntil = 0.0", &["`until` must be positive"]),
+    case(FIX, "fix = [\"x\"]\nuntill = 1.0", &["did you mean `until`?"]),
     case(FIX, "rotate = { angle = \"t\" }", &["`axis` is missing in rotate"]),
     case(FIX, "rotate = { axis = [0, 0, 1] }", &["`angle` is missing in rotate"]),
     case(FIX, "rotate = { axis = [0, 0, 0], angle = \"t\" }", &["`axis` of a rotation", "direction"]),
@@ -235,6 +241,30 @@ fn supports_must_agree_with_each_other_and_with_the_scheme() {
     refused(&plane, &["run", "box.toml"], &["box.toml:17:", "plane cells stay in their plane"]);
     let classic = moved.replacen("AS(2)", "Bathe", 1);
     refused(&classic, &["run", "box.toml"], &["Bathe cannot move a support", "time elements only", "DGM"]);
+}
+
+#[test]
+fn oblique_planes_of_symmetry_are_refused() {
+    let input = BOX.replacen(MESH, "file = \"tet.inp\"", 1).replacen(FIX, "symmetry = true", 1);
+    let load = input.find("[[load]]").unwrap()..input.find("[[support]]").unwrap();
+    let input = input.replace(&input[load], "").replace("y-min", "slope");
+    let deck = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n\
+                *Surface, name=slope\n1, S3\n*Surface, name=floor\n1, S1\n";
+    let place = Place::with(&input);
+    place.write("tet.inp", deck);
+    let outcome = place.emmy(&["check", "box.toml"]);
+    assert_eq!(outcome.code, 2);
+    for part in ["box.toml:12:", "normal to the x, y or z axis", "oblique planes are not supported"] {
+        assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
+    }
+    place.write("box.toml", &input.replace("slope", "floor"));
+    let report = place.emmy(&["check", "box.toml"]);
+    assert!(
+        report.stdout.contains("floor: z fixed, 3 degrees of freedom"),
+        "{} {}",
+        report.stdout,
+        report.stderr
+    );
 }
 
 #[test]

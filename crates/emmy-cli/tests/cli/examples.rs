@@ -110,6 +110,23 @@ fn spring_network() {
     close(history["angular_momentum_z"][0], (0.75 + 3.0 * 0.5) * 2.0 + 2.0 * 0.02 * 4.0 / 12.0 * 2.0, 1e-12);
 }
 
+#[test]
+fn driven_beam() {
+    let (_, history) = run("driven-beam");
+    let (time, energy, work) = (&history["time"], &history["total_energy"], &history["external_work"]);
+    let released = time.iter().position(|&t| t == 1.0).expect("a step ends at the release");
+    for (energy, work) in energy.iter().zip(work) {
+        assert!((energy - work).abs() < 1e-11 * last(&history["total_energy"]), "{energy} {work}");
+    }
+    // Swung as a rigid body it would have the energy m (L^2/3 + a^2/12) omega^2 / 2; it bends, and lags behind or swings ahead.
+    let rigid = 8000.0 * (64.0 / 3.0 + 1.0 / 12.0) * 4.0 / 2.0;
+    assert!(energy[released] > 0.3 * rigid && energy[released] < 3.0 * rigid, "{} {rigid}", energy[released]);
+    // Free flight.
+    for name in ["total_energy", "linear_momentum_x", "angular_momentum_z", "external_work"] {
+        history[name][released..].iter().for_each(|&value| close(value, history[name][released], 1e-10));
+    }
+}
+
 /// Runs an example where it stands, because its mesh lies beside it.
 fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
     let place = Place::new();

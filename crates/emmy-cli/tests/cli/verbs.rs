@@ -4,7 +4,7 @@ use super::{BOX, Place};
 
 #[test]
 fn new_writes_an_example_that_checks_and_never_overwrites() {
-    for name in ["l-block", "quasi-rigid", "cantilever", "spinning-block"] {
+    for name in ["l-block", "quasi-rigid", "cantilever", "spinning-block", "driven-beam"] {
         let place = Place::new();
         let file = format!("{name}.toml");
         let outcome = place.succeed(&["new", name]);

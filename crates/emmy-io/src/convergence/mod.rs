@@ -38,6 +38,8 @@ pub struct Study {
     pub reference_size: f64,
     /// Degree of the reference.
     pub reference_degree: usize,
+    /// Times at which supports are released: steps end there.
+    pub releases: Vec<f64>,
 }
 
 impl Study {
@@ -48,7 +50,8 @@ impl Study {
     pub fn plan(&self, size: f64) -> Result<StepPlan> {
         let (start, end) = self.window;
         let ends = [start, end].into_iter().filter(|&until| until > self.from);
-        StepPlan::new(self.from, ends.map(|until| Phase { until, size }).collect())
+        let plan = StepPlan::new(self.from, ends.map(|until| Phase { until, size }).collect())?;
+        Ok(self.releases.iter().fold(plan, |plan, &time| plan.with_end_at(time)))
     }
 
     /// Times within the window at which a run with steps of a size has a state.
@@ -108,6 +111,7 @@ mod tests {
             reference_scheme,
             reference_size: 0.05,
             reference_degree,
+            releases: Vec::new(),
         }
     }
 

@@ -76,7 +76,8 @@ pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
     keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
 pub(super) const LOAD: Keys =
     keys("[[load]]", &["group", "traction", "force", "acceleration", "attraction", "history"]);
-pub(super) const SUPPORT: Keys = keys("[[support]]", &["group", "fix", "move", "rotate", "spring"]);
+pub(super) const SUPPORT: Keys =
+    keys("[[support]]", &["group", "fix", "move", "rotate", "symmetry", "spring", "until"]);
 pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
 pub(super) const ROTATE: Keys = keys("rotate", &["axis", "about", "angle"]);
 pub(super) const INITIAL: Keys =
@@ -183,6 +184,8 @@ const KIN: &[(&str, &str)] = &[
     ("center", "about"),
     ("boundary", "support"),
     ("fixed", "fix"),
+    ("release", "until"),
+    ("mirror", "symmetry"),
     ("displacement", "move"),
     ("prescribe", "move"),
     ("rotation", "rotate"),

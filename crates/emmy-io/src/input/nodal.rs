@@ -65,13 +65,17 @@ fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
 /// Whether a support has springs and nothing else.
 pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
     let has = |key: &str| item.has_key(key).is_some();
-    has("spring") && !["fix", "move", "rotate"].into_iter().any(has)
+    has("spring") && !["fix", "move", "rotate", "symmetry"].into_iter().any(has)
 }
 
 fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
     let table = item.table(keys::SUPPORT)?;
     let group = table.require("group")?.string()?.to_string();
     let stiffness = table.require("spring")?.positive()?;
+    if let Some(until) = table.get("until") {
+        let message = "`until` does not go with `spring`: springs to the ground stay; give what is released a support of its own";
+        return Err(until.fault(message, "with a spring"));
+    }
     Placed::new(&table, GroundSpring { group, stiffness })
 }
 

@@ -140,6 +140,7 @@ impl Parts {
         let (Some(time), Some(newton), Some(output)) = (time, newton, output) else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
+        let time = time::Time { plan: support::plan_with_releases(&time.plan, &supports), ..time };
         Ok(Parts {
             title,
             shape,

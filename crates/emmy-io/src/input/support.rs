@@ -2,6 +2,7 @@
 
 use emmy::body::{History, Rotation, Support};
 use emmy::mesh::Mesh;
+use emmy::motion::StepPlan;
 
 use super::fault::{Fault, Place};
 use super::region::Placed;
@@ -13,20 +14,22 @@ use super::{history, keys};
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 
 /// Keys that say what a support does; at least one is needed.
-const KINDS: [&str; 4] = ["fix", "move", "rotate", "spring"];
+const KINDS: [&str; 5] = ["fix", "move", "rotate", "symmetry", "spring"];
 
 /// Reads one support.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
     let table = item.table(keys::SUPPORT)?;
     let group = table.require("group")?.string()?.to_string();
     if KINDS.iter().all(|key| table.get(key).is_none()) {
-        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`, `spring`";
+        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`, `symmetry`, `spring`";
         return Err(Fault::at(table.place(), message, "none of them is here"));
     }
     let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();
     let displacement = table.get("move").map(displacement).transpose()?.unwrap_or_default();
     let rotation = table.get("rotate").map(rotation).transpose()?;
-    let support = Support { group, fix, displacement, rotation, ..Support::default() };
+    let symmetry = table.get("symmetry").map(symmetry).transpose()?.unwrap_or_default();
+    let until = table.get("until").map(|item| item.positive()).transpose()?;
+    let support = Support { group, fix, displacement, rotation, symmetry, until };
     check(&table, &support)?;
     Placed::new(&table, support)
 }
@@ -42,6 +45,13 @@ fn fixed(item: Item<'_>) -> Result<[bool; 3], Fault> {
         fixed[(word.as_bytes()[0] - b'x') as usize] = true;
     }
     Ok(fixed)
+}
+
+fn symmetry(item: Item<'_>) -> Result<bool, Fault> {
+    match item.boolean()? {
+        true => Ok(true),
+        false => Err(item.fault("`symmetry` is true or left out", "without effect")),
+    }
 }
 
 fn displacement(item: Item<'_>) -> Result<[Option<History>; 3], Fault> {
@@ -103,6 +113,9 @@ fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
 /// What can be wrong with supports that are right one by one: that two hold the same component of a node, or that the scheme
 /// cannot move them.
 pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &Time) -> Result<(), Fault> {
+    for support in supports.iter().filter(|support| support.value.symmetry) {
+        symmetry_axis(mesh, support)?;
+    }
     let Some(driven) = supports.iter().find(|support| support.value.is_driven()) else { return Ok(()) };
     if !time.scheme.is_time_element() {
         let message =
@@ -112,8 +125,9 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
     let mut by = vec![None; mesh.n_dofs()];
     for (index, support) in supports.iter().enumerate() {
         let Ok(nodes) = mesh.group_nodes(&support.value.group) else { continue };
+        let fixed = support.value.fixed_components(mesh).unwrap_or_default();
         for dof in nodes.iter().flat_map(|&node| (0..3).map(move |i| 3 * node as usize + i)) {
-            if !support.value.fix[dof % 3] && !support.value.drives(dof % 3) {
+            if !fixed[dof % 3] && !support.value.drives(dof % 3) {
                 continue;
             }
             let other: Option<&Placed<Support>> = by[dof].replace(index).map(|other: usize| &supports[other]);
@@ -126,6 +140,22 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
         }
     }
     Ok(())
+}
+
+/// Checks that the group of a support is a plane of symmetry.
+fn symmetry_axis(mesh: &Mesh, support: &Placed<Support>) -> Result<(), Fault> {
+    let error = match emmy::body::symmetry_axis(mesh, &support.value.group) {
+        Ok(_) => return Ok(()),
+        Err(error) => error,
+    };
+    let place = support.group.as_ref().map_or(&support.place, |(_, place)| place);
+    Err(Fault::at(place, error.to_string(), "no plane of symmetry"))
+}
+
+/// The plan with steps that end where supports are released.
+pub(super) fn plan_with_releases(plan: &StepPlan, supports: &[Placed<Support>]) -> StepPlan {
+    let times = supports.iter().filter_map(|support| support.value.until);
+    times.fold(plan.clone(), StepPlan::with_end_at)
 }
 
 /// Groups of the supports with the places of their names.

@@ -163,6 +163,14 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// True or false.
+    pub(super) fn boolean(&self) -> Result<bool, Fault> {
+        match self.node.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.mismatch("true or false")),
+        }
+    }
+
     /// One of the known words.
     pub(super) fn word(&self, what: &str, known: &[&str]) -> Result<&'a str, Fault> {
         let text = self.string()?;

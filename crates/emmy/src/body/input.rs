@@ -1,7 +1,9 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
 use super::{History, term::Solid};
+use crate::error::Result;
 use crate::material::{Link, Material};
+use crate::mesh::Mesh;
 
 /// Part of the body with one material and density.
 #[derive(Debug)]
@@ -127,11 +129,25 @@ pub struct Support {
     pub displacement: [Option<History>; 3],
     /// Rotation that drives all components.
     pub rotation: Option<Rotation>,
-    /// Time from which on the support no longer holds.
+    /// Whether the facets of the group lie in a plane of symmetry, normal to a coordinate axis, which they do not leave.
+    pub symmetry: bool,
+    /// Time from which on the support no longer holds. The momentum goes on as it is then; a step should end there.
     pub until: Option<f64>,
 }
 
 impl Support {
+    /// Components at rest: those of `fix`, and that across the plane of symmetry.
+    ///
+    /// # Errors
+    /// Those of [`super::symmetry_axis`].
+    pub fn fixed_components(&self, mesh: &Mesh) -> Result<[bool; 3]> {
+        let mut fixed = self.fix;
+        if self.symmetry {
+            fixed[super::symmetry_axis(mesh, &self.group)?] = true;
+        }
+        Ok(fixed)
+    }
+
     /// Whether the support gives a motion.
     pub fn is_driven(&self) -> bool {
         self.histories().next().is_some()

@@ -27,6 +27,6 @@ impl Body {
 
     /// Strain energy V of a displacement, with the potential of springs and attractions to the ground \[energy\].
     pub fn strain_energy(&self, displacement: &[f64]) -> f64 {
-        self.terms.iter().chain(&self.ground).map(|term| term.strain_energy(displacement)).sum()
+        self.terms.iter().chain(self.ground.iter()).map(|term| term.strain_energy(displacement)).sum()
     }
 }

@@ -87,7 +87,7 @@ impl Body {
     ) -> bool {
         force.fill(0.0);
         let mut acts = false;
-        for load in &self.loads {
+        for load in self.loads.iter() {
             load.history.averages(time, step_size, rule, averages);
             for (&factor, force) in averages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
                 if factor != 0.0 {
@@ -104,7 +104,7 @@ impl Body {
     pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {
         force.fill(0.0);
         let mut acts = false;
-        for load in &self.loads {
+        for load in self.loads.iter() {
             let factor = load.history.value(time);
             if factor != 0.0 {
                 acts = true;

@@ -13,9 +13,11 @@ mod nodal;
 mod regions;
 mod solid;
 mod supports;
+mod symmetry;
 mod term;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 pub use geometry::CellTable;
 pub use history::History;
@@ -28,6 +30,7 @@ pub use loads::LoadResultant;
 pub use mass::MassSolver;
 pub use regions::RegionSummary;
 pub use solid::Scratch;
+pub use symmetry::symmetry_axis;
 pub use term::{StepInput, Term};
 
 use drive::Drive;
@@ -50,22 +53,24 @@ use crate::sparse::{Pattern, StageMatrix, nested_dissection};
 /// assert!((body.regions()[0].mass - 0.5 * 117.0).abs() < 1e-12);
 /// # Ok::<(), emmy::Error>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Body {
-    mesh: Mesh,
+    mesh: Arc<Mesh>,
     regions: Vec<RegionSummary>,
     region_of_cell: Vec<u32>,
-    terms: Vec<Box<dyn Term>>,
+    terms: Arc<Vec<Box<dyn Term>>>,
     /// Terms that pull the body towards the ground: external to its momenta.
-    ground: Vec<Box<dyn Term>>,
-    pattern: Pattern,
+    ground: Arc<Vec<Box<dyn Term>>>,
+    pattern: Arc<Pattern>,
     parts: Vec<Range<usize>>,
     node_order: Vec<usize>,
-    mass: Vec<f64>,
+    mass: Arc<Vec<f64>>,
     lumped_mass: Vec<f64>,
     fixed: Vec<bool>,
     drives: Vec<Drive>,
-    loads: Vec<LoadVector>,
+    loads: Arc<Vec<LoadVector>>,
+    /// When the first support is released, and the body from then on.
+    release: Option<(f64, Box<Body>)>,
 }
 
 impl Body {
@@ -113,21 +118,43 @@ impl Body {
         let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &section, &density_of_cell));
         let given = Given::new(&mesh, supports.iter())?;
         nodal::check_masses(&mesh, &lumped_mass, &given.fixed)?;
-        Ok(Body {
-            loads: loads.collect::<Result<_>>()?,
+        let body = Body {
+            loads: Arc::new(loads.collect::<Result<_>>()?),
+            release: None,
             fixed: given.fixed,
             drives: given.drives,
-            mass: regions::mass(&mesh, &pattern, &density_of_cell, &point_masses),
+            mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
             lumped_mass,
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             node_order: nested_dissection(&pattern)?,
-            terms,
-            ground,
-            pattern,
+            terms: Arc::new(terms),
+            ground: Arc::new(ground),
+            pattern: Arc::new(pattern),
             parts,
-            mesh,
-        })
+            mesh: Arc::new(mesh),
+        };
+        body.with_releases(supports)
+    }
+
+    /// The body with those that it is after each release of a support; they share their tables.
+    fn with_releases(self, supports: &[Support]) -> Result<Self> {
+        let mut times: Vec<f64> = supports.iter().filter_map(|support| support.until).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let mut release = None;
+        for &time in times.iter().rev() {
+            let holds = |support: &&Support| support.until.is_none_or(|until| until > time);
+            let Given { fixed, drives } = Given::new(&self.mesh, supports.iter().filter(holds))?;
+            nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
+            release = Some((time, Box::new(Body { fixed, drives, release, ..self.clone() })));
+        }
+        Ok(Body { release, ..self })
+    }
+
+    /// When a support is released next, and the body from then on.
+    pub fn release(&self) -> Option<(f64, &Body)> {
+        self.release.as_ref().map(|(time, body)| (*time, &**body))
     }
 
     /// The mesh.
@@ -215,7 +242,7 @@ impl Body {
             if want == Want::Tangent {
                 sink.set_blocks(&self.mass, mass_coefficients);
             }
-            let mut terms = self.terms.iter().chain(&self.ground);
+            let mut terms = self.terms.iter().chain(self.ground.iter());
             part.outcome =
                 terms.try_for_each(|term| term.assemble(step, want, index, &mut part.scratch, sink));
         };

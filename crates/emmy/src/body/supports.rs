@@ -23,6 +23,9 @@ impl Given {
     pub fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
         let mut given = Given { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
         for support in supports.clone() {
+            if let Some(time) = support.until.filter(|time| !time.is_finite()) {
+                return Err(Error::NotFinite { what: "time of a release".into(), value: time });
+            }
             given.fix(mesh, support)?;
         }
         for support in supports.filter(|support| support.is_driven()) {
@@ -33,8 +36,9 @@ impl Given {
     }
 
     fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
+        let fixed = support.fixed_components(mesh)?;
         for node in mesh.group_nodes(&support.group)? {
-            (0..3).for_each(|i| self.fixed[3 * node as usize + i] |= support.fix[i]);
+            (0..3).for_each(|i| self.fixed[3 * node as usize + i] |= fixed[i]);
         }
         Ok(())
     }

@@ -24,10 +24,16 @@ use crate::time::{Scheme, StepOutcome, Stepper};
 #[derive(Debug)]
 pub struct Motion<'a> {
     body: &'a Body,
+    scheme: Scheme,
+    degree: usize,
+    settings: NewtonSettings,
     stepper: Box<dyn Stepper + 'a>,
     state: State,
     record: Record,
 }
+
+/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+const SAME_TIME: f64 = 1e-6;
 
 impl<'a> Motion<'a> {
     /// A motion that starts from a state.
@@ -44,7 +50,7 @@ impl<'a> Motion<'a> {
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
         let record =
             Record { step: state.step, time: state.time, ..Record::default() }.with_invariants(body, &state);
-        Ok(Motion { body, stepper, state, record })
+        Ok(Motion { body, scheme, degree, settings, stepper, state, record })
     }
 
     /// The state reached.
@@ -62,11 +68,26 @@ impl<'a> Motion<'a> {
         &*self.stepper
     }
 
-    /// Advances by one step of a size and records it.
+    /// Goes over to the body without the supports that are released by now. The state goes on as it is.
+    fn release(&mut self, step_size: f64) -> Result<()> {
+        while let Some((time, body)) = self.body.release() {
+            if self.state.time < time - SAME_TIME * step_size {
+                break;
+            }
+            self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
+            self.body = body;
+        }
+        Ok(())
+    }
+
+    /// Advances by one step of a size and records it. A support that is released holds until the first step that starts at the
+    /// time of the release or after it.
     ///
     /// # Errors
-    /// Those of [`Stepper::advance`]; state and record are then those of the last good step.
+    /// Those of [`Stepper::advance`], after a release those of [`Scheme::stepper`]; state and record are then those of the last
+    /// good step.
     pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
+        self.release(step_size)?;
         let outcome = self.stepper.advance(&mut self.state, step_size)?;
         self.state.time = end;
         self.state.step += 1;

@@ -69,6 +69,26 @@ impl StepPlan {
         Ok(StepPlan { start, phases })
     }
 
+    /// The plan with a step that ends at a time: the phase around it becomes two. A time outside the plan changes nothing.
+    ///
+    /// ```
+    /// use emmy::motion::{Phase, StepPlan};
+    /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.4 }])?.with_end_at(0.5);
+    /// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
+    /// assert_eq!(ends, [0.4, 0.5, 0.9, 1.0]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_end_at(mut self, time: f64) -> Self {
+        let around = self.begins().position(|(begin, phase)| {
+            let sliver = SLIVER * phase.size;
+            begin + sliver < time && time < phase.until - sliver
+        });
+        if let Some(index) = around {
+            self.phases.insert(index, Phase { until: time, ..self.phases[index] });
+        }
+        self
+    }
+
     /// Time at which the plan starts.
     pub fn start(&self) -> f64 {
         self.start

@@ -29,8 +29,18 @@ pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> 
         Some(size) => below(size, smallest)?,
     };
     let (scheme, sizes) = (problem.scheme, arguments.sizes.clone());
-    let study =
-        Study { scheme, degree, from, window, sizes, reference_scheme, reference_size, reference_degree };
+    let releases = problem.supports.iter().filter_map(|support| support.until).collect();
+    let study = Study {
+        scheme,
+        degree,
+        from,
+        window,
+        sizes,
+        reference_scheme,
+        reference_size,
+        reference_degree,
+        releases,
+    };
     affordable(&study, problem.body.n_dofs())?;
     Ok(study)
 }

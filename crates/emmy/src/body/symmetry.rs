@@ -1,0 +1,43 @@
+//! Planes of symmetry: which component they hold.
+
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// Facets are in one plane if they leave it by no more than this part of the mesh's size.
+const FLAT: f64 = 1e-9;
+
+/// The axis that is normal to the plane of a facet group.
+///
+/// # Errors
+/// [`Error::UnknownGroup`], [`Error::Support`] unless all facets lie in one plane normal to a coordinate axis.
+///
+/// ```
+/// let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1])?;
+/// assert_eq!(emmy::body::symmetry_axis(&mesh, "y-min")?, 1);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
+    let facets = mesh.groups().facets(group)?;
+    // The plane of a plane mesh is no plane of symmetry of its edges.
+    let is_plane = mesh.cells().all(|cell| cell.kind.dimension() == 2);
+    let axes = if is_plane { 0..2 } else { 0..3 };
+    let size = (0..3).map(|axis| extent(mesh.points().iter(), axis)).fold(0.0, f64::max);
+    let points =
+        || facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).map(|node| &mesh.points()[node as usize]);
+    let flat: Vec<usize> = axes.filter(|&axis| extent(points(), axis) <= FLAT * size).collect();
+    match flat[..] {
+        [axis] => Ok(axis),
+        _ => {
+            let reason = "a plane of symmetry must be normal to the x, y or z axis, and all facets of the group must lie in \
+                          it; oblique planes are not supported";
+            Err(Error::Support { group: group.to_string(), reason: reason.to_string() })
+        }
+    }
+}
+
+/// How far points lie apart along an axis.
+fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>, axis: usize) -> f64 {
+    let bounds = (f64::INFINITY, f64::NEG_INFINITY);
+    let (least, most) = points.fold(bounds, |(least, most), x| (least.min(x[axis]), most.max(x[axis])));
+    most - least
+}
