@@ -63,6 +63,7 @@ pub fn study(
             reference_scheme: scheme(reference)?,
             reference_size,
             reference_degree,
+            releases: Vec::new(),
         })
     };
     let studies = members.iter().map(study).collect::<Result<Vec<Study>, String>>()?;
