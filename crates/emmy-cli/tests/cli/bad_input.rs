@@ -200,7 +200,10 @@ const MISSING: &[(&str, &[&str])] = &[
     ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),
     ("group = \"y-max\"\n", &["box.toml:11:", "`group` is missing in [[load]]"]),
     ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`, `attraction`"]),
-    ("fix = [\"x\", \"y\", \"z\"]\n", &["box.toml:16:", "at least one of `fix`, `move`, `rotate`, `spring`"]),
+    (
+        "fix = [\"x\", \"y\", \"z\"]\n",
+        &["box.toml:16:", "at least one of `fix`, `move`, `rotate`, `symmetry`, `spring`"],
+    ),
     ("scheme = \"AS(2)\"\n", &["box.toml:23:", "`scheme` is missing in [time]"]),
     (", size = 0.1", &["box.toml:26:", "`size` is missing"]),
     ("name = \"tip\", ", &["box.toml:38:", "`name` is missing in a probe"]),
