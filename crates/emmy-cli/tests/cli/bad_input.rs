@@ -221,6 +221,12 @@ fn what_is_missing_is_named_where_it_should_be() {
 }
 
 #[test]
+fn thickness_belongs_to_plane_cells() {
+    let thick = BOX.replacen("density = 2.0", "density = 2.0\nthickness = 0.5", 1);
+    refused(&thick, &["run", "box.toml"], &["box.toml:6:", "this region has none", "leave `thickness` out"]);
+}
+
+#[test]
 fn regions_must_cover_the_cells_once() {
     let second = "[[region]]\ngroup = \"body\"\ndensity = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
     let twice = BOX.replacen("[[load]]", second, 1);

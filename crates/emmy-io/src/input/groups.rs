@@ -84,7 +84,13 @@ pub(super) fn check_regions(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<(
     const NONE: u32 = u32::MAX;
     let mut region_of = vec![NONE; mesh.n_cells()];
     for (index, region) in regions.iter().enumerate() {
-        for cell in cells(mesh, region, regions.len())? {
+        let members = cells(mesh, region, regions.len())?;
+        if region.value.thickness != 1.0 && members.iter().all(|&cell| mesh.cell(cell).kind.dimension() != 2)
+        {
+            let message = "`thickness` is that of cells in plane strain, and this region has none";
+            return Err(Fault::at(&region.place, message, "leave `thickness` out"));
+        }
+        for cell in members {
             let kind = mesh.cell(cell).kind;
             if region.value.link().is_some() != (kind.dimension() == 1) {
                 let message = format!("cell {cell} is a {kind}");
