@@ -37,11 +37,15 @@ fn a_step_allocates_nothing() {
         kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
         history: History::new(vec![(0.0, 0.0), (0.105, 1.0)]).unwrap(),
     };
+    let pressure = Load {
+        kind: LoadKind::Pressure { group: "y-max".into(), pressure: 2.0 },
+        history: History::new(vec![(0.0, 0.0), (0.107, 1.0)]).unwrap(),
+    };
     // One part: the thread pool would allocate for its own queues.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2]).unwrap();
-    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load]).unwrap());
+    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load, pressure]).unwrap());
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     let schemes = [
         ("DGM", 1, 0.01),

@@ -94,6 +94,18 @@ fn defects_of_standard_rules_are_seen() {
     assert!(energy > 1e-5 && momentum > 1e-5);
 }
 
+/// A force at each of n nodes pushes the body with n times the force, whatever their areas: after a time t with constant
+/// forces the momentum is n F t.
+#[test]
+fn forces_at_nodes_add_up() {
+    let kind = LoadKind::NodalForce { group: "y-max".into(), force: [0.0, 2.0, -1.0] };
+    let records = records(&[], &[Load { kind, history: History::constant() }], Scheme::DiscreteGradient, 1);
+    assert_closed(&records, "forces at nodes");
+    let change = |d: usize| records[records.len() - 1].linear_momentum[d] - records[0].linear_momentum[d];
+    let duration = records[records.len() - 1].time - records[0].time;
+    assert!((change(1) - 4.0 * 2.0 * duration).abs() < 1e-12 && (change(2) + 4.0 * duration).abs() < 1e-12);
+}
+
 /// The impulse of a load is the integral of its history; a free body's momentum is exactly that.
 #[test]
 fn momentum_is_the_integral_of_the_load() {

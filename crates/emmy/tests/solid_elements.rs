@@ -3,114 +3,21 @@
 
 #![allow(non_snake_case)]
 
-use std::collections::HashMap;
+mod patch;
 
 use emmy::average::{Rule, Want};
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepInput};
 use emmy::element::element;
 use emmy::material::NeoHooke;
-use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
+use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::quadrature::gauss;
 use emmy::time::Scheme;
+use patch::Patch;
 
-/// Number of bricks along each edge of the patch; a brick is one cell or is divided into several.
-const BRICKS: usize = 2;
-
-/// The unit cube, divided into cells of a kind, its inner corners moved. `curved`: quadratic cells get curved inner edges.
+/// The distorted patch of 2 x 2 x 2 bricks.
 fn patch(kind: CellKind, curved: bool) -> Mesh {
-    let mut patch = Patch { builder: MeshBuilder::new(), nodes: HashMap::new(), curved };
-    for i in 0..BRICKS {
-        for j in 0..BRICKS {
-            for k in 0..BRICKS {
-                for corners in cells_of_a_brick(kind) {
-                    let at = |c: [f64; 3]| [i as f64 + c[0], j as f64 + c[1], k as f64 + c[2]];
-                    patch.cell(kind, &corners.into_iter().map(at).collect::<Vec<_>>());
-                }
-            }
-        }
-    }
-    let mesh = patch.builder.clone().build().unwrap();
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        for (side, end) in [("min", 0.0), ("max", 1.0)] {
-            patch.builder.facet_group(&format!("{name}-{side}"), facets_on(&mesh, axis, end));
-        }
-    }
-    patch.builder.build().unwrap()
-}
-
-struct Patch {
-    builder: MeshBuilder,
-    nodes: HashMap<[i64; 3], u32>,
-    curved: bool,
-}
-
-impl Patch {
-    /// Adds a cell by its corners on the undistorted grid of edge 1; its other nodes lie between them.
-    fn cell(&mut self, kind: CellKind, corners: &[[f64; 3]]) {
-        let linear = element(kind.linear());
-        let mut N = vec![0.0; corners.len()];
-        let nodes: Vec<u32> = element(kind)
-            .nodes()
-            .iter()
-            .map(|&xi| {
-                linear.shape(xi, &mut N);
-                let on = |x: &dyn Fn([f64; 3]) -> [f64; 3]| {
-                    let corners = corners.iter().map(|&c| x(c));
-                    corners.zip(&N).fold([0.0; 3], |sum, (c, N)| [0, 1, 2].map(|i| sum[i] + N * c[i]))
-                };
-                let (grid, straight) = (on(&|c| c), on(&distorted));
-                let position = if self.curved { distorted(grid) } else { straight };
-                self.node(grid, position)
-            })
-            .collect();
-        self.builder.cell(kind, &nodes).unwrap();
-    }
-
-    fn node(&mut self, grid: [f64; 3], position: [f64; 3]) -> u32 {
-        let key = grid.map(|x| (x * 1e6).round() as i64);
-        let builder = &mut self.builder;
-        *self.nodes.entry(key).or_insert_with(|| builder.point(position))
-    }
-}
-
-/// Position of a point of the grid: the surface of the cube stays plane, what lies inside moves.
-fn distorted(grid: [f64; 3]) -> [f64; 3] {
-    let X = grid.map(|x| x / BRICKS as f64);
-    let bubble = |x: f64| 4.0 * x * (1.0 - x);
-    let inside = X.map(bubble).iter().product::<f64>();
-    let on_faces = |d: usize| bubble(X[d]) * (0.05 * X[(d + 1) % 3] - 0.03 * X[(d + 2) % 3]);
-    [0, 1, 2].map(|d| X[d] + on_faces(d) + inside * [0.07, -0.05, 0.06][d])
-}
-
-/// Corners of the cells that make a unit cube.
-fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
-    let cube: Vec<[f64; 3]> =
-        element(CellKind::Hex8).nodes().iter().map(|x| x.map(|x| 0.5 * x + 0.5)).collect();
-    let of = |cells: &[&[usize]]| cells.iter().map(|cell| cell.iter().map(|&c| cube[c]).collect()).collect();
-    match kind.linear() {
-        CellKind::Hex8 => vec![cube],
-        CellKind::Wedge6 => of(&[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]]),
-        CellKind::Tet4 => {
-            of(&[&[0, 1, 2, 6], &[0, 2, 3, 6], &[0, 3, 7, 6], &[0, 7, 4, 6], &[0, 4, 5, 6], &[0, 5, 1, 6]])
-        }
-        _ => {
-            let pyramid = |face: &emmy::mesh::LocalFacet| {
-                // The face is seen anticlockwise from outside, the base of a pyramid from its apex.
-                face.nodes.iter().rev().map(|&c| cube[c]).chain([[0.5; 3]]).collect()
-            };
-            CellKind::Hex8.facets().iter().map(pyramid).collect()
-        }
-    }
-}
-
-/// Facets whose nodes all lie in a plane.
-fn facets_on(mesh: &Mesh, axis: usize, value: f64) -> Vec<Facet> {
-    let all = (0..mesh.n_cells() as u32).flat_map(|cell| {
-        (0..mesh.cell(cell as usize).kind.facets().len() as u8).map(move |local| Facet { cell, local })
-    });
-    let lies = |node: u32| (mesh.points()[node as usize][axis] - value).abs() < 1e-12;
-    all.filter(|&facet| mesh.facet_nodes(facet).all(lies)).collect()
+    Patch { bricks: 2, curved, distortion: 1.0 }.mesh(kind)
 }
 
 const H: [[f64; 3]; 3] = [[0.1, 0.05, -0.02], [-0.03, 0.2, 0.04], [0.06, -0.01, -0.15]];

@@ -185,6 +185,12 @@ impl Report {
         let (kind, group) = match &load.kind {
             LoadKind::Traction { group, .. } => ("traction", group.as_str()),
             LoadKind::Force { group, .. } => ("force", group.as_str()),
+            LoadKind::Pressure { group, .. } => ("pressure", group.as_str()),
+            LoadKind::TractionField { group, .. } => ("traction field", group.as_str()),
+            LoadKind::BodyForceField { group, .. } => {
+                ("body force field", group.as_deref().unwrap_or("all cells"))
+            }
+            LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
         let (force, torque) = (vector(resultant.force), vector(resultant.torque));

@@ -36,7 +36,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 8] = [
+pub const TEMPLATES: [Template; 9] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -45,6 +45,7 @@ pub const TEMPLATES: [Template; 8] = [
     template!("two-body"),
     template!("spring-network"),
     template!("driven-beam"),
+    template!("balloon"),
 ];
 
 /// Examples whose meshes lie beside them, so that an input file alone would be of no use.

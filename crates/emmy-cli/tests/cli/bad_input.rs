@@ -74,6 +74,21 @@ const CASES: &[Case] = &[
         "traction = [0, 0, 1]\nforce = [0, 0, 1]",
         &["more than one kind of load", "`acceleration`"],
     ),
+    case(TRACTION, "nodal_force = 10.0", &["`nodal_force` must be a list of 3 numbers, not a number"]),
+    case(TRACTION, "pressure = [0, 0, 10]", &["`pressure` must be a number, not a list"]),
+    case(TRACTION, "pressure = nan", &["`pressure` must be a finite number"]),
+    case(TRACTION, "presure = 10", &["unknown key `presure` in [[load]]", "did you mean `pressure`?"]),
+    case(
+        TRACTION,
+        "pressure = 10\ntraction = [0, 0, 1]",
+        &["more than one kind of load", "`nodal_force`, `pressure`"],
+    ),
+    case(TRACTION, "point_force = [0, 0, 10]", &["did you mean `nodal_force`?"]),
+    case(
+        "group = \"y-max\"\ntraction",
+        "group = \"y-mx\"\nnodal_force",
+        &["no group `y-mx` of nodes, facets or cells", "did you mean `y-max`?"],
+    ),
     case(MATERIAL, "material = {}", &["exactly one of `saint-venant-kirchhoff`, `neo-hooke`"]),
     case(MATERIAL, "material = \"neo-hooke\"", &["`material` must be a table"]),
     case(MATERIAL, "material.mooney = { mu = 1 }", &["unknown key `mooney`", "`neo-hooke`"]),
@@ -199,7 +214,10 @@ const MISSING: &[(&str, &[&str])] = &[
     ("density = 2.0\n", &["box.toml:6:", "`density` is missing in [[region]]"]),
     ("material.neo-hooke = { lambda = 1000.0, mu = 500.0 }\n", &["box.toml:6:", "`material` is missing"]),
     ("group = \"y-max\"\n", &["box.toml:11:", "`group` is missing in [[load]]"]),
-    ("traction = [0.0, 0.0, 10.0]\n", &["box.toml:11:", "`traction`, `force`, `acceleration`, `attraction`"]),
+    (
+        "traction = [0.0, 0.0, 10.0]\n",
+        &["box.toml:11:", "`traction`, `force`, `nodal_force`, `pressure`, `acceleration`, `attraction`"],
+    ),
     (
         "fix = [\"x\", \"y\", \"z\"]\n",
         &["box.toml:16:", "at least one of `fix`, `move`, `rotate`, `symmetry`, `spring`"],

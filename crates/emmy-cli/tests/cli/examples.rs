@@ -127,6 +127,24 @@ fn driven_beam() {
     }
 }
 
+#[test]
+fn balloon() {
+    let (place, history) = run("balloon");
+    let largest = place.summary("balloon")["largest_energy"].as_f64().unwrap();
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
+    }
+    // Once the pressure is constant, at t = 0.01, its work is 30000 times the volume swept since. A square membrane that is
+    // blown up to the height w sweeps between a pyramid, L^2 w / 3, and a box, L^2 w; the middle is about the highest point.
+    let (time, height) = (&history["time"], &history["middle_z"]);
+    let from = time.iter().position(|&t| t >= 0.01 - 1e-9).unwrap();
+    let top = (from..time.len()).max_by(|&a, &b| height[a].total_cmp(&height[b])).unwrap();
+    let volume = (history["external_work"][top] - history["external_work"][from]) / 3e4;
+    let part = volume / (0.04 * (height[top] - height[from]));
+    assert!((1.0 / 3.0..1.0).contains(&part), "{part}");
+    assert!((0.04..0.15).contains(&height[top]), "{}", height[top]);
+}
+
 /// Runs an example where it stands, because its mesh lies beside it.
 fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
     let place = Place::new();

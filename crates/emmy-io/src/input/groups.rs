@@ -48,7 +48,8 @@ pub(super) fn check_nodes<'a>(
 
 fn members(load: &Load) -> Members {
     match load.kind {
-        LoadKind::Acceleration { .. } => Members::Cells,
+        LoadKind::Acceleration { .. } | LoadKind::BodyForceField { .. } => Members::Cells,
+        LoadKind::NodalForce { .. } => Members::Nodes,
         _ => Members::Facets,
     }
 }

@@ -74,8 +74,10 @@ pub(super) const ORTHOTROPIC: Keys = keys(
 );
 pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
     keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
-pub(super) const LOAD: Keys =
-    keys("[[load]]", &["group", "traction", "force", "acceleration", "attraction", "history"]);
+pub(super) const LOAD: Keys = keys(
+    "[[load]]",
+    &["group", "traction", "force", "nodal_force", "pressure", "acceleration", "attraction", "history"],
+);
 pub(super) const SUPPORT: Keys =
     keys("[[support]]", &["group", "fix", "move", "rotate", "symmetry", "spring", "until"]);
 pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
@@ -179,7 +181,11 @@ const KIN: &[(&str, &str)] = &[
     ("order", "degree"),
     ("method", "scheme"),
     ("gravity", "acceleration"),
-    ("pressure", "traction"),
+    ("point_force", "nodal_force"),
+    ("concentrated_force", "nodal_force"),
+    ("p", "pressure"),
+    ("follower_pressure", "pressure"),
+    ("surface_load", "traction"),
     ("omega", "angular_velocity"),
     ("center", "about"),
     ("boundary", "support"),

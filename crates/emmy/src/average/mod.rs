@@ -12,9 +12,12 @@
 #![allow(non_snake_case)]
 
 mod energy_momentum;
+mod follower;
 mod standard;
 #[cfg(test)]
 mod tests;
+
+pub use follower::FollowerRule;
 
 use crate::material::Material;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate};
@@ -53,6 +56,8 @@ enum Kind {
 /// A quadrature point inside the step with everything a rule needs there.
 #[derive(Debug, Clone)]
 struct TimePoint {
+    /// Point alpha.
+    alpha: f64,
     /// Weight w.
     weight: f64,
     /// L_j(alpha): how much of each rate has been passed.
@@ -156,7 +161,7 @@ impl Rule {
             let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
             let passed = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
             let share = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
-            TimePoint { weight, passed, basis, share }
+            TimePoint { alpha, weight, passed, basis, share }
         });
         let points: Vec<TimePoint> = points.collect();
         let mean = match kind {

@@ -72,15 +72,16 @@ fn reserved<T>(capacity: usize) -> Result<Vec<T>> {
 }
 
 /// Shape functions and their gradients at the points of a quadrature.
-struct ReferenceTable<const D: usize> {
-    n_nodes: usize,
+#[derive(Debug, Clone)]
+pub(super) struct ReferenceTable<const D: usize> {
+    pub(super) n_nodes: usize,
     shapes: Vec<f64>,
     gradients: Vec<[f64; D]>,
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
 }
 
 impl<const D: usize> ReferenceTable<D> {
-    fn new(element: &dyn ReferenceElement<D>, quadrature: Quadrature<D>, n_nodes: usize) -> Self {
+    pub(super) fn new(element: &dyn ReferenceElement<D>, quadrature: Quadrature<D>, n_nodes: usize) -> Self {
         let mut shapes = vec![0.0; quadrature.points.len() * n_nodes];
         let mut gradients = vec![[0.0; D]; quadrature.points.len() * n_nodes];
         for (point, &xi) in quadrature.points.iter().enumerate() {
@@ -91,11 +92,11 @@ impl<const D: usize> ReferenceTable<D> {
         ReferenceTable { n_nodes, shapes, gradients, weights: quadrature.weights }
     }
 
-    fn gradients_at(&self, point: usize) -> &[[f64; D]] {
+    pub(super) fn gradients_at(&self, point: usize) -> &[[f64; D]] {
         &self.gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
     }
 
-    fn shapes_at(&self, point: usize) -> &[f64] {
+    pub(super) fn shapes_at(&self, point: usize) -> &[f64] {
         &self.shapes[point * self.n_nodes..(point + 1) * self.n_nodes]
     }
 }
@@ -111,9 +112,10 @@ fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
     })
 }
 
-/// A point of a volume integral: weight, position, and the shape functions of the cell's nodes.
-pub struct VolumePoint<'a> {
-    /// Weight times det(dX/dxi) \[length^3\]; of plane cells \[length^2\], without their thickness.
+/// A point of an integral over a cell or facet: weight, position, and the shape functions of its nodes.
+pub struct QuadraturePoint<'a> {
+    /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\], without their
+    /// thickness.
     pub weight: f64,
     /// Reference position.
     pub position: [f64; 3],
@@ -125,7 +127,7 @@ pub struct VolumePoint<'a> {
 pub fn for_each_volume_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
-    mut visit: impl FnMut(usize, &[u32], VolumePoint<'_>),
+    mut visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
 ) {
     let mut tables: [Option<ReferenceTable<3>>; CellKind::ALL.len()] = Default::default();
     for cell in cells {
@@ -139,7 +141,7 @@ pub fn for_each_volume_point(
             let weight = table.weights[point] * det(&jacobian(kind, &X, table.gradients_at(point)));
             let shapes = table.shapes_at(point);
             let position = interpolated(&X, shapes);
-            visit(cell as usize, nodes, VolumePoint { weight, position, shapes });
+            visit(cell as usize, nodes, QuadraturePoint { weight, position, shapes });
         }
     }
 }
@@ -160,6 +162,21 @@ fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
 /// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness of each
 /// cell, by which the length of an edge becomes an area.
 pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
+    for_each_facet_point(mesh, facets, section, |nodes, point| {
+        for (&node, N) in nodes.iter().zip(point.shapes) {
+            areas[node as usize] += point.weight * N;
+        }
+    });
+}
+
+/// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\], `section` as in
+/// [`add_facet_areas`].
+pub fn for_each_facet_point(
+    mesh: &Mesh,
+    facets: &[Facet],
+    section: &[f64],
+    mut visit: impl FnMut(&[u32], QuadraturePoint<'_>),
+) {
     for &facet in facets {
         let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
         let table =
@@ -169,9 +186,9 @@ pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &m
         for point in 0..table.weights.len() {
             let area = norm_of_product(facet_tangents(kind, &X, table.gradients_at(point)));
             let weight = table.weights[point] * area * section[facet.cell as usize];
-            for (&node, N) in nodes.iter().zip(table.shapes_at(point)) {
-                areas[node as usize] += weight * N;
-            }
+            let shapes = table.shapes_at(point);
+            let position = interpolated(&X, shapes);
+            visit(&nodes, QuadraturePoint { weight, position, shapes });
         }
     }
 }

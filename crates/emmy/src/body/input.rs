@@ -1,6 +1,6 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
-use super::{History, term::Solid};
+use super::{Field, History, term::Solid};
 use crate::error::Result;
 use crate::material::{Link, Material};
 use crate::mesh::Mesh;
@@ -190,7 +190,7 @@ pub struct Load {
     pub history: History,
 }
 
-/// Kind of a dead load.
+/// Kind of a load. All but the pressure are dead: they keep their direction while the body turns.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadKind {
     /// Traction per reference area \[force/length^2\] on a facet group.
@@ -200,11 +200,44 @@ pub enum LoadKind {
         /// Traction.
         traction: [f64; 3],
     },
+    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the current
+    /// area, and pushes onto the body where it is positive.
+    ///
+    /// ```math
+    /// F_A = - p(t) integral N_A (q_,xi x q_,eta) dxi deta
+    /// ```
+    Pressure {
+        /// Facet group.
+        group: String,
+        /// Pressure.
+        pressure: f64,
+    },
     /// Resultant \[force\] spread evenly over the reference area of a facet group.
     Force {
         /// Facet group.
         group: String,
         /// Resultant.
+        force: [f64; 3],
+    },
+    /// Traction per reference area \[force/length^2\] on a facet group, by a function of reference position and time.
+    TractionField {
+        /// Facet group.
+        group: String,
+        /// Traction.
+        field: Field,
+    },
+    /// Force per reference volume \[force/length^3\] on a cell group, by a function of reference position and time.
+    BodyForceField {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Body force.
+        field: Field,
+    },
+    /// Force \[force\] at each node of a group: n nodes are loaded by n times the force.
+    NodalForce {
+        /// Group of nodes, facets or cells.
+        group: String,
+        /// Force at each node.
         force: [f64; 3],
     },
     /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity.

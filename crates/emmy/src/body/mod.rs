@@ -3,6 +3,8 @@
 #![allow(non_snake_case)]
 
 mod drive;
+mod facets;
+mod field;
 mod geometry;
 mod history;
 mod input;
@@ -10,6 +12,7 @@ mod invariants;
 mod loads;
 mod mass;
 mod nodal;
+mod pressure;
 mod regions;
 mod solid;
 mod supports;
@@ -19,6 +22,7 @@ mod term;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub use field::Field;
 pub use geometry::CellTable;
 pub use history::History;
 pub use input::{
@@ -34,7 +38,9 @@ pub use symmetry::symmetry_axis;
 pub use term::{StepInput, Term};
 
 use drive::Drive;
+use field::FieldLoad;
 use loads::LoadVector;
+use pressure::Pressure;
 use rayon::prelude::*;
 use regions::RegionOfCell;
 use supports::Given;
@@ -69,6 +75,8 @@ pub struct Body {
     fixed: Vec<bool>,
     drives: Vec<Drive>,
     loads: Arc<Vec<LoadVector>>,
+    fields: Arc<Vec<FieldLoad>>,
+    pressures: Arc<Vec<Pressure>>,
     /// When the first support is released, and the body from then on.
     release: Option<(f64, Box<Body>)>,
 }
@@ -115,11 +123,18 @@ impl Body {
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass)?);
         }
-        let loads = loads.iter().map(|load| LoadVector::new(&mesh, load, &section, &density_of_cell));
+        let (mut vectors, mut fields, mut pressures) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, load) in loads.iter().enumerate() {
+            vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell)?);
+            fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
+            pressures.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
+        }
         let given = Given::new(&mesh, supports.iter())?;
         nodal::check_masses(&mesh, &lumped_mass, &given.fixed)?;
         let body = Body {
-            loads: Arc::new(loads.collect::<Result<_>>()?),
+            loads: Arc::new(vectors),
+            fields: Arc::new(fields),
+            pressures: Arc::new(pressures),
             release: None,
             fixed: given.fixed,
             drives: given.drives,

@@ -63,13 +63,15 @@ impl<'a> TimeElementStepper<'a> {
     fn start(&mut self, state: &State, h: f64) {
         self.momentum.copy_from_slice(&state.momentum);
         self.system.start(&state.displacement, h);
-        let StageSystem { body, form, external_force, known, .. } = &mut self.system;
+        let StageSystem { body, form, dead_load, followers, known, .. } = &mut self.system;
         let (k, n) = (form.rule.degree(), self.momentum.len());
         for (row, known) in form.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
             let row_sum: f64 = row.iter().sum();
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
         }
-        self.is_loaded = body.stage_loads(&form.rule, state.time, h, &mut self.averages, external_force);
+        self.is_loaded = body.stage_loads(&form.rule, state.time, h, &mut self.averages, dead_load);
+        followers.average(body, state.time, h);
+        self.is_loaded |= followers.act();
         self.system.set_driven_rates(state.time, h);
     }
 
@@ -80,6 +82,8 @@ impl<'a> TimeElementStepper<'a> {
         let has_supports = body.fixed().contains(&true);
         if has_supports {
             self.system.full_residual(rates, &mut self.residual)?;
+        } else {
+            self.system.evaluate_followers(rates);
         }
         let mut impulses = Impulses::default();
         if body.has_ground() {
@@ -92,7 +96,6 @@ impl<'a> TimeElementStepper<'a> {
         let k = rule.degree();
         for i in 0..k {
             let b = rule.weights()[i];
-            let external = &self.system.external_force[i * n..(i + 1) * n];
             self.position.copy_from_slice(&self.system.displacement);
             for j in 0..k {
                 let a = rule.coefficients()[i * k + j];
@@ -101,7 +104,7 @@ impl<'a> TimeElementStepper<'a> {
             let force = &mut self.residual[i * n..(i + 1) * n];
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
-                force[dof] = lambda + external[dof];
+                force[dof] = lambda + self.system.external_force(i * n + dof);
             }
             impulses.work += b * dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();

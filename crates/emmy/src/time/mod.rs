@@ -6,6 +6,7 @@
 mod classic;
 mod element;
 mod element_stepper;
+mod followers;
 mod iteration;
 mod preconditioner;
 mod scheme;

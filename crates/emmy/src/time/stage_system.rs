@@ -1,5 +1,6 @@
 //! The non-linear equations of a step, as Newton's iteration sees them.
 
+use super::followers::Followers;
 use super::preconditioner::Preconditioner;
 use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
@@ -41,8 +42,9 @@ pub struct StageSystem<'a> {
     pub displacement: Vec<f64>,
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
-    /// Stage averages of the external force.
-    pub external_force: Vec<f64>,
+    /// Stage averages of the dead loads.
+    pub dead_load: Vec<f64>,
+    pub followers: Followers,
     /// Rates of the driven degrees of freedom; empty where there are none.
     driven_rates: Vec<f64>,
     force: Vec<f64>,
@@ -76,7 +78,8 @@ impl<'a> StageSystem<'a> {
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
-            external_force: vec![0.0; k * n],
+            dead_load: vec![0.0; k * n],
+            followers: Followers::new(body, &form.rule),
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
@@ -90,7 +93,8 @@ impl<'a> StageSystem<'a> {
         })
     }
 
-    /// Sets displacement and time scale of the step; its `known` and `external_force` are the stepper's to fill.
+    /// Sets displacement and time scale of the step; its `known`, its `dead_load` and the factors of its `followers` are the
+    /// stepper's to fill.
     pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.time_scale = time_scale;
@@ -115,6 +119,7 @@ impl<'a> StageSystem<'a> {
     /// three parts over the free ones.
     pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(x, Want::Stress)?;
+        self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
         let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
         for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
@@ -124,8 +129,8 @@ impl<'a> StageSystem<'a> {
         for i in 0..k {
             for dof in 0..n {
                 let inertia: f64 = (0..k).map(|j| mass[i * k + j] * self.mass_rates[j * n + dof]).sum();
-                let (internal, external) =
-                    (s * s * self.force[i * n + dof], s * s * self.external_force[i * n + dof]);
+                let internal = s * s * self.force[i * n + dof];
+                let external = s * s * self.external_force(i * n + dof);
                 residual[i * n + dof] = inertia - self.known[i * n + dof] + (internal - external);
                 if !self.body.fixed()[dof] {
                     squares[0] += inertia * inertia;
@@ -148,14 +153,24 @@ impl<'a> StageSystem<'a> {
         self.body.ground_force(&step, &mut self.assembly, force)
     }
 
+    /// Stage average of all loads, the followers at the rates evaluated last; `at`: position in `[k][n_nodes][3]`.
+    pub fn external_force(&self, at: usize) -> f64 {
+        self.dead_load[at] + self.followers.force[at]
+    }
+
+    /// Evaluates the loads that follow at the rates x.
+    pub fn evaluate_followers(&mut self, x: &[f64]) {
+        let step = step_input(&self.form, self.time_scale, &self.displacement, x);
+        self.followers.evaluate(self.body, &step);
+    }
+
     fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
-        let step = StepInput {
-            rule: &self.form.rule,
-            tangent_factor: self.time_scale * self.time_scale,
-            displacement: &self.displacement,
-            rates: x,
-        };
-        self.body.assemble(&step, want, &self.form.mass, &mut self.assembly)
+        let step = step_input(&self.form, self.time_scale, &self.displacement, x);
+        self.body.assemble(&step, want, &self.form.mass, &mut self.assembly)?;
+        if want == Want::Tangent {
+            self.followers.add_tangent(self.body, &step, &mut self.assembly);
+        }
+        Ok(())
     }
 
     fn factorize(&mut self) -> Result<()> {
@@ -194,6 +209,10 @@ impl<'a> StageSystem<'a> {
             reason: format!("GMRES did not reach {tolerance:e} in {MAX_LINEAR_ITERATIONS} iterations"),
         })
     }
+}
+
+fn step_input<'a>(form: &'a StageForm, s: f64, displacement: &'a [f64], rates: &'a [f64]) -> StepInput<'a> {
+    StepInput { rule: &form.rule, tangent_factor: s * s, displacement, rates }
 }
 
 impl System for StageSystem<'_> {

@@ -71,7 +71,8 @@ impl<'a> BatheStepper<'a> {
         self.system.start(&state.displacement, s);
         let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
-        self.system.body.loads_at(state.time + part, &mut self.system.external_force);
+        self.system.followers.sample(self.system.body, state.time, part);
+        self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, state, part)?;
         self.iteration.remember(part);
         self.split.time = state.time + part;
@@ -95,8 +96,9 @@ impl<'a> BatheStepper<'a> {
             *work = s * s * (c_1 * c_3 * self.increment[dof] - old);
         }
         self.system.body.mass_product(&self.work, &mut self.system.known);
-        self.system.body.loads_at(state.time + h, &mut self.system.external_force);
         let part = (1.0 - SPLIT) * h;
+        self.system.followers.sample(self.system.body, self.split.time, part);
+        self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, &self.split, part)?;
         self.iteration.remember(part);
         let end = &mut self.points[2];

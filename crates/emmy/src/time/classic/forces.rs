@@ -52,6 +52,12 @@ impl<'a> Forces<'a> {
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
+    /// All loads at a displacement and time.
+    pub fn external(&self, displacement: &[f64], time: f64, external: &mut [f64]) {
+        self.body.loads_at(time, external);
+        self.body.add_followers_at(displacement, time, external);
+    }
+
     /// The force that is left for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
     ///
     /// # Errors
@@ -63,7 +69,7 @@ impl<'a> Forces<'a> {
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
-        self.body.loads_at(time, external);
+        self.external(displacement, time, external);
         self.assemble(displacement, Want::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
@@ -112,7 +118,7 @@ impl TimePoint {
         if forces.body.fixed().contains(&true) {
             return self.evaluate(forces, time);
         }
-        forces.body.loads_at(time, &mut self.external);
+        forces.external(&self.displacement, time, &mut self.external);
         forces.ground(&self.displacement, &mut self.ground)
     }
 

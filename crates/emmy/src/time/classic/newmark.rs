@@ -77,6 +77,8 @@ pub struct NewmarkStepper<'a> {
     acceleration: Vec<f64>,
     /// M a.
     inertia: Vec<f64>,
+    /// Dead loads at the start of the step.
+    old_load: Vec<f64>,
     start: TimePoint,
     end: TimePoint,
 }
@@ -107,6 +109,7 @@ impl<'a> NewmarkStepper<'a> {
             forces,
             acceleration,
             inertia,
+            old_load: vec![0.0; n],
             start: point,
             end: TimePoint::new(n),
         })
@@ -121,8 +124,10 @@ impl<'a> NewmarkStepper<'a> {
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
         let known = system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = c * h * p + of_inertia * ma);
-        body.loads_at(state.time + h, &mut system.external_force);
-        let loads = system.external_force.iter_mut().zip(&self.start.external);
+        system.followers.sample(body, state.time, h);
+        body.loads_at(state.time, &mut self.old_load);
+        body.loads_at(state.time + h, &mut system.dead_load);
+        let loads = system.dead_load.iter_mut().zip(&self.old_load);
         loads.for_each(|(new, old)| *new = (1.0 - alpha_f) * *new + alpha_f * *old);
     }
 

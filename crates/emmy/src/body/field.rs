@@ -1,0 +1,143 @@
+//! Loads given by a function of position and time.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::geometry::{for_each_facet_point, for_each_volume_point};
+use super::{History, Load, LoadKind};
+use crate::average::Rule;
+use crate::error::Result;
+use crate::mesh::Mesh;
+
+/// A vector field over reference position and time.
+///
+/// ```
+/// use emmy::body::Field;
+/// let wave = Field::new(|X, t| [0.0, (X[0] - 2.0 * t).sin(), 0.0]);
+/// assert_eq!(wave.at([2.0, 0.0, 0.0], 1.0), [0.0; 3]);
+/// ```
+#[derive(Clone)]
+pub struct Field(Arc<Function>);
+
+type Function = dyn Fn([f64; 3], f64) -> [f64; 3] + Send + Sync;
+
+impl Field {
+    /// The field of a function of reference position and time.
+    pub fn new(function: impl Fn([f64; 3], f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
+        Field(Arc::new(function))
+    }
+
+    /// The vector at a reference position and time.
+    pub fn at(&self, X: [f64; 3], time: f64) -> [f64; 3] {
+        (self.0)(X, time)
+    }
+}
+
+impl fmt::Debug for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Field")
+    }
+}
+
+/// Fields are equal if they are the same function, not if they have the same values.
+impl PartialEq for Field {
+    fn eq(&self, other: &Field) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// A load by a field, ready for use: the points at which the field is evaluated, and what each node gets of it.
+#[derive(Debug)]
+pub struct FieldLoad {
+    /// Number of the load.
+    pub(super) load: usize,
+    field: Field,
+    history: History,
+    /// Reference positions.
+    points: Vec<[f64; 3]>,
+    /// End of each point's part of `shares`.
+    ends: Vec<usize>,
+    /// Nodes with weight times shape function \[length^2 or length^3\].
+    shares: Vec<(u32, f64)>,
+}
+
+impl FieldLoad {
+    /// The load; `None` if it is none by a field.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownGroup`].
+    pub fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
+        let (field, history) = match &load.kind {
+            LoadKind::TractionField { field, .. } | LoadKind::BodyForceField { field, .. } => {
+                (field.clone(), load.history.clone())
+            }
+            _ => return Ok(None),
+        };
+        let (points, ends, shares) = (Vec::new(), Vec::new(), Vec::new());
+        let mut table = FieldLoad { load: index, field, history, points, ends, shares };
+        match &load.kind {
+            LoadKind::TractionField { group, .. } => {
+                for_each_facet_point(mesh, mesh.groups().facets(group)?, section, |nodes, point| {
+                    table.push(nodes, point.position, point.weight, point.shapes);
+                });
+            }
+            LoadKind::BodyForceField { group, .. } => {
+                let cells = super::loads::cells_of(mesh, group.as_deref())?;
+                for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+                    table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
+                });
+            }
+            _ => {}
+        }
+        Ok(Some(table))
+    }
+
+    fn push(&mut self, nodes: &[u32], position: [f64; 3], weight: f64, shapes: &[f64]) {
+        self.points.push(position);
+        self.shares.extend(nodes.iter().zip(shapes).map(|(&node, N)| (node, weight * N)));
+        self.ends.push(self.shares.len());
+    }
+
+    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is other than zero.
+    pub fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
+        self.add(time, &[1.0], force)
+    }
+
+    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `shares`: memory for k
+    /// numbers. Returns whether the load acts.
+    pub fn add_averages(
+        &self,
+        time: f64,
+        h: f64,
+        rule: &Rule,
+        shares: &mut [f64],
+        force: &mut [f64],
+    ) -> bool {
+        let mut acts = false;
+        for (&[alpha], w) in rule.smooth_quadrature().iter() {
+            for (i, share) in shares.iter_mut().enumerate() {
+                *share = w * rule.basis(i, alpha) / rule.weights()[i];
+            }
+            acts |= self.add(time + alpha * h, shares, force);
+        }
+        acts
+    }
+
+    /// Adds the nodal forces at a time to every stage, times its share.
+    fn add(&self, time: f64, shares: &[f64], force: &mut [f64]) -> bool {
+        let (factor, n_dofs, mut begin) = (self.history.value(time), force.len() / shares.len(), 0);
+        if factor == 0.0 {
+            return false;
+        }
+        for (&X, &end) in self.points.iter().zip(&self.ends) {
+            let value = self.field.at(X, time).map(|value| factor * value);
+            for &(node, weight) in &self.shares[begin..end] {
+                for (force, share) in force.chunks_exact_mut(n_dofs).zip(shares) {
+                    (0..3).for_each(|i| force[3 * node as usize + i] += share * weight * value[i]);
+                }
+            }
+            begin = end;
+        }
+        true
+    }
+}

@@ -1,0 +1,54 @@
+//! Loads that follow the motion, in the equations of a step.
+
+use crate::average::{FollowerRule, Rule};
+use crate::body::{Assembly, Body, StepInput};
+
+/// Stage averages of the loads that follow, with their memory.
+#[derive(Debug)]
+pub struct Followers {
+    rule: FollowerRule,
+    /// Factors over time at the points of the rule, `[n_followers][n_points]`.
+    factors: Vec<f64>,
+    averages: Vec<f64>,
+    /// Stage averages at the rates evaluated last, `[k][n_nodes][3]`.
+    pub force: Vec<f64>,
+}
+
+impl Followers {
+    pub fn new(body: &Body, rule: &Rule) -> Self {
+        let follower = FollowerRule::new(rule);
+        Followers {
+            factors: vec![0.0; body.n_followers() * follower.n_points()],
+            averages: vec![0.0; follower.n_points()],
+            rule: follower,
+            force: vec![0.0; rule.degree() * body.n_dofs()],
+        }
+    }
+
+    /// Sets the factors of a step from the averages of the histories.
+    pub fn average(&mut self, body: &Body, time: f64, step_size: f64) {
+        body.follower_averages(&self.rule, time, step_size, &mut self.averages, &mut self.factors);
+    }
+
+    /// Sets the factors of a step from the histories at the points of the rule.
+    pub fn sample(&mut self, body: &Body, time: f64, step_size: f64) {
+        body.follower_values(&self.rule, time, step_size, &mut self.factors);
+    }
+
+    /// Whether any of them acts in this step.
+    pub fn act(&self) -> bool {
+        self.factors.iter().any(|&factor| factor != 0.0)
+    }
+
+    /// Evaluates the stage averages.
+    pub fn evaluate(&mut self, body: &Body, step: &StepInput<'_>) {
+        if !self.factors.is_empty() {
+            body.stage_followers(step, &self.rule, &self.factors, &mut self.force);
+        }
+    }
+
+    /// Adds their part to the tangent of the stage equations.
+    pub fn add_tangent(&self, body: &Body, step: &StepInput<'_>, assembly: &mut Assembly) {
+        body.add_follower_tangent(step, &self.rule, &self.factors, assembly);
+    }
+}
