@@ -5,6 +5,7 @@ mod degrees;
 mod free_flight;
 mod inner_points;
 mod large_strain;
+mod n_body;
 mod quasi_rigid;
 mod study;
 mod table_3;
@@ -54,7 +55,7 @@ const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<It
 }
 
 /// All items, in the order of the page.
-pub const ALL: [Entry; 18] = [
+pub const ALL: [Entry; 20] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -72,6 +73,8 @@ pub const ALL: [Entry; 18] = [
     timed("degrees-smooth", degrees::smooth),
     timed("degrees-block", degrees::block),
     timed("inner-points", inner_points::inner_points),
+    entry("two-body", n_body::two_body),
+    entry("spring-network", n_body::spring_network),
     entry("free-flight", free_flight::free_flight),
 ];
 
