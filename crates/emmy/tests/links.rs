@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use emmy::body::{Body, GroundAttraction, GroundSpring, InitialVelocity, Nodal, PointMass, Region, Support};
+use emmy::body::{Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind};
+use emmy::body::{Nodal, PointMass, Region, Support};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
@@ -201,6 +202,22 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
     let bar = Body::with_nodal(mesh(), bar, &nodal, &[], &[]).unwrap();
     assert_eq!(bar.regions()[0].mass, 3.0);
     swings(&bar, 1e-7, 1.0, (2.0 * 10.0f64 / (1.5 + 1.0 - 0.5)).sqrt(), 1e-6);
+}
+
+/// u = g t^2/2, p = m g t: gravity acts on point masses as on those of cells, and time elements are exact for it.
+#[test]
+fn point_masses_fall() {
+    let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
+    let nodal = Nodal { masses: masses(&[0.5, 2.0]), ..Default::default() };
+    let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -9.81] };
+    let gravity = Load { kind, history: History::constant() };
+    let spring = vec![Region::links(None, 0.0, Link::spring(8.0, None).unwrap())];
+    let body = Body::with_nodal(mesh, spring, &nodal, &[], &[gravity]).unwrap();
+    let mut motion = motion(&body, "DGM", 1, State::initial(&body, 0.0, &[]).unwrap());
+    march(&mut motion, 2.0, 10, |_| ());
+    assert!((motion.record().linear_momentum[2] + 2.5 * 9.81 * 2.0).abs() < 1e-12);
+    assert!((motion.state().displacement[2] + 9.81 * 2.0).abs() < 1e-12);
+    assert!((motion.record().external_work - 2.5 * 9.81 * 9.81 * 2.0).abs() < 1e-10);
 }
 
 /// Two masses joined by a spring that stays at rest, on springs to the ground.

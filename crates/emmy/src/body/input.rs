@@ -240,7 +240,8 @@ pub enum LoadKind {
         /// Force at each node.
         force: [f64; 3],
     },
-    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity.
+    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses included,
+    /// without a group.
     Acceleration {
         /// Cell group; `None`: all cells.
         group: Option<String>,

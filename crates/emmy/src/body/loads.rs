@@ -27,6 +27,7 @@ impl LoadVector {
         load: &Load,
         section: &[f64],
         density_of_cell: &[f64],
+        point_masses: &[f64],
     ) -> Result<Option<Self>> {
         let (weights, vector) = match &load.kind {
             LoadKind::Pressure { .. } | LoadKind::TractionField { .. } | LoadKind::BodyForceField { .. } => {
@@ -40,7 +41,11 @@ impl LoadVector {
             }
             LoadKind::NodalForce { group, force } => (ones(mesh, group)?, *force),
             LoadKind::Acceleration { group, acceleration } => {
-                (nodal_masses(mesh, group.as_deref(), density_of_cell)?, *acceleration)
+                let mut masses = nodal_masses(mesh, group.as_deref(), density_of_cell)?;
+                if group.is_none() {
+                    masses.iter_mut().zip(point_masses).for_each(|(sum, mass)| *sum += mass);
+                }
+                (masses, *acceleration)
             }
         };
         if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {

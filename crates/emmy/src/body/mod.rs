@@ -125,7 +125,7 @@ impl Body {
         }
         let (mut vectors, mut fields, mut pressures) = (Vec::new(), Vec::new(), Vec::new());
         for (index, load) in loads.iter().enumerate() {
-            vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell)?);
+            vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
             pressures.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
