@@ -1,7 +1,7 @@
 //! Beyond the paper: degrees 1, 2 and 3.
 
 use super::Effort;
-use super::study::{Curves, Member, Reference, error_at, study};
+use super::study::{Curves, Member, Reference, error_within, study};
 use crate::case::Case;
 use crate::claim::Item;
 use crate::measure::order;
@@ -107,10 +107,7 @@ fn higher_is_cheaper(item: &mut Item, curves: &Curves, scheme: &str, times: f64)
     let own = curves.costs(scheme, 1);
     let Some(&(cost, error)) = own.last() else { return };
     let other = curves.costs(scheme, 2);
-    // A run that is cheaper and more accurate is better still.
-    let cheaper =
-        other.iter().filter(|point| point.0 <= cost).map(|point| point.1).fold(f64::INFINITY, f64::min);
-    let other = error_at(&other, cost).unwrap_or(cheaper).min(cheaper);
+    let other = error_within(&other, cost).unwrap_or(f64::NAN);
     item.claim(
         format!("{scheme}: degree 2 has the smaller error at equal time"),
         format!("{:.1} times smaller at {cost:.2} s", error / other),

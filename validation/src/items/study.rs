@@ -209,24 +209,27 @@ impl Curves {
     }
 }
 
-/// Error of a curve (cost, error) at a cost, by interpolation in logarithms; none outside the curve.
-pub fn error_at(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
+/// Smallest error that a curve (cost, error) reaches at a cost or below, interpolated in logarithms; none if all of it costs more.
+pub fn error_within(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
     let mut points = curve.to_vec();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let pair = points.windows(2).find(|pair| pair[0].0 <= cost && cost <= pair[1].0)?;
-    let part = (cost / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
-    Some((pair[0].1.ln() + part * (pair[1].1 / pair[0].1).ln()).exp())
+    let between = points.windows(2).find(|pair| pair[0].0 <= cost && cost <= pair[1].0).map(|pair| {
+        let part = (cost / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();
+        (pair[0].1.ln() + part * (pair[1].1 / pair[0].1).ln()).exp()
+    });
+    let cheaper = points.iter().filter(|point| point.0 <= cost).map(|point| point.1);
+    cheaper.chain(between).min_by(f64::total_cmp)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::error_at;
+    use super::error_within;
 
     #[test]
     fn errors_between_points_follow_the_power_law() {
         // error = cost^-2
         let curve = [(4.0, 1.0 / 16.0), (1.0, 1.0)];
-        assert!((error_at(&curve, 2.0).unwrap() - 0.25).abs() < 1e-15);
-        assert_eq!(error_at(&curve, 5.0), None);
+        assert!((error_within(&curve, 2.0).unwrap() - 0.25).abs() < 1e-15);
+        assert_eq!((error_within(&curve, 0.5), error_within(&curve, 5.0)), (None, Some(1.0 / 16.0)));
     }
 }
