@@ -6,6 +6,7 @@ use emmy_io::convergence::kept::{self, Found, Key};
 use emmy_io::convergence::{self, Row, Samples, Study};
 use emmy_io::input::Problem;
 
+use super::Effort;
 use crate::case::Case;
 use crate::claim::Item;
 use crate::measure::order;
@@ -74,6 +75,20 @@ pub fn study(
     let curves = members.into_iter().zip(studies.iter().map(rows)).collect();
     let Reference(scheme, degree, size) = reference;
     Ok(Curves { window, reference: format!("{}, h = {size}", label(scheme, *degree)), curves })
+}
+
+/// The paper's studies: free flight on 1 < t < 2, all schemes with the same steps.
+///
+/// # Errors
+/// Those of [`study`].
+pub fn of_the_paper(
+    file: &'static str,
+    schemes: &[&'static str],
+    effort: Effort,
+    pictures: &Pictures,
+) -> Result<Curves, String> {
+    let members = schemes.iter().map(|scheme| Member::new(scheme, effort.sizes())).collect();
+    study(&Case::new(file), (1.0, 2.0), &effort.reference(), members, &pictures.folder)
 }
 
 /// The reference: kept in the folder, or else computed and kept.

@@ -1,75 +1,18 @@
 //! What every material must fulfil, checked for each in one line.
 
-use dashu_float::{FBig, round::mode::HalfEven};
+mod dual;
+mod extended;
+
+pub use extended::{Big, big, big_det, big_isochoric, big_principal_stretches, big_trace};
+
 use num_dual::Dual64;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
 use super::Material;
 use crate::tensor::{
-    Lane, Mat3, SYM, SYM_INDEX, Sym, det_of_identity_plus, double_dot, eigen, green_lagrange, mat3,
-    sym_add_scaled,
+    Mat3, SYM, SYM_INDEX, Sym, det_of_identity_plus, double_dot, green_lagrange, mat3, sym_add_scaled,
 };
-
-/// A number with 400 bits, 120 decimal digits.
-pub type Big = FBig<HalfEven, 2>;
-
-/// Extended-precision number of a double, exactly.
-pub fn big(x: f64) -> Big {
-    Big::try_from(x).unwrap().with_precision(400).value()
-}
-
-/// Trace, for the reference energies.
-pub fn big_trace(C: &Mat3<Big>) -> Big {
-    &C[0][0] + &C[1][1] + &C[2][2]
-}
-
-/// Determinant, for the reference energies.
-pub fn big_det(C: &Mat3<Big>) -> Big {
-    let minor = |i: usize, j: usize| &C[1][i] * &C[2][j] - &C[1][j] * &C[2][i];
-    &C[0][0] * minor(1, 2) - &C[0][1] * minor(0, 2) + &C[0][2] * minor(0, 1)
-}
-
-/// Isochoric invariants I1bar and I2bar, for the reference energies.
-pub fn big_isochoric(C: &Mat3<Big>) -> [Big; 2] {
-    let scale = (big_det(C).ln() / big(-3.0)).exp();
-    let squares = C.iter().flatten().fold(big(0.0), |sum, c| sum + c * c);
-    let (I1, scale_squared) = (big_trace(C), &scale * &scale);
-    let I2 = (&I1 * &I1 - squares) / big(2.0);
-    [I1 * scale, I2 * scale_squared]
-}
-
-/// Principal stretches, for the reference energies: roots of the eigenvalues of C, by Jacobi's method.
-pub fn big_principal_stretches(C: &Mat3<Big>) -> [Big; 3] {
-    let mut a = C.clone();
-    let negligible = big(2f64.powi(-420));
-    while [(0, 1), (1, 2), (0, 2)].iter().any(|&(p, q)| &a[p][q] * &a[p][q] > negligible) {
-        for (p, q) in [(0, 1), (1, 2), (0, 2)] {
-            big_rotate(&mut a, p, q);
-        }
-    }
-    [a[0][0].sqrt(), a[1][1].sqrt(), a[2][2].sqrt()]
-}
-
-/// The rotation in the plane of p and q that makes a_pq zero, without its effect on vectors.
-fn big_rotate(a: &mut Mat3<Big>, p: usize, q: usize) {
-    let (apq, zero, one) = (a[p][q].clone(), big(0.0), big(1.0));
-    if apq == zero {
-        return;
-    }
-    let half = (&a[q][q] - &a[p][p]) / big(2.0);
-    let root = (&half * &half + &apq * &apq).sqrt();
-    let t = if half < zero { &apq / (&half - root) } else { &apq / (&half + root) };
-    let c = &one / (&t * &t + &one).sqrt();
-    let s = &t * &c;
-    a[p][p] -= &t * &apq;
-    a[q][q] += &t * &apq;
-    let r = 3 - p - q;
-    let (rp, rq) = (&c * &a[r][p] - &s * &a[r][q], &s * &a[r][p] + &c * &a[r][q]);
-    (a[p][q], a[q][p]) = (zero.clone(), zero);
-    (a[r][p], a[p][r]) = (rp.clone(), rp);
-    (a[r][q], a[q][r]) = (rq.clone(), rq);
-}
 
 /// Checks an isotropic material against its energy in a textbook form W(C) and its small-strain Lame parameters.
 pub fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl Fn(&Mat3<Big>) -> Big) {
@@ -370,40 +313,4 @@ fn stress_error(material: &impl Material, energy: &impl Fn(&Mat3<Big>) -> Big, E
     });
     let error = [0, 1, 2, 3, 4, 5].map(|b| (big(S[b]) - &exact[b]).to_f64().value());
     norm(&error) / norm(&exact.map(|s| s.to_f64().value()))
-}
-
-impl Lane for Dual64 {
-    fn splat(self, constant: f64) -> Self {
-        Dual64::from_re(constant)
-    }
-    fn sqrt(self) -> Self {
-        num_dual::DualNum::sqrt(&self)
-    }
-    fn ln_1p(self) -> Self {
-        num_dual::DualNum::ln_1p(&self)
-    }
-    fn exp_m1(self) -> Self {
-        num_dual::DualNum::exp_m1(&self)
-    }
-    fn abs(self) -> Self {
-        if self.re < 0.0 { -self } else { self }
-    }
-    fn min(self, other: Self) -> Self {
-        if self.re < other.re || self.re.is_nan() { self } else { other }
-    }
-    fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {
-        if self.re < bound.re { below } else { otherwise }
-    }
-    /// dq_i = sum_j q_j (q_j . dA q_i) / (a_i - a_j): right where eigenvalues differ, which random ones do.
-    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
-        let (values, Q) = eigen(&A.map(|a| a.re));
-        let dA = |i: usize, j: usize| -> f64 {
-            (0..9).map(|n| Q[n / 3][i] * A[SYM_INDEX[n / 3][n % 3]].eps * Q[n % 3][j]).sum()
-        };
-        let rotation = |r: usize, i: usize| -> f64 {
-            (0..3).filter(|&j| j != i).map(|j| Q[r][j] * dA(j, i) / (values[i] - values[j])).sum()
-        };
-        let vector = |r: usize, i: usize| Dual64::new(Q[r][i], rotation(r, i));
-        ([0, 1, 2].map(|i| Dual64::new(values[i], dA(i, i))), mat3(vector))
-    }
 }

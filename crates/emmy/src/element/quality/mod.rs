@@ -1,0 +1,94 @@
+//! Quality of the cells of a mesh in the reference configuration.
+
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use crate::error::{Error, Result};
+use crate::mesh::{Cell, Mesh};
+use sample::{Measures, samples};
+
+/// The worst value of a measure and the cell that has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worst {
+    /// The value.
+    pub value: f64,
+    /// Index of the first cell with this value.
+    pub cell: usize,
+}
+
+/// Quality of a mesh: the worst cell by each of three measures, the volume, the inverted cells.
+///
+/// ```
+/// let mesh = emmy::mesh::block([2.0, 1.0, 1.0], [1, 1, 1])?;
+/// let quality = emmy::element::quality(&mesh);
+/// assert_eq!((quality.aspect_ratio.value, quality.volume), (2.0, 2.0));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quality {
+    /// Smallest det(dX/dxi) of a cell, at its quadrature points and nodes, by its mean over the cell: 1 for a
+    /// parallelepiped, a straight tetrahedron, a pyramid over a parallelogram, less where faces are warped or curved, not
+    /// positive where the map folds. (In a pyramid det is constant along a ray from the apex: the apex, where it has no
+    /// single value, has those of the base; the one on the axis is taken.) In a plane det is that of the two coordinates.
+    pub jacobian_ratio: Worst,
+    /// Smallest volume spanned by the three edges at a corner, by the product of their lengths, relative to the cell with
+    /// edges of one length (cube, regular tetrahedron, ...): 1 at best, near zero for a flat cell. At the apex of a
+    /// pyramid every three successive ones of its four edges count; in a plane it is the area that two edges span. Source: Knupp (2000), IJNME 48, 1165-1185.
+    pub scaled_jacobian: Worst,
+    /// Largest quotient of the longest by the shortest edge of a cell (distance of the corners).
+    pub aspect_ratio: Worst,
+    /// Total volume \[length^3\]; of plane cells the area, of links the length.
+    pub volume: f64,
+    /// Cells whose det(dX/dxi) is not positive at one of their quadrature points, ascending.
+    pub inverted: Vec<usize>,
+}
+
+/// Quality of the cells of a mesh, inverted ones included.
+pub fn quality(mesh: &Mesh) -> Quality {
+    let samples = samples();
+    let measures: Vec<Measures> =
+        mesh.cells().map(|cell| samples[&cell.kind].measures(&positions(mesh, cell))).collect();
+    let smallest = |measure: fn(&Measures) -> f64| worst(measures.iter().map(measure), |a, b| a < b);
+    let largest = |measure: fn(&Measures) -> f64| worst(measures.iter().map(measure), |a, b| a > b);
+    Quality {
+        jacobian_ratio: smallest(|measures| measures.jacobian_ratio),
+        scaled_jacobian: smallest(|measures| measures.scaled_jacobian),
+        aspect_ratio: largest(|measures| measures.aspect_ratio),
+        volume: measures.iter().map(|measures| measures.volume).sum(),
+        inverted: (0..measures.len()).filter(|&cell| measures[cell].is_inverted()).collect(),
+    }
+}
+
+/// Checks that no cell is inverted or degenerate.
+///
+/// # Errors
+/// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points.
+///
+/// ```
+/// let mesh = emmy::mesh::l_block(1.0)?;
+/// assert_eq!(emmy::element::check(&mesh), Ok(()));
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn check(mesh: &Mesh) -> Result<()> {
+    let samples = samples();
+    for (index, cell) in mesh.cells().enumerate() {
+        let measures = samples[&cell.kind].measures(&positions(mesh, cell));
+        if measures.is_inverted() {
+            return Err(Error::InvertedCell { cell: index, kind: cell.kind, det: measures.smallest_det });
+        }
+    }
+    Ok(())
+}
+
+fn positions(mesh: &Mesh, cell: Cell) -> Vec<[f64; 3]> {
+    cell.nodes.iter().map(|&node| mesh.points()[node as usize]).collect()
+}
+
+/// First value that is worse than all before it; NaN is the worst of all.
+fn worst(values: impl Iterator<Item = f64>, is_worse: impl Fn(f64, f64) -> bool) -> Worst {
+    let values = values.enumerate().map(|(cell, value)| Worst { value, cell });
+    let is_worse = |b: f64, a: f64| is_worse(b, a) || (b.is_nan() && !a.is_nan());
+    let worse = |a: Worst, b: Worst| if is_worse(b.value, a.value) { b } else { a };
+    values.reduce(worse).expect("a mesh has cells")
+}

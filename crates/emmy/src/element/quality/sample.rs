@@ -1,0 +1,170 @@
+//! Where a cell is looked at to measure its quality, and what is measured there.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::element::{ReferenceElement, element, jacobian};
+use crate::mesh::CellKind;
+use crate::tensor::det;
+
+/// Measures of one cell.
+pub(super) struct Measures {
+    pub smallest_det: f64,
+    pub jacobian_ratio: f64,
+    pub scaled_jacobian: f64,
+    pub aspect_ratio: f64,
+    pub volume: f64,
+}
+
+impl Measures {
+    pub fn is_inverted(&self) -> bool {
+        self.smallest_det <= 0.0 || self.smallest_det.is_nan()
+    }
+}
+
+/// What the cells of a kind share: gradients of the shape functions at all points that are looked at, and the edges.
+pub(super) struct Sample {
+    weights: Vec<f64>,
+    kind: CellKind,
+    /// Points of the mass quadrature, which the weights belong to, then those of the internal force.
+    at_quadrature: Vec<Vec<[f64; 3]>>,
+    at_nodes: Vec<Vec<[f64; 3]>>,
+    edges: Vec<[usize; 2]>,
+    /// Corners, each with three of its neighbours in the order in which their edges span a positive volume.
+    spans: Vec<[usize; 4]>,
+    /// Product of the edge lengths at a corner by the volume that they span, in a cell with edges of one length.
+    ideal: f64,
+}
+
+/// The samples of all kinds.
+pub(super) fn samples() -> BTreeMap<CellKind, Sample> {
+    CellKind::ALL.into_iter().map(|kind| (kind, Sample::new(kind))).collect()
+}
+
+impl Sample {
+    fn new(kind: CellKind) -> Self {
+        let (curved, mass) = (element(kind), element(kind).mass_quadrature());
+        let mut at_quadrature = gradients(curved, &mass.points);
+        at_quadrature.extend(gradients(curved, &curved.quadrature().points));
+        Sample {
+            kind,
+            weights: mass.weights,
+            at_quadrature,
+            at_nodes: gradients(curved, curved.nodes()),
+            edges: edges(kind),
+            spans: spans(kind),
+            ideal: ideal(kind),
+        }
+    }
+
+    /// Measures of a cell by the positions of its nodes.
+    pub fn measures(&self, X: &[[f64; 3]]) -> Measures {
+        let dets: Vec<f64> = self.at_quadrature.iter().map(|dN| det(&jacobian(self.kind, X, dN))).collect();
+        let volume: f64 = self.weights.iter().zip(&dets).map(|(w, det)| w * det).sum();
+        let mean = volume / self.weights.iter().sum::<f64>();
+        let smallest_det = dets.into_iter().reduce(smaller).unwrap_or(f64::NAN);
+        let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(self.kind, X, dN)));
+        let lengths: Vec<f64> = self.edges.iter().map(|&[a, b]| distance(X[a], X[b])).collect();
+        let (shortest, longest) =
+            (lengths.iter().copied().reduce(smaller), lengths.iter().copied().reduce(f64::max));
+        Measures {
+            smallest_det,
+            jacobian_ratio: at_nodes.fold(smallest_det, smaller) / mean.abs(),
+            scaled_jacobian: self.scaled_jacobian(X),
+            aspect_ratio: longest.unwrap_or(f64::NAN) / shortest.unwrap_or(f64::NAN),
+            volume,
+        }
+    }
+
+    fn scaled_jacobian(&self, X: &[[f64; 3]]) -> f64 {
+        if self.kind.dimension() == 1 {
+            return 1.0;
+        }
+        let is_plane = self.kind.dimension() == 2;
+        let scaled = |&[corner, a, b, c]: &[usize; 4]| {
+            let mut edges = [a, b, c].map(|end| [0, 1, 2].map(|i| X[end][i] - X[corner][i]));
+            if is_plane {
+                edges[2] = [0.0, 0.0, 1.0];
+            }
+            let product: f64 = edges.iter().map(|edge| distance(*edge, [0.0; 3])).product();
+            // An edge of no length spans no volume.
+            if product == 0.0 { 0.0 } else { self.ideal * det(&edges) / product }
+        };
+        self.spans.iter().map(scaled).reduce(smaller).unwrap_or(f64::NAN)
+    }
+}
+
+/// Product of the edge lengths at a corner by the volume that they span, where all edges of a cell have one length.
+fn ideal(kind: CellKind) -> f64 {
+    match kind.linear() {
+        CellKind::Tet4 | CellKind::Pyramid5 => 2f64.sqrt(),
+        CellKind::Wedge6 | CellKind::Tri3 => 2.0 / 3f64.sqrt(),
+        _ => 1.0,
+    }
+}
+
+fn gradients(element: &dyn ReferenceElement<3>, points: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
+    let at = |&xi: &[f64; 3]| {
+        let mut dN = vec![[0.0; 3]; element.nodes().len()];
+        element.gradient(xi, &mut dN);
+        dN
+    };
+    points.iter().map(at).collect()
+}
+
+/// Pairs of corners that an edge joins, each once.
+fn edges(kind: CellKind) -> Vec<[usize; 2]> {
+    if kind.dimension() == 1 {
+        return vec![[0, 1]];
+    }
+    let mut edges = BTreeSet::new();
+    for facet in kind.facets() {
+        let corners = &facet.nodes[..facet.kind.n_corners()];
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            edges.insert([a.min(b), a.max(b)]);
+        }
+    }
+    edges.into_iter().collect()
+}
+
+/// Corners with each three successive neighbours, anticlockwise as seen from outside; in a plane with the next corner and the
+/// one before, the third edge being the unit vector along z.
+fn spans(kind: CellKind) -> Vec<[usize; 4]> {
+    let (mut spans, n) = (Vec::new(), kind.n_corners());
+    if kind.dimension() == 1 {
+        return spans;
+    }
+    if kind.dimension() == 2 {
+        return (0..n).map(|corner| [corner, (corner + 1) % n, (corner + n - 1) % n, corner]).collect();
+    }
+    for corner in 0..kind.n_corners() {
+        let around = neighbours(kind, corner);
+        // The triples of three neighbours are one triple, turned.
+        let n = if around.len() == 3 { 1 } else { around.len() };
+        let neighbour = |i: usize| around[i % around.len()];
+        spans.extend((0..n).map(|i| [corner, neighbour(i), neighbour(i + 1), neighbour(i + 2)]));
+    }
+    spans
+}
+
+/// Corners that are joined to a corner by an edge, in the order in which the faces around it follow each other.
+fn neighbours(kind: CellKind, corner: usize) -> Vec<usize> {
+    let mut following = BTreeMap::new();
+    for facet in kind.facets() {
+        let (corners, n) = (facet.nodes, facet.kind.n_corners());
+        if let Some(at) = corners[..n].iter().position(|&node| node == corner) {
+            following.insert(corners[(at + n - 1) % n], corners[(at + 1) % n]);
+        }
+    }
+    let first = following.keys().next().copied();
+    let around = std::iter::successors(first, |last| following.get(last).copied());
+    around.take(following.len()).collect()
+}
+
+/// The smaller of two numbers, NaN if one of them is.
+fn smaller(a: f64, b: f64) -> f64 {
+    crate::tensor::Lane::min(a, b)
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
