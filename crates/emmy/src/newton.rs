@@ -10,8 +10,7 @@ pub trait System {
     /// Any error that says that the residual cannot be evaluated there.
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes>;
 
-    /// Correction `dx` with `K(x) dx = -R`, to a relative tolerance. `rebuild`: the tangent is to be taken at x; otherwise
-    /// the last one will do. Returns the number of iterations of the linear solver.
+    /// Correction `dx` with `K dx = -R`, to a relative tolerance. Returns the number of iterations of the linear solver.
     ///
     /// # Errors
     /// Any error that says that the linear system cannot be solved.
@@ -20,9 +19,25 @@ pub trait System {
         x: &[f64],
         residual: &[f64],
         tolerance: f64,
-        rebuild: bool,
+        tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize>;
+
+    /// What a new approximate tangent costs, in corrections with the one that is there.
+    fn renewal_cost(&self) -> f64;
+}
+
+/// Which K a correction is to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tangent {
+    /// An approximation that is cheap to solve with, as it was made before.
+    Kept,
+    /// The approximation, made anew near x.
+    Renewed,
+    /// The derivative of R at x.
+    Exact,
+    /// The derivative of R that was taken last.
+    LastExact,
 }
 
 /// Norm of a residual and what it is judged by.
@@ -71,7 +86,8 @@ pub struct Outcome {
 /// Stagnation within this factor of the rounding floor is accepted.
 pub const STAGNATION: f64 = 100.0;
 
-/// Relative tolerance of the last correction, after convergence: it takes the residual to its rounding floor.
+/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its rounding
+/// floor.
 const POLISH: f64 = 1e-6;
 
 /// Newton's iteration with its memory.
@@ -80,8 +96,21 @@ pub struct Newton {
     residual: Vec<f64>,
     correction: Vec<f64>,
     trial: Vec<f64>,
+    trial_residual: Vec<f64>,
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
+    approximation: Approximation,
+}
+
+/// What is known of the approximate tangent.
+#[derive(Debug, Clone, Copy, Default)]
+struct Approximation {
+    /// Corrections that the solution took for which it was made; `None`: there is none.
+    fresh: Option<usize>,
+    /// Corrections since then beyond those.
+    excess: usize,
+    /// Relative tolerance of the next correction.
+    forcing: f64,
 }
 
 impl Newton {
@@ -110,41 +139,142 @@ impl Newton {
         settings: &NewtonSettings,
         line_search: bool,
     ) -> Result<Outcome> {
-        self.residual.resize(x.len(), 0.0);
-        self.correction.resize(x.len(), 0.0);
-        self.trial.resize(x.len(), 0.0);
+        for memory in [&mut self.residual, &mut self.correction, &mut self.trial, &mut self.trial_residual] {
+            memory.resize(x.len(), 0.0);
+        }
         self.history.clear();
-        let mut outcome = Outcome::default();
-        let mut sizes = system.residual(x, &mut self.residual)?;
+        let sizes = system.residual(x, &mut self.residual)?;
+        let mut run = Run { outcome: Outcome::default(), sizes, settings };
+        if !line_search && self.solve_approximately(system, x, &mut run)? {
+            return Ok(run.outcome);
+        }
+        self.solve_exactly(system, x, &mut run, line_search)?;
+        Ok(run.outcome)
+    }
+
+    /// Corrections with the exact tangent until it converges or gives up.
+    fn solve_exactly(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+        line_search: bool,
+    ) -> Result<()> {
         let mut forcing = FIRST_FORCING;
+        // The iterations of another tangent do not count.
+        let limit = run.outcome.iterations + run.settings.max_iterations;
         loop {
-            self.history.push(sizes.residual);
-            outcome.residual = sizes.residual;
-            outcome.target = (settings.tolerance * sizes.scale).max(sizes.floor);
-            // The scale does not see every part: a body that moves has a residual at rest although no force acts.
-            if sizes.scale == 0.0 && sizes.residual == 0.0 {
-                outcome.converged = true;
-                return Ok(outcome);
+            if self.judge(run) {
+                if run.sizes.scale > 0.0 {
+                    run.outcome.linear_iterations += self.correct(system, x, POLISH, Tangent::LastExact)?;
+                    x.copy_from_slice(&self.trial);
+                    run.outcome.iterations += 1;
+                }
+                return Ok(());
             }
-            let stagnates = self.stagnates(sizes);
-            if outcome.iterations > 0 && (sizes.residual <= outcome.target || stagnates) {
-                outcome.converged = true;
-                outcome.at_rounding_floor = stagnates || sizes.residual > settings.tolerance * sizes.scale;
-                outcome.linear_iterations += self.correct(system, x, POLISH, false)?;
-                x.copy_from_slice(&self.trial);
-                outcome.iterations += 1;
-                return Ok(outcome);
-            }
-            if outcome.iterations >= settings.max_iterations || !sizes.residual.is_finite() {
-                return Ok(outcome);
+            if run.outcome.iterations >= limit || !run.sizes.residual.is_finite() {
+                return Ok(());
             }
             // No more digits than the iteration can use: a part of what is left to the target.
-            let tolerance = forcing.max(0.1 * outcome.target / sizes.residual).min(FIRST_FORCING);
-            outcome.linear_iterations += self.correct(system, x, tolerance, true)?;
-            outcome.iterations += 1;
-            let before = sizes.residual;
-            sizes = self.advance(system, x, before, line_search)?;
-            forcing = (0.9 * (sizes.residual / before).powi(2)).clamp(LAST_FORCING, FIRST_FORCING);
+            let before = run.sizes.residual;
+            let tolerance = forcing.max(0.1 * run.outcome.target / before).min(FIRST_FORCING);
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Exact)?;
+            run.outcome.iterations += 1;
+            run.sizes = self.advance(system, x, before, line_search)?;
+            forcing = (0.9 * (run.sizes.residual / before).powi(2)).clamp(LAST_FORCING, FIRST_FORCING);
+        }
+    }
+
+    /// Notes a residual; whether it counts as converged.
+    fn judge(&mut self, run: &mut Run<'_>) -> bool {
+        let Run { outcome, sizes, settings } = run;
+        self.history.push(sizes.residual);
+        outcome.residual = sizes.residual;
+        outcome.target = (settings.tolerance * sizes.scale).max(sizes.floor);
+        // The scale does not see every part: a body that moves has a residual at rest although no force acts.
+        if sizes.scale == 0.0 && sizes.residual == 0.0 {
+            outcome.converged = true;
+            return true;
+        }
+        let stagnates = self.stagnates(*sizes);
+        outcome.converged = outcome.iterations > 0 && (sizes.residual <= outcome.target || stagnates);
+        outcome.at_rounding_floor =
+            outcome.converged && (stagnates || sizes.residual > settings.tolerance * sizes.scale);
+        outcome.converged
+    }
+
+    /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
+    ///
+    /// The iteration converges linearly, so it goes on to the rounding floor, by its own contraction: the last residual need not
+    /// be evaluated.
+    fn solve_approximately(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+    ) -> Result<bool> {
+        let old = &mut self.approximation;
+        let is_old = old.fresh.is_none() || old.excess as f64 >= system.renewal_cost();
+        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
+        let mut is_fresh = is_old;
+        let mut contraction = 1.0;
+        loop {
+            let is_converged = self.judge(run);
+            let round_off = run.sizes.floor.max(f64::EPSILON * run.sizes.scale);
+            let residual = run.sizes.residual;
+            if run.sizes.scale == 0.0 && is_converged || is_converged && residual <= round_off {
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                return Ok(true);
+            }
+            if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
+                return Ok(false);
+            }
+            let tolerance = forcing.max(0.3 * round_off / residual).min(LOOSEST);
+            let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
+                self.approximation.fresh = None;
+                return Ok(is_converged);
+            };
+            tangent = Tangent::Kept;
+            run.outcome.linear_iterations += iterations;
+            run.outcome.iterations += 1;
+            if is_converged && residual * tolerance.max(contraction) <= round_off {
+                x.copy_from_slice(&self.trial);
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                return Ok(true);
+            }
+            let sizes = system.residual(&self.trial, &mut self.trial_residual);
+            let ratio = sizes.as_ref().map_or(f64::INFINITY, |sizes| sizes.residual / residual);
+            if ratio < 1.0 {
+                x.copy_from_slice(&self.trial);
+                std::mem::swap(&mut self.residual, &mut self.trial_residual);
+                run.sizes = sizes?;
+            } else if is_converged {
+                // Rounding is all that is left.
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                return Ok(true);
+            }
+            contraction = ratio;
+            forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
+            forcing = forcing.clamp(TIGHTEST, LOOSEST);
+            // written so that NaN is slow
+            if !(ratio < SLOW) && !is_converged {
+                if is_fresh {
+                    self.approximation.fresh = None;
+                    return Ok(false);
+                }
+                (tangent, is_fresh) = (Tangent::Renewed, true);
+            }
+        }
+    }
+
+    /// Notes how many corrections a solution took.
+    fn note_corrections(&mut self, corrections: usize, is_fresh: bool, forcing: f64) {
+        let noted = &mut self.approximation;
+        noted.forcing = forcing;
+        match noted.fresh {
+            Some(fresh) if !is_fresh => noted.excess += corrections.saturating_sub(fresh),
+            _ => (noted.fresh, noted.excess) = (Some(corrections), 0),
         }
     }
 
@@ -154,9 +284,9 @@ impl Newton {
         system: &mut impl System,
         x: &[f64],
         tolerance: f64,
-        rebuild: bool,
+        tangent: Tangent,
     ) -> Result<usize> {
-        let iterations = system.correction(x, &self.residual, tolerance, rebuild, &mut self.correction)?;
+        let iterations = system.correction(x, &self.residual, tolerance, tangent, &mut self.correction)?;
         self.set_trial(x, 1.0);
         Ok(iterations)
     }
@@ -197,6 +327,20 @@ impl Newton {
     }
 }
 
+/// A solution in progress.
+struct Run<'a> {
+    outcome: Outcome,
+    sizes: Sizes,
+    settings: &'a NewtonSettings,
+}
+
+/// A correction with the approximate tangent that leaves more than this of the residual is slow.
+const SLOW: f64 = 0.3;
+
+/// Tightest and loosest relative tolerance of a correction with the approximate tangent.
+const TIGHTEST: f64 = 1e-4;
+const LOOSEST: f64 = 0.1;
+
 /// Largest relative tolerance of a correction (Eisenstat and Walker 1996, choice 2 with gamma = 0.9).
 const FIRST_FORCING: f64 = 1e-3;
 
@@ -212,7 +356,7 @@ mod tests {
     use crate::error::Error;
 
     /// x^2 = a, undefined for x <= 0.
-    struct SquareRoot(f64, f64);
+    struct SquareRoot(f64, f64, f64);
 
     impl System for SquareRoot {
         fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
@@ -227,11 +371,17 @@ mod tests {
             x: &[f64],
             residual: &[f64],
             _: f64,
-            _: bool,
+            tangent: Tangent,
             dx: &mut [f64],
         ) -> Result<usize> {
-            dx[0] = -residual[0] / (2.0 * x[0]);
+            if matches!(tangent, Tangent::Renewed | Tangent::Exact) {
+                self.2 = 2.0 * x[0];
+            }
+            dx[0] = -residual[0] / self.2;
             Ok(1)
+        }
+        fn renewal_cost(&self) -> f64 {
+            4.0
         }
     }
 
@@ -239,7 +389,7 @@ mod tests {
     fn converges_quadratically() {
         let (mut newton, mut x) = (Newton::default(), [3.0]);
         let outcome =
-            newton.solve(&mut SquareRoot(4.0, 0.0), &mut x, &NewtonSettings::default(), false).unwrap();
+            newton.solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut x, &NewtonSettings::default(), false).unwrap();
         assert!(outcome.converged && !outcome.at_rounding_floor && x[0] == 2.0);
         // R_(n+1) = (R_n / (2 x_n))^2 exactly for this equation.
         let history = newton.history();
@@ -254,16 +404,16 @@ mod tests {
         let (mut newton, mut x) = (Newton::default(), [10.0]);
         // From 10 the equation x^2 = 1e-4 asks for 5, 2.5, ...: the iteration stays on the positive side.
         let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 40 };
-        let outcome = newton.solve(&mut SquareRoot(1e-4, 0.0), &mut x, &settings, true).unwrap();
+        let outcome = newton.solve(&mut SquareRoot(1e-4, 0.0, 0.0), &mut x, &settings, true).unwrap();
         assert!(outcome.converged && (x[0] - 0.01).abs() < 1e-15);
-        assert!(newton.solve(&mut SquareRoot(1.0, 0.0), &mut [-1.0], &settings, true).is_err());
+        assert!(newton.solve(&mut SquareRoot(1.0, 0.0, 0.0), &mut [-1.0], &settings, true).is_err());
     }
 
     #[test]
     fn gives_up_and_says_so() {
         let settings = NewtonSettings { tolerance: 1e-10, max_iterations: 2 };
         let outcome =
-            Newton::default().solve(&mut SquareRoot(4.0, 0.0), &mut [300.0], &settings, false).unwrap();
+            Newton::default().solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut [300.0], &settings, false).unwrap();
         assert!(!outcome.converged && outcome.iterations == 2 && outcome.residual > outcome.target);
     }
 
@@ -271,7 +421,7 @@ mod tests {
     fn a_rounding_floor_is_accepted() {
         // The floor lies above the tolerance: what rounding allows is all that can be asked.
         let outcome = Newton::default()
-            .solve(&mut SquareRoot(4.0, 1e-3), &mut [3.0], &NewtonSettings::default(), false)
+            .solve(&mut SquareRoot(4.0, 1e-3, 0.0), &mut [3.0], &NewtonSettings::default(), false)
             .unwrap();
         assert!(outcome.converged && outcome.at_rounding_floor);
     }

@@ -4,18 +4,30 @@
 #![allow(non_snake_case)]
 
 mod block_cholesky;
+mod blocks;
 mod cholesky;
+mod conjugate_gradients;
 mod dense;
 mod gmres;
+mod incomplete_cholesky;
 mod ordering;
 mod pattern;
+mod real;
 pub mod reduce;
+mod shifted;
 mod stages;
+mod sweep;
 
 pub use block_cholesky::BlockCholesky;
+pub use blocks::Row;
 pub use cholesky::Cholesky;
+pub use conjugate_gradients::{Approximate, ConjugateGradients};
 pub use dense::{Eigenpairs, eigenpairs, inverse};
 pub use gmres::{Gmres, LinearSystem, Solution};
+pub use incomplete_cholesky::IncompleteCholesky;
 pub use ordering::nested_dissection;
 pub use pattern::Pattern;
+pub use real::Real;
+pub use shifted::ShiftedMatrix;
 pub use stages::{RowPart, StageMatrix};
+pub use sweep::SweepOrder;

@@ -123,6 +123,18 @@ impl StageMatrix {
         self.scatter(force, |part| &part.force);
     }
 
+    /// The blocks of all stages at a position of the pattern, `[i k + j][3 a + b]`.
+    #[inline]
+    pub fn block(&self, position: usize) -> &[f64] {
+        let size = 9 * self.degree * self.degree;
+        let part = match &self.parts[..] {
+            [part] => part,
+            parts => &parts[parts.partition_point(|part| part.first_block <= position) - 1],
+        };
+        let at = (position - part.first_block) * size;
+        &part.blocks[at..at + size]
+    }
+
     /// Product `y = A x`; `x`, `y`: `[k][n_rows][3]`.
     pub fn multiply(&mut self, pattern: &Pattern, x: &[f64], y: &mut [f64]) {
         if self.parts.len() == 1 {
@@ -139,48 +151,6 @@ impl StageMatrix {
             for stage in 0..self.degree {
                 let to = 3 * (stage * self.n_rows + part.rows.start);
                 target[to..to + n_own].copy_from_slice(&source(part)[stage * n_own..(stage + 1) * n_own]);
-            }
-        }
-    }
-
-    /// Symmetric part of a weighted sum of the stage blocks, less a multiple of the mass matrix.
-    ///
-    /// ```math
-    /// K_AB = sym [ sum_ij w_ij A_ij - m M ]_AB
-    /// ```
-    ///
-    /// `weights: [i k + j]`; `sum: [block][3 a + b]` over the whole pattern.
-    pub fn symmetric_sum(&self, pattern: &Pattern, weights: &[f64], mass: &[f64], m: f64, sum: &mut [f64]) {
-        let stages = weights.len();
-        for part in &self.parts {
-            for (block, values) in part.blocks.chunks_exact(9 * stages).enumerate() {
-                let position = part.first_block + block;
-                let sum = &mut sum[9 * position..9 * position + 9];
-                sum.fill(0.0);
-                for (values, weight) in values.chunks_exact(9).zip(weights) {
-                    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-                }
-                (0..3).for_each(|a| sum[4 * a] -= m * mass[position]);
-            }
-        }
-        symmetrise(pattern, sum);
-    }
-}
-
-/// Replaces blocks by their symmetric part: `(K_AB + K_BA^T) / 2`.
-fn symmetrise(pattern: &Pattern, blocks: &mut [f64]) {
-    for row in 0..pattern.n_rows() {
-        for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
-            let Some(mirror) = pattern.position(column as usize, row).filter(|_| column as usize >= row)
-            else {
-                continue;
-            };
-            for a in 0..3 {
-                for b in 0..3 {
-                    let (at, of) = (9 * position + 3 * a + b, 9 * mirror + 3 * b + a);
-                    let mean = 0.5 * (blocks[at] + blocks[of]);
-                    (blocks[at], blocks[of]) = (mean, mean);
-                }
             }
         }
     }
@@ -226,21 +196,5 @@ mod tests {
             })
             .sum();
         assert!((y[30 + 2] - expected).abs() < 1e-14);
-    }
-
-    #[test]
-    fn symmetric_sum_is_symmetric() {
-        let (pattern, matrix) = matrix(2);
-        let mut sum = vec![0.0; 9 * pattern.n_blocks()];
-        matrix.symmetric_sum(&pattern, &[0.5, 0.0, -1.0, 2.0], &vec![1.0; pattern.n_blocks()], 3.0, &mut sum);
-        let (at, mirror) = (pattern.position(2, 4).unwrap(), pattern.position(4, 2).unwrap());
-        let value = |position: usize, stages: usize, entry: usize| {
-            ((position * 36 + stages * 9 + entry) as f64).sin()
-        };
-        let raw = |position, entry| {
-            0.5 * value(position, 0, entry) - value(position, 2, entry) + 2.0 * value(position, 3, entry)
-        };
-        assert!((sum[9 * at + 1] - 0.5 * (raw(at, 1) + raw(mirror, 3))).abs() < 1e-14);
-        assert_eq!(sum[9 * at + 1], sum[9 * mirror + 3]);
     }
 }

@@ -76,10 +76,8 @@ impl TimeElement {
 
 impl From<TimeElement> for StageForm {
     fn from(element: TimeElement) -> StageForm {
-        // df_i/dx_j ~ a_ij K and sum_ij b_i a_ij = 1/2: K = 2 sum_ij b_i df_i/dx_j.
-        let (a, b) = (element.rule.coefficients().to_vec(), element.rule.weights());
-        let mean = b.iter().map(|b| 2.0 * b).collect();
-        StageForm { mass: element.inverse, inverse_mass: a.clone(), response: a, mean, rule: element.rule }
+        let a = element.rule.coefficients().to_vec();
+        StageForm { mass: element.inverse, inverse_mass: a.clone(), response: a, rule: element.rule }
     }
 }
 

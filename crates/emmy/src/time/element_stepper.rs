@@ -25,7 +25,8 @@ use crate::sparse::reduce::dot;
 pub struct TimeElementStepper<'a> {
     system: StageSystem<'a>,
     iteration: Iteration,
-    mass_solver: MassSolver,
+    /// For the velocity beside driven degrees of freedom; `None` where there are none.
+    mass_solver: Option<MassSolver>,
     /// Momentum at the start of the step.
     momentum: Vec<f64>,
     residual: Vec<f64>,
@@ -48,7 +49,7 @@ impl<'a> TimeElementStepper<'a> {
         Ok(TimeElementStepper {
             system: StageSystem::new(body, element.into())?,
             iteration: Iteration::new(k, n, settings),
-            mass_solver: MassSolver::new(body)?,
+            mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
             residual: vec![0.0; k * n],
             averages: vec![0.0; k],
@@ -116,23 +117,46 @@ impl<'a> TimeElementStepper<'a> {
 
     /// The state at the end of the step.
     ///
-    /// The momentum is taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`: then
-    /// an error of the iteration enters the energy balance through `R_i . x_i` only.
+    /// Velocity and momentum are taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`:
+    /// then an error of the iteration enters the energy balance through `R_i . x_i` only. So taken, the velocity is that of the
+    /// momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         let (body, n) = (self.system.body, state.displacement.len());
-        let form = &self.system.form;
-        let (k, b) = (form.rule.degree(), form.rule.weights());
-        state.momentum.fill(0.0);
+        let rule = &self.system.form.rule;
+        let (k, b) = (rule.degree(), rule.weights());
         for j in 0..k {
-            let beta = self.arrival_weight(j);
             let rates = &self.iteration.rates[j * n..(j + 1) * n];
             state.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += b[j] * x);
-            body.mass_product(rates, &mut self.position);
-            let old = self.position.iter().zip(&self.momentum);
-            state.momentum.iter_mut().zip(old).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
         }
-        state.momentum.iter_mut().zip(&self.momentum).for_each(|(p, p_1)| *p += p_1);
-        self.arrive(state, h, impulses);
+        if body.is_driven() {
+            self.update_momentum(state, h);
+            self.arrive(state, h, impulses);
+        } else {
+            self.update_velocity(state, h);
+        }
+    }
+
+    /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`.
+    fn update_velocity(&mut self, state: &mut State, h: f64) {
+        let n = state.velocity.len();
+        self.position.copy_from_slice(&state.velocity);
+        for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
+            let beta = self.arrival_weight(j);
+            let terms = rates.iter().zip(&self.position);
+            state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += beta * (x / h - v_1));
+        }
+        self.system.body.mass_product(&state.velocity, &mut state.momentum);
+    }
+
+    /// `p_2 = p_1 + sum_j beta_j (M x_j/h - p_1)`.
+    fn update_momentum(&mut self, state: &mut State, h: f64) {
+        let n = state.momentum.len();
+        for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
+            let beta = self.arrival_weight(j);
+            self.system.body.mass_product(rates, &mut self.position);
+            let terms = self.position.iter().zip(&self.momentum);
+            state.momentum.iter_mut().zip(terms).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
+        }
     }
 
     /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`.
@@ -142,19 +166,15 @@ impl<'a> TimeElementStepper<'a> {
         (0..k).map(|i| form.rule.weights()[i] * form.mass[i * k + j]).sum()
     }
 
-    /// Gives the fixed degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
-    /// the fixed ones their momentum: p = M v with all of M.
+    /// Gives the driven degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
+    /// the driven ones their momentum: p = M v with all of M.
     fn arrive(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         let body = self.system.body;
-        if !body.is_driven() {
-            self.mass_solver.velocity(&state.momentum, &mut state.velocity);
-            body.mass_product(&state.velocity, &mut self.position);
-            take_fixed(body, &self.position, &mut state.momentum);
-            return;
-        }
         self.set_arrival(&state.velocity, h);
         body.set_given_velocity(state.time + h, h, &mut state.velocity);
-        self.mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
+        if let Some(mass_solver) = &mut self.mass_solver {
+            mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
+        }
         body.mass_product(&state.velocity, &mut self.position);
         self.momentum.copy_from_slice(&state.momentum);
         take_fixed(body, &self.position, &mut state.momentum);

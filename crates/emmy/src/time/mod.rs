@@ -3,13 +3,15 @@
 
 #![allow(non_snake_case)]
 
+mod approximate_tangent;
 mod classic;
+mod decoupling;
 mod element;
 mod element_stepper;
 mod followers;
 mod iteration;
-mod preconditioner;
 mod scheme;
+mod shifted_solver;
 mod stage_system;
 mod state;
 mod stepper;

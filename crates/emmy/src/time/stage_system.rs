@@ -1,11 +1,11 @@
 //! The non-linear equations of a step, as Newton's iteration sees them.
 
+use super::approximate_tangent::ApproximateTangent;
 use super::followers::Followers;
-use super::preconditioner::Preconditioner;
 use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
-use crate::newton::{Sizes, System};
+use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::norm;
 use crate::sparse::{Gmres, LinearSystem};
 
@@ -26,8 +26,6 @@ pub struct StageForm {
     pub inverse_mass: Vec<f64>,
     /// How the averages answer to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
     pub response: Vec<f64>,
-    /// Weights that give it back: `K = sum_ij n_i df_i/dx_j`, `[k]`.
-    pub mean: Vec<f64>,
 }
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
@@ -50,18 +48,11 @@ pub struct StageSystem<'a> {
     force: Vec<f64>,
     /// M x_j of the last residual.
     mass_rates: Vec<f64>,
-    preconditioner: Preconditioner,
-    /// Time scale for which the factorisation was made; `None`: there is none.
-    factorised_for: Option<f64>,
-    /// Iterations of GMRES in the last solution.
-    last_iterations: usize,
+    approximation: ApproximateTangent,
     gmres: Gmres,
     negative: Vec<f64>,
     floor: f64,
 }
-
-/// More iterations than this with a factorisation of an earlier tangent, and it is renewed.
-const KEEP_BELOW: usize = 12;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -83,9 +74,7 @@ impl<'a> StageSystem<'a> {
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
-            preconditioner: Preconditioner::new(body, &form)?,
-            factorised_for: None,
-            last_iterations: 0,
+            approximation: ApproximateTangent::new(body, &form)?,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
             floor: 0.0,
@@ -173,41 +162,42 @@ impl<'a> StageSystem<'a> {
         Ok(())
     }
 
-    fn factorize(&mut self) -> Result<()> {
-        self.preconditioner.factorize(self.body, &self.assembly.matrix)?;
-        self.factorised_for = Some(self.time_scale);
-        Ok(())
+    /// Renews the approximate tangent at the rates x.
+    fn renew(&mut self, x: &[f64]) -> Result<()> {
+        self.approximation.renew(self.body, &self.displacement, x, self.time_scale)
     }
 
-    fn solve(&mut self, tolerance: f64, dx: &mut [f64]) -> (usize, bool) {
+    /// Solves with the approximate tangent, as near to the tolerance as its solver comes.
+    fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+        let iterations = self.approximation.solve(&self.negative, dx, tolerance);
+        iterations.ok_or_else(|| Error::Linear {
+            reason: format!("conjugate gradients did not reach {tolerance:e}"),
+        })
+    }
+
+    /// Solves with the true tangent.
+    fn solve_exactly(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let mut system = Linearised {
             body: self.body,
             assembly: &mut self.assembly,
-            preconditioner: &mut self.preconditioner,
+            approximation: &mut self.approximation,
         };
         let solution = self.gmres.solve(&mut system, &self.negative, dx, tolerance, MAX_LINEAR_ITERATIONS);
-        (solution.iterations, solution.relative_residual <= tolerance)
-    }
-
-    /// Solves with the kept factorisation, or with a new one where that is too old.
-    fn solve_with_fresh_enough(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        let fresh = self.factorised_for != Some(self.time_scale) || self.last_iterations > KEEP_BELOW;
-        if fresh {
-            self.factorize()?;
-        }
-        let (mut iterations, mut solved) = self.solve(tolerance, dx);
-        if !solved && !fresh {
-            self.factorize()?;
-            let (more, solved_now) = self.solve(tolerance, dx);
-            (iterations, solved) = (iterations + more, solved_now);
-        }
-        self.last_iterations = if solved { iterations } else { MAX_LINEAR_ITERATIONS };
-        if solved {
-            return Ok(iterations);
+        if solution.relative_residual <= tolerance {
+            return Ok(solution.iterations);
         }
         Err(Error::Linear {
             reason: format!("GMRES did not reach {tolerance:e} in {MAX_LINEAR_ITERATIONS} iterations"),
         })
+    }
+
+    /// Sets the rounding floor, once a step.
+    fn set_floor(&mut self, x: &[f64]) {
+        if self.floor == 0.0 {
+            let (displacement, increment) = (&self.displacement, &x[..self.body.n_dofs()]);
+            let size = self.approximation.rounding_size(self.body, displacement, increment, self.time_scale);
+            self.floor = FLOOR * f64::EPSILON * size * (self.form.rule.degree() as f64).sqrt();
+        }
     }
 }
 
@@ -231,20 +221,27 @@ impl System for StageSystem<'_> {
         x: &[f64],
         residual: &[f64],
         tolerance: f64,
-        rebuild: bool,
+        tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        if rebuild {
-            self.assemble(x, Want::Tangent)?;
-        }
         self.negative.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
-        let iterations = self.solve_with_fresh_enough(tolerance, dx)?;
-        if self.floor == 0.0 {
-            let increment = &x[..self.body.n_dofs()];
-            let size = self.preconditioner.rounding_size(self.body, &self.displacement, increment);
-            self.floor = FLOOR * f64::EPSILON * size * (self.form.rule.degree() as f64).sqrt();
+        if tangent == Tangent::Renewed || !self.approximation.is_made() {
+            self.renew(x)?;
         }
-        Ok(iterations)
+        self.approximation.fit(self.body, self.time_scale)?;
+        self.set_floor(x);
+        match tangent {
+            Tangent::Kept | Tangent::Renewed => self.solve_approximately(tolerance, dx),
+            Tangent::Exact => {
+                self.assemble(x, Want::Tangent)?;
+                self.solve_exactly(tolerance, dx)
+            }
+            Tangent::LastExact => self.solve_exactly(tolerance, dx),
+        }
+    }
+
+    fn renewal_cost(&self) -> f64 {
+        self.approximation.renewal_cost()
     }
 }
 
@@ -252,7 +249,7 @@ impl System for StageSystem<'_> {
 struct Linearised<'a> {
     body: &'a Body,
     assembly: &'a mut Assembly,
-    preconditioner: &'a mut Preconditioner,
+    approximation: &'a mut ApproximateTangent,
 }
 
 impl LinearSystem for Linearised<'_> {
@@ -262,7 +259,7 @@ impl LinearSystem for Linearised<'_> {
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        self.preconditioner.apply(x, y);
+        self.approximation.precondition(x, y);
     }
 }
 

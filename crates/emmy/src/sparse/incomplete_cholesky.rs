@@ -1,0 +1,378 @@
+//! Incomplete Cholesky factorisation without fill, in 3 x 3 blocks.
+
+use std::ops::Range;
+
+use super::blocks::{Blocks, Row, products};
+use super::conjugate_gradients::Approximate;
+use super::sweep::SweepOrder;
+
+/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks and in single
+/// precision: it only has to be near.
+///
+/// It is stored as `L = D U`, D the triangular diagonal blocks of L: the blocks of U on the diagonal are unit matrices, and a sweep
+/// through U waits for nothing but the rows before. A pivot that is lost to what is left out is replaced by that of the matrix.
+#[derive(Debug, Clone)]
+pub struct IncompleteCholesky {
+    /// On the couplings of the sweep: left of the diagonal U, on it D^-1, right of it U^T.
+    factor: Blocks<f32>,
+}
+
+impl IncompleteCholesky {
+    /// Memory for a factor.
+    pub fn new(sweep: &SweepOrder) -> Self {
+        IncompleteCholesky { factor: Blocks::new(sweep.columns.len()) }
+    }
+
+    /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both in the positions of the pattern; `fixed`:
+    /// components that are left out, `[n_rows][3]` in the numbers of the pattern.
+    pub fn factorize<'a>(
+        &mut self,
+        sweep: &SweepOrder,
+        fixed: &[bool],
+        modulus: f64,
+        mass: &[f64],
+        stiffness: impl Fn(usize) -> &'a [f64] + Sync,
+    ) {
+        let is_fixed = |row: usize, a: usize| fixed[3 * sweep.order[row] as usize + a];
+        let entry = |position: usize, row: usize| -> [f32; 9] {
+            let (source, column) = (sweep.source[position] as usize, sweep.columns[position] as usize);
+            let (values, m) = (stiffness(source), mass[source]);
+            let mut block = [0.0; 9];
+            for (at, value) in block.iter_mut().enumerate() {
+                // by columns
+                let (a, b) = (at % 3, at / 3);
+                if is_fixed(row, a) || is_fixed(column, b) {
+                    *value = if row == column && a == b { 1.0 } else { 0.0 };
+                } else {
+                    *value = (modulus * values[3 * a + b] + if a == b { m } else { 0.0 }) as f32;
+                }
+            }
+            block
+        };
+        let n_interior = sweep.row_begin[sweep.n_interior()];
+        let (interior, interface) = self.factor.entries_mut().split_at_mut(9 * n_interior);
+        side_by_side(interior, &sweep.interiors, &|row| 9 * sweep.row_begin[row], &|part, rows| {
+            let first = sweep.row_begin[rows.start];
+            rows.for_each(|row| factorize_row(sweep, row, first, part, &[], &entry));
+        });
+        let interior = &*interior;
+        side_by_side(interface, &sweep.interfaces, &|row| 9 * sweep.row_begin[row], &|part, rows| {
+            let first = sweep.row_begin[rows.start];
+            rows.for_each(|row| factorize_row(sweep, row, first, part, interior, &entry));
+        });
+        self.finish(sweep);
+    }
+
+    /// Makes U of L, and copies it to the right of the diagonal, transposed.
+    fn finish(&mut self, sweep: &SweepOrder) {
+        let factor = self.factor.entries_mut();
+        for row in 0..sweep.n_rows() {
+            for position in sweep.row_begin[row]..sweep.diagonal[row] {
+                let inverse = block(factor, sweep.diagonal[row]);
+                let unit = lower_times(inverse, block(factor, position));
+                let mirror = sweep.mirror[position] as usize;
+                factor[9 * position..][..9].copy_from_slice(&unit);
+                factor[9 * mirror..][..9].copy_from_slice(&transposed(&unit));
+            }
+        }
+    }
+
+    /// `x = (L L^T)^-1 x`.
+    pub fn sweeps<const C: usize>(&self, sweep: &SweepOrder, x: &mut [Row<f32, C>]) {
+        let n_interior = sweep.n_interior();
+        let (interior, interface) = x.split_at_mut(n_interior);
+        side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
+            for row in rows.clone() {
+                let known = self.left(sweep, row, |column| &x[column - rows.start]);
+                self.forward(sweep, row, &known, &mut x[row - rows.start]);
+            }
+        });
+        let interior_done = &*interior;
+        side_by_side(interface, &sweep.interfaces, &|row| row, &|x, rows| {
+            for row in rows.clone() {
+                let known = self.left(sweep, row, |column| match column.checked_sub(rows.start) {
+                    Some(own) => &x[own],
+                    None => &interior_done[column],
+                });
+                self.forward(sweep, row, &known, &mut x[row - rows.start]);
+            }
+            for row in rows.clone().rev() {
+                let known = self.right(sweep, row, |column| &x[column - rows.start]);
+                subtract(&mut x[row - rows.start], &known);
+            }
+        });
+        side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
+            for row in rows.clone().rev() {
+                let known = self.right(sweep, row, |column| match column.checked_sub(n_interior) {
+                    Some(at) => &interface[at],
+                    None => &x[column - rows.start],
+                });
+                subtract(&mut x[row - rows.start], &known);
+            }
+        });
+        for (row, x) in x.iter_mut().enumerate() {
+            let inverse = block(self.factor.entries(), sweep.diagonal[row]);
+            for c in 0..C {
+                let b = [x[0][c], x[1][c], x[2][c]];
+                x[0][c] = inverse[0] * b[0] + inverse[1] * b[1] + inverse[2] * b[2];
+                x[1][c] = inverse[4] * b[1] + inverse[5] * b[2];
+                x[2][c] = inverse[8] * b[2];
+            }
+        }
+    }
+
+    /// What stands left of the diagonal of a row, times x.
+    #[inline(always)]
+    fn left<'a, const C: usize>(
+        &self,
+        sweep: &SweepOrder,
+        row: usize,
+        x: impl Fn(usize) -> &'a Row<f32, C>,
+    ) -> Row<f32, C> {
+        let (begin, end) = (sweep.row_begin[row], sweep.diagonal[row]);
+        products(&self.factor.entries()[9 * begin..=9 * end], &sweep.columns[begin..end], x)
+    }
+
+    /// What stands right of the diagonal of a row, times x.
+    #[inline(always)]
+    fn right<'a, const C: usize>(
+        &self,
+        sweep: &SweepOrder,
+        row: usize,
+        x: impl Fn(usize) -> &'a Row<f32, C>,
+    ) -> Row<f32, C> {
+        let (begin, end) = (sweep.diagonal[row] + 1, sweep.row_begin[row + 1]);
+        products(&self.factor.entries()[9 * begin..=9 * end], &sweep.columns[begin..end], x)
+    }
+
+    /// `x = D_i^-1 x - known`: the product does not wait for the rows before.
+    #[inline(always)]
+    fn forward<const C: usize>(
+        &self,
+        sweep: &SweepOrder,
+        row: usize,
+        known: &Row<f32, C>,
+        x: &mut Row<f32, C>,
+    ) {
+        let inverse = block(self.factor.entries(), sweep.diagonal[row]);
+        for c in 0..C {
+            let b = [x[0][c], x[1][c], x[2][c]];
+            x[0][c] = inverse[0] * b[0];
+            x[1][c] = inverse[1] * b[0] + inverse[4] * b[1];
+            x[2][c] = inverse[2] * b[0] + inverse[5] * b[1] + inverse[8] * b[2];
+        }
+        subtract(x, known);
+    }
+}
+
+#[inline(always)]
+fn subtract<const C: usize>(x: &mut Row<f32, C>, y: &Row<f32, C>) {
+    (0..3).for_each(|a| (0..C).for_each(|c| x[a][c] -= y[a][c]));
+}
+
+/// A block, by columns.
+#[inline(always)]
+fn block(entries: &[f32], position: usize) -> &[f32] {
+    &entries[9 * position..9 * position + 9]
+}
+
+impl<const C: usize> Approximate<f32, C> for IncompleteCholesky {
+    fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<f32, C>]) {
+        self.sweeps(sweep, x);
+    }
+}
+
+/// Factorises a row: `part` holds the blocks from position `first` on, `interior` those of the interiors.
+fn factorize_row(
+    sweep: &SweepOrder,
+    row: usize,
+    first: usize,
+    part: &mut [f32],
+    interior: &[f32],
+    entry: &impl Fn(usize, usize) -> [f32; 9],
+) {
+    let (begin, diagonal) = (sweep.row_begin[row], sweep.diagonal[row]);
+    for position in begin..=diagonal {
+        let column = sweep.columns[position] as usize;
+        let original = entry(position, row);
+        let mut work = original;
+        // L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
+        let (mut own, mut other) = (begin, sweep.row_begin[column]);
+        let end = sweep.diagonal[column];
+        while own < position && other < end {
+            let (left, right) = (sweep.columns[own], sweep.columns[other]);
+            if left == right {
+                let known = if other < first { block(interior, other) } else { block(part, other - first) };
+                subtract_product(&mut work, block(part, own - first), known);
+            }
+            own += usize::from(left <= right);
+            other += usize::from(right <= left);
+        }
+        let result = if position < diagonal {
+            let inverse = if end < first { block(interior, end) } else { block(part, end - first) };
+            times_lower_transposed(&work, inverse)
+        } else {
+            inverse_factor(work, [original[0], original[4], original[8]])
+        };
+        part[9 * (position - first)..][..9].copy_from_slice(&result);
+    }
+}
+
+/// `A -= B C^T`.
+#[inline(always)]
+fn subtract_product(A: &mut [f32; 9], B: &[f32], C: &[f32]) {
+    let (B, C) = (&B[..9], &C[..9]);
+    for b in 0..3 {
+        for a in 0..3 {
+            A[3 * b + a] -= B[a] * C[b] + B[3 + a] * C[3 + b] + B[6 + a] * C[6 + b];
+        }
+    }
+}
+
+/// `A I^T` with lower triangular I.
+#[inline(always)]
+fn times_lower_transposed(A: &[f32; 9], inverse: &[f32]) -> [f32; 9] {
+    let mut product = [0.0; 9];
+    for a in 0..3 {
+        for b in 0..3 {
+            product[3 * b + a] = (0..=b).map(|c| A[3 * c + a] * inverse[3 * c + b]).sum();
+        }
+    }
+    product
+}
+
+/// `I A` with lower triangular I.
+#[inline(always)]
+fn lower_times(inverse: &[f32], A: &[f32]) -> [f32; 9] {
+    let mut product = [0.0; 9];
+    for a in 0..3 {
+        for b in 0..3 {
+            product[3 * b + a] = (0..=a).map(|c| inverse[3 * c + a] * A[3 * b + c]).sum();
+        }
+    }
+    product
+}
+
+/// Inverse of the Cholesky factor of a block; a pivot lost to what was left out is replaced by that of the original diagonal.
+fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
+    const SMALLEST: f32 = 1e-3;
+    let mut L = [[0f32; 3]; 3];
+    for a in 0..3 {
+        for b in 0..=a {
+            let known: f32 = (0..b).map(|c| L[a][c] * L[b][c]).sum();
+            let rest = A[3 * b + a] - known;
+            L[a][b] = if a > b {
+                rest / L[b][b]
+            } else if rest > SMALLEST * original[a].abs() {
+                rest.sqrt()
+            } else {
+                original[a].abs().sqrt()
+            };
+        }
+    }
+    let [i0, i1, i2] = [1.0 / L[0][0], 1.0 / L[1][1], 1.0 / L[2][2]];
+    let i10 = -L[1][0] * i0 * i1;
+    let i21 = -L[2][1] * i1 * i2;
+    [i0, i10, -(L[2][0] * i0 + L[2][1] * i10) * i2, 0.0, i1, i21, 0.0, 0.0, i2]
+}
+
+fn transposed(A: &[f32]) -> [f32; 9] {
+    [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
+}
+
+/// Works on ranges that follow one another, each with its own part of a slice; `at(row)`: where a row begins in the slice.
+fn side_by_side<T: Send>(
+    slice: &mut [T],
+    ranges: &[Range<usize>],
+    at: &(impl Fn(usize) -> usize + Sync),
+    work: &(impl Fn(&mut [T], Range<usize>) + Sync),
+) {
+    match ranges {
+        [] => {}
+        [rows] => work(slice, rows.clone()),
+        _ => {
+            let (left, right) = ranges.split_at(ranges.len() / 2);
+            let (low, high) = slice.split_at_mut(at(right[0].start) - at(left[0].start));
+            rayon::join(|| side_by_side(low, left, at, work), || side_by_side(high, right, at, work));
+        }
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::super::Pattern;
+    use super::super::shifted::ShiftedMatrix;
+    use super::super::sweep::tests::grid;
+    use super::*;
+
+    /// Mass of a box and a stiffness that is coupled in all components; `(mass, stiffness)`.
+    pub fn elastic(pattern: &Pattern) -> (Vec<f64>, Vec<f64>) {
+        let (mut mass, mut stiffness) = (vec![0.0; pattern.n_blocks()], vec![0.0; 9 * pattern.n_blocks()]);
+        for row in 0..pattern.n_rows() {
+            let n = pattern.row(row).len() as f64;
+            for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
+                let is_diagonal = column as usize == row;
+                mass[position] = if is_diagonal { 8.0 } else { 0.2 };
+                for a in 0..3 {
+                    for b in 0..3 {
+                        let off = if a == b { -1.0 } else { 0.3 };
+                        let value = if is_diagonal && a == b {
+                            n + 1.0
+                        } else if is_diagonal {
+                            0.0
+                        } else {
+                            off
+                        };
+                        stiffness[9 * position + 3 * a + b] = value;
+                    }
+                }
+            }
+        }
+        (mass, stiffness)
+    }
+
+    #[test]
+    fn without_fill_it_is_the_factor_itself() {
+        // A chain has no fill: the incomplete factor is exact, to single precision.
+        let lists: Vec<[u32; 2]> = (0..39).map(|i| [i, i + 1]).collect();
+        let pattern = Pattern::new(40, lists.iter().map(|list| &list[..]));
+        let (mass, stiffness) = elastic(&pattern);
+        let sweep = SweepOrder::new(&pattern);
+        let mut fixed = vec![false; 120];
+        (fixed[7], fixed[60], fixed[61]) = (true, true, true);
+        let mut factor = IncompleteCholesky::new(&sweep);
+        let block = |position: usize| &stiffness[9 * position..9 * position + 9];
+        factor.factorize(&sweep, &fixed, 0.7, &mass, block);
+        let mut matrix = ShiftedMatrix::<f64, 1>::new(&sweep, &fixed);
+        matrix.set(&sweep, [0.7, 0.0], &mass, block);
+        let free = |new: usize, a: usize| !fixed[3 * sweep.order[new] as usize + a];
+        let x: Vec<Row<f64, 1>> = (0..40)
+            .map(|i| [0, 1, 2].map(|a| [if free(i, a) { (i as f64 + a as f64).sin() } else { 0.0 }]))
+            .collect();
+        let mut b = x.clone();
+        matrix.multiply(&sweep, &x, &mut b, &mut [[0.0; 2]]);
+        let mut solution: Vec<Row<f32, 1>> = b.iter().map(|b| b.map(|b| [b[0] as f32])).collect();
+        factor.sweeps(&sweep, &mut solution);
+        for (x, solution) in x.iter().zip(&solution) {
+            (0..3).for_each(|a| assert!((x[a][0] - f64::from(solution[a][0])).abs() < 1e-5));
+        }
+    }
+
+    #[test]
+    fn chunks_do_not_change_the_factor_of_their_own_rows() {
+        // Several chunks: the factor times its transpose agrees with the matrix on the pattern of every row without fill.
+        let pattern = grid([6, 6, 280]);
+        let (mass, stiffness) = elastic(&pattern);
+        let sweep = SweepOrder::new(&pattern);
+        assert!(sweep.interiors.len() > 1);
+        let fixed = vec![false; 3 * pattern.n_rows()];
+        let mut factor = IncompleteCholesky::new(&sweep);
+        factor.factorize(&sweep, &fixed, 1.0, &mass, |position| &stiffness[9 * position..9 * position + 9]);
+        let mut x = vec![[[1f32]; 3]; sweep.n_rows()];
+        factor.sweeps(&sweep, &mut x);
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let mut y = vec![[[1f32]; 3]; sweep.n_rows()];
+        one_thread.install(|| factor.sweeps(&sweep, &mut y));
+        assert!(x == y && x.iter().flatten().all(|x| x[0].is_finite() && x[0] > 0.0));
+    }
+}

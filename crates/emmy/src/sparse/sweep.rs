@@ -1,0 +1,239 @@
+//! An order of the rows of a pattern for iterative solvers: neighbours near each other, and divided so that several threads can
+//! sweep through them.
+
+use std::ops::Range;
+
+use super::Pattern;
+
+/// Rows in the order of Cuthill and McKee (1969), divided into chunks whose interiors are not coupled with each other.
+///
+/// A chunk is a range of that order; those of its rows that are coupled with a later chunk are its *interface*, the others its
+/// *interior*. All interiors come first, then all interfaces. A triangular sweep works on all interiors side by side, and
+/// then on all interfaces. The division depends on the pattern alone, not on the number of threads.
+#[derive(Debug, Clone)]
+pub struct SweepOrder {
+    /// Old number of each row, `[new]`.
+    pub order: Vec<u32>,
+    /// Where the couplings of each row begin, `[n_rows + 1]`.
+    pub row_begin: Vec<usize>,
+    /// Where the diagonal of each row stands.
+    pub diagonal: Vec<usize>,
+    /// Columns in the new numbers, ascending in each row.
+    pub columns: Vec<u32>,
+    /// Position of each coupling in the pattern.
+    pub source: Vec<u32>,
+    /// Where the coupling of column with row stands, for that of row with column.
+    pub mirror: Vec<u32>,
+    /// Rows of the interiors, then of the interfaces; the ranges of a kind follow one another.
+    pub interiors: Vec<Range<usize>>,
+    /// Rows of the interfaces.
+    pub interfaces: Vec<Range<usize>>,
+}
+
+/// Chunks at the most: threads that can sweep side by side.
+const MAX_CHUNKS: usize = 8;
+
+/// Rows of a chunk at the least.
+const MIN_ROWS: usize = 4096;
+
+impl SweepOrder {
+    /// The order of a pattern.
+    pub fn new(pattern: &Pattern) -> Self {
+        let levels = cuthill_mckee(pattern);
+        let mut n_chunks = (pattern.n_rows() / MIN_ROWS)
+            .clamp(1, std::env::var("EMMY_CHUNKS").map_or(MAX_CHUNKS, |s| s.parse().unwrap()));
+        loop {
+            let (order, interiors, interfaces) = divided(pattern, &levels, n_chunks);
+            let sweep = SweepOrder::renumbered(pattern, order, interiors, interfaces);
+            // Thin chunks have interfaces that meet: fewer chunks then.
+            if n_chunks == 1 || sweep.interfaces_are_apart() {
+                return sweep;
+            }
+            n_chunks /= 2;
+        }
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Number of rows in all interiors.
+    pub fn n_interior(&self) -> usize {
+        self.interiors.last().map_or(0, |range| range.end)
+    }
+
+    fn renumbered(
+        pattern: &Pattern,
+        order: Vec<u32>,
+        interiors: Vec<Range<usize>>,
+        interfaces: Vec<Range<usize>>,
+    ) -> Self {
+        let mut number = vec![0u32; order.len()];
+        order.iter().enumerate().for_each(|(new, &old)| number[old as usize] = new as u32);
+        let (mut row_begin, mut diagonal) = (vec![0], Vec::with_capacity(order.len()));
+        let mut columns = Vec::with_capacity(pattern.n_blocks());
+        let mut source = Vec::with_capacity(pattern.n_blocks());
+        let mut row: Vec<(u32, u32)> = Vec::new();
+        for (new, &old) in order.iter().enumerate() {
+            row.clear();
+            let couplings = pattern.row(old as usize).iter().zip(pattern.range(old as usize));
+            row.extend(couplings.map(|(&column, position)| (number[column as usize], position as u32)));
+            row.sort_unstable();
+            diagonal.push(columns.len() + row.partition_point(|&(column, _)| (column as usize) < new));
+            columns.extend(row.iter().map(|(column, _)| column));
+            source.extend(row.iter().map(|(_, position)| position));
+            row_begin.push(columns.len());
+        }
+        let mirror = mirrored(&row_begin, &columns);
+        SweepOrder { order, row_begin, diagonal, columns, source, mirror, interiors, interfaces }
+    }
+
+    fn interfaces_are_apart(&self) -> bool {
+        self.interfaces.iter().all(|rows| {
+            let couplings = &self.columns[self.row_begin[rows.start]..self.row_begin[rows.end]];
+            couplings
+                .iter()
+                .all(|&column| (column as usize) < self.n_interior() || rows.contains(&(column as usize)))
+        })
+    }
+}
+
+/// Where the transpose of each coupling stands.
+fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
+    let mut next = row_begin.to_vec();
+    let mut mirror = vec![0; columns.len()];
+    // Rows ascend: the couplings of a column are met in the order in which they stand in its row.
+    for row in 0..row_begin.len() - 1 {
+        for position in row_begin[row]..row_begin[row + 1] {
+            let column = columns[position] as usize;
+            mirror[position] = next[column] as u32;
+            next[column] += 1;
+        }
+    }
+    mirror
+}
+
+/// Breadth-first order of the rows, from a row far from the middle; parts that are not coupled follow one another.
+fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
+    let n = pattern.n_rows();
+    let (mut order, mut seen) = (Vec::with_capacity(n), vec![false; n]);
+    for row in 0..n {
+        if seen[row] {
+            continue;
+        }
+        // The last row of a first search is at the rim of the part.
+        let start = order.len();
+        search(pattern, row, &mut seen, &mut order);
+        let rim = order[order.len() - 1] as usize;
+        order[start..].iter().for_each(|&row| seen[row as usize] = false);
+        order.truncate(start);
+        search(pattern, rim, &mut seen, &mut order);
+    }
+    order
+}
+
+/// Appends what can be reached from a row, nearest first; among neighbours, those with few couplings first.
+fn search(pattern: &Pattern, from: usize, seen: &mut [bool], order: &mut Vec<u32>) {
+    let mut next = order.len();
+    seen[from] = true;
+    order.push(from as u32);
+    while next < order.len() {
+        let first = order.len();
+        for &row in pattern.row(order[next] as usize) {
+            if !seen[row as usize] {
+                seen[row as usize] = true;
+                order.push(row);
+            }
+        }
+        order[first..].sort_by_key(|&row| (pattern.range(row as usize).len(), row));
+        next += 1;
+    }
+}
+
+/// Divides an order into chunks: all interiors, then all interfaces.
+fn divided(
+    pattern: &Pattern,
+    levels: &[u32],
+    n_chunks: usize,
+) -> (Vec<u32>, Vec<Range<usize>>, Vec<Range<usize>>) {
+    let n = levels.len();
+    let mut chunk_of = vec![0u32; n];
+    let chunk = |chunk: usize| chunk * n / n_chunks..(chunk + 1) * n / n_chunks;
+    for index in 0..n_chunks {
+        levels[chunk(index)].iter().for_each(|&row| chunk_of[row as usize] = index as u32);
+    }
+    let is_interface = |row: u32| {
+        let own = chunk_of[row as usize];
+        pattern.row(row as usize).iter().any(|&column| chunk_of[column as usize] > own)
+    };
+    let mut order = Vec::with_capacity(n);
+    let mut ranges = [Vec::new(), Vec::new()];
+    for (kind, ranges) in ranges.iter_mut().enumerate() {
+        for index in 0..n_chunks {
+            let start = order.len();
+            order.extend(levels[chunk(index)].iter().filter(|&&row| is_interface(row) == (kind == 1)));
+            ranges.push(start..order.len());
+        }
+    }
+    let [interiors, interfaces] = ranges;
+    (order, interiors, interfaces)
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// A box of nodes, each coupled with its 26 neighbours.
+    pub fn grid(size: [usize; 3]) -> Pattern {
+        let node = |x: usize, y: usize, z: usize| ((z * size[1] + y) * size[0] + x) as u32;
+        let mut cells = Vec::new();
+        for z in 0..size[2] - 1 {
+            for y in 0..size[1] - 1 {
+                for x in 0..size[0] - 1 {
+                    cells.push([0, 1, 2, 3, 4, 5, 6, 7].map(|c| node(x + c % 2, y + c / 2 % 2, z + c / 4)));
+                }
+            }
+        }
+        Pattern::new(size.iter().product(), cells.iter().map(|cell| &cell[..]))
+    }
+
+    #[test]
+    fn every_row_comes_once_and_mirrors_are_transposes() {
+        let pattern = grid([7, 6, 400]);
+        let sweep = SweepOrder::new(&pattern);
+        assert!(sweep.interiors.len() > 2, "{:?}", sweep.interiors);
+        let mut rows = sweep.order.clone();
+        rows.sort_unstable();
+        assert!(rows.iter().enumerate().all(|(index, &row)| index == row as usize));
+        for row in 0..sweep.n_rows() {
+            assert_eq!(sweep.columns[sweep.diagonal[row]] as usize, row);
+            for position in sweep.row_begin[row]..sweep.row_begin[row + 1] {
+                let (column, mirror) = (sweep.columns[position] as usize, sweep.mirror[position] as usize);
+                assert_eq!(sweep.columns[mirror] as usize, row);
+                assert!((sweep.row_begin[column]..sweep.row_begin[column + 1]).contains(&mirror));
+                let old = pattern.position(sweep.order[row] as usize, sweep.order[column] as usize);
+                assert_eq!(old, Some(sweep.source[position] as usize));
+            }
+        }
+    }
+
+    #[test]
+    fn interiors_are_coupled_with_themselves_and_interfaces_only() {
+        let sweep = SweepOrder::new(&grid([5, 5, 700]));
+        assert!(sweep.interfaces_are_apart());
+        for rows in &sweep.interiors {
+            let couplings = &sweep.columns[sweep.row_begin[rows.start]..sweep.row_begin[rows.end]];
+            assert!(couplings.iter().all(|&column| {
+                let column = column as usize;
+                rows.contains(&column) || column >= sweep.n_interior()
+            }));
+        }
+    }
+
+    #[test]
+    fn parts_that_are_not_coupled_are_all_reached() {
+        let pattern = Pattern::new(5, [[0u32, 1], [3, 4]].iter().map(|list| &list[..]));
+        assert_eq!(SweepOrder::new(&pattern).n_rows(), 5);
+    }
+}

@@ -1,0 +1,141 @@
+//! The stage equations, linearised with one stiffness, fall into equations of the size of the body.
+//!
+//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + s^2 m^-1 w (x) K`; for a time
+//! element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it falls into `M + s^2 lambda K` (Butcher 1976). A complex
+//! lambda stands for itself and its conjugate. For it the real matrix `M + s^2 |lambda| K`, turned by half the argument phi of
+//! lambda, is near: in an eigenvector of `K` with `x = s^2 |lambda| omega^2`
+//!
+//! ```math
+//! exp(-i phi/2) (1 + exp(i phi) x) / (1 + x) = cos(phi/2) + i sin(phi/2) (x - 1) / (x + 1)
+//! ```
+//!
+//! a segment of the right half plane whatever the step size.
+
+use super::stage_system::StageForm;
+use crate::error::Result;
+use crate::sparse::{Eigenpairs, eigenpairs};
+
+/// One eigenvalue of `m^-1 w`, or a conjugate pair, and the change of basis between the stages and it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.
+    pub eigenvalue: [f64; 2],
+    /// From stages to right-hand sides, `[column][i]`: one column, or two for a pair.
+    pub forward: Vec<f64>,
+    /// From solutions to stages, `[i][column]`.
+    pub backward: Vec<f64>,
+    /// From solutions with the real matrix to stages, `[i][column]`.
+    pub turned: Vec<f64>,
+}
+
+/// An eigenvalue counts as real when its imaginary part is below this.
+const PAIRED: f64 = 1e-12;
+
+/// The modes of the equations of a step.
+///
+/// # Errors
+/// [`crate::Error::Linear`] if the eigenvalues are not found.
+pub fn modes(form: &StageForm) -> Result<Vec<Mode>> {
+    let (k, a, w) = (form.rule.degree(), &form.inverse_mass, &form.response);
+    let product: Vec<f64> =
+        (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
+    let eigen = eigenpairs(&product)?;
+    let first_of_pair = (0..k).filter(|&m| eigen.values[m].1 > -PAIRED);
+    Ok(first_of_pair.map(|m| Mode::new(a, &eigen, m)).collect())
+}
+
+impl Mode {
+    fn new(a: &[f64], eigen: &Eigenpairs, m: usize) -> Self {
+        let k = eigen.values.len();
+        let (re, im) = eigen.values[m];
+        // Row m of V^-1 times the inverse of the mass coefficients.
+        let row = |i: usize, part: fn(&(f64, f64)) -> f64| -> f64 {
+            (0..k).map(|l| part(&eigen.inverse[m * k + l]) * a[l * k + i]).sum()
+        };
+        let mut forward: Vec<f64> = (0..k).map(|i| row(i, |z| z.0)).collect();
+        if im <= PAIRED {
+            let backward: Vec<f64> = (0..k).map(|i| eigen.vectors[i * k + m].0).collect();
+            return Mode { eigenvalue: [re, 0.0], forward, turned: backward.clone(), backward };
+        }
+        forward.extend((0..k).map(|i| row(i, |z| z.1)));
+        // 2 Re [ V_im exp(-i angle) (y_1 + i y_2) ]
+        let turned_by = |angle: f64| -> Vec<f64> {
+            let (sin, cos) = (-angle).sin_cos();
+            let pairs = (0..k).map(|i| eigen.vectors[i * k + m]);
+            pairs.flat_map(|(re, im)| [2.0 * (re * cos - im * sin), -2.0 * (re * sin + im * cos)]).collect()
+        };
+        Mode {
+            eigenvalue: [re, im],
+            forward,
+            backward: turned_by(0.0),
+            turned: turned_by(0.5 * im.atan2(re)),
+        }
+    }
+
+    /// Number of real right-hand sides: 1, or 2 for a pair.
+    pub fn n_columns(&self) -> usize {
+        if self.eigenvalue[1] > PAIRED { 2 } else { 1 }
+    }
+
+    /// Modulus of the eigenvalue.
+    pub fn modulus(&self) -> f64 {
+        self.eigenvalue[0].hypot(self.eigenvalue[1])
+    }
+
+    /// Right-hand sides of the mode, `[dof][column]`, from those of the stages, `[k][dof]`.
+    pub fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
+        let (k, n) = (self.forward.len() / self.n_columns(), columns.len() / self.n_columns());
+        for (dof, columns) in columns.chunks_exact_mut(self.n_columns()).enumerate() {
+            for (value, forward) in columns.iter_mut().zip(self.forward.chunks_exact(k)) {
+                *value = forward.iter().enumerate().map(|(i, forward)| forward * stages[i * n + dof]).sum();
+            }
+        }
+    }
+
+    /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of basis.
+    pub fn add_to(&self, backward: &[f64], columns: &[f64], stages: &mut [f64]) {
+        let n = columns.len() / self.n_columns();
+        for (stage, row) in stages.chunks_exact_mut(n).zip(backward.chunks_exact(self.n_columns())) {
+            for (value, columns) in stage.iter_mut().zip(columns.chunks_exact(self.n_columns())) {
+                *value += row.iter().zip(columns).map(|(b, y)| b * y).sum::<f64>();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::{Scheme, TimeElement};
+
+    #[test]
+    fn modes_solve_the_stage_equations_of_an_oscillator() {
+        // (a^-1 + y a) x = r for one degree of freedom with M = 1, s^2 K = y.
+        let y = 3.7;
+        for k in 1..=5 {
+            let form: StageForm = TimeElement::new(Scheme::DiscreteGradient, k).unwrap().into();
+            let right: Vec<f64> = (0..k).map(|i| (i as f64 + 0.3).cos()).collect();
+            let mut x = vec![0.0; k];
+            let modes = modes(&form).unwrap();
+            assert_eq!(modes.iter().map(Mode::n_columns).sum::<usize>(), k);
+            for mode in &modes {
+                let mut columns = vec![0.0; mode.n_columns()];
+                mode.restrict(&right, &mut columns);
+                let [re, im] = mode.eigenvalue.map(|part| y * part);
+                let (re, size) = (1.0 + re, (1.0 + re).powi(2) + im * im);
+                let imaginary = if columns.len() == 2 { columns[1] } else { 0.0 };
+                let (u, v) = (columns[0], imaginary);
+                columns[0] = (u * re + v * im) / size;
+                if columns.len() == 2 {
+                    columns[1] = (v * re - u * im) / size;
+                }
+                mode.add_to(&mode.backward, &columns, &mut x);
+            }
+            for i in 0..k {
+                let left: f64 =
+                    (0..k).map(|j| (form.mass[i * k + j] + y * form.response[i * k + j]) * x[j]).sum();
+                assert!((left - right[i]).abs() < 1e-11, "{k}: {left} {}", right[i]);
+            }
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Solvers of `(M + lambda K) y = b`, one for each mode of the stage equations.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::body::Body;
+use crate::error::Result;
+use crate::sparse::{
+    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Real, Row, ShiftedMatrix,
+    StageMatrix, SweepOrder,
+};
+
+/// A solver; vectors are `[n_nodes][3][columns]`.
+pub trait ShiftedSolver: fmt::Debug + Send {
+    /// Takes over the stiffness K, a matrix of one stage; `shift`: lambda.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`] if the matrix is not finite or there is not enough memory.
+    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()>;
+
+    /// Solves in place to a relative tolerance. Returns the number of iterations, `None` if it was not reached.
+    fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
+
+    /// Solves in place, nearly, with the real matrix `M + |lambda| K`: always the same linear map.
+    fn precondition(&mut self, x: &mut [f64]);
+}
+
+/// Conjugate gradients, preconditioned by an incomplete factor, in single precision: what they return is corrected again.
+#[derive(Debug)]
+pub struct Iterative<const C: usize> {
+    sweep: Arc<SweepOrder>,
+    matrix: ShiftedMatrix<f32, C>,
+    factor: IncompleteCholesky,
+    krylov: ConjugateGradients<f32, C>,
+}
+
+/// Iterations before giving up.
+const MAX_ITERATIONS: usize = 400;
+
+impl<const C: usize> Iterative<C> {
+    pub fn new(body: &Body, sweep: Arc<SweepOrder>) -> Self {
+        Iterative {
+            matrix: ShiftedMatrix::new(&sweep, body.fixed()),
+            factor: IncompleteCholesky::new(&sweep),
+            krylov: ConjugateGradients::new(sweep.n_rows()),
+            sweep,
+        }
+    }
+}
+
+impl<const C: usize> ShiftedSolver for Iterative<C> {
+    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
+        let block = |position: usize| stiffness.block(position);
+        self.matrix.set(&self.sweep, shift, body.mass(), block);
+        let modulus = shift[0].hypot(shift[1]);
+        self.factor.factorize(&self.sweep, body.fixed(), modulus, body.mass(), block);
+        Ok(())
+    }
+
+    fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
+        let size = largest(x);
+        if size == 0.0 {
+            return Some(0);
+        }
+        gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
+        let (matrix, factor) = (&self.matrix, &mut self.factor);
+        let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, MAX_ITERATIONS);
+        scatter(&self.sweep, &self.krylov.solution, size, x);
+        (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
+    }
+
+    fn precondition(&mut self, x: &mut [f64]) {
+        let size = largest(x);
+        if size == 0.0 {
+            return;
+        }
+        gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
+        self.factor.sweeps(&self.sweep, &mut self.krylov.rhs);
+        scatter(&self.sweep, &self.krylov.rhs, size, x);
+    }
+}
+
+/// A sparse factorisation; exact for a real lambda.
+#[derive(Debug)]
+pub struct Direct {
+    factor: BlockCholesky,
+}
+
+impl Direct {
+    /// Symbolic work.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
+    pub fn new(body: &Body, node_order: &[usize]) -> Result<Self> {
+        Ok(Direct { factor: BlockCholesky::new(body.pattern(), 3, body.fixed(), node_order)? })
+    }
+
+    fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, modulus: f64) -> Result<()> {
+        self.factor.factorize(|source| {
+            // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
+            let mass = if source % 9 % 4 == 0 { body.mass()[source / 9] } else { 0.0 };
+            mass + modulus * stiffness.block(source / 9)[source % 9]
+        })
+    }
+
+    fn backsolve(&mut self, n_columns: usize, x: &mut [f64]) {
+        let read = |x: &&mut [f64], column: usize, row: usize| x[row * n_columns + column];
+        let write = |x: &mut &mut [f64], column: usize, row: usize, value: f64| {
+            x[row * n_columns + column] = value;
+        };
+        self.factor.solve(n_columns, &mut &mut *x, read, write);
+    }
+}
+
+impl ShiftedSolver for Direct {
+    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
+        self.factorize(body, stiffness, shift[0])
+    }
+
+    fn solve(&mut self, x: &mut [f64], _: f64) -> Option<usize> {
+        self.precondition(x);
+        Some(1)
+    }
+
+    fn precondition(&mut self, x: &mut [f64]) {
+        self.backsolve(1, x);
+    }
+}
+
+/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of iterations
+/// depends on neither mesh nor step size.
+#[derive(Debug)]
+pub struct DirectPair {
+    sweep: Arc<SweepOrder>,
+    matrix: ShiftedMatrix<f64, 2>,
+    inverse: Reordered,
+    krylov: ConjugateGradients<f64, 2>,
+}
+
+/// A factorisation as an approximate inverse, in the order of the sweep.
+#[derive(Debug)]
+struct Reordered {
+    direct: Direct,
+    work: Vec<f64>,
+}
+
+impl DirectPair {
+    /// Symbolic work.
+    ///
+    /// # Errors
+    /// Those of [`Direct::new`].
+    pub fn new(body: &Body, node_order: &[usize], sweep: Arc<SweepOrder>) -> Result<Self> {
+        Ok(DirectPair {
+            matrix: ShiftedMatrix::new(&sweep, body.fixed()),
+            inverse: Reordered { direct: Direct::new(body, node_order)?, work: vec![0.0; 2 * body.n_dofs()] },
+            krylov: ConjugateGradients::new(sweep.n_rows()),
+            sweep,
+        })
+    }
+}
+
+impl ShiftedSolver for DirectPair {
+    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
+        self.matrix.set(&self.sweep, shift, body.mass(), |position| stiffness.block(position));
+        self.inverse.direct.factorize(body, stiffness, shift[0].hypot(shift[1]))
+    }
+
+    fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
+        gather(&self.sweep, x, 1.0, &mut self.krylov.rhs);
+        let (matrix, inverse) = (&self.matrix, &mut self.inverse);
+        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, MAX_ITERATIONS);
+        scatter(&self.sweep, &self.krylov.solution, 1.0, x);
+        (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
+    }
+
+    fn precondition(&mut self, x: &mut [f64]) {
+        self.inverse.direct.backsolve(2, x);
+    }
+}
+
+impl Approximate<f64, 2> for Reordered {
+    fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<f64, 2>]) {
+        scatter(sweep, x, 1.0, &mut self.work);
+        self.direct.backsolve(2, &mut self.work);
+        gather(sweep, &self.work, 1.0, x);
+    }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+}
+
+/// `rows = factor x`, rows in the order of the sweep.
+fn gather<T: Real, const C: usize>(sweep: &SweepOrder, x: &[f64], factor: f64, rows: &mut [Row<T, C>]) {
+    for (row, &node) in rows.iter_mut().zip(&sweep.order) {
+        let x = &x[3 * C * node as usize..][..3 * C];
+        for a in 0..3 {
+            (0..C).for_each(|c| row[a][c] = T::of(factor * x[a * C + c]));
+        }
+    }
+}
+
+/// `x = factor rows`, back in the order of the nodes.
+fn scatter<T: Real, const C: usize>(sweep: &SweepOrder, rows: &[Row<T, C>], factor: f64, x: &mut [f64]) {
+    for (row, &node) in rows.iter().zip(&sweep.order) {
+        let x = &mut x[3 * C * node as usize..][..3 * C];
+        for a in 0..3 {
+            (0..C).for_each(|c| x[a * C + c] = factor * row[a][c].wide());
+        }
+    }
+}
