@@ -389,7 +389,7 @@ mod tests {
     fn converges_quadratically() {
         let (mut newton, mut x) = (Newton::default(), [3.0]);
         let outcome =
-            newton.solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut x, &NewtonSettings::default(), false).unwrap();
+            newton.solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut x, &NewtonSettings::default(), true).unwrap();
         assert!(outcome.converged && !outcome.at_rounding_floor && x[0] == 2.0);
         // R_(n+1) = (R_n / (2 x_n))^2 exactly for this equation.
         let history = newton.history();
@@ -413,8 +413,26 @@ mod tests {
     fn gives_up_and_says_so() {
         let settings = NewtonSettings { tolerance: 1e-10, max_iterations: 2 };
         let outcome =
-            Newton::default().solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut [300.0], &settings, false).unwrap();
+            Newton::default().solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut [300.0], &settings, true).unwrap();
         assert!(!outcome.converged && outcome.iterations == 2 && outcome.residual > outcome.target);
+    }
+
+    #[test]
+    fn a_kept_tangent_is_renewed_when_it_has_cost_more_than_a_new_one() {
+        let (mut newton, mut system) = (Newton::default(), SquareRoot(4.0, 1e-12, 0.0));
+        let settings = NewtonSettings::default();
+        let mut renewals = Vec::new();
+        for step in 0..12 {
+            let mut x = [2.0 + 0.02 * f64::from(step)];
+            let before = system.2;
+            system.0 = (2.01 + 0.02 * f64::from(step)).powi(2);
+            let outcome = newton.solve(&mut system, &mut x, &settings, false).unwrap();
+            assert!(outcome.converged && (x[0] * x[0] - system.0).abs() < 1e-11);
+            renewals.push(system.2 != before);
+        }
+        // Made for the first step, kept for the next ones, renewed before the last.
+        assert!(renewals[0] && !renewals[1] && !renewals[2], "{renewals:?}");
+        assert!(renewals[3..].contains(&true), "{renewals:?}");
     }
 
     #[test]
