@@ -2,6 +2,15 @@
 
 #![allow(non_snake_case)]
 
+/// A closure that is inlined wherever it is called. What lanes go through must be: a function of its own would be compiled
+/// for the oldest instruction set (see [`Batch`]).
+macro_rules! inlined {
+    ($($closure:tt)*) => {
+        std::convert::identity(#[inline(always)] $($closure)*)
+    };
+}
+pub(crate) use inlined;
+
 mod batch;
 mod eigen;
 
@@ -116,6 +125,12 @@ pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
     ]
 }
 
+/// Three components.
+#[inline(always)]
+pub fn three<L>(entry: impl Fn(usize) -> L) -> [L; 3] {
+    [entry(0), entry(1), entry(2)]
+}
+
 /// Symmetric tensor from its components.
 #[inline(always)]
 pub fn sym<L>(entry: impl Fn(usize, usize) -> L) -> Sym<L> {
@@ -137,7 +152,7 @@ pub fn dot3<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
 /// Determinant.
 #[inline(always)]
 pub fn det<L: Lane>(A: &Mat3<L>) -> L {
-    let minor = |i: usize, j: usize| A[1][i].mul_add(A[2][j], -(A[1][j] * A[2][i]));
+    let minor = inlined!(|i: usize, j: usize| A[1][i].mul_add(A[2][j], -(A[1][j] * A[2][i])));
     dot3([A[0][0], A[0][1], A[0][2]], [minor(1, 2), minor(2, 0), minor(0, 1)])
 }
 
@@ -146,21 +161,23 @@ pub fn det<L: Lane>(A: &Mat3<L>) -> L {
 pub fn det_of_identity_plus<L: Lane>(G: &Mat3<L>) -> L {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] += one);
+    for i in 0..3 {
+        F[i][i] += one;
+    }
     det(&F)
 }
 
 /// Determinant of a symmetric tensor.
 #[inline(always)]
 pub fn sym_det<L: Lane>(A: &Sym<L>) -> L {
-    let minor = |a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d]));
+    let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
     dot3([A[0], A[3], A[5]], [minor(1, 2, 4, 4), minor(4, 5, 3, 2), minor(3, 4, 1, 5)])
 }
 
 /// Cofactor of a symmetric tensor: its determinant times its inverse.
 #[inline(always)]
 pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
-    let minor = |a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d]));
+    let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
     [
         minor(1, 2, 4, 4),
         minor(0, 2, 5, 5),
@@ -187,13 +204,19 @@ pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
 /// Sum `A + s B` of symmetric tensors.
 #[inline(always)]
 pub fn sym_add_scaled<L: Lane>(A: &Sym<L>, s: L, B: &Sym<L>) -> Sym<L> {
-    sym(|i, j| s.mul_add(B[SYM_INDEX[i][j]], A[SYM_INDEX[i][j]]))
+    sym(
+        #[inline(always)]
+        |i, j| s.mul_add(B[SYM_INDEX[i][j]], A[SYM_INDEX[i][j]]),
+    )
 }
 
 /// Sum `A + s B`.
 #[inline(always)]
 pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
-    mat3(|i, j| B[i][j].mul_add(A[0][0].splat(s), A[i][j]))
+    mat3(
+        #[inline(always)]
+        |i, j| B[i][j].mul_add(A[0][0].splat(s), A[i][j]),
+    )
 }
 
 /// Green-Lagrange strain `E = (C - I) / 2` from the displacement gradient `G = F - I`, without cancellation.
@@ -203,23 +226,32 @@ pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
 /// ```
 #[inline(always)]
 pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
-    let column = |i: usize| [G[0][i], G[1][i], G[2][i]];
-    sym(|i, j| (G[i][j] + G[j][i] + dot3(column(i), column(j))) * 0.5)
+    let column = inlined!(|i: usize| [G[0][i], G[1][i], G[2][i]]);
+    sym(
+        #[inline(always)]
+        |i, j| (G[i][j] + G[j][i] + dot3(column(i), column(j))) * 0.5,
+    )
 }
 
 /// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
 #[inline(always)]
 pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
-    let column = |A: &Mat3<L>, i: usize| [A[0][i], A[1][i], A[2][i]];
-    let entry = |i: usize, j: usize| B[i][j] + dot3(column(G, i), column(B, j));
-    sym(|i, j| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 })
+    let column = inlined!(|A: &Mat3<L>, i: usize| [A[0][i], A[1][i], A[2][i]]);
+    let entry = inlined!(|i: usize, j: usize| B[i][j] + dot3(column(G, i), column(B, j)));
+    sym(
+        #[inline(always)]
+        |i, j| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 },
+    )
 }
 
 /// Product `(I + G) S` with a symmetric tensor: the first Piola-Kirchhoff stress of a second one.
 #[inline(always)]
 pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
-    let s = |i: usize, j: usize| S[SYM_INDEX[i][j]];
-    mat3(|i, j| G[i][2].mul_add(s(2, j), G[i][1].mul_add(s(1, j), G[i][0].mul_add(s(0, j), s(i, j)))))
+    let s = inlined!(|i: usize, j: usize| S[SYM_INDEX[i][j]]);
+    mat3(
+        #[inline(always)]
+        |i, j| G[i][2].mul_add(s(2, j), G[i][1].mul_add(s(1, j), G[i][0].mul_add(s(0, j), s(i, j)))),
+    )
 }
 
 /// `z - ln(1 + z)` without cancellation: a series where z is small.

@@ -272,6 +272,10 @@ impl Rule {
     /// Displacement gradient after the rates have been passed by `passed`.
     #[inline(always)]
     fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
-        passed.iter().zip(rates).fold(*start, |G, (&L_j, rate)| add_scaled(&G, L_j, rate))
+        let mut G = *start;
+        for (&L_j, rate) in passed.iter().zip(rates) {
+            G = add_scaled(&G, L_j, rate);
+        }
+        G
     }
 }

@@ -3,8 +3,8 @@
 use super::{Average, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
-    Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, det_of_identity_plus, green_lagrange,
-    identity_plus_times_sym,
+    Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, add_scaled, det_of_identity_plus, dot3, green_lagrange,
+    identity_plus_times_sym, inlined,
 };
 
 impl Rule {
@@ -40,8 +40,11 @@ impl Rule {
             for i in 0..k {
                 for j in 0..k {
                     let weight = point.share[i] * point.passed[j];
-                    for (row, values) in average.tangent[i * k + j].iter_mut().zip(&A) {
-                        row.iter_mut().zip(values).for_each(|(t, &value)| *t += value * weight);
+                    let tangent = &mut average.tangent[i * k + j];
+                    for r in 0..9 {
+                        for c in 0..9 {
+                            tangent[r][c] += A[r][c] * weight;
+                        }
                     }
                 }
             }
@@ -53,11 +56,7 @@ impl Rule {
 fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], G: &Mat3<L>, S: &Sym<L>) {
     let P = identity_plus_times_sym(G, S);
     for (average, &share) in stress.iter_mut().zip(share) {
-        for i in 0..3 {
-            for j in 0..3 {
-                average[i][j] += P[i][j] * share;
-            }
-        }
+        *average = add_scaled(average, share, &P);
     }
 }
 
@@ -86,7 +85,9 @@ pub(super) fn add_geometric<L: Lane>(A: &mut Tangent<L>, factor: f64, S: &Sym<L>
 pub(super) fn with_identity<L: Lane>(G: &Mat3<L>) -> Mat3<L> {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] += one);
+    for i in 0..3 {
+        F[i][i] += one;
+    }
     F
 }
 
@@ -98,8 +99,8 @@ pub(super) fn strain_response<L: Lane>(X: &Elasticity<L>, H: &Mat3<L>) -> [[L; 9
     for a in 0..6 {
         for k in 0..3 {
             for l in 0..3 {
-                let part = |j: usize| X[a][SYM_INDEX[l][j]] * H[k][j];
-                Y[a][3 * k + l] = part(0) + part(1) + part(2);
+                let x = inlined!(|j: usize| X[a][SYM_INDEX[l][j]]);
+                Y[a][3 * k + l] = dot3([x(0), x(1), x(2)], H[k]);
             }
         }
     }
@@ -114,8 +115,8 @@ pub(super) fn first_from_second<L: Lane>(G: &Mat3<L>, Y: &[[L; 9]; 6]) -> Tangen
     for r in 0..3 {
         for J in 0..3 {
             for c in 0..9 {
-                let part = |i: usize| F[r][i] * Y[SYM_INDEX[i][J]][c];
-                A[3 * r + J][c] = part(0) + part(1) + part(2);
+                let y = inlined!(|i: usize| Y[SYM_INDEX[i][J]][c]);
+                A[3 * r + J][c] = dot3(F[r], [y(0), y(1), y(2)]);
             }
         }
     }

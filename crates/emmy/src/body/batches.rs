@@ -98,7 +98,9 @@ impl CellBatches {
         for lane in 0..LANES {
             let nodes = self.nodes_of((batch * LANES + lane).min(last));
             for (&node, nodal) in nodes.iter().zip(&mut *nodal) {
-                (0..3).for_each(|i| nodal[i].0[lane] = value(3 * node as usize + i));
+                for i in 0..3 {
+                    nodal[i].0[lane] = value(3 * node as usize + i);
+                }
             }
         }
     }

@@ -9,12 +9,14 @@ use super::batches::{CellBatches, PointGeometry};
 use super::term::StepInput;
 use crate::average::{Average, Want};
 use crate::material::Material;
-use crate::tensor::{Batch, LANES, Mat3, Packed, Register, Tangent, dot3, green_lagrange, mat3};
+use crate::tensor::{
+    Batch, LANES, Mat3, Packed, Register, Tangent, dot3, green_lagrange, inlined, mat3, three,
+};
 
 /// Working memory of an assembly, one for each part.
 #[derive(Debug)]
 pub struct Scratch {
-    pub batch: BatchMemory,
+    batch: BatchMemory,
     /// For links, which have a material each.
     numbers: PointMemory<f64>,
     /// [`PointMemory`] of the registers that the machine has.
@@ -97,17 +99,35 @@ impl Scratch {
 pub fn gather(cells: &CellBatches, batch: usize, step: &StepInput<'_>, memory: &mut BatchMemory) -> usize {
     let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement);
     if let Some(passed) = step.rule.only_point() {
-        cells.gather(batch, &mut memory.nodal[..n], |dof| {
-            let rates = passed.iter().enumerate();
-            rates.fold(u[dof], |u, (j, passed)| u + passed * step.rates[j * stride + dof])
-        });
+        cells.gather(
+            batch,
+            &mut memory.nodal[..n],
+            #[inline(always)]
+            |dof| {
+                let mut value = u[dof];
+                for (j, passed) in passed.iter().enumerate() {
+                    value += passed * step.rates[j * stride + dof];
+                }
+                value
+            },
+        );
         return 1;
     }
     let k = step.rule.degree();
-    cells.gather(batch, &mut memory.nodal[..n], |dof| u[dof]);
+    cells.gather(
+        batch,
+        &mut memory.nodal[..n],
+        #[inline(always)]
+        |dof| u[dof],
+    );
     for j in 0..k {
         let rates = &step.rates[j * stride..(j + 1) * stride];
-        cells.gather(batch, &mut memory.nodal[(j + 1) * n..(j + 2) * n], |dof| rates[dof]);
+        cells.gather(
+            batch,
+            &mut memory.nodal[(j + 1) * n..(j + 2) * n],
+            #[inline(always)]
+            |dof| rates[dof],
+        );
     }
     1 + k
 }
@@ -212,7 +232,7 @@ fn field_gradient<R: Register>(
             );
         }
     }
-    let column = |J: usize| [inverse[0][J], inverse[1][J], inverse[2][J]];
+    let column = inlined!(|J: usize| [inverse[0][J], inverse[1][J], inverse[2][J]]);
     mat3(
         #[inline(always)]
         |i, J| dot3(H[i], column(J)),
@@ -271,7 +291,7 @@ fn set_forces<R: Register, const N: usize>(
     for (point, stress) in stress.iter().enumerate() {
         let dN = &cells.reference_gradients_at(point)[first..first + N];
         for m in 0..3 {
-            let column = [0, 1, 2].map(
+            let column = three(
                 #[inline(always)]
                 |i| zero.load(&stress[i][m], part),
             );

@@ -130,10 +130,14 @@ impl<M: Material> SolidTerm<M> {
                 let block = sink.block_mut(position as usize, stages);
                 if B < A && step.rule.is_symmetric() {
                     let values = &stiffness[B * n + A];
-                    (0..9).for_each(|entry| block[entry] += values[3 * (entry % 3) + entry / 3].0[lane]);
+                    for entry in 0..9 {
+                        block[entry] += values[3 * (entry % 3) + entry / 3].0[lane];
+                    }
                 } else {
                     let values = &stiffness[A * n + B];
-                    (0..9).for_each(|entry| block[entry] += values[entry].0[lane]);
+                    for entry in 0..9 {
+                        block[entry] += values[entry].0[lane];
+                    }
                 }
             }
         }
@@ -145,7 +149,12 @@ impl<M: Material> SolidTerm<M> {
         let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
         let (nodal, mut energies, mut sum) = (&mut memory[..self.cells.n_nodes], Packed([0.0; LANES]), 0.0);
         for batch in batches {
-            self.cells.gather(batch, nodal, |dof| displacement[dof]);
+            self.cells.gather(
+                batch,
+                nodal,
+                #[inline(always)]
+                |dof| displacement[dof],
+            );
             let cells = self.cells.cells_of(batch);
             for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
                 let place = (&self.cells, batch, part);

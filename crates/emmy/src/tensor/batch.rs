@@ -111,7 +111,10 @@ impl<S: Simd> Batch<S> {
     fn each(self, function: impl Fn(f64) -> f64) -> Self {
         let mut memory = Packed([0.0; LANES]);
         self.store(&mut memory, 0);
-        memory.0[..S::F64_LANES].iter_mut().for_each(|x| *x = function(*x));
+        memory.0[..S::F64_LANES].iter_mut().for_each(
+            #[inline(always)]
+            |x| *x = function(*x),
+        );
         self.load(&memory, 0)
     }
 
@@ -290,15 +293,30 @@ impl<S: Simd> Lane for Batch<S> {
     #[inline(always)]
     fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
         let mut tensors = [Packed([0.0; LANES]); 6];
-        (0..6).for_each(|a| A[a].store(&mut tensors[a], 0));
+        for a in 0..6 {
+            A[a].store(&mut tensors[a], 0);
+        }
         let (mut values, mut vectors) = ([Packed([0.0; LANES]); 3], [[Packed([0.0; LANES]); 3]; 3]);
         for lane in 0..S::F64_LANES {
-            let (value, Q) = eigen(&tensors.map(|tensor| tensor.0[lane]));
-            (0..3).for_each(|i| values[i].0[lane] = value[i]);
-            (0..9).for_each(|n| vectors[n / 3][n % 3].0[lane] = Q[n / 3][n % 3]);
+            let (value, Q) = eigen(&tensors.map(
+                #[inline(always)]
+                |tensor| tensor.0[lane],
+            ));
+            for i in 0..3 {
+                values[i].0[lane] = value[i];
+            }
+            for n in 0..9 {
+                vectors[n / 3][n % 3].0[lane] = Q[n / 3][n % 3];
+            }
         }
-        let load = |from: &Packed| A[0].load(from, 0);
-        ([load(&values[0]), load(&values[1]), load(&values[2])], mat3(|i, j| load(&vectors[i][j])))
+        let load = inlined!(|from: &Packed| A[0].load(from, 0));
+        (
+            [load(&values[0]), load(&values[1]), load(&values[2])],
+            mat3(
+                #[inline(always)]
+                |i, j| load(&vectors[i][j]),
+            ),
+        )
     }
 }
 
