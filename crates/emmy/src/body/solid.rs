@@ -97,8 +97,10 @@ impl<M: Material> SolidTerm<M> {
         sink: &mut RowPart,
     ) {
         let (n, k) = (self.cells.n_nodes, step.rule.degree());
-        for (lane, cell) in self.cells.cells_of(batch).enumerate() {
-            for (A, &node) in self.cells.nodes_of(cell).iter().enumerate() {
+        // The nodes A of neighbouring cells are often neighbours: their rows stand together in memory.
+        for A in 0..n {
+            for (lane, cell) in self.cells.cells_of(batch).enumerate() {
+                let node = self.cells.nodes_of(cell)[A];
                 if !sink.owns(node) {
                     continue;
                 }
@@ -124,20 +126,20 @@ impl<M: Material> SolidTerm<M> {
     ) {
         let (n, k) = (self.cells.n_nodes, step.rule.degree());
         let positions = &self.positions[(cell * n + A) * n..(cell * n + A + 1) * n];
+        let mirrored = if step.rule.is_symmetric() { A } else { 0 };
         for stages in 0..k * k {
             let stiffness = &stiffness[stages * n * n..(stages + 1) * n * n];
-            for (B, &position) in positions.iter().enumerate() {
+            for (&position, row) in positions.iter().zip(stiffness.chunks_exact(n)).take(mirrored) {
                 let block = sink.block_mut(position as usize, stages);
-                if B < A && step.rule.is_symmetric() {
-                    let values = &stiffness[B * n + A];
-                    for entry in 0..9 {
-                        block[entry] += values[3 * (entry % 3) + entry / 3].0[lane];
-                    }
-                } else {
-                    let values = &stiffness[A * n + B];
-                    for entry in 0..9 {
-                        block[entry] += values[entry].0[lane];
-                    }
+                for entry in 0..9 {
+                    block[entry] += row[A][3 * (entry % 3) + entry / 3].0[lane];
+                }
+            }
+            let row = &stiffness[A * n..(A + 1) * n];
+            for (&position, values) in positions.iter().zip(row).skip(mirrored) {
+                let block = sink.block_mut(position as usize, stages);
+                for entry in 0..9 {
+                    block[entry] += values[entry].0[lane];
                 }
             }
         }
