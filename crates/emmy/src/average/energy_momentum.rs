@@ -215,7 +215,7 @@ impl Rule {
         let k = self.degree();
         for i in 0..k {
             for j in 0..k {
-                let mut Y = [[rates[0][0][0].splat(0.0); 9]; 6];
+                let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
                     let mut H = mat3(
                         #[inline(always)]
@@ -232,7 +232,7 @@ impl Rule {
                     let part = strain_response(&average.stiffness[i * k + m], &H);
                     for a in 0..6 {
                         for c in 0..9 {
-                            Y[a][c] += part[a][c];
+                            Y[a][c] = if m == 0 { part[a][c] } else { Y[a][c] + part[a][c] };
                         }
                     }
                 }

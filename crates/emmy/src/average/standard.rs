@@ -21,50 +21,64 @@ impl Rule {
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), start[0][0].splat(0.0));
-        average.stress.fill([[zero; 3]; 3]);
-        if want == Want::Tangent {
-            average.tangent.fill([[zero; 9]; 9]);
-        }
         average.min_det = zero.splat(f64::INFINITY);
-        for point in &self.points {
+        for (index, point) in self.points.iter().enumerate() {
+            let is_first = index == 0;
             let G = Rule::gradient_at(start, &point.passed, rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
             let E = green_lagrange(&G);
             if want == Want::Stress {
-                add_stress(&mut average.stress, &point.share, &G, &material.stress(&E));
+                add_stress(&mut average.stress, &point.share, is_first, &G, &material.stress(&E));
                 continue;
             }
             let (S, D) = material.stress_and_elasticity(&E);
-            add_stress(&mut average.stress, &point.share, &G, &S);
+            add_stress(&mut average.stress, &point.share, is_first, &G, &S);
             let A = first_elasticity(&G, &S, &D);
             for i in 0..k {
                 for j in 0..k {
-                    let weight = point.share[i] * point.passed[j];
-                    let tangent = &mut average.tangent[i * k + j];
-                    for r in 0..9 {
-                        for c in 0..9 {
-                            tangent[r][c] += A[r][c] * weight;
-                        }
-                    }
+                    let weight = zero.splat(point.share[i] * point.passed[j]);
+                    add_tangent(&mut average.tangent[i * k + j], weight, is_first, &A);
                 }
             }
         }
     }
 }
 
+/// Adds the shares of `(I + G) S`, or sets them.
 #[inline(always)]
-fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], G: &Mat3<L>, S: &Sym<L>) {
-    let P = identity_plus_times_sym(G, S);
+fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], sets: bool, G: &Mat3<L>, S: &Sym<L>) {
+    let (P, zero) = (identity_plus_times_sym(G, S), [[G[0][0].splat(0.0); 3]; 3]);
     for (average, &share) in stress.iter_mut().zip(share) {
-        *average = add_scaled(average, share, &P);
+        *average = add_scaled(if sets { &zero } else { average }, share, &P);
     }
 }
 
-/// Derivative of P = F S by F: the usual geometric and material parts.
+/// Adds `w A`, or sets it.
+#[inline(always)]
+fn add_tangent<L: Lane>(sum: &mut Tangent<L>, weight: L, sets: bool, A: &Tangent<L>) {
+    for r in 0..9 {
+        for c in 0..9 {
+            sum[r][c] = if sets { A[r][c] * weight } else { A[r][c].mul_add(weight, sum[r][c]) };
+        }
+    }
+}
+
+/// Derivative of P = F S by F: the usual geometric and material parts. It is symmetric, as D is.
 #[inline(always)]
 fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
-    let mut A = first_from_second(G, &strain_response(D, &with_identity(G)));
-    add_geometric(&mut A, 1.0, S);
+    let F = with_identity(G);
+    let Y = strain_response(D, &F);
+    let mut A = [[F[0][0]; 9]; 9];
+    for row in 0..9 {
+        let (r, J) = (row / 3, row % 3);
+        for c in row..9 {
+            let y = inlined!(|i: usize| Y[SYM_INDEX[i][J]][c]);
+            let material = dot3(F[r], [y(0), y(1), y(2)]);
+            let is_geometric = c / 3 == r;
+            A[row][c] = if is_geometric { material + S[SYM_INDEX[J][c % 3]] } else { material };
+            A[c][row] = A[row][c];
+        }
+    }
     A
 }
 

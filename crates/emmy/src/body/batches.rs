@@ -91,15 +91,16 @@ impl CellBatches {
         &self.geometry[batch * self.n_points..(batch + 1) * self.n_points]
     }
 
-    /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of the node's degree of freedom.
+    /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of a node.
     #[inline(always)]
-    pub fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> f64) {
+    pub fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> [f64; 3]) {
         let last = self.cells.len() - 1;
         for lane in 0..LANES {
             let nodes = self.nodes_of((batch * LANES + lane).min(last));
             for (&node, nodal) in nodes.iter().zip(&mut *nodal) {
+                let value = value(node as usize);
                 for i in 0..3 {
-                    nodal[i].0[lane] = value(3 * node as usize + i);
+                    nodal[i].0[lane] = value[i];
                 }
             }
         }

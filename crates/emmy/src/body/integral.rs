@@ -97,16 +97,17 @@ impl Scratch {
 /// Copies what the rule sees of a step to the nodes of a batch; the number of fields.
 #[inline(always)]
 pub fn gather(cells: &CellBatches, batch: usize, step: &StepInput<'_>, memory: &mut BatchMemory) -> usize {
-    let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement);
+    let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement.as_chunks().0);
     if let Some(passed) = step.rule.only_point() {
         cells.gather(
             batch,
             &mut memory.nodal[..n],
             #[inline(always)]
-            |dof| {
-                let mut value = u[dof];
-                for (j, passed) in passed.iter().enumerate() {
-                    value += passed * step.rates[j * stride + dof];
+            |node| {
+                let mut value = u[node];
+                for (passed, rates) in passed.iter().zip(step.rates.chunks_exact(stride)) {
+                    let rate = rates.as_chunks::<3>().0[node];
+                    value = [0, 1, 2].map(|i| value[i] + passed * rate[i]);
                 }
                 value
             },
@@ -118,15 +119,15 @@ pub fn gather(cells: &CellBatches, batch: usize, step: &StepInput<'_>, memory: &
         batch,
         &mut memory.nodal[..n],
         #[inline(always)]
-        |dof| u[dof],
+        |node| u[node],
     );
-    for j in 0..k {
-        let rates = &step.rates[j * stride..(j + 1) * stride];
+    for (j, rates) in step.rates.chunks_exact(stride).take(k).enumerate() {
+        let rates = rates.as_chunks().0;
         cells.gather(
             batch,
             &mut memory.nodal[(j + 1) * n..(j + 2) * n],
             #[inline(always)]
-            |dof| rates[dof],
+            |node| rates[node],
         );
     }
     1 + k

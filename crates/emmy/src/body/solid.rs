@@ -155,7 +155,7 @@ impl<M: Material> SolidTerm<M> {
                 batch,
                 nodal,
                 #[inline(always)]
-                |dof| displacement[dof],
+                |node| displacement.as_chunks().0[node],
             );
             let cells = self.cells.cells_of(batch);
             for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
