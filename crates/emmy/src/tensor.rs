@@ -131,6 +131,12 @@ pub fn three<L>(entry: impl Fn(usize) -> L) -> [L; 3] {
     [entry(0), entry(1), entry(2)]
 }
 
+/// Nine components.
+#[inline(always)]
+pub fn nine<L>(entry: impl Fn(usize) -> L) -> [L; 9] {
+    [entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8)]
+}
+
 /// Symmetric tensor from its components.
 #[inline(always)]
 pub fn sym<L>(entry: impl Fn(usize, usize) -> L) -> Sym<L> {

@@ -4,7 +4,7 @@ use super::{Average, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
     Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, add_scaled, det_of_identity_plus, dot3, green_lagrange,
-    identity_plus_times_sym, inlined,
+    identity_plus_times_sym, inlined, nine,
 };
 
 impl Rule {
@@ -56,9 +56,9 @@ fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], sets: bool, G: &Ma
 /// Adds `w A`, or sets it.
 #[inline(always)]
 fn add_tangent<L: Lane>(sum: &mut Tangent<L>, weight: L, sets: bool, A: &Tangent<L>) {
-    for r in 0..9 {
+    for (sum, A) in sum.iter_mut().zip(A) {
         for c in 0..9 {
-            sum[r][c] = if sets { A[r][c] * weight } else { A[r][c].mul_add(weight, sum[r][c]) };
+            sum[c] = if sets { A[c] * weight } else { A[c].mul_add(weight, sum[c]) };
         }
     }
 }
@@ -68,18 +68,30 @@ fn add_tangent<L: Lane>(sum: &mut Tangent<L>, weight: L, sets: bool, A: &Tangent
 fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
     let F = with_identity(G);
     let Y = strain_response(D, &F);
-    let mut A = [[F[0][0]; 9]; 9];
-    for row in 0..9 {
+    // The upper half, then its mirror image.
+    let entry = inlined!(|row: usize, c: usize| {
         let (r, J) = (row / 3, row % 3);
-        for c in row..9 {
-            let y = inlined!(|i: usize| Y[SYM_INDEX[i][J]][c]);
-            let material = dot3(F[r], [y(0), y(1), y(2)]);
-            let is_geometric = c / 3 == r;
-            A[row][c] = if is_geometric { material + S[SYM_INDEX[J][c % 3]] } else { material };
-            A[c][row] = A[row][c];
-        }
-    }
-    A
+        let material = dot3(F[r], [Y[SYM_INDEX[0][J]][c], Y[SYM_INDEX[1][J]][c], Y[SYM_INDEX[2][J]][c]]);
+        if c / 3 == r { material + S[SYM_INDEX[J][c % 3]] } else { material }
+    });
+    let upper = nine(
+        #[inline(always)]
+        |row| {
+            nine(
+                #[inline(always)]
+                |c| if c >= row { entry(row, c) } else { F[0][0] },
+            )
+        },
+    );
+    nine(
+        #[inline(always)]
+        |row| {
+            nine(
+                #[inline(always)]
+                |c| if c >= row { upper[row][c] } else { upper[c][row] },
+            )
+        },
+    )
 }
 
 /// Adds `factor delta_ik S_JL`, the derivative of `F S` by F at fixed S.

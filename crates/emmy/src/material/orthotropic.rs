@@ -150,7 +150,7 @@ mod tests {
     use super::super::conformance::{Big, big, conforms_with_symmetry, half_turn};
     use super::super::tests::refuses;
     use super::*;
-    use crate::tensor::{Mat3, SYM_INDEX, inlined};
+    use crate::tensor::{Mat3, SYM_INDEX};
 
     const SPRUCE: EngineeringConstants = EngineeringConstants {
         youngs_moduli: [10.0, 0.8, 0.45],
