@@ -2,10 +2,21 @@
 
 #![allow(non_snake_case)]
 
+/// A closure that is inlined wherever it is called. What lanes go through must be: a function of its own would be compiled
+/// for the oldest instruction set (see [`Batch`]).
+macro_rules! inlined {
+    ($($closure:tt)*) => {
+        std::convert::identity(#[inline(always)] $($closure)*)
+    };
+}
+pub(crate) use inlined;
+
+mod batch;
 mod eigen;
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
+pub use batch::{Batch, LANES, Packed, Register};
 pub use eigen::eigen;
 
 /// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
@@ -29,6 +40,11 @@ pub trait Lane:
 {
     /// The constant in every lane.
     fn splat(self, constant: f64) -> Self;
+    /// `self * factor + addend`, in one rounding where that costs nothing: operators alone are never fused.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
     /// Square root.
     fn sqrt(self) -> Self;
     /// Logarithm of 1 + self, accurate for small self.
@@ -109,6 +125,18 @@ pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
     ]
 }
 
+/// Three components.
+#[inline(always)]
+pub fn three<L>(entry: impl Fn(usize) -> L) -> [L; 3] {
+    [entry(0), entry(1), entry(2)]
+}
+
+/// Nine components.
+#[inline(always)]
+pub fn nine<L>(entry: impl Fn(usize) -> L) -> [L; 9] {
+    [entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8)]
+}
+
 /// Symmetric tensor from its components.
 #[inline(always)]
 pub fn sym<L>(entry: impl Fn(usize, usize) -> L) -> Sym<L> {
@@ -121,12 +149,17 @@ pub fn sym_scaled<L: Lane>(s: L, A: &Sym<L>) -> Sym<L> {
     [s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5]]
 }
 
+/// Sum of three products.
+#[inline(always)]
+pub fn dot3<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
 /// Determinant.
 #[inline(always)]
 pub fn det<L: Lane>(A: &Mat3<L>) -> L {
-    A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1])
-        + A[0][1] * (A[1][2] * A[2][0] - A[1][0] * A[2][2])
-        + A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0])
+    let minor = inlined!(|i: usize, j: usize| A[1][i].mul_add(A[2][j], -(A[1][j] * A[2][i])));
+    dot3([A[0][0], A[0][1], A[0][2]], [minor(1, 2), minor(2, 0), minor(0, 1)])
 }
 
 /// Determinant of the unit tensor plus a tensor.
@@ -134,28 +167,30 @@ pub fn det<L: Lane>(A: &Mat3<L>) -> L {
 pub fn det_of_identity_plus<L: Lane>(G: &Mat3<L>) -> L {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] += one);
+    for i in 0..3 {
+        F[i][i] += one;
+    }
     det(&F)
 }
 
 /// Determinant of a symmetric tensor.
 #[inline(always)]
 pub fn sym_det<L: Lane>(A: &Sym<L>) -> L {
-    A[0] * (A[1] * A[2] - A[4] * A[4])
-        + A[3] * (A[4] * A[5] - A[3] * A[2])
-        + A[5] * (A[3] * A[4] - A[1] * A[5])
+    let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
+    dot3([A[0], A[3], A[5]], [minor(1, 2, 4, 4), minor(4, 5, 3, 2), minor(3, 4, 1, 5)])
 }
 
 /// Cofactor of a symmetric tensor: its determinant times its inverse.
 #[inline(always)]
 pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
+    let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
     [
-        A[1] * A[2] - A[4] * A[4],
-        A[0] * A[2] - A[5] * A[5],
-        A[0] * A[1] - A[3] * A[3],
-        A[4] * A[5] - A[3] * A[2],
-        A[3] * A[5] - A[4] * A[0],
-        A[3] * A[4] - A[5] * A[1],
+        minor(1, 2, 4, 4),
+        minor(0, 2, 5, 5),
+        minor(0, 1, 3, 3),
+        minor(4, 5, 3, 2),
+        minor(3, 5, 4, 0),
+        minor(3, 4, 5, 1),
     ]
 }
 
@@ -168,19 +203,26 @@ pub fn trace<L: Lane>(A: &Sym<L>) -> L {
 /// Double contraction `A : B` of symmetric tensors.
 #[inline(always)]
 pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
-    A[0] * B[0] + A[1] * B[1] + A[2] * B[2] + (A[3] * B[3] + A[4] * B[4] + A[5] * B[5]) * 2.0
+    let shears = dot3([A[3], A[4], A[5]], [B[3], B[4], B[5]]);
+    dot3([A[0], A[1], A[2]], [B[0], B[1], B[2]]) + shears * 2.0
 }
 
 /// Sum `A + s B` of symmetric tensors.
 #[inline(always)]
 pub fn sym_add_scaled<L: Lane>(A: &Sym<L>, s: L, B: &Sym<L>) -> Sym<L> {
-    [A[0] + s * B[0], A[1] + s * B[1], A[2] + s * B[2], A[3] + s * B[3], A[4] + s * B[4], A[5] + s * B[5]]
+    sym(
+        #[inline(always)]
+        |i, j| s.mul_add(B[SYM_INDEX[i][j]], A[SYM_INDEX[i][j]]),
+    )
 }
 
 /// Sum `A + s B`.
 #[inline(always)]
 pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
-    mat3(|i, j| A[i][j] + B[i][j] * s)
+    mat3(
+        #[inline(always)]
+        |i, j| B[i][j].mul_add(A[0][0].splat(s), A[i][j]),
+    )
 }
 
 /// Green-Lagrange strain `E = (C - I) / 2` from the displacement gradient `G = F - I`, without cancellation.
@@ -190,21 +232,32 @@ pub fn add_scaled<L: Lane>(A: &Mat3<L>, s: f64, B: &Mat3<L>) -> Mat3<L> {
 /// ```
 #[inline(always)]
 pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
-    sym(|i, j| (G[i][j] + G[j][i] + (G[0][i] * G[0][j] + G[1][i] * G[1][j] + G[2][i] * G[2][j])) * 0.5)
+    let column = inlined!(|i: usize| [G[0][i], G[1][i], G[2][i]]);
+    sym(
+        #[inline(always)]
+        |i, j| (G[i][j] + G[j][i] + dot3(column(i), column(j))) * 0.5,
+    )
 }
 
 /// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
 #[inline(always)]
 pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
-    let entry = |i: usize, j: usize| B[i][j] + (G[0][i] * B[0][j] + G[1][i] * B[1][j] + G[2][i] * B[2][j]);
-    sym(|i, j| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 })
+    let column = inlined!(|A: &Mat3<L>, i: usize| [A[0][i], A[1][i], A[2][i]]);
+    let entry = inlined!(|i: usize, j: usize| B[i][j] + dot3(column(G, i), column(B, j)));
+    sym(
+        #[inline(always)]
+        |i, j| if i == j { entry(i, i) } else { (entry(i, j) + entry(j, i)) * 0.5 },
+    )
 }
 
 /// Product `(I + G) S` with a symmetric tensor: the first Piola-Kirchhoff stress of a second one.
 #[inline(always)]
 pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
-    let s = |i: usize, j: usize| S[SYM_INDEX[i][j]];
-    mat3(|i, j| s(i, j) + G[i][0] * s(0, j) + G[i][1] * s(1, j) + G[i][2] * s(2, j))
+    let s = inlined!(|i: usize, j: usize| S[SYM_INDEX[i][j]]);
+    mat3(
+        #[inline(always)]
+        |i, j| G[i][2].mul_add(s(2, j), G[i][1].mul_add(s(1, j), G[i][0].mul_add(s(0, j), s(i, j)))),
+    )
 }
 
 /// `z - ln(1 + z)` without cancellation: a series where z is small.
@@ -222,7 +275,7 @@ pub fn minus_ln_1p<L: Lane>(z: L) -> L {
     // 14 terms reach 1e-17 of the sum at |z| = 0.06; beyond, the direct form has lost less than two digits.
     let mut sum = z.splat(1.0 / 15.0);
     for n in (2..15).rev() {
-        sum = z.splat(1.0 / n as f64) - z * sum;
+        sum = (-z).mul_add(sum, z.splat(1.0 / n as f64));
     }
     z.abs().select_below(z.splat(0.06), z * z * sum, z - z.ln_1p())
 }

@@ -8,7 +8,7 @@ use super::{Average, Kind, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
-    mat3, sym_add_scaled, sym_scaled, sym_transposed_product, trace,
+    inlined, mat3, sym_add_scaled, sym_scaled, sym_transposed_product, trace,
 };
 
 impl Rule {
@@ -50,8 +50,10 @@ impl Rule {
     /// the smallest determinant tells so.
     #[inline(always)]
     fn assumed_strain_at<L: Lane>(&self, E_1: &Sym<L>, passed: &[f64], average: &mut Average<L>) -> Sym<L> {
-        let rates = passed.iter().zip(&average.strain_rates);
-        let E = rates.fold(*E_1, |E, (&L_j, rate)| sym_add_scaled(&E, E_1[0].splat(L_j), rate));
+        let mut E = *E_1;
+        for (&L_j, rate) in passed.iter().zip(&average.strain_rates) {
+            E = sym_add_scaled(&E, E_1[0].splat(L_j), rate);
+        }
         if self.degree() > 1 {
             average.min_det = average.min_det.min(smallest_minor(&E));
         }
@@ -154,8 +156,10 @@ impl Rule {
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.passed, average);
             let S = material.stress(&E);
-            let rates = point.basis.iter().zip(&average.strain_rates);
-            let rate = rates.fold([zero; 6], |rate, (&l_j, r)| sym_add_scaled(&rate, zero.splat(l_j), r));
+            let mut rate = [zero; 6];
+            for (&l_j, r) in point.basis.iter().zip(&average.strain_rates) {
+                rate = sym_add_scaled(&rate, zero.splat(l_j), r);
+            }
             integral += double_dot(&S, &rate) * point.weight;
             stress_norm += double_dot(&S, &S).sqrt() * point.weight;
         }
@@ -211,15 +215,26 @@ impl Rule {
         let k = self.degree();
         for i in 0..k {
             for j in 0..k {
-                let mut Y = [[rates[0][0][0].splat(0.0); 9]; 6];
+                let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
-                    let mut H = mat3(|r, c| rates[m][r][c] * self.a[m * k + j]);
+                    let mut H = mat3(
+                        #[inline(always)]
+                        |r, c| rates[m][r][c] * self.a[m * k + j],
+                    );
                     if m == j {
                         let F = with_identity(&average.gradients[j]);
-                        (0..3).for_each(|r| (0..3).for_each(|c| H[r][c] += F[r][c]));
+                        for r in 0..3 {
+                            for c in 0..3 {
+                                H[r][c] += F[r][c];
+                            }
+                        }
                     }
                     let part = strain_response(&average.stiffness[i * k + m], &H);
-                    (0..6).for_each(|a| (0..9).for_each(|c| Y[a][c] += part[a][c]));
+                    for a in 0..6 {
+                        for c in 0..9 {
+                            Y[a][c] = if m == 0 { part[a][c] } else { Y[a][c] + part[a][c] };
+                        }
+                    }
                 }
                 let mut A = first_from_second(&average.gradients[i], &Y);
                 add_geometric(&mut A, self.a[i * k + j], &average.stresses[i]);
@@ -244,9 +259,16 @@ fn strain_part<L: Lane, M: Material>(rate: Sym<L>) -> Sym<L> {
 #[inline(always)]
 fn add_derivative_of_rate<L: Lane, M: Material>(X: &mut Elasticity<L>, r: L) {
     if M::IS_LINK {
-        return (0..3).for_each(|a| (0..3).for_each(|b| X[a][b] += r * (1.0 / 3.0)));
+        for a in 0..3 {
+            for b in 0..3 {
+                X[a][b] += r * (1.0 / 3.0);
+            }
+        }
+        return;
     }
-    (0..6).for_each(|a| X[a][a] += r * if a < 3 { 1.0 } else { 0.5 });
+    for a in 0..6 {
+        X[a][a] += r * if a < 3 { 1.0 } else { 0.5 };
+    }
 }
 
 #[inline(always)]
@@ -261,10 +283,8 @@ fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>
 /// `D : E` with E in plain components: its shears are doubled on the way.
 #[inline(always)]
 fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
-    let row = |d: &[L; 6]| {
-        d[0] * E[0] + d[1] * E[1] + d[2] * E[2] + (d[3] * E[3] + d[4] * E[4] + d[5] * E[5]) * 2.0
-    };
-    [row(&D[0]), row(&D[1]), row(&D[2]), row(&D[3]), row(&D[4]), row(&D[5])]
+    let row = inlined!(|a: usize| double_dot(&D[a], E));
+    [row(0), row(1), row(2), row(3), row(4), row(5)]
 }
 
 /// The smallest leading minor of C = I + 2 E: positive where C is a right Cauchy-Green tensor.

@@ -236,9 +236,24 @@ impl Rule {
         lagrange_rate(&self.c, i, alpha)
     }
 
+    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: those of a standard rule with k = 1.
+    pub fn is_symmetric(&self) -> bool {
+        self.kind == Kind::Standard && self.degree() == 1
+    }
+
+    /// How much of each rate has been passed at the only point of the step where the rule evaluates the stress, `[k]`; `None`
+    /// of a rule that evaluates it more than once.
+    pub fn only_point(&self) -> Option<&[f64]> {
+        match &self.points[..] {
+            [point] if self.kind == Kind::Standard => Some(&point.passed),
+            _ => None,
+        }
+    }
+
     /// Stage averages of the stress over a step, and their derivatives if wanted.
     ///
-    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. The result is in `average`.
+    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] takes the
+    /// gradient there as well, with no rates beside it. The result is in `average`.
     #[inline(always)]
     pub fn average<L: Lane, M: Material>(
         &self,
@@ -257,6 +272,10 @@ impl Rule {
     /// Displacement gradient after the rates have been passed by `passed`.
     #[inline(always)]
     fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
-        passed.iter().zip(rates).fold(*start, |G, (&L_j, rate)| add_scaled(&G, L_j, rate))
+        let mut G = *start;
+        for (&L_j, rate) in passed.iter().zip(rates) {
+            G = add_scaled(&G, L_j, rate);
+        }
+        G
     }
 }

@@ -3,8 +3,8 @@
 use super::{Average, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
-    Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, det_of_identity_plus, green_lagrange,
-    identity_plus_times_sym,
+    Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, add_scaled, det_of_identity_plus, dot3, green_lagrange,
+    identity_plus_times_sym, inlined, nine,
 };
 
 impl Rule {
@@ -21,52 +21,77 @@ impl Rule {
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), start[0][0].splat(0.0));
-        average.stress.fill([[zero; 3]; 3]);
-        if want == Want::Tangent {
-            average.tangent.fill([[zero; 9]; 9]);
-        }
         average.min_det = zero.splat(f64::INFINITY);
-        for point in &self.points {
+        for (index, point) in self.points.iter().enumerate() {
+            let is_first = index == 0;
             let G = Rule::gradient_at(start, &point.passed, rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
             let E = green_lagrange(&G);
             if want == Want::Stress {
-                add_stress(&mut average.stress, &point.share, &G, &material.stress(&E));
+                add_stress(&mut average.stress, &point.share, is_first, &G, &material.stress(&E));
                 continue;
             }
             let (S, D) = material.stress_and_elasticity(&E);
-            add_stress(&mut average.stress, &point.share, &G, &S);
+            add_stress(&mut average.stress, &point.share, is_first, &G, &S);
             let A = first_elasticity(&G, &S, &D);
             for i in 0..k {
                 for j in 0..k {
-                    let weight = point.share[i] * point.passed[j];
-                    for (row, values) in average.tangent[i * k + j].iter_mut().zip(&A) {
-                        row.iter_mut().zip(values).for_each(|(t, &value)| *t += value * weight);
-                    }
+                    let weight = zero.splat(point.share[i] * point.passed[j]);
+                    add_tangent(&mut average.tangent[i * k + j], weight, is_first, &A);
                 }
             }
         }
     }
 }
 
+/// Adds the shares of `(I + G) S`, or sets them.
 #[inline(always)]
-fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], G: &Mat3<L>, S: &Sym<L>) {
-    let P = identity_plus_times_sym(G, S);
+fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], sets: bool, G: &Mat3<L>, S: &Sym<L>) {
+    let (P, zero) = (identity_plus_times_sym(G, S), [[G[0][0].splat(0.0); 3]; 3]);
     for (average, &share) in stress.iter_mut().zip(share) {
-        for i in 0..3 {
-            for j in 0..3 {
-                average[i][j] += P[i][j] * share;
-            }
+        *average = add_scaled(if sets { &zero } else { average }, share, &P);
+    }
+}
+
+/// Adds `w A`, or sets it.
+#[inline(always)]
+fn add_tangent<L: Lane>(sum: &mut Tangent<L>, weight: L, sets: bool, A: &Tangent<L>) {
+    for (sum, A) in sum.iter_mut().zip(A) {
+        for c in 0..9 {
+            sum[c] = if sets { A[c] * weight } else { A[c].mul_add(weight, sum[c]) };
         }
     }
 }
 
-/// Derivative of P = F S by F: the usual geometric and material parts.
+/// Derivative of P = F S by F: the usual geometric and material parts. It is symmetric, as D is.
 #[inline(always)]
 fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
-    let mut A = first_from_second(G, &strain_response(D, &with_identity(G)));
-    add_geometric(&mut A, 1.0, S);
-    A
+    let F = with_identity(G);
+    let Y = strain_response(D, &F);
+    // The upper half, then its mirror image.
+    let entry = inlined!(|row: usize, c: usize| {
+        let (r, J) = (row / 3, row % 3);
+        let material = dot3(F[r], [Y[SYM_INDEX[0][J]][c], Y[SYM_INDEX[1][J]][c], Y[SYM_INDEX[2][J]][c]]);
+        if c / 3 == r { material + S[SYM_INDEX[J][c % 3]] } else { material }
+    });
+    let upper = nine(
+        #[inline(always)]
+        |row| {
+            nine(
+                #[inline(always)]
+                |c| if c >= row { entry(row, c) } else { F[0][0] },
+            )
+        },
+    );
+    nine(
+        #[inline(always)]
+        |row| {
+            nine(
+                #[inline(always)]
+                |c| if c >= row { upper[row][c] } else { upper[c][row] },
+            )
+        },
+    )
 }
 
 /// Adds `factor delta_ik S_JL`, the derivative of `F S` by F at fixed S.
@@ -86,7 +111,9 @@ pub(super) fn add_geometric<L: Lane>(A: &mut Tangent<L>, factor: f64, S: &Sym<L>
 pub(super) fn with_identity<L: Lane>(G: &Mat3<L>) -> Mat3<L> {
     let one = G[0][0].splat(1.0);
     let mut F = *G;
-    (0..3).for_each(|i| F[i][i] += one);
+    for i in 0..3 {
+        F[i][i] += one;
+    }
     F
 }
 
@@ -98,8 +125,8 @@ pub(super) fn strain_response<L: Lane>(X: &Elasticity<L>, H: &Mat3<L>) -> [[L; 9
     for a in 0..6 {
         for k in 0..3 {
             for l in 0..3 {
-                let part = |j: usize| X[a][SYM_INDEX[l][j]] * H[k][j];
-                Y[a][3 * k + l] = part(0) + part(1) + part(2);
+                let x = inlined!(|j: usize| X[a][SYM_INDEX[l][j]]);
+                Y[a][3 * k + l] = dot3([x(0), x(1), x(2)], H[k]);
             }
         }
     }
@@ -114,8 +141,8 @@ pub(super) fn first_from_second<L: Lane>(G: &Mat3<L>, Y: &[[L; 9]; 6]) -> Tangen
     for r in 0..3 {
         for J in 0..3 {
             for c in 0..9 {
-                let part = |i: usize| F[r][i] * Y[SYM_INDEX[i][J]][c];
-                A[3 * r + J][c] = part(0) + part(1) + part(2);
+                let y = inlined!(|i: usize| Y[SYM_INDEX[i][J]][c]);
+                A[3 * r + J][c] = dot3(F[r], [y(0), y(1), y(2)]);
             }
         }
     }

@@ -15,10 +15,10 @@ pub struct CellTable {
     pub nodes: Vec<u32>,
     /// Number of nodes of a cell.
     pub n_nodes: usize,
-    /// Number of quadrature points of a cell.
-    pub n_points: usize,
-    /// Gradients of the shape functions by the reference positions, `[cell][point][3][n_nodes]` \[1/length\].
-    pub gradients: Vec<f64>,
+    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes]`.
+    pub reference_gradients: Vec<[f64; 3]>,
+    /// dxi/dX, `[cell][point]` \[1/length\].
+    pub inverse_jacobians: Vec<Mat3<f64>>,
     /// Weights times det(dX/dxi) and the thickness of plane cells, `[cell][point]` \[length^3\].
     pub weights: Vec<f64>,
 }
@@ -26,17 +26,20 @@ pub struct CellTable {
 impl CellTable {
     /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for solids.
     ///
+    /// The cells are in the order of their first nodes, so that neighbours stand together.
+    ///
     /// # Errors
     /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
-    pub fn new(mesh: &Mesh, kind: CellKind, cells: Vec<u32>, section: f64) -> Result<Self> {
+    pub fn new(mesh: &Mesh, kind: CellKind, mut cells: Vec<u32>, section: f64) -> Result<Self> {
+        cells.sort_by_key(|&cell| mesh.cell(cell as usize).nodes.iter().min().copied());
         let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
         let n_points = reference.weights.len();
         let mut table = CellTable {
             nodes: reserved(cells.len() * kind.n_nodes())?,
             n_nodes: kind.n_nodes(),
-            n_points,
-            gradients: reserved(cells.len() * n_points * 3 * kind.n_nodes())?,
+            inverse_jacobians: reserved(cells.len() * n_points)?,
             weights: reserved(cells.len() * n_points)?,
+            reference_gradients: reference.gradients.clone(),
             cells,
         };
         for &cell in &table.cells {
@@ -44,17 +47,12 @@ impl CellTable {
             let X = positions(mesh, nodes);
             table.nodes.extend_from_slice(nodes);
             for point in 0..n_points {
-                let dN = reference.gradients_at(point);
-                let jacobian = jacobian(kind, &X, dN);
+                let jacobian = jacobian(kind, &X, reference.gradients_at(point));
                 let det = det(&jacobian);
                 if det <= 0.0 || det.is_nan() {
                     return Err(Error::InvertedCell { cell: cell as usize, kind, det });
                 }
-                let inverse = inverse(&jacobian, det);
-                for axis in 0..3 {
-                    let along = |dN: &[f64; 3]| (0..3).map(|m| dN[m] * inverse[m][axis]).sum::<f64>();
-                    table.gradients.extend(dN.iter().map(along));
-                }
+                table.inverse_jacobians.push(inverse(&jacobian, det));
                 table.weights.push(reference.weights[point] * det * section);
             }
         }
@@ -63,7 +61,7 @@ impl CellTable {
 }
 
 /// An empty vector with room for so many elements, or an error where the machine does not have the memory.
-fn reserved<T>(capacity: usize) -> Result<Vec<T>> {
+pub(super) fn reserved<T>(capacity: usize) -> Result<Vec<T>> {
     let mut vector = Vec::new();
     let bytes = capacity.saturating_mul(size_of::<T>());
     let out_of_memory = |_| Error::OutOfMemory { what: "the table of cells", gigabytes: bytes as f64 / 1e9 };

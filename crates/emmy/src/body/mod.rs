@@ -2,12 +2,14 @@
 
 #![allow(non_snake_case)]
 
+mod batches;
 mod drive;
 mod facets;
 mod field;
 mod geometry;
 mod history;
 mod input;
+mod integral;
 mod invariants;
 mod loads;
 mod mass;
@@ -29,11 +31,11 @@ pub use input::{
     GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Rotation,
     Support,
 };
+pub use integral::Scratch;
 pub use invariants::sum;
 pub use loads::LoadResultant;
 pub use mass::MassSolver;
 pub use regions::RegionSummary;
-pub use solid::Scratch;
 pub use symmetry::symmetry_axis;
 pub use term::{StepInput, Term};
 
@@ -232,7 +234,9 @@ impl Body {
     /// Memory for the assembly with time elements of a degree.
     pub fn assembly(&self, degree: usize) -> Assembly {
         let n_nodes = self.mesh.cells().map(|cell| cell.nodes.len()).max().unwrap_or(0);
-        let part = || Part { scratch: Scratch::new(degree, n_nodes), outcome: Ok(()) };
+        let terms = self.terms.iter().chain(self.ground.iter());
+        let n_points = terms.map(|term| term.n_points()).max().unwrap_or(0);
+        let part = || Part { scratch: Scratch::new(degree, n_nodes, n_points), outcome: Ok(()) };
         Assembly {
             matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
             parts: self.parts.iter().map(|_| part()).collect(),

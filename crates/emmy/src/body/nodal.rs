@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use super::geometry::{CellTable, add_facet_areas};
 use super::input::{GroundAttraction, GroundSpring, Nodal, PointMass};
+use super::integral::Scratch;
 use super::regions::RegionSummary;
-use super::solid::{Scratch, SolidTerm};
+use super::solid::SolidTerm;
 use super::term::{StepInput, Term};
 use crate::average::Want;
 use crate::error::{Error, Result};
@@ -91,6 +92,10 @@ impl Term for GroundSprings {
         (&self.nodes, 1)
     }
 
+    fn n_points(&self) -> usize {
+        0
+    }
+
     fn attach(&mut self, pattern: &Pattern, _: &[Range<usize>]) {
         let diagonal = |&node: &u32| pattern.position(node as usize, node as usize);
         self.positions = self.nodes.iter().filter_map(diagonal).map(|position| position as u32).collect();
@@ -158,8 +163,8 @@ fn ground_attraction(
                 value: square,
             });
         }
-        // The gradient of the shape function of the moving end: t/L.
-        gradients.extend(r.map(|x| x / square));
+        // The gradient of the shape function of the moving end: t/L, that of the first coordinate.
+        gradients.push([r.map(|x| x / square), [0.0; 3], [0.0; 3]]);
         // A node without mass is held; a strength of zero is not one.
         let strength = attraction.strength * lumped_mass[node as usize];
         energies.push(
@@ -170,10 +175,10 @@ fn ground_attraction(
     let table = CellTable {
         cells: vec![0; nodes.len()],
         n_nodes: 1,
-        n_points: 1,
-        gradients,
+        reference_gradients: vec![[1.0, 0.0, 0.0]],
+        inverse_jacobians: gradients,
         weights: vec![1.0; nodes.len()],
         nodes,
     };
-    Ok(Box::new(SolidTerm::with_materials(energies, table)))
+    Ok(Box::new(SolidTerm::with_materials(energies, table)?))
 }

@@ -143,7 +143,7 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
-                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, section)?));
+                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, section)?)?);
             }
         }
     }

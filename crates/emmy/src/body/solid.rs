@@ -3,163 +3,268 @@
 use std::fmt;
 use std::ops::Range;
 
+use pulp::{Arch, Simd, WithSimd};
+
+use super::batches::CellBatches;
 use super::geometry::CellTable;
+use super::integral::{self, BatchMemory, PointMemory, Scratch};
 use super::term::{StepInput, Term};
-use crate::average::{Average, Want};
+use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Mat3, Tangent, green_lagrange, mat3};
+use crate::tensor::{Batch, LANES, Packed, Register};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
-    /// One for all cells, or one for each.
+    /// One for all cells, or one for each (of links).
     materials: Vec<M>,
-    table: CellTable,
+    cells: CellBatches,
     /// Position in the pattern of every pair of nodes, `[cell][A][B]`.
     positions: Vec<u32>,
-    /// Cells (of the table) that touch each part's rows, ascending.
+    /// Batches that touch each part's rows, ascending.
     parts: Vec<Vec<u32>>,
 }
 
 impl<M> fmt::Debug for SolidTerm<M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "SolidTerm<{}>({} cells)", std::any::type_name::<M>(), self.table.cells.len())
+        write!(f, "SolidTerm<{}>({} cells)", std::any::type_name::<M>(), self.cells.cells.len())
     }
 }
 
-/// Working memory of an assembly, one for each part.
-#[derive(Debug, Clone)]
-pub struct Scratch {
-    average: Average<f64>,
-    rates: Vec<Mat3<f64>>,
-    /// Nodal displacement and rates of a cell, `[1 + k][3][n_nodes]`.
-    nodal: Vec<f64>,
-    /// Stage forces of a cell, `[k][3][n_nodes]`.
-    force: Vec<f64>,
-    /// Stage derivatives of a cell, `[k k][A][3][3][B]`.
-    stiffness: Vec<f64>,
-}
+/// Most nodes that a cell has.
+const MAX_NODES: usize = 27;
 
-impl Scratch {
-    /// Memory for time elements of a degree and cells with up to `n_nodes` nodes.
-    pub fn new(degree: usize, n_nodes: usize) -> Self {
-        Scratch {
-            average: Average::new(degree, 0.0),
-            rates: vec![[[0.0; 3]; 3]; degree],
-            nodal: vec![0.0; (degree + 1) * 3 * n_nodes],
-            force: vec![0.0; degree * 3 * n_nodes],
-            stiffness: vec![0.0; degree * degree * 9 * n_nodes * n_nodes],
-        }
-    }
-}
+/// Batches whose energies are added up one after the other; more of them in a tree of halves.
+const ENERGY_RUN: usize = 64;
 
 impl<M: Material> SolidTerm<M> {
     /// The term of a table of cells.
-    pub fn new(material: M, table: CellTable) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(material: M, table: CellTable) -> Result<Self> {
         SolidTerm::with_materials(vec![material], table)
     }
 
     /// The term of a table of cells with a material for each.
-    pub fn with_materials(materials: Vec<M>, table: CellTable) -> Self {
-        SolidTerm { materials, table, positions: Vec::new(), parts: Vec::new() }
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn with_materials(materials: Vec<M>, table: CellTable) -> Result<Self> {
+        let cells = CellBatches::new(table)?;
+        Ok(SolidTerm { materials, cells, positions: Vec::new(), parts: Vec::new() })
     }
 
+    #[inline(always)]
     fn material(&self, cell: usize) -> &M {
         &self.materials[if self.materials.len() == 1 { 0 } else { cell }]
     }
 
-    fn nodes(&self, cell: usize) -> &[u32] {
-        &self.table.nodes[cell * self.table.n_nodes..(cell + 1) * self.table.n_nodes]
-    }
-
-    /// Gradients of the shape functions at a point, `[3][n_nodes]`, and the weight.
-    fn point(&self, cell: usize, point: usize) -> (&[f64], f64) {
-        let (n, at) = (self.table.n_nodes, cell * self.table.n_points + point);
-        (&self.table.gradients[3 * n * at..3 * n * (at + 1)], self.table.weights[at])
-    }
-
-    /// Stage forces and derivatives of a cell, into the scratch memory.
-    fn integrate(&self, cell: usize, step: &StepInput<'_>, want: Want, scratch: &mut Scratch) -> Result<()> {
-        let (n, k) = (self.table.n_nodes, step.rule.degree());
-        gather(self.nodes(cell), step, k, &mut scratch.nodal);
-        scratch.force[..k * 3 * n].fill(0.0);
-        if want == Want::Tangent {
-            scratch.stiffness[..k * k * 9 * n * n].fill(0.0);
+    /// Stage forces and derivatives of a batch, into its memory.
+    #[inline(always)]
+    fn integrate<R: Register>(
+        &self,
+        batch: usize,
+        step: &StepInput<'_>,
+        want: Want,
+        memory: &mut BatchMemory,
+        point_memory: &mut PointMemory<R>,
+    ) -> Result<()> {
+        let n_fields = integral::gather(&self.cells, batch, step, memory);
+        let cells = self.cells.cells_of(batch);
+        for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
+            let (place, material) = ((&self.cells, batch, part), self.material(cell));
+            integral::integrate(place, n_fields, material, step, want, (memory, point_memory));
         }
-        for point in 0..self.table.n_points {
-            let (gradients, weight) = self.point(cell, point);
-            let start = nodal_gradient(&scratch.nodal[..3 * n], gradients, n);
-            for (j, rate) in scratch.rates.iter_mut().enumerate() {
-                *rate = nodal_gradient(&scratch.nodal[(j + 1) * 3 * n..(j + 2) * 3 * n], gradients, n);
-            }
-            step.rule.average(self.material(cell), &start, &scratch.rates, want, &mut scratch.average);
-            let det = scratch.average.min_det;
-            if !M::IS_LINK && (det <= 0.0 || det.is_nan()) {
-                return Err(Error::Inverted { cell: self.table.cells[cell] as usize, det });
-            }
-            for (stress, force) in scratch.average.stress.iter().zip(scratch.force.chunks_exact_mut(3 * n)) {
-                add_force(stress, gradients, weight, n, force);
-            }
-            if want == Want::Tangent {
-                let factor = weight * step.tangent_factor;
-                let blocks = scratch.stiffness.chunks_exact_mut(9 * n * n);
-                for (tangent, stiffness) in scratch.average.tangent.iter().zip(blocks) {
-                    add_stiffness(tangent, gradients, factor, n, stiffness);
-                }
+        if !M::IS_LINK {
+            let mut dets = memory.min_det.0.into_iter().zip(cells);
+            if let Some((det, cell)) = dets.find(|(det, _)| *det <= 0.0 || det.is_nan()) {
+                return Err(Error::Inverted { cell: self.cells.cells[cell] as usize, det });
             }
         }
         Ok(())
     }
 
-    /// Writes the rows of a cell that a part owns.
-    fn scatter(&self, cell: usize, k: usize, want: Want, scratch: &Scratch, sink: &mut RowPart) {
-        let n = self.table.n_nodes;
-        for (A, &node) in self.nodes(cell).iter().enumerate() {
-            if !sink.owns(node) {
-                continue;
-            }
-            for stage in 0..k {
-                let force = |i: usize| scratch.force[(3 * stage + i) * n + A];
-                sink.add_force(stage, node, [force(0), force(1), force(2)]);
-            }
-            if want == Want::Stress {
-                continue;
-            }
-            let positions = &self.positions[(cell * n + A) * n..(cell * n + A + 1) * n];
-            for stages in 0..k * k {
-                let rows = &scratch.stiffness[(stages * n + A) * 9 * n..(stages * n + A + 1) * 9 * n];
-                for (B, &position) in positions.iter().enumerate() {
-                    let block = sink.block_mut(position as usize, stages);
-                    block.iter_mut().enumerate().for_each(|(entry, value)| *value += rows[entry * n + B]);
+    /// Writes the rows of a batch that a part owns.
+    #[inline(always)]
+    fn scatter(
+        &self,
+        batch: usize,
+        step: &StepInput<'_>,
+        want: Want,
+        memory: &BatchMemory,
+        sink: &mut RowPart,
+    ) {
+        let (n, k) = (self.cells.n_nodes, step.rule.degree());
+        // The nodes A of neighbouring cells are often neighbours: their rows stand together in memory.
+        for A in 0..n {
+            for (lane, cell) in self.cells.cells_of(batch).enumerate() {
+                let node = self.cells.nodes_of(cell)[A];
+                if !sink.owns(node) {
+                    continue;
+                }
+                for stage in 0..k {
+                    let force = &memory.force[stage * n + A];
+                    sink.add_force(stage, node, [force[0].0[lane], force[1].0[lane], force[2].0[lane]]);
+                }
+                if want == Want::Tangent {
+                    self.scatter_row((cell, A, lane), step, &memory.stiffness, sink);
                 }
             }
         }
+    }
+
+    /// Writes the blocks of a cell in the row of its node A.
+    #[inline(always)]
+    fn scatter_row(
+        &self,
+        (cell, A, lane): (usize, usize, usize),
+        step: &StepInput<'_>,
+        stiffness: &[[Packed; 9]],
+        sink: &mut RowPart,
+    ) {
+        let (n, k) = (self.cells.n_nodes, step.rule.degree());
+        let positions = &self.positions[(cell * n + A) * n..(cell * n + A + 1) * n];
+        let mirrored = if step.rule.is_symmetric() { A } else { 0 };
+        for stages in 0..k * k {
+            let stiffness = &stiffness[stages * n * n..(stages + 1) * n * n];
+            for (&position, row) in positions.iter().zip(stiffness.chunks_exact(n)).take(mirrored) {
+                let block = sink.block_mut(position as usize, stages);
+                for entry in 0..9 {
+                    block[entry] += row[A][3 * (entry % 3) + entry / 3].0[lane];
+                }
+            }
+            let row = &stiffness[A * n..(A + 1) * n];
+            for (&position, values) in positions.iter().zip(row).skip(mirrored) {
+                let block = sink.block_mut(position as usize, stages);
+                for entry in 0..9 {
+                    block[entry] += values[entry].0[lane];
+                }
+            }
+        }
+    }
+
+    /// Stored energy of some batches.
+    #[inline(always)]
+    fn energy_of<R: Register>(&self, zero: R, batches: Range<usize>, displacement: &[f64]) -> f64 {
+        let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
+        let (nodal, mut energies, mut sum) = (&mut memory[..self.cells.n_nodes], Packed([0.0; LANES]), 0.0);
+        for batch in batches {
+            self.cells.gather(
+                batch,
+                nodal,
+                #[inline(always)]
+                |node| displacement.as_chunks().0[node],
+            );
+            let cells = self.cells.cells_of(batch);
+            for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
+                let place = (&self.cells, batch, part);
+                integral::strain_energy(zero, place, self.material(cell), nodal).store(&mut energies, part);
+            }
+            sum += energies.0[..cells.len()].iter().sum::<f64>();
+        }
+        sum
+    }
+
+    /// Stored energy of some batches, added up in an order that does not depend on the threads.
+    fn energy_sum(&self, batches: Range<usize>, displacement: &[f64]) -> f64 {
+        if batches.len() <= ENERGY_RUN {
+            return if M::IS_LINK {
+                self.energy_of(0.0, batches, displacement)
+            } else {
+                Arch::new().dispatch(EnergySum { term: self, batches, displacement })
+            };
+        }
+        let middle = batches.start + batches.len() / 2;
+        let (left, right) = (batches.start..middle, middle..batches.end);
+        let sum = |batches| self.energy_sum(batches, displacement);
+        let (left, right) = match self.parts.len() {
+            1 => (sum(left), sum(right)),
+            _ => rayon::join(|| sum(left), || sum(right)),
+        };
+        left + right
+    }
+}
+
+/// The batches of a part of the rows, in the registers of an instruction set.
+struct PartAssembly<'a, M> {
+    term: &'a SolidTerm<M>,
+    step: &'a StepInput<'a>,
+    want: Want,
+    batches: &'a [u32],
+    scratch: &'a mut Scratch,
+    sink: &'a mut RowPart,
+}
+
+impl<M: Material> PartAssembly<'_, M> {
+    #[inline(always)]
+    fn run<R: Register>(
+        term: &SolidTerm<M>,
+        (step, want): (&StepInput<'_>, Want),
+        batches: &[u32],
+        (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
+        sink: &mut RowPart,
+    ) -> Result<()> {
+        for &batch in batches {
+            term.integrate(batch as usize, step, want, memory, point_memory)?;
+            term.scatter(batch as usize, step, want, memory, sink);
+        }
+        Ok(())
+    }
+}
+
+impl<M: Material> WithSimd for PartAssembly<'_, M> {
+    type Output = Result<()>;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Result<()> {
+        let memory = self.scratch.registers::<Batch<S>>();
+        Self::run(self.term, (self.step, self.want), self.batches, memory, self.sink)
+    }
+}
+
+/// The stored energy of some batches, in the registers of an instruction set.
+struct EnergySum<'a, M> {
+    term: &'a SolidTerm<M>,
+    batches: Range<usize>,
+    displacement: &'a [f64],
+}
+
+impl<M: Material> WithSimd for EnergySum<'_, M> {
+    type Output = f64;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        self.term.energy_of(Batch::new(simd, 0.0), self.batches, self.displacement)
     }
 }
 
 impl<M: Material> Term for SolidTerm<M> {
     fn couplings(&self) -> (&[u32], usize) {
-        (&self.table.nodes, self.table.n_nodes)
+        (&self.cells.nodes, self.cells.n_nodes)
+    }
+
+    fn n_points(&self) -> usize {
+        self.cells.n_points
     }
 
     fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]) {
-        let n = self.table.n_nodes;
-        self.positions = Vec::with_capacity(self.table.nodes.len() * n);
-        for nodes in self.table.nodes.chunks_exact(n) {
+        let n = self.cells.n_nodes;
+        self.positions = Vec::with_capacity(self.cells.nodes.len() * n);
+        for nodes in self.cells.nodes.chunks_exact(n) {
             for &row in nodes {
                 let position = |&column: &u32| pattern.position(row as usize, column as usize);
                 self.positions.extend(nodes.iter().filter_map(position).map(|position| position as u32));
             }
         }
-        let touches = |cell: &usize, rows: &Range<usize>| {
-            self.nodes(*cell).iter().any(|&node| rows.contains(&(node as usize)))
+        let touches = |batch: &u32, rows: &Range<usize>| {
+            let cells = self.cells.cells_of(*batch as usize);
+            self.cells.nodes[cells.start * n..cells.end * n]
+                .iter()
+                .any(|&node| rows.contains(&(node as usize)))
         };
-        let cells = 0..self.table.cells.len();
-        self.parts = parts
-            .iter()
-            .map(|rows| cells.clone().filter(|cell| touches(cell, rows)).map(|cell| cell as u32).collect())
-            .collect();
+        let batches = 0..self.cells.len() as u32;
+        self.parts =
+            parts.iter().map(|rows| batches.clone().filter(|batch| touches(batch, rows)).collect()).collect();
     }
 
     fn assemble(
@@ -170,87 +275,14 @@ impl<M: Material> Term for SolidTerm<M> {
         scratch: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        for &cell in &self.parts[part] {
-            self.integrate(cell as usize, step, want, scratch)?;
-            self.scatter(cell as usize, step.rule.degree(), want, scratch, sink);
+        let batches = &self.parts[part];
+        if M::IS_LINK {
+            return PartAssembly::run(self, (step, want), batches, scratch.numbers(), sink);
         }
-        Ok(())
+        Arch::new().dispatch(PartAssembly { term: self, step, want, batches, scratch, sink })
     }
 
     fn strain_energy(&self, displacement: &[f64]) -> f64 {
-        let n = self.table.n_nodes;
-        let cell_energy = |cell: usize| -> f64 {
-            let energies = (0..self.table.n_points).map(|point| {
-                let (gradients, weight) = self.point(cell, point);
-                let mut G = [[0.0; 3]; 3];
-                for (A, &node) in self.nodes(cell).iter().enumerate() {
-                    let u = &displacement[3 * node as usize..3 * node as usize + 3];
-                    (0..3).for_each(|i| (0..3).for_each(|J| G[i][J] += u[i] * gradients[J * n + A]));
-                }
-                weight * self.material(cell).strain_energy(&green_lagrange(&G))
-            });
-            energies.sum()
-        };
-        (0..self.table.cells.len()).map(cell_energy).sum()
-    }
-}
-
-/// Copies displacement and rates of a cell's nodes to `nodal: [1 + k][3][n_nodes]`.
-fn gather(nodes: &[u32], step: &StepInput<'_>, k: usize, nodal: &mut [f64]) {
-    let (n, stride) = (nodes.len(), step.displacement.len());
-    for (A, &node) in nodes.iter().enumerate() {
-        for i in 0..3 {
-            nodal[i * n + A] = step.displacement[3 * node as usize + i];
-            for j in 0..k {
-                nodal[((j + 1) * 3 + i) * n + A] = step.rates[j * stride + 3 * node as usize + i];
-            }
-        }
-    }
-}
-
-/// `sum_A u_A (x) grad N_A` of a nodal field `[3][n_nodes]`.
-#[inline(always)]
-fn nodal_gradient(field: &[f64], gradients: &[f64], n: usize) -> Mat3<f64> {
-    let component = |i: usize, J: usize| {
-        let (u, g) = (&field[i * n..(i + 1) * n], &gradients[J * n..(J + 1) * n]);
-        u.iter().zip(g).map(|(u, g)| u * g).sum()
-    };
-    mat3(component)
-}
-
-/// Adds `w P grad N_A` to the cell's force, `[3][n_nodes]`.
-#[inline(always)]
-fn add_force(P: &Mat3<f64>, gradients: &[f64], weight: f64, n: usize, force: &mut [f64]) {
-    for i in 0..3 {
-        let p = [P[i][0] * weight, P[i][1] * weight, P[i][2] * weight];
-        let force = &mut force[i * n..(i + 1) * n];
-        for A in 0..n {
-            force[A] += p[0] * gradients[A] + p[1] * gradients[n + A] + p[2] * gradients[2 * n + A];
-        }
-    }
-}
-
-/// Adds `w grad N_A . dP/dF . grad N_B` to the cell's stiffness, `[A][3][3][B]`: the innermost loop runs over B, contiguous.
-#[inline(always)]
-fn add_stiffness(tangent: &Tangent<f64>, gradients: &[f64], weight: f64, n: usize, stiffness: &mut [f64]) {
-    let (g0, rest) = gradients.split_at(n);
-    let (g1, g2) = rest.split_at(n);
-    for A in 0..n {
-        let g = [weight * g0[A], weight * g1[A], weight * g2[A]];
-        for i in 0..3 {
-            let mut row = [0.0; 9];
-            for c in 0..9 {
-                row[c] =
-                    g[0] * tangent[3 * i][c] + g[1] * tangent[3 * i + 1][c] + g[2] * tangent[3 * i + 2][c];
-            }
-            for k in 0..3 {
-                let at = ((A * 3 + i) * 3 + k) * n;
-                let values = &mut stiffness[at..at + n];
-                let d = [row[3 * k], row[3 * k + 1], row[3 * k + 2]];
-                for (B, value) in values.iter_mut().enumerate() {
-                    *value += d[0] * g0[B] + d[1] * g1[B] + d[2] * g2[B];
-                }
-            }
-        }
+        self.energy_sum(0..self.cells.len(), displacement)
     }
 }

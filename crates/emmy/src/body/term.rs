@@ -4,7 +4,8 @@ use std::fmt;
 use std::ops::Range;
 
 use super::geometry::CellTable;
-use super::solid::{Scratch, SolidTerm};
+use super::integral::Scratch;
+use super::solid::SolidTerm;
 use crate::average::{Rule, Want};
 use crate::error::Result;
 use crate::material::{Link, Material};
@@ -27,6 +28,9 @@ pub struct StepInput<'a> {
 pub trait Term: fmt::Debug + Send + Sync {
     /// Nodes that the term couples, one list for each coupling (a cell, say), all of one length: `(nodes, length)`.
     fn couplings(&self) -> (&[u32], usize);
+
+    /// Number of quadrature points of a coupling.
+    fn n_points(&self) -> usize;
 
     /// Looks up where the couplings stand in the pattern, and which of them touch the rows of each part.
     fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]);
@@ -51,7 +55,10 @@ pub trait Term: fmt::Debug + Send + Sync {
 /// A material before its cells are known: makes the term of a table of cells.
 pub trait Solid: fmt::Debug + Send + Sync {
     /// The term.
-    fn term(&self, table: CellTable) -> Box<dyn Term>;
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    fn term(&self, table: CellTable) -> Result<Box<dyn Term>>;
 
     /// The link, if it is one.
     fn link(&self) -> Option<Link> {
@@ -73,11 +80,11 @@ impl<M> fmt::Debug for Model<M> {
 }
 
 impl Solid for Link {
-    fn term(&self, mut table: CellTable) -> Box<dyn Term> {
+    fn term(&self, mut table: CellTable) -> Result<Box<dyn Term>> {
         // The measure of a link is its length; its energy is that of the whole link.
         let energies = table.weights.iter().map(|&length| self.with_length(length)).collect();
         table.weights.fill(1.0);
-        Box::new(SolidTerm::with_materials(energies, table))
+        Ok(Box::new(SolidTerm::with_materials(energies, table)?))
     }
 
     fn link(&self) -> Option<Link> {
@@ -86,7 +93,7 @@ impl Solid for Link {
 }
 
 impl<M: Material> Solid for Model<M> {
-    fn term(&self, table: CellTable) -> Box<dyn Term> {
-        Box::new(SolidTerm::new(self.0.clone(), table))
+    fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
+        Ok(Box::new(SolidTerm::new(self.0.clone(), table)?))
     }
 }

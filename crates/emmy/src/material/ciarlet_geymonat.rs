@@ -64,7 +64,9 @@ impl CiarletGeymonat {
         let C_inv = sym_scaled(one / sym_det(&C), &sym_cofactor(&C));
         // S = C^-1 (mu A + lambda/2 (J^2 - 1) I): no difference of numbers near one.
         let mut M = sym_scaled(one.splat(self.mu), &A);
-        (0..3).for_each(|i| M[i] += z * (0.5 * self.lambda));
+        for i in 0..3 {
+            M[i] += z * (0.5 * self.lambda);
+        }
         (C_inv, z, commuting_product(&C_inv, &M))
     }
 }

@@ -8,7 +8,7 @@ use super::isochoric::{Distortion, SecondDerivative};
 use super::volumetric::Volume;
 use super::{Material, Volumetric, fulfils, positive};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym, sym_add_scaled, sym_scaled};
+use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_scaled, sym_scaled};
 
 /// Holzapfel-Gasser-Ogden material: a neo-Hooke matrix with families of stiffening fibres, for soft tissue.
 ///
@@ -116,7 +116,9 @@ impl HolzapfelGasserOgden {
         let scale = of.g() / of.mean * (2.0 * self.alignment);
         let stretch = of.mean * double_dot_constant(&of.b, fibre) * (-1.0 / 3.0);
         let mut N = sym_add_scaled(&sym_scaled(of.mean.splat(1.0 / 3.0), matrix), scale * stretch, inverse);
-        (0..6).for_each(|a| N[a] += scale * fibre[a]);
+        for a in 0..6 {
+            N[a] += scale * fibre[a];
+        }
         N
     }
 
@@ -127,9 +129,18 @@ impl HolzapfelGasserOgden {
     }
 }
 
+/// A constant tensor in every lane.
+#[inline(always)]
+fn splat<L: Lane>(one: L, A: &Sym<f64>) -> Sym<L> {
+    sym(
+        #[inline(always)]
+        |i, j| one.splat(A[SYM_INDEX[i][j]]),
+    )
+}
+
 #[inline(always)]
 fn double_dot_constant<L: Lane>(A: &Sym<L>, B: &Sym<f64>) -> L {
-    double_dot(A, &[0, 1, 2, 3, 4, 5].map(|a| A[a].splat(B[a])))
+    double_dot(A, &splat(A[0], B))
 }
 
 impl Material for HolzapfelGasserOgden {
@@ -169,7 +180,7 @@ impl Material for HolzapfelGasserOgden {
         for fibre in &self.fibres {
             let slope = self.fibre_derivatives(self.fibre_strain(&of, fibre))[0];
             second.add_first(slope * (1.0 / 3.0), scale, trace, &unit);
-            let (A, stretch) = (fibre.map(|a| one.splat(a)), of.mean * double_dot_constant(&of.b, fibre));
+            let (A, stretch) = (splat(one, fibre), of.mean * double_dot_constant(&of.b, fibre));
             second.add_first(slope * self.alignment, scale, stretch, &A);
         }
         let mut D = second.elasticity(&inverse);

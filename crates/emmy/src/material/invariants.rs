@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::tensor::{Elasticity, Lane, SYM, SYM_INDEX, Sym, sym, sym_cofactor, sym_det, trace};
+use crate::tensor::{
+    Elasticity, Lane, SYM, SYM_INDEX, Sym, dot3, inlined, sym, sym_cofactor, sym_det, trace,
+};
 
 /// C = I + A.
 #[inline(always)]
@@ -27,16 +29,20 @@ pub fn second_invariant<L: Lane>(A: &Sym<L>) -> L {
 /// Product of two symmetric tensors that commute, which is symmetric itself.
 #[inline(always)]
 pub fn commuting_product<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> Sym<L> {
-    let product = |i: usize, j: usize, k: usize| A[SYM_INDEX[i][k]] * B[SYM_INDEX[k][j]];
-    sym(|i, j| product(i, j, 0) + product(i, j, 1) + product(i, j, 2))
+    let row = inlined!(|A: &Sym<L>, i: usize| [A[SYM_INDEX[i][0]], A[SYM_INDEX[i][1]], A[SYM_INDEX[i][2]]]);
+    sym(
+        #[inline(always)]
+        |i, j| dot3(row(A, i), row(B, j)),
+    )
 }
 
 /// Elasticity tensor with the given components `(i, j, k, l)`, computed once for both of a symmetric pair.
 #[inline(always)]
 pub fn elasticity<L: Lane>(entry: impl Fn(usize, usize, usize, usize) -> L) -> Elasticity<L> {
     let mut D = [[entry(0, 0, 0, 0); 6]; 6];
-    for (a, (i, j)) in SYM.into_iter().enumerate() {
-        for (b, (k, l)) in SYM.into_iter().enumerate().skip(a) {
+    for a in 0..6 {
+        for b in a..6 {
+            let ((i, j), (k, l)) = (SYM[a], SYM[b]);
             D[a][b] = entry(i, j, k, l);
             D[b][a] = D[a][b];
         }
@@ -47,8 +53,14 @@ pub fn elasticity<L: Lane>(entry: impl Fn(usize, usize, usize, usize) -> L) -> E
 /// `alpha B (x) B + beta (B_ik B_jl + B_il B_jk)` with B = C^-1: the elasticity of every law of volume.
 #[inline(always)]
 pub fn inverse_dyads<L: Lane>(B: &Sym<L>, alpha: L, beta: L) -> Elasticity<L> {
-    let b = |i: usize, j: usize| B[SYM_INDEX[i][j]];
-    elasticity(|i, j, k, l| alpha * b(i, j) * b(k, l) + beta * (b(i, k) * b(j, l) + b(i, l) * b(j, k)))
+    let b = inlined!(|i: usize, j: usize| B[SYM_INDEX[i][j]]);
+    elasticity(
+        #[inline(always)]
+        |i, j, k, l| {
+            let mixed = b(i, k).mul_add(b(j, l), b(i, l) * b(j, k));
+            (alpha * b(i, j)).mul_add(b(k, l), beta * mixed)
+        },
+    )
 }
 
 /// Adds `s A (x) A`.
@@ -56,7 +68,7 @@ pub fn inverse_dyads<L: Lane>(B: &Sym<L>, alpha: L, beta: L) -> Elasticity<L> {
 pub fn add_dyad<L: Lane>(D: &mut Elasticity<L>, s: L, A: &Sym<L>) {
     for a in 0..6 {
         for b in 0..6 {
-            D[a][b] += s * (A[a] * A[b]);
+            D[a][b] = s.mul_add(A[a] * A[b], D[a][b]);
         }
     }
 }
@@ -66,7 +78,7 @@ pub fn add_dyad<L: Lane>(D: &mut Elasticity<L>, s: L, A: &Sym<L>) {
 pub fn add_dyads<L: Lane>(D: &mut Elasticity<L>, A: &Sym<L>, B: &Sym<L>) {
     for a in 0..6 {
         for b in 0..6 {
-            D[a][b] += A[a] * B[b] + B[a] * A[b];
+            D[a][b] = A[a].mul_add(B[b], B[a].mul_add(A[b], D[a][b]));
         }
     }
 }

@@ -97,10 +97,13 @@ impl<L: Lane> Distortion<L> {
     fn second_direction(&self) -> Sym<L> {
         let (b, square) = (&self.b, commuting_product(&self.b, &self.b));
         let third = self.q * (2.0 / 3.0);
-        sym(|i, j| {
-            let a = crate::tensor::SYM_INDEX[i][j];
-            if i == j { b[a] - square[a] + third } else { b[a] - square[a] }
-        })
+        sym(
+            #[inline(always)]
+            |i, j| {
+                let a = crate::tensor::SYM_INDEX[i][j];
+                if i == j { b[a] - square[a] + third } else { b[a] - square[a] }
+            },
+        )
     }
 }
 
@@ -133,7 +136,9 @@ impl<L: Lane> SecondDerivative<L> {
         let factor = slope * scale * 4.0;
         self.alpha += factor * I * (1.0 / 9.0);
         self.beta += factor * I * (1.0 / 6.0);
-        (0..6).for_each(|a| self.A[a] += factor * H[a] * (-1.0 / 3.0));
+        for a in 0..6 {
+            self.A[a] += factor * H[a] * (-1.0 / 3.0);
+        }
     }
 
     /// Adds c times that of I2bar, but for its constant part; the factor of that is returned.
@@ -191,10 +196,14 @@ fn stress_of<L: Lane>(material: &impl Isochoric, of: &Distortion<L>, slope: L, i
     let c = material.second_modulus();
     if c != 0.0 {
         let direction = of.second_direction();
-        (0..6).for_each(|a| M[a] += g * g * direction[a] * (2.0 * c));
+        for a in 0..6 {
+            M[a] += g * g * direction[a] * (2.0 * c);
+        }
     }
     let pressure = material.volume().pressure(of.ln_J);
-    (0..3).for_each(|i| M[i] += pressure);
+    for i in 0..3 {
+        M[i] += pressure;
+    }
     commuting_product(inverse, &M)
 }
 
@@ -215,7 +224,11 @@ pub(super) fn stress_and_elasticity<L: Lane>(
     if c != 0.0 {
         // I (x) I - 1: the second derivative of I2.
         for a in 0..6 {
-            (0..3).filter(|&b| a < 3 && a != b).for_each(|b| D[a][b] += constant);
+            for b in 0..3 {
+                if a < 3 && a != b {
+                    D[a][b] += constant;
+                }
+            }
             if a >= 3 {
                 D[a][a] += constant * -0.5;
             }

@@ -149,7 +149,11 @@ impl Material for LinkEnergy {
         let ([_, first, second], zero) = (self.derivatives(trace(E)), E[0].splat(0.0));
         let (S, modulus) = (first * self.factor, second * self.factor);
         let mut D = [[zero; 6]; 6];
-        (0..3).for_each(|a| (0..3).for_each(|b| D[a][b] = modulus));
+        for a in 0..3 {
+            for b in 0..3 {
+                D[a][b] = modulus;
+            }
+        }
         ([S, S, S, zero, zero, zero], D)
     }
 }

@@ -2,10 +2,14 @@
 
 #![allow(non_snake_case)]
 
-use super::invariants::{inverse_dyads, right_cauchy_green, second_invariant, volume_change};
+use super::invariants::{
+    commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
+};
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled};
+use crate::tensor::{
+    Elasticity, Lane, SYM_INDEX, Sym, inlined, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled,
+};
 
 /// Compressible neo-Hooke material.
 ///
@@ -60,11 +64,17 @@ impl NeoHooke {
         let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
         let ln_J = z.ln_1p() * 0.5;
         // S = mu C^-1 A + lambda ln J C^-1: no difference of numbers near one.
-        let component = |i: usize, j: usize| {
-            let product = |k: usize| C_inv[SYM_INDEX[i][k]] * A[SYM_INDEX[k][j]];
-            (product(0) + product(1) + product(2)) * self.mu + ln_J * C_inv[SYM_INDEX[i][j]] * self.lambda
-        };
-        (C_inv, ln_J, sym(component))
+        let product = commuting_product(&C_inv, &A);
+        let pressure = ln_J * self.lambda;
+        let component = inlined!(|a: usize| product[a].mul_add(pressure.splat(self.mu), pressure * C_inv[a]));
+        (
+            C_inv,
+            ln_J,
+            sym(
+                #[inline(always)]
+                |i, j| component(SYM_INDEX[i][j]),
+            ),
+        )
     }
 }
 

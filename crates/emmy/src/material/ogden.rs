@@ -4,7 +4,7 @@ use super::spectral::Separable;
 use super::volumetric::Volume;
 use super::{Volumetric, finite, fulfils, split_material};
 use crate::error::Result;
-use crate::tensor::{Lane, exp_m1_minus, exp_m1_over};
+use crate::tensor::{Lane, exp_m1_minus, exp_m1_over, inlined};
 
 /// Ogden material with any number of terms, for rubber at any strain.
 ///
@@ -55,7 +55,11 @@ impl Ogden {
 
     #[inline(always)]
     fn sum<L: Lane>(&self, zero: L, term: impl Fn(f64, f64) -> L) -> L {
-        self.terms.iter().fold(zero.splat(0.0), |sum, &(mu, alpha)| sum + term(mu, alpha))
+        let mut sum = zero.splat(0.0);
+        for &(mu, alpha) in &self.terms {
+            sum += term(mu, alpha);
+        }
+        sum
     }
 }
 
@@ -66,21 +70,37 @@ impl Separable for Ogden {
     /// As the strains e add up to zero, their linear terms may be left out: nothing cancels then.
     #[inline(always)]
     fn energy<L: Lane>(&self, e: L) -> L {
-        self.sum(e, |mu, alpha| exp_m1_minus(e * alpha) * (mu / alpha))
+        self.sum(
+            e,
+            #[inline(always)]
+            |mu, alpha| exp_m1_minus(e * alpha) * (mu / alpha),
+        )
     }
     #[inline(always)]
     fn slope<L: Lane>(&self, e: L) -> L {
-        self.sum(e, |mu, alpha| (e * alpha).exp_m1() * mu)
+        self.sum(
+            e,
+            #[inline(always)]
+            |mu, alpha| (e * alpha).exp_m1() * mu,
+        )
     }
     #[inline(always)]
     fn curvature<L: Lane>(&self, e: L) -> L {
-        self.sum(e, |mu, alpha| (e.splat(1.0) + (e * alpha).exp_m1()) * (mu * alpha))
+        self.sum(
+            e,
+            #[inline(always)]
+            |mu, alpha| (e.splat(1.0) + (e * alpha).exp_m1()) * (mu * alpha),
+        )
     }
     /// mu alpha exp(alpha e) (exp(alpha difference) - 1) / (alpha difference).
     #[inline(always)]
     fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L {
-        let exp = |alpha: f64| e.splat(1.0) + (e * alpha).exp_m1();
-        self.sum(e, |mu, alpha| exp(alpha) * exp_m1_over(difference * alpha) * (mu * alpha))
+        let exp = inlined!(|alpha: f64| e.splat(1.0) + (e * alpha).exp_m1());
+        self.sum(
+            e,
+            #[inline(always)]
+            |mu, alpha| exp(alpha) * exp_m1_over(difference * alpha) * (mu * alpha),
+        )
     }
 }
 

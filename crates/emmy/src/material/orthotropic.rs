@@ -4,7 +4,7 @@
 
 use super::{Material, axes, fulfils, positive};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, SYM, Sym, double_dot, sym};
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 
 /// Nine engineering constants of an orthotropic material.
 ///
@@ -125,18 +125,22 @@ impl Material for Orthotropic {
 
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
-        let row = |d: &[f64; 6]| {
+        let row = inlined!(|a: usize| {
+            let d = &self.D[a];
             let shear = E[3] * d[3] + E[4] * d[4] + E[5] * d[5];
             E[0] * d[0] + E[1] * d[1] + E[2] * d[2] + shear * 2.0
-        };
-        let D = &self.D;
-        [row(&D[0]), row(&D[1]), row(&D[2]), row(&D[3]), row(&D[4]), row(&D[5])]
+        });
+        [row(0), row(1), row(2), row(3), row(4), row(5)]
     }
 
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
         let mut D = [[E[0]; 6]; 6];
-        (0..SYM.len()).for_each(|a| (0..SYM.len()).for_each(|b| D[a][b] = E[0].splat(self.D[a][b])));
+        for a in 0..6 {
+            for b in 0..6 {
+                D[a][b] = E[0].splat(self.D[a][b]);
+            }
+        }
         (self.stress(E), D)
     }
 }

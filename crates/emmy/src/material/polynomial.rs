@@ -10,7 +10,11 @@ impl<const N: usize> Polynomial<N> {
     /// Its value.
     #[inline(always)]
     pub fn value<L: Lane>(&self, x: L) -> L {
-        self.0.iter().rev().fold(x.splat(0.0), |sum, &c| (sum + x.splat(c)) * x)
+        let mut sum = x.splat(0.0);
+        for &c in self.0.iter().rev() {
+            sum = (sum + x.splat(c)) * x;
+        }
+        sum
     }
 
     /// Its first and second derivative.

@@ -4,7 +4,7 @@
 
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym_scaled, trace};
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_scaled, trace};
 
 /// St. Venant-Kirchhoff material: linear elasticity in the Green-Lagrange strain, for large rotation and small strain.
 ///
@@ -59,13 +59,15 @@ impl Material for SaintVenantKirchhoff {
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
         let pressure = trace(E) * self.lambda;
         let mut S = sym_scaled(E[0].splat(2.0 * self.mu), E);
-        (0..3).for_each(|i| S[i] += pressure);
+        for i in 0..3 {
+            S[i] += pressure;
+        }
         S
     }
 
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
-        let constant = |value| E[0].splat(value);
+        let constant = inlined!(|value| E[0].splat(value));
         let mut D = [[constant(0.0); 6]; 6];
         for a in 0..3 {
             for b in 0..3 {

@@ -14,7 +14,7 @@
 
 use super::isochoric::Distortion;
 use super::volumetric::Volume;
-use crate::tensor::{Elasticity, Lane, Mat3, Sym, ln_1p_over, sym};
+use crate::tensor::{Elasticity, Lane, Mat3, Sym, inlined, ln_1p_over, sym, three};
 
 /// A material whose energy is a sum over the principal stretches and one of the volume: the form of Valanis and Landel
 /// (1967), J. Appl. Phys. 38, in deviatoric logarithmic strains.
@@ -63,14 +63,17 @@ impl<L: Lane> Principal<L> {
     #[inline(always)]
     fn inverse(&self) -> [L; 3] {
         let (one, mean) = (self.distortion.mean.splat(1.0), self.distortion.mean);
-        let inverse = |i: usize| one / (mean * (one + self.beta[i]));
+        let inverse = inlined!(|i: usize| one / (mean * (one + self.beta[i])));
         [inverse(0), inverse(1), inverse(2)]
     }
 
     /// Principal Kirchhoff stresses tau_i = dW / d ln lambda_i.
     #[inline(always)]
     fn kirchhoff_stress(&self, material: &impl Separable) -> [L; 3] {
-        let slope = self.e.map(|e| material.slope(e));
+        let slope = three(
+            #[inline(always)]
+            |i| material.slope(self.e[i]),
+        );
         let pressure = material.volume().pressure(self.distortion.ln_J);
         let all = pressure - (slope[0] + slope[1] + slope[2]) * (1.0 / 3.0);
         [slope[0] + all, slope[1] + all, slope[2] + all]
@@ -80,7 +83,10 @@ impl<L: Lane> Principal<L> {
     #[inline(always)]
     fn dyad(&self, i: usize, j: usize) -> Sym<L> {
         let Q = &self.Q;
-        sym(|r, c| (Q[r][i] * Q[c][j] + Q[r][j] * Q[c][i]) * 0.5)
+        sym(
+            #[inline(always)]
+            |r, c| (Q[r][i] * Q[c][j] + Q[r][j] * Q[c][i]) * 0.5,
+        )
     }
 
     /// (tau_i - tau_j) / (E_i - E_j).
@@ -97,7 +103,10 @@ impl<L: Lane> Principal<L> {
 #[inline(always)]
 pub(super) fn strain_energy<L: Lane>(material: &impl Separable, E: &Sym<L>) -> L {
     let principal = Principal::of(E);
-    let [a, b, c] = principal.e.map(|e| material.energy(e));
+    let [a, b, c] = three(
+        #[inline(always)]
+        |i| material.energy(principal.e[i]),
+    );
     a + b + c + material.volume().energy(principal.distortion.ln_J)
 }
 
@@ -114,7 +123,10 @@ pub(super) fn stress<L: Lane>(material: &impl Separable, E: &Sym<L>) -> Sym<L> {
 fn stress_of<L: Lane>(principal: &Principal<L>, tau: &[L; 3]) -> Sym<L> {
     let inverse = principal.inverse();
     let (S, Q) = ([tau[0] * inverse[0], tau[1] * inverse[1], tau[2] * inverse[2]], &principal.Q);
-    sym(|r, c| Q[r][0] * S[0] * Q[c][0] + Q[r][1] * S[1] * Q[c][1] + Q[r][2] * S[2] * Q[c][2])
+    sym(
+        #[inline(always)]
+        |r, c| Q[r][0] * S[0] * Q[c][0] + Q[r][1] * S[1] * Q[c][1] + Q[r][2] * S[2] * Q[c][2],
+    )
 }
 
 /// ```math
@@ -130,7 +142,10 @@ pub(super) fn stress_and_elasticity<L: Lane>(
 ) -> (Sym<L>, Elasticity<L>) {
     let principal = Principal::of(E);
     let (tau, inverse) = (principal.kirchhoff_stress(material), principal.inverse());
-    let curvature = principal.e.map(|e| material.curvature(e));
+    let curvature = three(
+        #[inline(always)]
+        |i| material.curvature(principal.e[i]),
+    );
     let all = (curvature[0] + curvature[1] + curvature[2]) * (1.0 / 9.0)
         + material.volume().stiffness(principal.distortion.ln_J);
     let mut D = [[all.splat(0.0); 6]; 6];
@@ -155,9 +170,10 @@ pub(super) fn stress_and_elasticity<L: Lane>(
 /// Adds `factor s (A (x) B + B (x) A)`.
 #[inline(always)]
 fn add_pair<L: Lane>(D: &mut Elasticity<L>, s: L, A: &Sym<L>, B: &Sym<L>, factor: f64) {
+    let s = s * factor;
     for a in 0..6 {
         for b in 0..6 {
-            D[a][b] += s * (A[a] * B[b] + B[a] * A[b]) * factor;
+            D[a][b] = s.mul_add(A[a].mul_add(B[b], B[a] * A[b]), D[a][b]);
         }
     }
 }

@@ -52,9 +52,9 @@ impl RowPart {
 
     /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern that lies in the part's rows.
     #[inline(always)]
-    pub fn block_mut(&mut self, position: usize, stages: usize) -> &mut [f64] {
-        let at = 9 * ((position - self.first_block) * self.degree * self.degree + stages);
-        &mut self.blocks[at..at + 9]
+    pub fn block_mut(&mut self, position: usize, stages: usize) -> &mut [f64; 9] {
+        let at = (position - self.first_block) * self.degree * self.degree + stages;
+        &mut self.blocks.as_chunks_mut().0[at]
     }
 
     /// Sets the forces to zero.

@@ -1,0 +1,151 @@
+//! Assembly on one core: cells per second (divan's "items"), residual alone and with its tangent.
+//!
+//! ```sh
+//! cargo bench -p emmy --bench assembly               # all
+//! cargo bench -p emmy --bench assembly hex8          # what has hex8 in its name
+//! ```
+//!
+//! Share of the peak. Floating-point operations of a hex8 cell of neo-Hooke material under FE(1), counted by the formulas (a
+//! fused multiplication and addition is two, a division, root or comparison is one), at each of 8 points:
+//!
+//! ```text
+//! residual                                               tangent, beside the residual
+//!   sum u (x) dN/dxi       8 nodes x 9 x 2       144       elasticity  D                   150
+//!   times dxi/dX           9 x 3 x 2 - 9          45       D B(F)      6 x 9 x 5           270
+//!   det F                                         20       F (D B)     9 x 9 x 5           405
+//!   E                      6 x 8                  48       geometric part                   54
+//!   S: C^-1, ln J, sums                          150       dN/dX       8 x 3 x 5           120
+//!   P = F S                9 x 6                  54       grad N_A . dP/dF   8 x 27 x 5  1080
+//!   w P J^-T               9 x 6                  54       times grad N_B    36 x 27 x 2  1944
+//!   force                  8 nodes x 9 x 2       144
+//!   sum                                          659       sum                            4023
+//! ```
+//!
+//! So 5300 for a residual and 37500 for both. The peak is that of `peak` below, its items being operations.
+
+use divan::{Bencher, black_box, counter::ItemsCount};
+use emmy::average::{Rule, Want};
+use emmy::body::{Body, Region, StepInput};
+use emmy::material::NeoHooke;
+use emmy::mesh::CellKind;
+use emmy::quadrature::gauss;
+use pulp::{Arch, Simd, WithSimd};
+
+#[path = "../tests/patch/mod.rs"]
+mod patch;
+
+fn main() {
+    divan::main();
+}
+
+/// A body in a step.
+struct Step {
+    body: Body,
+    displacement: Vec<f64>,
+    rates: Vec<f64>,
+}
+
+const KINDS: [&str; 5] = ["hex8", "hex20", "hex27", "tet4", "tet10"];
+const RULES: [&str; 4] = ["FE(1)", "AS(1)", "AS(5)", "DGM"];
+
+/// Kind of cell and number of bricks along an edge: more than the caches hold.
+fn division(kind: &str) -> (CellKind, usize) {
+    match kind {
+        "hex20" => (CellKind::Hex20, 12),
+        "hex27" => (CellKind::Hex27, 10),
+        "tet4" => (CellKind::Tet4, 16),
+        "tet10" => (CellKind::Tet10, 10),
+        _ => (CellKind::Hex8, 24),
+    }
+}
+
+fn rule(name: &str) -> Rule {
+    match name {
+        "AS(1)" => Rule::assumed_strain(1, 1),
+        "AS(5)" => Rule::assumed_strain(1, 5),
+        "DGM" => Rule::discrete_gradient(1),
+        _ => Rule::standard(1, &gauss(1)),
+    }
+}
+
+impl Step {
+    fn new(kind: &str, region: Region) -> Step {
+        let (kind, bricks) = division(kind);
+        let mesh = patch::Patch { bricks, curved: true, distortion: 1.0 }.mesh(kind);
+        // One thread has one part.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let wave = |factor: f64| -> Vec<f64> {
+            let dofs = mesh.points().iter().flatten().enumerate();
+            dofs.map(|(dof, x)| factor * (2.0 * x + dof as f64 % 3.0).sin()).collect()
+        };
+        let (displacement, rates) = (wave(0.05), wave(0.01));
+        let body = pool.install(|| Body::new(mesh, vec![region], &[], &[]).unwrap());
+        Step { body, displacement, rates }
+    }
+
+    fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, want: Want) {
+        let mut assembly = self.body.assembly(1);
+        let Step { body, displacement, rates } = self;
+        let step = StepInput { rule, tangent_factor: 1e-4, displacement, rates };
+        let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
+        counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
+    }
+}
+
+fn neo_hooke() -> Region {
+    Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap())
+}
+
+#[divan::bench(args = KINDS, consts = [0, 1, 2, 3])]
+fn residual<const RULE: usize>(bencher: Bencher<'_, '_>, kind: &str) {
+    Step::new(kind, neo_hooke()).measure(bencher, &rule(RULES[RULE]), Want::Stress);
+}
+
+#[divan::bench(args = KINDS, consts = [0, 1, 2, 3])]
+fn residual_and_tangent<const RULE: usize>(bencher: Bencher<'_, '_>, kind: &str) {
+    Step::new(kind, neo_hooke()).measure(bencher, &rule(RULES[RULE]), Want::Tangent);
+}
+
+#[divan::bench(args = KINDS)]
+fn strain_energy(bencher: Bencher<'_, '_>, kind: &str) {
+    let Step { body, displacement, .. } = Step::new(kind, neo_hooke());
+    let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
+    counted.bench_local(|| body.strain_energy(black_box(&displacement)));
+}
+
+/// Chains of fused multiplications and additions, enough of them to hide their latency.
+struct Chains;
+
+const CHAINS: usize = 12;
+const LENGTH: usize = 10_000;
+
+impl WithSimd for Chains {
+    type Output = f64;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (factor, addend) = (simd.splat_f64s(black_box(0.999)), simd.splat_f64s(black_box(1e-3)));
+        let mut sums = [addend; CHAINS];
+        for _ in 0..LENGTH {
+            for sum in &mut sums {
+                *sum = simd.mul_add_e_f64s(*sum, factor, addend);
+            }
+        }
+        sums.into_iter().map(|sum| simd.reduce_sum_f64s(sum)).sum()
+    }
+}
+
+struct Width;
+
+impl WithSimd for Width {
+    type Output = usize;
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F64_LANES
+    }
+}
+
+/// Peak of the core; its items are floating-point operations.
+#[divan::bench]
+fn peak(bencher: Bencher<'_, '_>) {
+    let operations = 2 * CHAINS * LENGTH * Arch::new().dispatch(Width);
+    bencher.counter(ItemsCount::new(operations)).bench_local(|| Arch::new().dispatch(Chains));
+}

@@ -1,0 +1,108 @@
+//! Cells of one kind in batches: one cell in each lane, the same quadrature point in all of them.
+
+use super::geometry::{CellTable, reserved};
+use crate::error::Result;
+use crate::tensor::{LANES, Packed};
+
+/// Cells in batches of [`LANES`], in the order of their table. The last batch is filled up by repeating its last cell.
+#[derive(Debug)]
+pub struct CellBatches {
+    /// Indices of the cells in the mesh.
+    pub cells: Vec<u32>,
+    /// Nodes, `[cell][n_nodes]`.
+    pub nodes: Vec<u32>,
+    /// Number of nodes of a cell.
+    pub n_nodes: usize,
+    /// Number of quadrature points of a cell.
+    pub n_points: usize,
+    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes]`: the same for all cells.
+    reference_gradients: Vec<[f64; 3]>,
+    /// `[batch][point]`.
+    geometry: Vec<PointGeometry>,
+}
+
+/// What differs between the cells of a batch at a quadrature point. With the reference gradients it makes the gradients of the
+/// shape functions at less memory traffic than a table of those.
+#[derive(Debug, Clone)]
+pub struct PointGeometry {
+    /// dxi/dX, `[xi component][X component]` \[1/length\].
+    pub inverse_jacobian: [[Packed; 3]; 3],
+    /// Weight times det(dX/dxi) and the thickness of plane cells \[length^3\].
+    pub weight: Packed,
+}
+
+impl CellBatches {
+    /// The batches of a table.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub fn new(table: CellTable) -> Result<Self> {
+        let n_points = table.reference_gradients.len() / table.n_nodes;
+        let n_batches = table.cells.len().div_ceil(LANES);
+        let mut geometry = reserved(n_batches * n_points)?;
+        let last = table.cells.len().saturating_sub(1);
+        for batch in 0..n_batches {
+            for point in 0..n_points {
+                let at = |lane: usize| (batch * LANES + lane).min(last) * n_points + point;
+                let pack = |of: &dyn Fn(usize) -> f64| Packed(std::array::from_fn(|lane| of(at(lane))));
+                geometry.push(PointGeometry {
+                    inverse_jacobian: [0, 1, 2]
+                        .map(|i| [0, 1, 2].map(|j| pack(&|at| table.inverse_jacobians[at][i][j]))),
+                    weight: pack(&|at| table.weights[at]),
+                });
+            }
+        }
+        Ok(CellBatches {
+            cells: table.cells,
+            nodes: table.nodes,
+            n_nodes: table.n_nodes,
+            n_points,
+            reference_gradients: table.reference_gradients,
+            geometry,
+        })
+    }
+
+    /// Number of batches.
+    pub fn len(&self) -> usize {
+        self.cells.len().div_ceil(LANES)
+    }
+
+    /// Cells of a batch, the repeated one left out.
+    #[inline(always)]
+    pub fn cells_of(&self, batch: usize) -> std::ops::Range<usize> {
+        batch * LANES..((batch + 1) * LANES).min(self.cells.len())
+    }
+
+    /// Nodes of a cell.
+    #[inline(always)]
+    pub fn nodes_of(&self, cell: usize) -> &[u32] {
+        &self.nodes[cell * self.n_nodes..(cell + 1) * self.n_nodes]
+    }
+
+    /// Reference gradients at a point, `[n_nodes]`.
+    #[inline(always)]
+    pub fn reference_gradients_at(&self, point: usize) -> &[[f64; 3]] {
+        &self.reference_gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
+    }
+
+    /// Geometry of a batch, `[point]`.
+    #[inline(always)]
+    pub fn geometry_of(&self, batch: usize) -> &[PointGeometry] {
+        &self.geometry[batch * self.n_points..(batch + 1) * self.n_points]
+    }
+
+    /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of a node.
+    #[inline(always)]
+    pub fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> [f64; 3]) {
+        let last = self.cells.len() - 1;
+        for lane in 0..LANES {
+            let nodes = self.nodes_of((batch * LANES + lane).min(last));
+            for (&node, nodal) in nodes.iter().zip(&mut *nodal) {
+                let value = value(node as usize);
+                for i in 0..3 {
+                    nodal[i].0[lane] = value[i];
+                }
+            }
+        }
+    }
+}

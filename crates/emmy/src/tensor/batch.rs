@@ -1,0 +1,458 @@
+//! Batches of points in the lanes of a SIMD register, with the instruction set that was found at run time.
+
+#![allow(non_snake_case)]
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use pulp::Simd;
+
+use super::{Lane, Mat3, Sym, eigen, mat3};
+
+/// Points of a batch: as many as the widest register has lanes. Narrower ones work through a batch in parts.
+pub const LANES: usize = 8;
+
+/// One number for each point of a batch, in memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))] // no register's load crosses a cache line
+pub struct Packed(pub [f64; LANES]);
+
+/// A lane type that is loaded from batches: it holds `WIDTH` points of one, and `LANES / WIDTH` of it work through a batch.
+pub trait Register: Lane {
+    /// Number of points.
+    const WIDTH: usize;
+    /// Part `part` of a batch, in `0..LANES / WIDTH`.
+    fn load(self, from: &Packed, part: usize) -> Self;
+    /// Writes part `part` of a batch.
+    fn store(self, to: &mut Packed, part: usize);
+}
+
+impl Register for f64 {
+    const WIDTH: usize = 1;
+    #[inline(always)]
+    fn load(self, from: &Packed, part: usize) -> f64 {
+        from.0[part]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Packed, part: usize) {
+        to.0[part] = self;
+    }
+}
+
+/// The points in one register of the instruction set `S`.
+///
+/// Every function that is reached from a dispatched one must be inlined into it, else it is compiled for the oldest
+/// instruction set.
+///
+/// ```
+/// use emmy::tensor::{Batch, Lane, Packed, Register};
+/// struct Halves;
+/// impl pulp::WithSimd for Halves {
+///     type Output = f64;
+///     fn with_simd<S: pulp::Simd>(self, simd: S) -> f64 {
+///         let mut memory = Packed([8.0; 8]);
+///         (Batch::new(simd, 8.0) * 0.5).store(&mut memory, 0);
+///         memory.0[0]
+///     }
+/// }
+/// assert_eq!(pulp::Arch::new().dispatch(Halves), 4.0);
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Batch<S: Simd> {
+    simd: S,
+    lanes: S::f64s,
+}
+
+impl<S: Simd> Batch<S> {
+    /// The constant in every lane.
+    #[inline(always)]
+    pub fn new(simd: S, constant: f64) -> Self {
+        Batch { simd, lanes: simd.splat_f64s(constant) }
+    }
+
+    #[inline(always)]
+    fn with(self, lanes: S::f64s) -> Self {
+        Batch { simd: self.simd, lanes }
+    }
+
+    /// `below` where the first number is less than the second, `otherwise` elsewhere.
+    #[inline(always)]
+    fn select(self, mask: S::m64s, yes: Self, no: Self) -> Self {
+        self.with(self.simd.select_f64s(mask, yes.lanes, no.lanes))
+    }
+
+    #[inline(always)]
+    fn is_any(self, mask: S::m64s) -> bool {
+        self.simd.first_true_m64s(mask) < S::F64_LANES
+    }
+
+    /// Lanes that are not within the bounds, NaN among them.
+    #[inline(always)]
+    fn outside(self, lower: f64, upper: f64) -> S::m64s {
+        let simd = self.simd;
+        let above = simd.less_than_or_equal_f64s(simd.splat_f64s(lower), self.lanes);
+        let below = simd.less_than_or_equal_f64s(self.lanes, simd.splat_f64s(upper));
+        simd.not_m64s(simd.and_m64s(above, below))
+    }
+
+    /// Sum of `coefficients[n] self^n`, the even and the odd terms beside each other.
+    #[inline(always)]
+    fn polynomial(self, coefficients: &[f64]) -> Self {
+        let (square, zero) = (self * self, self.splat(0.0));
+        let (mut even, mut odd) = (zero, zero);
+        for pair in coefficients.chunks(2).rev() {
+            even = even.mul_add(square, self.splat(pair[0]));
+            odd = odd.mul_add(square, self.splat(pair.get(1).copied().unwrap_or(0.0)));
+        }
+        odd.mul_add(self, even)
+    }
+
+    /// A function of numbers, lane by lane.
+    #[inline(always)]
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut memory = Packed([0.0; LANES]);
+        self.store(&mut memory, 0);
+        memory.0[..S::F64_LANES].iter_mut().for_each(
+            #[inline(always)]
+            |x| *x = function(*x),
+        );
+        self.load(&memory, 0)
+    }
+
+    /// `2^n x` with x between the roots of 1/2 and 2: x and n, of what is positive.
+    #[inline(always)]
+    fn scaled(self) -> (Self, Self) {
+        let (mut x, mut n) = (self, self.splat(0.0));
+        for power in [512, 256, 128, 64, 32, 16, 8, 4, 2, 1] {
+            let (scale, bound) = (2f64.powi(power), 2f64.powi(power) * std::f64::consts::FRAC_1_SQRT_2);
+            let power = self.splat(f64::from(power));
+            let is_large = self.simd.greater_than_f64s(x.lanes, self.simd.splat_f64s(bound));
+            (x, n) = (self.select(is_large, x * scale.recip(), x), self.select(is_large, n + power, n));
+            let is_small = self.simd.less_than_f64s(x.lanes, self.simd.splat_f64s(bound.recip()));
+            (x, n) = (self.select(is_small, x * scale, x), self.select(is_small, n - power, n));
+        }
+        (x, n)
+    }
+
+    /// ln(1 + z) where z is not close to zero.
+    #[inline(always)]
+    fn ln_1p_of_any(self) -> Self {
+        let (simd, one) = (self.simd, self.splat(1.0));
+        let y = self + one;
+        let (x, n) = y.scaled();
+        // What is lost of a small z in 1 + z.
+        let lost = (self - (y - one)) / y;
+        let lost = lost.abs().select_below(one, lost, self.splat(0.0));
+        let ln = n.mul_add(self.splat(std::f64::consts::LN_2), (x - one).ln_1p_of_small() + lost);
+        let ln = self.select(simd.less_than_f64s(y.lanes, simd.splat_f64s(0.0)), self.splat(f64::NAN), ln);
+        let is_zero = simd.equal_f64s(y.lanes, simd.splat_f64s(0.0));
+        let ln = self.select(is_zero, self.splat(f64::NEG_INFINITY), ln);
+        let is_infinite = simd.equal_f64s(y.lanes, simd.splat_f64s(f64::INFINITY));
+        self.select(is_infinite, self.splat(f64::INFINITY), ln)
+    }
+
+    /// ```math
+    /// ln(1 + z) = 2 artanh(s) = 2 (s + s^3/3 + s^5/5 + ...),    s = z / (2 + z)
+    /// ```
+    #[inline(always)]
+    fn ln_1p_of_small(self) -> Self {
+        // |s| <= 0.172: what is left out is below 1e-18 of the sum.
+        let s = self / (self + self.splat(2.0));
+        let square = s * s;
+        let sum = square.polynomial(&ARTANH);
+        let twice = s + s;
+        (twice * square).mul_add(sum, twice)
+    }
+}
+
+/// Bounds within which ln(1 + z) is taken from its series: 1 + z between the roots of 1/2 and 2.
+const LN_BOUNDS: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2 - 1.0, std::f64::consts::SQRT_2 - 1.0];
+
+/// Bound within which e^x - 1 is taken from its series, after halving x twice.
+const EXP_BOUND: f64 = 1.4;
+
+/// `1 / (2 n + 3)`.
+const ARTANH: [f64; 11] = {
+    let (mut terms, mut n) = ([0.0; 11], 0);
+    while n < terms.len() {
+        terms[n] = 1.0 / (2 * n + 3) as f64;
+        n += 1;
+    }
+    terms
+};
+
+/// `1 / (n + 2)!`.
+const EXP: [f64; 14] = {
+    let (mut terms, mut term, mut n) = ([0.0; 14], 1.0, 0);
+    while n < terms.len() {
+        term /= (n + 2) as f64;
+        terms[n] = term;
+        n += 1;
+    }
+    terms
+};
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $function:ident) => {
+        impl<S: Simd> $trait for Batch<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.with(self.simd.$function(self.lanes, other.lanes))
+            }
+        }
+    };
+}
+
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);
+operator!(Div, div, div_f64s);
+
+impl<S: Simd> Neg for Batch<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.with(self.simd.neg_f64s(self.lanes))
+    }
+}
+
+impl<S: Simd> Mul<f64> for Batch<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * self.splat(factor)
+    }
+}
+
+impl<S: Simd> AddAssign for Batch<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<S: Simd> Register for Batch<S> {
+    const WIDTH: usize = S::F64_LANES;
+    #[inline(always)]
+    fn load(self, from: &Packed, part: usize) -> Self {
+        self.with(S::as_simd_f64s(&from.0).0[part])
+    }
+    #[inline(always)]
+    fn store(self, to: &mut Packed, part: usize) {
+        S::as_mut_simd_f64s(&mut to.0).0[part] = self.lanes;
+    }
+}
+
+impl<S: Simd> Lane for Batch<S> {
+    #[inline(always)]
+    fn splat(self, constant: f64) -> Self {
+        Batch::new(self.simd, constant)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self.with(self.simd.mul_add_e_f64s(self.lanes, factor.lanes, addend.lanes))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.with(self.simd.sqrt_f64s(self.lanes))
+    }
+    #[inline(always)]
+    fn ln_1p(self) -> Self {
+        let near = self.ln_1p_of_small();
+        let is_far = self.outside(LN_BOUNDS[0], LN_BOUNDS[1]);
+        // Lane by lane, so that no point depends on its neighbours.
+        if self.is_any(is_far) { self.select(is_far, self.ln_1p_of_any(), near) } else { near }
+    }
+    /// ```math
+    /// e^2x - 1 = (e^x - 1) (2 + (e^x - 1))
+    /// ```
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        // |x| <= 0.35: 14 terms reach 1e-17 of the sum; two doublings lose less than two digits of the last place.
+        let (x, two) = (self * 0.25, self.splat(2.0));
+        let quarter = (x * x).mul_add(x.polynomial(&EXP), x);
+        let half = quarter * (two + quarter);
+        let near = half * (two + half);
+        let is_far = self.outside(-EXP_BOUND, EXP_BOUND);
+        if self.is_any(is_far) { self.select(is_far, self.each(f64::exp_m1), near) } else { near }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.with(self.simd.abs_f64s(self.lanes))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        let (simd, a, b) = (self.simd, self.lanes, other.lanes);
+        let is_number = simd.equal_f64s(a, a);
+        self.select(simd.or_m64s(simd.less_than_f64s(a, b), simd.not_m64s(is_number)), self, other)
+    }
+    #[inline(always)]
+    fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {
+        self.select(self.simd.less_than_f64s(self.lanes, bound.lanes), below, otherwise)
+    }
+    #[inline(always)]
+    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
+        let mut tensors = [Packed([0.0; LANES]); 6];
+        for a in 0..6 {
+            A[a].store(&mut tensors[a], 0);
+        }
+        let (mut values, mut vectors) = ([Packed([0.0; LANES]); 3], [[Packed([0.0; LANES]); 3]; 3]);
+        for lane in 0..S::F64_LANES {
+            let (value, Q) = eigen(&tensors.map(
+                #[inline(always)]
+                |tensor| tensor.0[lane],
+            ));
+            for i in 0..3 {
+                values[i].0[lane] = value[i];
+            }
+            for n in 0..9 {
+                vectors[n / 3][n % 3].0[lane] = Q[n / 3][n % 3];
+            }
+        }
+        let load = inlined!(|from: &Packed| A[0].load(from, 0));
+        (
+            [load(&values[0]), load(&values[1]), load(&values[2])],
+            mat3(
+                #[inline(always)]
+                |i, j| load(&vectors[i][j]),
+            ),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use pulp::{Arch, WithSimd};
+
+    /// A function of three numbers in the registers of the best instruction set, for eight points.
+    struct Apply<F>(F, [Packed; 3]);
+
+    /// The function, generic over the lane type.
+    trait Function {
+        fn of<L: Lane>(&self, x: [L; 3]) -> L;
+    }
+
+    impl<F: Function> WithSimd for Apply<F> {
+        type Output = [f64; LANES];
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
+            let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+            for part in 0..LANES / S::F64_LANES {
+                let x = [0, 1, 2].map(|n| zero.load(&self.1[n], part));
+                self.0.of(x).store(&mut result, part);
+            }
+            result.0
+        }
+    }
+
+    /// Registers of every instruction set that there is here, against numbers: the largest relative difference.
+    fn difference<F: Function + Copy>(function: F, x: [[f64; LANES]; 3]) -> f64 {
+        let results = [Arch::new(), Arch::Scalar].map(|arch| arch.dispatch(Apply(function, x.map(Packed))));
+        let mut largest = 0f64;
+        for lane in 0..LANES {
+            let expected = function.of([x[0][lane], x[1][lane], x[2][lane]]);
+            for result in &results {
+                let value = result[lane];
+                let is_same = value == expected || value.is_nan() && expected.is_nan();
+                let difference = if is_same { 0.0 } else { ((value - expected) / expected).abs() };
+                assert!(!difference.is_nan(), "{value} is not {expected} at {}", x[0][lane]);
+                largest = largest.max(difference);
+            }
+        }
+        largest
+    }
+
+    macro_rules! function {
+        ($name:ident, |$a:ident, $b:ident, $c:ident| $body:expr) => {
+            #[derive(Clone, Copy)]
+            struct $name;
+            impl Function for $name {
+                #[inline(always)]
+                fn of<L: Lane>(&self, [$a, $b, $c]: [L; 3]) -> L {
+                    let _ = ($b, $c);
+                    $body
+                }
+            }
+        };
+    }
+
+    function!(Operators, |a, b, c| -(a + b) * c / (a - b) * 3.0);
+    function!(Root, |a, b, c| a.abs().sqrt());
+    function!(Smaller, |a, b, c| a.min(b));
+    function!(Chosen, |a, b, c| a.select_below(b, c, a));
+    function!(Logarithm, |a, b, c| a.ln_1p());
+    function!(Exponential, |a, b, c| a.exp_m1());
+
+    fn numbers() -> impl Strategy<Value = [[f64; LANES]; 3]> {
+        let number = prop_oneof![-3.0..3.0f64, Just(f64::NAN), Just(1.0), Just(f64::INFINITY)];
+        prop::array::uniform3(prop::array::uniform8(number))
+    }
+
+    proptest! {
+        #[test]
+        fn operations_are_those_of_numbers(x in numbers()) {
+            prop_assert_eq!(difference(Operators, x), 0.0);
+            prop_assert_eq!(difference(Root, x), 0.0);
+            prop_assert_eq!(difference(Smaller, x), 0.0);
+            prop_assert_eq!(difference(Chosen, x), 0.0);
+        }
+
+        #[test]
+        fn functions_have_a_few_roundings(
+            x in prop::array::uniform8(-1.0..1.0f64), exponent in prop::array::uniform8(-300..300i32),
+        ) {
+            let mut z = x;
+            z.iter_mut().zip(exponent).for_each(|(z, exponent)| *z *= 10f64.powi(exponent / 2));
+            let positive = z.map(f64::abs);
+            for argument in [x, positive, x.map(|x| 0.5 * x), x.map(|x| -x.abs())] {
+                let error = difference(Logarithm, [argument; 3]);
+                prop_assert!(error < 4.0 * f64::EPSILON, "{error:e} at {argument:?}");
+            }
+            for argument in [x, x.map(|x| 1.4 * x), x.map(|x| 700.0 * x), x.map(|x| 1e-9 * x)] {
+                let error = difference(Exponential, [argument; 3]);
+                prop_assert!(error < 8.0 * f64::EPSILON, "{error:e} at {argument:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn functions_at_their_limits_are_those_of_numbers() {
+        let limits = [-1.0, -1.0 + 1.2e-16, -1.5, f64::INFINITY, 1e300, f64::NAN, 1e-300, -0.0];
+        assert!(difference(Logarithm, [limits; 3]) < 4.0 * f64::EPSILON);
+        let roots = [0.41421356, 0.41421357, -0.29289321, -0.29289322, 1.0, 3.0, -0.5, -1e-300];
+        assert!(difference(Logarithm, [roots; 3]) < 4.0 * f64::EPSILON);
+        let limits = [-1e3, 1e3, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, 1e-300, -1.4];
+        assert!(difference(Exponential, [limits; 3]) < 8.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn a_point_does_not_depend_on_its_neighbours() {
+        let of = |z: [f64; LANES]| Arch::new().dispatch(Apply(Logarithm, [Packed(z); 3]))[0];
+        assert_eq!(of([0.1; 8]), of([0.1, 1e9, -2.0, f64::NAN, 7.0, 0.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn eigenvalues_are_taken_lane_by_lane() {
+        struct Values([Packed; 6]);
+        impl WithSimd for Values {
+            type Output = [f64; LANES];
+            fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
+                let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+                for part in 0..LANES / S::F64_LANES {
+                    let (values, Q) = Lane::eigen(&self.0.map(|a| zero.load(&a, part)));
+                    (values[0] * Q[0][0] + values[1] * Q[0][1]).store(&mut result, part);
+                }
+                result.0
+            }
+        }
+        let tensor = |lane: usize| [0, 1, 2, 3, 4, 5].map(|a| ((7 * lane + a) as f64).sin());
+        let packed = [0, 1, 2, 3, 4, 5].map(|a| Packed(std::array::from_fn(|lane| tensor(lane)[a])));
+        let result = Arch::new().dispatch(Values(packed));
+        for lane in 0..LANES {
+            let (values, Q) = eigen(&tensor(lane));
+            assert_eq!(result[lane], values[0] * Q[0][0] + values[1] * Q[0][1]);
+        }
+    }
+}
