@@ -70,7 +70,8 @@ impl Job {
         let fail = |message: &str| format!("{self}: {message}");
         let output = command.output().map_err(|error| fail(&error.to_string()))?;
         if !output.status.success() {
-            return Err(fail(&String::from_utf8_lossy(&output.stderr)));
+            let message = String::from_utf8_lossy(&output.stderr);
+            return Err(fail(&format!("{}, {}", output.status, message.trim())));
         }
         let outcome = Outcome::in_output(&String::from_utf8_lossy(&output.stdout));
         let outcome = outcome.map_err(|error| fail(&error))?;
