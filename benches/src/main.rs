@@ -46,10 +46,10 @@ struct Arguments {
     /// Core for the runs with one thread (with taskset); without it the system chooses
     #[arg(long, value_name = "N")]
     core: Option<usize>,
-    /// Cells a unit length for `step` [default: 1,2,4,6]
+    /// Cells a unit length for `step` [default: 1,2,4,6] and `large` [default: 4,6,8,12]
     #[arg(long, value_name = "R,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=64))]
     cells: Vec<u32>,
-    /// `large` takes the mesh of 1.5 million degrees of freedom
+    /// `large` takes the one mesh of 1.5 million degrees of freedom
     #[arg(long)]
     million: bool,
     /// Small meshes, few steps, no verdicts about time: for continuous integration

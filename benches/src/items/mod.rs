@@ -19,7 +19,7 @@ pub struct Settings {
     pub session: Session,
     /// Interpreters of the other programs, if these are to run.
     pub peers: Option<Interpreters>,
-    /// Cells a unit length for `step`, ascending, in place of its own.
+    /// Cells a unit length for `step` and `large`, ascending, in place of their own.
     pub cells: Option<Vec<u32>>,
     /// Whether `large` takes the mesh of 1.5 million degrees of freedom.
     pub million: bool,
