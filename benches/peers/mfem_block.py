@@ -1,7 +1,7 @@
 """The block in PyMFEM: `mfem_block.py r [cg]`, conjugate gradients with Jacobi, both of MFEM.
 
-The material is the nearest that MFEM has, mu/2 (tr C / J^(2/3) - 3) + K/2 (J - 1)^2: the work is the
-same, the energies are not.
+The material is the nearest that MFEM has, mu/2 (tr C / J^(2/3) - 3) + K/2 (J - 1)^2: the work is
+the same, the energies are not.
 """
 import sys
 import time
