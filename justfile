@@ -24,6 +24,14 @@ validate:
     cargo test --release -p emmy --test long_flight -- --ignored --nocapture
     cargo test --release -p emmy-cli --test cli -- --ignored --nocapture
 
+# Times and memory, beside other programs, with a verdict on each goal (benches/README.md): `just bench --peers`, `just bench schemes`.
+bench *ARGS:
+    cargo run --release -p emmy-bench -- {{ARGS}}
+
+# Times of the innermost loops.
+bench-kernels:
+    cargo bench -p emmy
+
 # The book, into book/html (needs mdBook: `cargo install mdbook --locked`).
 book:
     mdbook build book

@@ -5,7 +5,9 @@ Nothing but the standard library is needed.
 """
 import json
 import math
+import pathlib
 import statistics
+import time
 
 LAMBDA, MU, DENSITY = 1000.0, 500.0, 0.5
 STEP_SIZE, STEPS = 0.02, 20
@@ -14,12 +16,7 @@ INNER = 1e-4  # relative tolerance of the iterative solvers
 TIP = (0.0, 10.0, 0.0)
 
 # Kinetic and strain energy at the end by r; all programs agree in these digits.
-ENERGIES = {
-    1: (462.2838305, 2.269828853),
-    2: (462.0423641, 2.511964592),
-    4: (461.9428823, 2.605991797),
-    6: (461.9129000, 2.634617429),
-}
+ENERGIES = json.loads(pathlib.Path(__file__).with_name("energies.json").read_text())
 # Corners of a cell in the order of VTK.
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0),
            (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
@@ -49,32 +46,49 @@ def converged(residual, first):
     return residual <= max(RELATIVE * first, ABSOLUTE)
 
 
-def peak_megabytes(pid="self"):
-    """Largest resident memory of a process (Linux)."""
-    with open(f"/proc/{pid}/status", encoding="ascii") as status:
+def assembly_rate(cells, assemble, times=5):
+    """Cells a second in the assembly of residual and tangent, by CPU time."""
+    seconds = []
+    for _ in range(times):
+        start = time.process_time()
+        assemble()
+        seconds.append(time.process_time() - start)
+    return cells / statistics.median(seconds)
+
+
+def peak_megabytes():
+    """Largest resident memory of this process (Linux)."""
+    with open("/proc/self/status", encoding="ascii") as status:
         kilobytes = next(line.split()[1] for line in status if line.startswith("VmHWM"))
     return int(kilobytes) / 1024
 
 
-def report(program, solver, r, dofs, seconds, iterations, energies, tip, megabytes):
+def report(program, solver, r, cells, dofs, seconds, iterations, energies, tip, rate, same=True):
     """Print the results as one line of JSON; fail if the energies are not those of the table.
 
     `seconds` and `iterations` have one entry a step. The first step, with what is done only
-    once, is left out of the times.
+    once, is left out of the times. `same`: whether material and scheme are those of the others;
+    if not, the total energy only is compared, roughly.
     """
     line = {
         "program": program,
         "solver": solver,
         "r": r,
+        "cells": cells,
         "dofs": dofs,
+        "threads": 1,
         "cpu_seconds_per_step": round(statistics.median(seconds[1:]), 6),
         "cpu_seconds_per_step_mean": round(statistics.fmean(seconds[1:]), 6),
+        "cpu_seconds": round(sum(seconds), 6),
         "newton_per_step": statistics.fmean(iterations),
+        "assembled_cells_per_second": round(rate),
         "kinetic_energy": float(energies[0]),
         "strain_energy": float(energies[1]),
         "tip": [float(x) for x in tip],
-        "peak_megabytes": round(megabytes),
+        "peak_megabytes": round(peak_megabytes(), 1),
     }
     print(json.dumps(line), flush=True)
-    for value, expected in zip(energies, ENERGIES.get(r, energies)):
-        assert math.isclose(value, expected, rel_tol=1e-8), f"{value} is not {expected}"
+    expected = ENERGIES.get(str(r), energies)
+    pairs = zip(energies, expected) if same else [(sum(energies), sum(expected))]
+    for value, right in pairs:
+        assert math.isclose(value, right, rel_tol=1e-8 if same else 1e-3), f"{value} is not {right}"

@@ -1,7 +1,7 @@
-"""The block in DOLFINx 0.5.2 with PETSc: `dolfinx_block.py r [lu|cg]`.
+"""The block in DOLFINx 0.5.2 with PETSc: `dolfinx_block.py r [lu|cholesky|icc|jacobi]`.
 
-lu: forms with -O2, LU of MUMPS: the usual set-up. cg: forms with all optimisations,
-conjugate gradients with an incomplete Cholesky factor.
+lu: forms with -O2, LU of MUMPS: the usual set-up. The others: forms with all optimisations, and
+Cholesky of MUMPS, or conjugate gradients with an incomplete Cholesky factor or the diagonal.
 """
 import pathlib
 import sys
@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 import block
 
-FLAGS = {"lu": ["-O2"], "cg": ["-O3", "-march=native", "-ffast-math"]}
+USUAL, TUNED = ["-O2"], ["-O3", "-march=native", "-ffast-math"]
 TENSOR_ORDER = [0, 1, 3, 2, 4, 5, 7, 6]  # from the order of VTK
 H = block.STEP_SIZE
 
@@ -31,9 +31,9 @@ def strain_energy(u):
 
 
 def label(solver):
-    """Name of the solver; says so if LU has only the slow reference BLAS to work with."""
+    """Name of the solver; says so if MUMPS has only the slow reference BLAS to work with."""
     slow = "/blas/libblas" in pathlib.Path("/proc/self/maps").read_text(encoding="utf-8")
-    return "lu, reference BLAS" if solver == "lu" and slow else solver
+    return f"{solver}, reference BLAS" if solver in ("lu", "cholesky") and slow else solver
 
 
 def linear_solver(name, matrix):
@@ -41,14 +41,16 @@ def linear_solver(name, matrix):
     solver = PETSc.KSP().create(matrix.comm)
     solver.setOperators(matrix)
     solver.setErrorIfNotConverged(True)
-    if name == "lu":
+    if name in ("lu", "cholesky"):
         solver.setType("preonly")
-        solver.pc.setType("lu")
+        solver.pc.setType(name)
         solver.pc.setFactorSolverType("mumps")
     else:
         solver.setType("cg")
-        solver.pc.setType("icc")
+        solver.pc.setType({"icc": "icc", "jacobi": "jacobi"}[name])
         solver.setTolerances(rtol=block.INNER)
+    if name != "lu":
+        matrix.setOption(PETSc.Mat.Option.SPD, True)
     return solver
 
 
@@ -66,12 +68,21 @@ def main(r, solver="lu"):
     acceleration = 4 / H**2 * (middle - inertial)
     R = (ufl.derivative(strain_energy(middle) * dx, middle)
          + block.DENSITY * ufl.inner(acceleration, ufl.TestFunction(space)) * dx)
-    flags = {"cffi_extra_compile_args": FLAGS[solver]}
+    flags = {"cffi_extra_compile_args": USUAL if solver == "lu" else TUNED}
     residual = fem.form(R, jit_params=flags)
     tangent = fem.form(ufl.derivative(R, middle), jit_params=flags)
     matrix, vector = petsc.create_matrix(tangent), petsc.create_vector(residual)
     correction = vector.duplicate()
     ksp = linear_solver(solver, matrix)
+
+    def assemble_residual():
+        vector.set(0.0)
+        petsc.assemble_vector(vector, residual)
+
+    def assemble_tangent():
+        matrix.zeroEntries()
+        petsc.assemble_matrix(matrix, tangent)
+        matrix.assemble()
 
     seconds, iterations = [], []
     for _ in range(block.STEPS):
@@ -80,15 +91,12 @@ def main(r, solver="lu"):
         inertial.x.array[:] = u.x.array + H / 2 * v.x.array
         first, count = None, 0
         while True:
-            vector.set(0.0)
-            petsc.assemble_vector(vector, residual)
+            assemble_residual()
             norm = vector.norm()
             first = first or norm
             if block.converged(norm, first):
                 break
-            matrix.zeroEntries()
-            petsc.assemble_matrix(matrix, tangent)
-            matrix.assemble()
+            assemble_tangent()
             ksp.solve(vector, correction)
             middle.x.array[:] -= correction.array_r
             count += 1
@@ -102,9 +110,9 @@ def main(r, solver="lu"):
                 for density in (kinetic, strain_energy(u))]
     nodes = space.tabulate_dof_coordinates()
     tip = np.flatnonzero(np.isclose(nodes, block.TIP).all(axis=1))[0]
-    block.report(f"DOLFINx {dolfinx.__version__}", label(solver), r, 3 * len(points),
-                 seconds, iterations, energies, (nodes + u.x.array.reshape(-1, 3))[tip],
-                 block.peak_megabytes())
+    rate = block.assembly_rate(len(cells), lambda: (assemble_residual(), assemble_tangent()))
+    block.report(f"DOLFINx {dolfinx.__version__}", label(solver), r, len(cells), 3 * len(points),
+                 seconds, iterations, energies, (nodes + u.x.array.reshape(-1, 3))[tip], rate)
 
 
 if __name__ == "__main__":

@@ -74,9 +74,11 @@ def main(r, solver="cg"):
 
     displacement.values[:] = u.reshape(-1, 3)
     tip = np.flatnonzero((points == block.TIP).all(axis=1))[0]
-    block.report(f"FElupe {felupe.__version__}", solver, r, u.size, seconds, iterations,
+    rate = block.assembly_rate(
+        len(cells), lambda: (body.assemble.vector(field), body.assemble.matrix(field)))
+    block.report(f"FElupe {felupe.__version__}", solver, r, len(cells), u.size, seconds, iterations,
                  (v @ (mass @ v) / 2, strain_energy(field, region)),
-                 (points + u.reshape(-1, 3))[tip], block.peak_megabytes())
+                 (points + u.reshape(-1, 3))[tip], rate)
 
 
 if __name__ == "__main__":

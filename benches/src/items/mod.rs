@@ -1,0 +1,45 @@
+//! The items: what is measured, with the goal for each.
+
+mod comparison;
+mod degrees;
+mod large;
+mod schemes;
+mod step;
+mod stiff;
+mod threads;
+
+use crate::peers::Interpreters;
+use crate::report::Report;
+use crate::session::Session;
+
+/// What the command line says about the items.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// How runs are made.
+    pub session: Session,
+    /// Interpreters of the other programs, if these are to run.
+    pub peers: Option<Interpreters>,
+    /// Cells a unit length for `step` and `large`, ascending, in place of their own.
+    pub cells: Option<Vec<u32>>,
+    /// Whether `large` takes the mesh of 1.5 million degrees of freedom.
+    pub million: bool,
+}
+
+/// One item.
+#[derive(Debug, Clone, Copy)]
+pub struct Item {
+    /// Key word.
+    pub name: &'static str,
+    /// Measures it.
+    pub measure: fn(&Settings) -> Result<Vec<Report>, String>,
+}
+
+/// All items; the first is the default.
+pub const ALL: [Item; 6] = [
+    Item { name: "step", measure: step::measure },
+    Item { name: "schemes", measure: schemes::measure },
+    Item { name: "degrees", measure: degrees::measure },
+    Item { name: "stiff", measure: stiff::measure },
+    Item { name: "large", measure: large::measure },
+    Item { name: "threads", measure: threads::measure },
+];

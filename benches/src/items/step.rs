@@ -1,0 +1,83 @@
+//! `step`: the block in free flight by the mid-point rule, the work that every program does.
+
+use super::{Settings, comparison};
+use crate::job::{Case, Job};
+use crate::report::{Goal, Limit, Report, Table, count, number, number_or_dash};
+use crate::session::{Runs, Session, step_seconds};
+
+/// Assemblies measured after each run.
+const ASSEMBLIES: usize = 5;
+
+/// Emmy's steps by r with one thread, and beside the other programs; then two threads.
+pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+    let session = &settings.session;
+    let sizes = settings.cells.clone().unwrap_or(session.choose(vec![1], vec![1, 2, 4, 6]));
+    let peers = comparison::Peers::find(settings)?;
+    let cases = sizes.iter().map(|&r| Job::case(&Case::spinning_block(r).assemblies(ASSEMBLIES)));
+    let mut jobs = cases.collect::<Result<Vec<_>, _>>()?;
+    jobs.extend(peers.jobs(&sizes));
+    let mut runs = session.turn_about(&jobs)?;
+    let of_peers = runs.split_off(sizes.len());
+    Ok(vec![
+        steps(&sizes, &runs),
+        comparison::report(&sizes, &runs, &peers, &of_peers),
+        two_threads(session, &sizes)?,
+    ])
+}
+
+fn steps(sizes: &[u32], runs: &[Runs]) -> Report {
+    let note = "The spinning block by the mid-point rule FE(1), h = 0.02, 20 steps, one thread, a process each; CPU seconds a step \
+        without the first. Energies at the end are those of the other programs, to 1e-8.";
+    let heading = [
+        "r",
+        "cells",
+        "dofs",
+        "CPU s a step, mean",
+        "median",
+        "Newton",
+        "linear",
+        "assembled cells/s",
+        "peak MB",
+        "bytes a dof",
+    ];
+    let mut table = Table::new(0, &heading);
+    for (r, runs) in sizes.iter().zip(runs) {
+        let last = runs.last();
+        let rate = runs.median_of_some(|o| o.assembled_cells_per_second);
+        table.push(vec![
+            r.to_string(),
+            count(last.cells),
+            count(last.dofs),
+            number(runs.median(step_seconds)),
+            number(runs.median(|o| o.cpu_seconds_per_step)),
+            number(last.newton_per_step),
+            number(last.linear_per_step),
+            number_or_dash(rate),
+            number_or_dash(runs.median_of_some(|o| o.peak_megabytes)),
+            number_or_dash(runs.median_of_some(|o| o.bytes_per_dof())),
+        ]);
+    }
+    let mut report = Report::new("A step of Emmy", note);
+    report.tables.push(table);
+    report
+}
+
+/// Two threads against one, wall time, on the larger meshes: both need cores that nothing else uses.
+fn two_threads(session: &Session, sizes: &[u32]) -> Result<Report, String> {
+    let n_large = sizes.iter().filter(|&&r| r >= 4).count().max(1);
+    let sizes = &sizes[sizes.len() - n_large..];
+    let mut report =
+        Report::new("Two threads", "Wall seconds a step of the same block, mean without the first.");
+    let mut table = Table::new(0, &["r", "one thread", "two threads", "ratio"]);
+    let cases = |&r: &u32| [1, 2].map(|threads| Case::spinning_block(r).threads(threads));
+    let cases: Vec<Case> = sizes.iter().flat_map(cases).collect();
+    for (r, runs) in sizes.iter().zip(session.cases(&cases)?.chunks_exact(2)) {
+        let seconds = |runs: &Runs| runs.median(|o| o.wall_seconds_per_step_mean);
+        let ratio = runs[0].ratio(&runs[1], |o| o.wall_seconds_per_step_mean);
+        table.push(vec![r.to_string(), number(seconds(&runs[0])), number(seconds(&runs[1])), number(ratio)]);
+        let statement = format!("one thread over two at r = {r}");
+        report.goals.push(Goal::new(statement, Limit::AtLeast(1.7), ratio));
+    }
+    report.tables.push(table);
+    Ok(report)
+}

@@ -1,0 +1,225 @@
+//! What is run in a process of its own: a case of Emmy, or another program.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::measure::Arguments;
+use crate::outcome::Outcome;
+
+/// A process that prints the figures of one run.
+#[derive(Debug, Clone)]
+pub struct Job {
+    program: PathBuf,
+    arguments: Vec<String>,
+    threads: usize,
+    check: Option<Check>,
+}
+
+/// How the energies of the spinning block are checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Check {
+    /// Cells a unit length.
+    pub r: u32,
+    /// Whether material and scheme are those of the other programs; if not, the total energy only is compared, roughly.
+    pub same_equations: bool,
+}
+
+/// What tells the libraries of other programs their number of threads.
+const THREADS: [&str; 4] =
+    ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"];
+
+/// Two programs agree on an energy to this part of it.
+const AGREEMENT: f64 = 1e-8;
+/// With another material or scheme they agree on the total energy to this part of it.
+const ROUGH_AGREEMENT: f64 = 1e-3;
+
+impl Job {
+    /// A script of another program that computes the spinning block.
+    pub fn script(python: &Path, script: &Path, arguments: &[String], check: Check) -> Self {
+        let script = script.display().to_string();
+        let arguments = std::iter::once(script).chain(arguments.iter().cloned()).collect();
+        Job { program: python.to_path_buf(), arguments, threads: 1, check: Some(check) }
+    }
+
+    /// A case of Emmy, in a process of this program: memory and CPU time are then its own.
+    ///
+    /// # Errors
+    /// A message if the program cannot find itself.
+    pub fn case(case: &Case) -> Result<Self, String> {
+        let program = std::env::current_exe().map_err(|error| error.to_string())?;
+        let check = case.known_block().map(|r| Check { r, same_equations: true });
+        Ok(Job { program, arguments: case.words(), threads: case.0.threads, check })
+    }
+
+    /// Runs the job and returns its figures; on one core of its own if it has one thread and a core is named.
+    ///
+    /// # Errors
+    /// What the process says if it fails, or if its energies are not those of the other programs.
+    pub fn run(&self, core: Option<usize>) -> Result<Outcome, String> {
+        let mut command = match core.filter(|_| self.threads == 1) {
+            Some(core) => {
+                let mut pinned = Command::new("taskset");
+                pinned.arg("-c").arg(core.to_string()).arg(&self.program);
+                pinned
+            }
+            None => Command::new(&self.program),
+        };
+        command.args(&self.arguments);
+        command.envs(THREADS.map(|name| (name, self.threads.to_string())));
+        let fail = |message: &str| format!("{self}: {message}");
+        let output = command.output().map_err(|error| fail(&error.to_string()))?;
+        if !output.status.success() {
+            let message = String::from_utf8_lossy(&output.stderr);
+            return Err(fail(&format!("{}, {}", output.status, message.trim())));
+        }
+        let outcome = Outcome::in_output(&String::from_utf8_lossy(&output.stdout));
+        let outcome = outcome.map_err(|error| fail(&error))?;
+        self.check.map_or(Ok(()), |check| check.energies(&outcome)).map_err(|error| fail(&error))?;
+        Ok(outcome)
+    }
+}
+
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.program.display(), self.arguments.join(" "))
+    }
+}
+
+/// Kinetic and strain energy of the spinning block at its end by r; all programs agree in these digits.
+fn energies(r: u32) -> Option<[f64; 2]> {
+    let table: serde_json::Value = serde_json::from_str(include_str!("../peers/energies.json")).ok()?;
+    serde_json::from_value(table[r.to_string()].clone()).ok()
+}
+
+impl Check {
+    fn energies(self, outcome: &Outcome) -> Result<(), String> {
+        let Some(expected) = energies(self.r) else { return Ok(()) };
+        let found = [outcome.kinetic_energy, outcome.strain_energy];
+        let agrees = |a: f64, b: f64, tolerance: f64| (a - b).abs() <= tolerance * b;
+        let all_agree = match self.same_equations {
+            true => (0..2).all(|i| agrees(found[i], expected[i], AGREEMENT)),
+            false => agrees(found[0] + found[1], expected[0] + expected[1], ROUGH_AGREEMENT),
+        };
+        if all_agree {
+            return Ok(());
+        }
+        Err(format!("kinetic and strain energy {found:?} are not those of the other programs, {expected:?}"))
+    }
+}
+
+/// A case of Emmy: an input with values changed as by `--set`.
+#[derive(Debug, Clone)]
+pub struct Case(Arguments);
+
+impl Case {
+    /// The block in free flight with cells of edge 1/r, by the mid-point rule: the work of the other programs.
+    pub fn spinning_block(r: u32) -> Self {
+        Case::new("benches/spinning-block.toml").cells(r)
+    }
+
+    /// The block of E = 1e7 under its load, with cells of edge 1/r.
+    pub fn stiff_block(r: u32) -> Self {
+        Case::new("examples/quasi-rigid.toml").cells(r)
+    }
+
+    fn new(input: &str) -> Self {
+        let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(input);
+        let (set, state) = Default::default();
+        Case(Arguments { input, set, threads: 1, assemblies: 0, factorizations: 0, state })
+    }
+
+    fn cells(self, r: u32) -> Self {
+        self.with("mesh.l-block.cell_size", 1.0 / f64::from(r))
+    }
+
+    /// The case with another value.
+    pub fn with(mut self, key: &str, value: impl fmt::Display) -> Self {
+        self.0.set.push(format!("{key}={value}"));
+        self
+    }
+
+    /// The case with another scheme of a degree.
+    pub fn scheme(self, scheme: &str, degree: usize) -> Self {
+        self.with("time.scheme", scheme).with("time.degree", degree)
+    }
+
+    /// The case with steps of one size, as many as reach a time.
+    pub fn until(self, until: f64, step_size: f64) -> Self {
+        self.with("time.steps", format!("[{{ until = {until:?}, size = {step_size:?} }}]"))
+    }
+
+    /// The case with a number of steps of one size.
+    pub fn steps(self, count: u32, step_size: f64) -> Self {
+        self.until(f64::from(count) * step_size, step_size)
+    }
+
+    /// The case with a number of threads.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.0.threads = threads;
+        self
+    }
+
+    /// The case with some assemblies measured after the run.
+    pub fn assemblies(mut self, count: usize) -> Self {
+        self.0.assemblies = count;
+        self
+    }
+
+    /// The case with some factorisations measured after the run.
+    pub fn factorizations(mut self, count: usize) -> Self {
+        self.0.factorizations = count;
+        self
+    }
+
+    /// The case with a file for its last state.
+    pub fn state(mut self, file: PathBuf) -> Self {
+        self.0.state = Some(file);
+        self
+    }
+
+    /// r of the spinning block, if nothing but the mesh is changed: only then are the energies known.
+    fn known_block(&self) -> Option<u32> {
+        let [size] = &self.0.set[..] else { return None };
+        let size: f64 = size.strip_prefix("mesh.l-block.cell_size=")?.parse().ok()?;
+        self.0.input.ends_with("spinning-block.toml").then_some((1.0 / size).round() as u32)
+    }
+
+    /// The command line of the process.
+    fn words(&self) -> Vec<String> {
+        let case = &self.0;
+        let mut words = vec!["case".to_string(), case.input.display().to_string()];
+        let mut flag = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+        case.set.iter().for_each(|set| flag("set", set.clone()));
+        flag("threads", case.threads.to_string());
+        flag("assemblies", case.assemblies.to_string());
+        flag("factorizations", case.factorizations.to_string());
+        if let Some(file) = &case.state {
+            flag("state", file.display().to_string());
+        }
+        words
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energies_are_known_of_the_unchanged_block_only() {
+        assert_eq!(Case::spinning_block(6).known_block(), Some(6));
+        assert_eq!(Case::spinning_block(6).scheme("DGM", 1).known_block(), None);
+        assert_eq!(Case::stiff_block(1).known_block(), None);
+        assert!(energies(6).is_some() && energies(3).is_none());
+    }
+
+    #[test]
+    fn energies_of_other_programs_are_asked_for() {
+        let outcome =
+            Outcome { kinetic_energy: 462.2838305, strain_energy: 2.269828853, ..Default::default() };
+        let check = |same_equations| Check { r: 1, same_equations };
+        assert!(check(true).energies(&outcome).is_ok());
+        let off = Outcome { strain_energy: 2.26982889, ..outcome };
+        assert!(check(true).energies(&off).is_err() && check(false).energies(&off).is_ok());
+    }
+}

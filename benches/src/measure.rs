@@ -1,0 +1,168 @@
+//! One run in this process, measured step by step.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use emmy::average::Want;
+use emmy::body::{Body, StepInput};
+use emmy::motion::{Motion, Observer, Record, State, View};
+use emmy::sparse::BlockCholesky;
+use emmy::time::TimeElement;
+use emmy_io::input::{self, Overrides, Problem};
+
+use crate::outcome::{Outcome, mean, median};
+use crate::process::{cpu_time, peak_megabytes};
+
+/// Arguments of `emmy-bench case`.
+#[derive(Debug, Clone, Args)]
+pub struct Arguments {
+    /// Input file
+    pub input: PathBuf,
+    /// A value in place of the file's, as in `emmy run`
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of threads
+    #[arg(long, default_value_t = 1)]
+    pub threads: usize,
+    /// Assemblies of residual and tangent to measure after the run, on one thread
+    #[arg(long, default_value_t = 0)]
+    pub assemblies: usize,
+    /// Sparse Cholesky factorisations to measure after the run
+    #[arg(long, default_value_t = 0)]
+    pub factorizations: usize,
+    /// File for all bits of the last state and of every step's energies and momenta
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
+}
+
+/// Runs the case and returns its figures.
+///
+/// # Errors
+/// The message of whatever fails.
+pub fn measure(arguments: &Arguments) -> Result<Outcome, String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global();
+    pool.map_err(|error| text(&error))?;
+    let overrides = Overrides { set: arguments.set.clone(), ..Default::default() };
+    let problem = input::read(&arguments.input, &overrides);
+    let problem = problem.map_err(|error| format!("{}: {error}", arguments.input.display()))?;
+    let body = &problem.body;
+    let state = State::initial(body, problem.plan.start(), &problem.initial).map_err(|e| text(&e))?;
+    let motion = Motion::new(body, problem.scheme, problem.degree, problem.newton, state);
+    let mut motion = motion.map_err(|error| text(&error))?;
+    let mut steps = Steps::default();
+    motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| text(&error))?;
+    // Before anything else is allocated.
+    let peak_megabytes = peak_megabytes();
+    if let Some(path) = &arguments.state {
+        save(path, motion.state(), &steps.records).map_err(|error| text(&error))?;
+    }
+    Ok(Outcome {
+        threads: arguments.threads,
+        peak_megabytes,
+        assembled_cells_per_second: assembly_rate(&problem, motion.state(), arguments.assemblies)?,
+        factorization_seconds: factorization_seconds(body, arguments.factorizations)?,
+        ..steps.outcome(&problem)
+    })
+}
+
+/// The clocks at the start and after every step.
+#[derive(Debug, Default)]
+struct Steps {
+    clocks: Vec<(Duration, Instant)>,
+    records: Vec<Record>,
+}
+
+impl Observer for Steps {
+    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        self.clocks.push((cpu_time(), Instant::now()));
+        self.records.push(view.record.clone());
+        Ok(())
+    }
+}
+
+impl Steps {
+    fn outcome(&self, problem: &Problem) -> Outcome {
+        let cpu: Vec<f64> = self.clocks.windows(2).map(|w| (w[1].0 - w[0].0).as_secs_f64()).collect();
+        let wall: Vec<f64> = self.clocks.windows(2).map(|w| (w[1].1 - w[0].1).as_secs_f64()).collect();
+        let (later, steps) = (usize::from(cpu.len() > 1), &self.records[1..]);
+        let average = |count: fn(&Record) -> usize| {
+            steps.iter().map(count).sum::<usize>() as f64 / steps.len().max(1) as f64
+        };
+        let last = &self.records[self.records.len() - 1];
+        Outcome {
+            program: format!("Emmy {}", env!("CARGO_PKG_VERSION")),
+            solver: problem.scheme.to_string(),
+            cells: problem.body.mesh().n_cells(),
+            dofs: problem.body.n_dofs(),
+            cpu_seconds_per_step: median(&cpu[later..]),
+            cpu_seconds_per_step_mean: mean(&cpu[later..]),
+            wall_seconds_per_step_mean: mean(&wall[later..]),
+            cpu_seconds: cpu.iter().sum(),
+            newton_per_step: average(|record| record.newton_iterations),
+            linear_per_step: average(|record| record.linear_iterations),
+            kinetic_energy: last.kinetic_energy,
+            strain_energy: last.strain_energy,
+            ..Outcome::default()
+        }
+    }
+}
+
+/// Cells a second in the assembly of residual and tangent, median of some; for time elements, at the state reached.
+fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Option<f64>, String> {
+    if count == 0 {
+        return Ok(None);
+    }
+    let element = TimeElement::new(problem.scheme, problem.degree).map_err(|error| error.to_string())?;
+    let (body, k) = (&problem.body, problem.degree);
+    let step_size = problem.plan.phases()[0].size;
+    let rates: Vec<f64> = state.velocity.iter().map(|v| step_size * v).collect::<Vec<_>>().repeat(k);
+    let step = StepInput {
+        rule: element.rule(),
+        tangent_factor: step_size * step_size,
+        displacement: &state.displacement,
+        rates: &rates,
+    };
+    let mut assembly = body.assembly(k);
+    let seconds =
+        timed(count, || body.assemble(&step, Want::Tangent, element.inverse_coefficients(), &mut assembly))?;
+    Ok(Some(body.mesh().n_cells() as f64 / seconds))
+}
+
+/// CPU time of one numerical factorisation on the body's pattern, median of some. The numbers in the matrix do not matter to
+/// it, as long as it is positive definite: here it is the mass.
+fn factorization_seconds(body: &Body, count: usize) -> Result<Option<f64>, String> {
+    if count == 0 {
+        return Ok(None);
+    }
+    let factor = BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order());
+    let mut factor = factor.map_err(|error| error.to_string())?;
+    let mass = body.mass();
+    // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
+    let entry = |source: usize| if matches!(source % 9, 0 | 4 | 8) { mass[source / 9] } else { 0.0 };
+    timed(count, || factor.factorize(entry)).map(Some)
+}
+
+/// CPU time of a piece of work, median of some, after one that does not count.
+fn timed(count: usize, mut work: impl FnMut() -> emmy::Result<()>) -> Result<f64, String> {
+    let mut seconds = Vec::with_capacity(count);
+    for _ in 0..=count {
+        let start = cpu_time();
+        work().map_err(|error| error.to_string())?;
+        seconds.push((cpu_time() - start).as_secs_f64());
+    }
+    Ok(median(&seconds[1..]))
+}
+
+/// Writes displacement, momentum, velocity and the records' energies and momenta, 8 bytes a number.
+fn save(path: &Path, state: &State, records: &[Record]) -> std::io::Result<()> {
+    let numbers = [&state.displacement, &state.momentum, &state.velocity].into_iter().flatten().copied();
+    let of_record = |record: &Record| {
+        let energies = [record.kinetic_energy, record.strain_energy];
+        energies.into_iter().chain(record.linear_momentum).chain(record.angular_momentum)
+    };
+    let bytes: Vec<u8> =
+        numbers.chain(records.iter().flat_map(of_record)).flat_map(f64::to_le_bytes).collect();
+    std::fs::write(path, bytes)
+}

@@ -1,0 +1,92 @@
+//! What one run came to: one line of JSON, of Emmy and of the other programs alike.
+
+use serde::{Deserialize, Serialize};
+
+/// Figures of a run. What a program does not tell is left out of its line.
+///
+/// The first step is left out of all times a step: what is done only once for a run is done there.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Outcome {
+    /// Name and version.
+    pub program: String,
+    /// Linear solver.
+    pub solver: String,
+    /// Number of cells.
+    pub cells: usize,
+    /// Number of degrees of freedom.
+    pub dofs: usize,
+    /// Number of threads.
+    pub threads: usize,
+    /// CPU time of a step, median \[s\].
+    pub cpu_seconds_per_step: f64,
+    /// CPU time of a step, mean \[s\].
+    pub cpu_seconds_per_step_mean: f64,
+    /// Wall time of a step, mean \[s\].
+    pub wall_seconds_per_step_mean: f64,
+    /// CPU time of all steps, the first one too \[s\].
+    pub cpu_seconds: f64,
+    /// Newton iterations a step.
+    pub newton_per_step: f64,
+    /// Iterations of the linear solver a step.
+    pub linear_per_step: f64,
+    /// Cells a second and core in the assembly of residual and tangent.
+    pub assembled_cells_per_second: Option<f64>,
+    /// CPU time of one sparse Cholesky factorisation \[s\].
+    pub factorization_seconds: Option<f64>,
+    /// Kinetic energy at the end \[energy\].
+    pub kinetic_energy: f64,
+    /// Strain energy at the end \[energy\].
+    pub strain_energy: f64,
+    /// Largest resident memory \[MB = 2^20 bytes\].
+    pub peak_megabytes: Option<f64>,
+}
+
+impl Outcome {
+    /// The outcome in the last line of what a program prints.
+    ///
+    /// # Errors
+    /// A message if there is no such line.
+    pub fn in_output(output: &str) -> Result<Outcome, String> {
+        let line = output.lines().last().ok_or("it printed nothing")?;
+        serde_json::from_str(line).map_err(|error| format!("{error} in: {line}"))
+    }
+
+    /// Bytes of memory a degree of freedom.
+    pub fn bytes_per_dof(&self) -> Option<f64> {
+        self.peak_megabytes.map(|megabytes| megabytes * f64::from(1 << 20) / self.dofs as f64)
+    }
+}
+
+/// Arithmetic mean.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Median; the mean of the two in the middle of an even number.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let half = sorted.len() / 2;
+    if sorted.len() % 2 == 1 { sorted[half] } else { mean(&sorted[half - 1..=half]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
+    }
+
+    #[test]
+    fn the_last_line_counts_and_what_is_left_out_is_empty() {
+        let outcome =
+            Outcome::in_output("a warning\n{\"program\": \"P\", \"dofs\": 1024, \"peak_megabytes\": 2}\n");
+        let outcome = outcome.unwrap();
+        assert_eq!((outcome.program.as_str(), outcome.bytes_per_dof()), ("P", Some(2048.0)));
+        assert!(Outcome::in_output("").is_err() && Outcome::in_output("Traceback").is_err());
+    }
+}

@@ -1,0 +1,147 @@
+//! The other programs: what they once took, and how they are run.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::Deserialize;
+
+use crate::job::{Check, Job};
+
+/// The other programs with their recorded figures (`benches/peers/recorded.toml`).
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recorded {
+    /// What they were measured on.
+    pub machine: String,
+    /// The programs.
+    #[serde(rename = "peer")]
+    pub peers: Vec<Peer>,
+}
+
+/// Another program with one of its linear solvers.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Peer {
+    /// Name: that of its script `NAME_block.py`, of its environment, and of the module to import.
+    pub name: String,
+    /// Argument of the script.
+    pub solver: String,
+    /// What stands in the tables.
+    pub label: String,
+    /// Finest mesh at which it is run.
+    pub largest_r: u32,
+    /// Whether material and scheme are those of the others, and so the energies.
+    #[serde(default = "yes")]
+    pub same_equations: bool,
+    /// How many times faster than this Emmy is to be, by r.
+    #[serde(default)]
+    pub times_faster: BTreeMap<String, f64>,
+    cpu_seconds_per_step: BTreeMap<String, f64>,
+    /// Cells a second and core in the assembly of residual and tangent.
+    pub assembled_cells_per_second: Option<f64>,
+    /// Largest resident memory at r = 4 \[MB\].
+    pub peak_megabytes: Option<f64>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Recorded {
+    /// The recorded figures.
+    ///
+    /// # Errors
+    /// A message if the file is not as it should be.
+    pub fn read() -> Result<Recorded, String> {
+        toml::from_str(include_str!("../peers/recorded.toml")).map_err(|error| error.to_string())
+    }
+}
+
+impl Peer {
+    /// Recorded CPU seconds of a step.
+    pub fn recorded_seconds(&self, r: u32) -> Option<f64> {
+        self.cpu_seconds_per_step.get(&r.to_string()).copied()
+    }
+
+    /// The job that computes the block.
+    pub fn job(&self, python: &Path, r: u32) -> Job {
+        let script = folder().join(format!("{}_block.py", self.name));
+        let check = Check { r, same_equations: self.same_equations };
+        Job::script(python, &script, &[r.to_string(), self.solver.clone()], check)
+    }
+}
+
+/// Interpreters of the other programs.
+#[derive(Debug, Clone, Default)]
+pub struct Interpreters(HashMap<String, PathBuf>);
+
+impl Interpreters {
+    /// Those of a command line: `NAME=PATH`, several.
+    ///
+    /// # Errors
+    /// A message for a name that no program has.
+    pub fn new(words: &[String]) -> Result<Self, String> {
+        let peers = Recorded::read()?.peers;
+        let mut paths = HashMap::new();
+        for word in words {
+            let (name, path) = word.split_once('=').ok_or("write --python NAME=PATH")?;
+            if !peers.iter().any(|peer| peer.name == name) {
+                return Err(format!("--python {word}: there is no program {name}"));
+            }
+            paths.insert(name.to_string(), PathBuf::from(path));
+        }
+        Ok(Interpreters(paths))
+    }
+
+    /// The interpreter that can import a program's module: the one named, else that of its environment below
+    /// `benches/peers`, else the system's.
+    pub fn of(&self, peer: &Peer) -> Option<PathBuf> {
+        let own = folder().join("environments").join(&peer.name).join("bin/python");
+        let of_system = [own, "/usr/bin/python3".into(), "python3".into()];
+        let candidates = match self.0.get(&peer.name) {
+            Some(path) => vec![path.clone()],
+            None => of_system.to_vec(),
+        };
+        candidates.into_iter().find(|python| can_import(python, peer.module()))
+    }
+}
+
+impl Peer {
+    fn module(&self) -> &str {
+        if self.name == "kratos" { "KratosMultiphysics" } else { &self.name }
+    }
+}
+
+fn can_import(python: &Path, module: &str) -> bool {
+    let trial = Command::new(python).args(["-c", &format!("import {module}")]).output();
+    trial.is_ok_and(|output| output.status.success())
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("peers")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_recorded_program_has_a_script() {
+        let recorded = Recorded::read().unwrap();
+        assert!(recorded.peers.len() > 5);
+        for peer in &recorded.peers {
+            let script = folder().join(format!("{}_block.py", peer.name));
+            let text = std::fs::read_to_string(&script).unwrap_or_else(|_| panic!("{}", script.display()));
+            assert!(text.contains(&format!("\"{}\"", peer.solver)), "{} {}", peer.name, peer.solver);
+            assert!(peer.recorded_seconds(2).is_some());
+        }
+    }
+
+    #[test]
+    fn interpreters_are_those_of_programs_that_there_are() {
+        assert!(Interpreters::new(&["ngsolve=/x/python".into()]).is_ok());
+        assert!(Interpreters::new(&["ngsolv=/x/python".into()]).is_err());
+        assert!(Interpreters::new(&["ngsolve".into()]).is_err());
+    }
+}

@@ -1,0 +1,41 @@
+//! States that runs leave for the program that compares them.
+
+use std::path::PathBuf;
+
+/// A folder that goes when it is no longer needed.
+#[derive(Debug)]
+pub struct Scratch(PathBuf);
+
+impl Scratch {
+    /// A new folder with a name of its own.
+    ///
+    /// # Errors
+    /// What the system says if it cannot be made.
+    pub fn new(name: &str) -> Result<Self, String> {
+        let folder = std::env::temp_dir().join(format!("emmy-bench-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        Ok(Scratch(folder))
+    }
+
+    /// Path of a file in it.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Numbers that a run left, in order: displacement, momentum, velocity, then energies and momenta of every step.
+    ///
+    /// # Errors
+    /// What the system says if there is no such file.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
+        let path = self.file(name);
+        let bytes = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect())
+    }
+}
+
+impl Drop for Scratch {
+    /// Removes the folder; what is left of it where that fails harms nobody.
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,80 @@
+//! Runs that turn about: what is compared runs in the same session, one after the other, several times.
+
+use crate::job::{Case, Job};
+use crate::outcome::{Outcome, median};
+
+/// How runs are made.
+#[derive(Debug, Clone)]
+pub struct Session {
+    /// Small meshes and few steps, without verdicts about time: for continuous integration.
+    pub quick: bool,
+    /// How often everything runs.
+    pub rounds: usize,
+    /// Core of the runs with one thread.
+    pub core: Option<usize>,
+}
+
+impl Session {
+    /// Runs jobs turn about; one [`Runs`] a job.
+    ///
+    /// # Errors
+    /// The message of the first one that fails.
+    pub fn turn_about(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
+        let mut runs = vec![Runs(Vec::new()); jobs.len()];
+        for round in 1..=self.rounds {
+            for (index, (job, runs)) in jobs.iter().zip(&mut runs).enumerate() {
+                eprintln!("round {round} of {}, run {} of {}: {job}", self.rounds, index + 1, jobs.len());
+                runs.0.push(job.run(self.core)?);
+            }
+        }
+        Ok(runs)
+    }
+
+    /// Runs cases of Emmy turn about.
+    ///
+    /// # Errors
+    /// Those of [`Session::turn_about`].
+    pub fn cases(&self, cases: &[Case]) -> Result<Vec<Runs>, String> {
+        self.turn_about(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// The first in the quick set, the second else.
+    pub fn choose<T>(&self, quick: T, full: T) -> T {
+        if self.quick { quick } else { full }
+    }
+}
+
+/// The rounds of one job. A shared machine disturbs single rounds, so figures are medians over them.
+#[derive(Debug, Clone)]
+pub struct Runs(Vec<Outcome>);
+
+impl Runs {
+    /// The last round, for what is the same in all of them.
+    pub fn last(&self) -> &Outcome {
+        &self.0[self.0.len() - 1]
+    }
+
+    /// Median of a figure.
+    pub fn median(&self, figure: impl Fn(&Outcome) -> f64) -> f64 {
+        median(&self.0.iter().map(figure).collect::<Vec<_>>())
+    }
+
+    /// Median of a figure that not every run has.
+    pub fn median_of_some(&self, figure: impl Fn(&Outcome) -> Option<f64>) -> Option<f64> {
+        let figures: Option<Vec<f64>> = self.0.iter().map(figure).collect();
+        figures.map(|figures| median(&figures))
+    }
+
+    /// Median of the ratios of a figure to that of another job in the same round.
+    pub fn ratio(&self, other: &Runs, figure: impl Fn(&Outcome) -> f64) -> f64 {
+        let ratios = self.0.iter().zip(&other.0).map(|(a, b)| figure(a) / figure(b));
+        median(&ratios.collect::<Vec<_>>())
+    }
+}
+
+/// Mean CPU time of a step \[s\].
+///
+/// Emmy's steps are not all alike: some take an iteration more, or new factors. A median would hide these.
+pub fn step_seconds(outcome: &Outcome) -> f64 {
+    outcome.cpu_seconds_per_step_mean
+}

@@ -1,0 +1,59 @@
+//! The whole program in its quick set: every item runs, and the block has the energies of the other programs.
+
+use std::process::{Command, Output};
+
+fn bench(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_emmy-bench")).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn every_item_runs_and_results_do_not_depend_on_threads() {
+    // It checks the energies itself, and would end with an error.
+    let output = bench(&["all", "--quick"]);
+    let (page, errors) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "{errors}");
+    let headings = [
+        "A step of Emmy",
+        "Beside other programs",
+        "Two threads",
+        "Schemes",
+        "Degrees in time",
+        "Error within a time",
+        "A stiff body",
+        "Large meshes",
+        "Threads",
+    ];
+    assert!(headings.iter().all(|heading| page.contains(&format!("## {heading}\n"))), "{page}");
+    assert!(page.contains("**holds**: numbers that depend on the number of threads"), "{page}");
+    assert!(page.contains("**not judged**") && !page.contains("does not hold"), "{page}");
+}
+
+#[test]
+fn a_case_prints_one_line_of_json() {
+    let input = concat!(env!("CARGO_MANIFEST_DIR"), "/spinning-block.toml");
+    let output = bench(&["case", input, "--set", "time.steps=[{ until = 0.04, size = 0.02 }]"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((line["cells"].as_u64(), line["dofs"].as_u64()), (Some(117), Some(672)));
+    // The energy at the start by the integrals of its definition; the mid-point rule keeps it to some digits only.
+    let total = line["kinetic_energy"].as_f64().unwrap() + line["strain_energy"].as_f64().unwrap();
+    assert!((total - 464.5311).abs() < 0.05, "{total}");
+    assert!(line["cpu_seconds_per_step"].as_f64().unwrap() >= 0.0);
+}
+
+#[test]
+fn what_cannot_be_run_ends_with_a_message() {
+    for (arguments, part) in [
+        (&["stp"][..], "there are step, schemes"),
+        (&["--python", "nothing=python"][..], "no program nothing"),
+        (&["case", "nowhere.toml"][..], "nowhere.toml"),
+    ] {
+        let output = bench(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+    }
+}
