@@ -1,6 +1,7 @@
 //! Newton's iteration, on a trait; it knows no mechanics.
 
 use crate::error::Result;
+use crate::sparse::Solver;
 
 /// A system of non-linear equations `R(x) = 0`.
 pub trait System {
@@ -58,11 +59,13 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Number of iterations before giving up.
     pub max_iterations: usize,
+    /// Linear solver.
+    pub solver: Solver,
 }
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        NewtonSettings { tolerance: 1e-10, max_iterations: 20 }
+        NewtonSettings { tolerance: 1e-10, max_iterations: 20, solver: Solver::Auto }
     }
 }
 
@@ -79,6 +82,10 @@ pub struct Outcome {
     pub target: f64,
     /// Whether it converged.
     pub converged: bool,
+    /// How often the approximate tangent was made anew.
+    pub renewals: usize,
+    /// Whether the exact tangent was needed.
+    pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.
     pub at_rounding_floor: bool,
 }
@@ -160,6 +167,7 @@ impl Newton {
         run: &mut Run<'_>,
         line_search: bool,
     ) -> Result<()> {
+        run.outcome.took_exact_tangent = true;
         let mut forcing = FIRST_FORCING;
         // The iterations of another tangent do not count.
         let limit = run.outcome.iterations + run.settings.max_iterations;
@@ -231,6 +239,7 @@ impl Newton {
                 return Ok(false);
             }
             let tolerance = forcing.max(0.3 * round_off / residual).min(LOOSEST);
+            run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
                 self.approximation.fresh = None;
                 return Ok(is_converged);
@@ -403,7 +412,7 @@ mod tests {
     fn steps_back_from_where_there_is_no_residual() {
         let (mut newton, mut x) = (Newton::default(), [10.0]);
         // From 10 the equation x^2 = 1e-4 asks for 5, 2.5, ...: the iteration stays on the positive side.
-        let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 40 };
+        let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 40, ..Default::default() };
         let outcome = newton.solve(&mut SquareRoot(1e-4, 0.0, 0.0), &mut x, &settings, true).unwrap();
         assert!(outcome.converged && (x[0] - 0.01).abs() < 1e-15);
         assert!(newton.solve(&mut SquareRoot(1.0, 0.0, 0.0), &mut [-1.0], &settings, true).is_err());
@@ -411,7 +420,7 @@ mod tests {
 
     #[test]
     fn gives_up_and_says_so() {
-        let settings = NewtonSettings { tolerance: 1e-10, max_iterations: 2 };
+        let settings = NewtonSettings { max_iterations: 2, ..Default::default() };
         let outcome =
             Newton::default().solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut [300.0], &settings, true).unwrap();
         assert!(!outcome.converged && outcome.iterations == 2 && outcome.residual > outcome.target);

@@ -33,7 +33,7 @@ fn march(
     state: State,
     phases: &[(f64, f64)],
 ) -> (State, Vec<Record>) {
-    let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 20 };
+    let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 20, ..NewtonSettings::default() };
     let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
     let phases = phases.iter().map(|&(until, size)| Phase { until, size }).collect();
     let steps = StepPlan::new(0.0, phases).unwrap();

@@ -39,7 +39,7 @@ fn displaced(body: &Body) -> State {
 /// Displacement and velocity of the free end over the amplitude, after every step.
 fn run(scheme: Scheme, h: f64, n_steps: usize) -> Vec<[f64; 2]> {
     let body = brick();
-    let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20 };
+    let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20, ..NewtonSettings::default() };
     let mut motion = Motion::new(&body, scheme, 1, settings, displaced(&body)).unwrap();
     let node = body.mesh().nearest_node([1.0, 0.0, 0.0]);
     let step = |n: usize| {
@@ -177,7 +177,7 @@ fn high_modes_decay_by_the_spectral_radius() {
 fn average_acceleration_conserves_the_energy_of_a_linear_system() {
     let energies = |scheme: &str, h: f64| {
         let body = brick();
-        let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20 };
+        let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20, ..NewtonSettings::default() };
         let mut motion = Motion::new(&body, scheme.parse().unwrap(), 1, settings, displaced(&body)).unwrap();
         let start = motion.record().total_energy;
         let step = |n| motion.step(h, n as f64 * h).unwrap().total_energy / start - 1.0;

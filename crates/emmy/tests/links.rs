@@ -43,7 +43,7 @@ fn start(body: &Body, velocities: &[[f64; 3]]) -> State {
 }
 
 fn motion<'a>(body: &'a Body, scheme: &str, degree: usize, state: State) -> Motion<'a> {
-    let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 30 };
+    let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 30, ..NewtonSettings::default() };
     Motion::new(body, scheme.parse().unwrap(), degree, settings, state).unwrap()
 }
 

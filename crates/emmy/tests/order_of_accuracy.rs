@@ -20,7 +20,7 @@ fn displacement(body: &Body, scheme: Scheme, degree: usize, size: f64) -> Vec<f6
         ..Default::default()
     };
     let state = State::initial(body, 0.0, &[motion]).unwrap();
-    let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20 };
+    let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20, ..NewtonSettings::default() };
     let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
     motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size }]).unwrap(), &mut []).unwrap();
     motion.state().displacement.clone()

@@ -135,6 +135,8 @@ impl Record {
             external_work: self.external_work + impulses.work,
             newton_iterations: outcome.newton.iterations,
             linear_iterations: outcome.newton.linear_iterations,
+            renewals: outcome.newton.renewals,
+            solver: outcome.solver,
             at_rounding_floor: outcome.newton.at_rounding_floor,
             ..Record::default()
         };

@@ -3,6 +3,7 @@
 use super::State;
 use crate::body::Body;
 use crate::error::Error;
+use crate::sparse::SolverChoice;
 
 /// Energies, momenta and balances after a step (or at the start, with zero step size and residuals).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,6 +42,10 @@ pub struct Record {
     pub newton_iterations: usize,
     /// Number of iterations of the linear solver.
     pub linear_iterations: usize,
+    /// How often the stiffness that the linear solver works with was made anew.
+    pub renewals: usize,
+    /// The linear solver; `None` at the start and for explicit steppers.
+    pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
 }

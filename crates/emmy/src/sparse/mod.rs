@@ -15,6 +15,7 @@ mod pattern;
 mod real;
 pub mod reduce;
 mod shifted;
+mod solver;
 mod stages;
 mod sweep;
 
@@ -29,5 +30,6 @@ pub use ordering::nested_dissection;
 pub use pattern::Pattern;
 pub use real::Real;
 pub use shifted::ShiftedMatrix;
+pub use solver::{SOLVERS, Solver, SolverChoice};
 pub use stages::{RowPart, StageMatrix};
 pub use sweep::SweepOrder;

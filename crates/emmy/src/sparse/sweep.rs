@@ -40,8 +40,7 @@ impl SweepOrder {
     /// The order of a pattern.
     pub fn new(pattern: &Pattern) -> Self {
         let levels = cuthill_mckee(pattern);
-        let mut n_chunks = (pattern.n_rows() / MIN_ROWS)
-            .clamp(1, std::env::var("EMMY_CHUNKS").map_or(MAX_CHUNKS, |s| s.parse().unwrap()));
+        let mut n_chunks = (pattern.n_rows() / MIN_ROWS).clamp(1, MAX_CHUNKS);
         loop {
             let (order, interiors, interfaces) = divided(pattern, &levels, n_chunks);
             let sweep = SweepOrder::renumbered(pattern, order, interiors, interfaces);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
+use super::prediction::rotation::{UNIT, exp, product};
 use super::shifted_solver::{Direct, DirectPair, Iterative, ShiftedSolver};
 use super::stage_system::StageForm;
 use crate::average::{Rule, Want};
@@ -10,7 +11,8 @@ use crate::body::{Assembly, Body, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{SweepOrder, nested_dissection};
+use crate::sparse::{Solver, SolverChoice, SweepOrder, nested_dissection};
+use crate::tensor::Mat3;
 
 /// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric, whatever the scheme. It is
 /// kept until the iteration becomes slow with it.
@@ -22,7 +24,13 @@ pub struct ApproximateTangent {
     rule: Rule,
     assembly: Assembly,
     solvers: Vec<Box<dyn ShiftedSolver>>,
-    is_iterative: bool,
+    /// The solver asked for.
+    wanted: Solver,
+    choice: Option<SolverChoice>,
+    /// Rotation from the body of K to that in the middle of the step.
+    orientation: Mat3<f64>,
+    /// Rotation vector of the step.
+    rotation: [f64; 3],
     /// The time s of the stage equations that the solvers were made for.
     made_for: Option<f64>,
     /// Displacement of K.
@@ -38,7 +46,7 @@ impl ApproximateTangent {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub fn new(body: &Body, form: &StageForm) -> Result<Self> {
+    pub fn new(body: &Body, form: &StageForm, solver: Solver) -> Result<Self> {
         let (n, nodes) = (body.n_dofs(), form.rule.nodes());
         Ok(ApproximateTangent {
             modes: modes(form)?,
@@ -46,7 +54,10 @@ impl ApproximateTangent {
             rule: Rule::standard(1, &gauss(1)),
             assembly: body.assembly(1),
             solvers: Vec::new(),
-            is_iterative: false,
+            wanted: solver,
+            choice: None,
+            orientation: UNIT,
+            rotation: [0.0; 3],
             made_for: None,
             displacement: vec![0.0; n],
             rest: vec![0.0; n],
@@ -66,6 +77,7 @@ impl ApproximateTangent {
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn renew(&mut self, body: &Body, displacement: &[f64], rates: &[f64], time_scale: f64) -> Result<()> {
         self.made_for = None;
+        self.orientation = UNIT;
         self.displacement.copy_from_slice(displacement);
         for (rates, half) in rates.chunks_exact(body.n_dofs()).zip(&self.half) {
             self.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += half * x);
@@ -76,6 +88,20 @@ impl ApproximateTangent {
         }
         self.sum_rows(body);
         self.set(body, time_scale)
+    }
+
+    /// Goes over to the next step, in which the body turns by a rotation vector: `M + lambda K` turns with it, so that K stays
+    /// near, however often the body turns around.
+    pub fn turn(&mut self, rotation: &[f64; 3]) {
+        for half in [&self.rotation, rotation] {
+            self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
+        }
+        self.rotation = *rotation;
+    }
+
+    /// The solver, once there is one.
+    pub fn choice(&self) -> Option<SolverChoice> {
+        self.choice
     }
 
     /// Makes the solvers fit to a time s, with the stiffness that there is.
@@ -110,24 +136,21 @@ impl ApproximateTangent {
         Ok(())
     }
 
-    /// Chooses between conjugate gradients and factorisations.
+    /// Makes the solvers of the kind that was asked for, or of the one that costs less.
     fn choose(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         let largest = self.modes.iter().map(Mode::modulus).fold(0.0, f64::max);
         let stiffness = time_scale * time_scale * largest * self.stiffness_over_mass(body);
-        self.is_iterative = match std::env::var("EMMY_SOLVER").as_deref() {
-            Ok("direct") => false,
-            Ok("iterative") => true,
-            _ => stiffness < 1000.0,
+        let limit = iterative_limit(body);
+        let choice = match self.wanted {
+            Solver::Auto => SolverChoice { is_iterative: stiffness < limit, stiffness, limit: Some(limit) },
+            wanted => SolverChoice { is_iterative: wanted == Solver::Iterative, stiffness, limit: None },
         };
-        if std::env::var("EMMY_SOLVER").is_ok() {
-            eprintln!("kappa {stiffness}");
-        }
-        let pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
-        let sweep =
-            if self.is_iterative || pairs { Some(Arc::new(SweepOrder::new(body.pattern()))) } else { None };
-        let order = if self.is_iterative { Vec::new() } else { nested_dissection(body.pattern())? };
+        self.choice = Some(choice);
+        let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
+        let sweep = (choice.is_iterative || has_pairs).then(|| Arc::new(SweepOrder::new(body.pattern())));
+        let order = if choice.is_iterative { Vec::new() } else { nested_dissection(body.pattern())? };
         for mode in &self.modes {
-            self.solvers.push(match (&sweep, self.is_iterative, mode.n_columns()) {
+            self.solvers.push(match (&sweep, choice.is_iterative, mode.n_columns()) {
                 (Some(sweep), true, 1) => Box::new(Iterative::<1>::new(body, sweep.clone())),
                 (Some(sweep), true, _) => Box::new(Iterative::<2>::new(body, sweep.clone())),
                 (Some(sweep), false, 2) => Box::new(DirectPair::new(body, &order, sweep.clone())?),
@@ -150,7 +173,8 @@ impl ApproximateTangent {
 
     /// What a new stiffness costs, in corrections with the old one.
     pub fn renewal_cost(&self) -> f64 {
-        4.0
+        let costs = self.solvers.iter().map(|solver| solver.renewal_cost());
+        costs.fold(0.0, f64::max)
     }
 
     /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
@@ -161,10 +185,24 @@ impl ApproximateTangent {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..r.len() / self.half.len() * mode.n_columns()];
             mode.restrict(r, columns);
+            rotate(columns, mode.n_columns(), &transposed(&self.orientation));
             total = solver.solve(columns, tolerance).and_then(|n| total.map(|total| total + n));
+            rotate(columns, mode.n_columns(), &self.orientation);
             mode.add_to(&mode.backward, columns, z);
         }
+        if total.is_none() {
+            self.give_up();
+        }
         total
+    }
+
+    /// Goes over to a factorisation with the next stiffness, where the solver was left open.
+    fn give_up(&mut self) {
+        if self.wanted == Solver::Auto && self.choice.is_some_and(|choice| choice.is_iterative) {
+            self.wanted = Solver::Direct;
+            self.solvers.clear();
+        }
+        self.made_for = None;
     }
 
     /// `z = P^-1 r`, a linear map near the inverse of the linearised stage equations.
@@ -173,7 +211,9 @@ impl ApproximateTangent {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..r.len() / self.half.len() * mode.n_columns()];
             mode.restrict(r, columns);
+            rotate(columns, mode.n_columns(), &transposed(&self.orientation));
             solver.precondition(columns);
+            rotate(columns, mode.n_columns(), &self.orientation);
             mode.add_to(&mode.turned, columns, z);
         }
     }
@@ -198,4 +238,34 @@ impl ApproximateTangent {
         };
         time_scale * time_scale * terms.map(square).sum::<f64>().sqrt()
     }
+}
+
+/// Stiffness number up to which conjugate gradients cost less than factorisations.
+///
+/// Both are limited by memory. Measured (`benches/README.md`): an iteration takes 4.5 ns a coupling of nodes, about `10 sqrt(c)` of
+/// them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the factor, which has about `5 n^(4/3)` of them
+/// for n degrees of freedom, as nested dissection leaves in three dimensions.
+fn iterative_limit(body: &Body) -> f64 {
+    let iteration = 4.5e-9 * body.pattern().n_blocks() as f64;
+    let solution = 1.6e-9 * 5.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
+    (6.0 * solution / (10.0 * iteration)).powi(2)
+}
+
+/// Turns the vectors of all nodes, `[n_nodes][3][columns]`.
+fn rotate(vectors: &mut [f64], n_columns: usize, R: &Mat3<f64>) {
+    if *R == UNIT {
+        return;
+    }
+    for node in vectors.chunks_exact_mut(3 * n_columns) {
+        for column in 0..n_columns {
+            let v = [0, 1, 2].map(|a| node[a * n_columns + column]);
+            (0..3).for_each(|a| {
+                node[a * n_columns + column] = R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2];
+            });
+        }
+    }
+}
+
+fn transposed(A: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[j][i]))
 }

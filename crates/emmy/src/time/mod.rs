@@ -10,6 +10,7 @@ mod element;
 mod element_stepper;
 mod followers;
 mod iteration;
+mod prediction;
 mod scheme;
 mod shifted_solver;
 mod stage_system;

@@ -21,6 +21,9 @@ pub trait ShiftedSolver: fmt::Debug + Send {
     /// Solves in place to a relative tolerance. Returns the number of iterations, `None` if it was not reached.
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
 
+    /// What it costs to take over a stiffness, that included to compute it, in solutions.
+    fn renewal_cost(&self) -> f64;
+
     /// Solves in place, nearly, with the real matrix `M + |lambda| K`: always the same linear map.
     fn precondition(&mut self, x: &mut [f64]);
 }
@@ -67,6 +70,10 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
         let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, size, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
+    }
+
+    fn renewal_cost(&self) -> f64 {
+        4.0
     }
 
     fn precondition(&mut self, x: &mut [f64]) {
@@ -122,6 +129,10 @@ impl ShiftedSolver for Direct {
         Some(1)
     }
 
+    fn renewal_cost(&self) -> f64 {
+        self.factor.cost_over_solution()
+    }
+
     fn precondition(&mut self, x: &mut [f64]) {
         self.backsolve(1, x);
     }
@@ -171,6 +182,10 @@ impl ShiftedSolver for DirectPair {
         let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, 1.0, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
+    }
+
+    fn renewal_cost(&self) -> f64 {
+        self.inverse.direct.renewal_cost()
     }
 
     fn precondition(&mut self, x: &mut [f64]) {

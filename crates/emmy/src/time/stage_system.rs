@@ -7,7 +7,7 @@ use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::norm;
-use crate::sparse::{Gmres, LinearSystem};
+use crate::sparse::{Gmres, LinearSystem, Solver, SolverChoice};
 
 /// The coefficients in the equations of a step: all that differs between one stepper and another.
 ///
@@ -61,7 +61,7 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 const FLOOR: f64 = 0.25;
 
 impl<'a> StageSystem<'a> {
-    pub fn new(body: &'a Body, form: StageForm) -> Result<Self> {
+    pub fn new(body: &'a Body, form: StageForm, solver: Solver) -> Result<Self> {
         let (n, k) = (body.n_dofs(), form.rule.degree());
         Ok(StageSystem {
             body,
@@ -74,7 +74,7 @@ impl<'a> StageSystem<'a> {
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
-            approximation: ApproximateTangent::new(body, &form)?,
+            approximation: ApproximateTangent::new(body, &form, solver)?,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
             floor: 0.0,
@@ -160,6 +160,16 @@ impl<'a> StageSystem<'a> {
             self.followers.add_tangent(self.body, &step, &mut self.assembly);
         }
         Ok(())
+    }
+
+    /// Turns the approximate tangent with the body, which turns by a rotation vector in the step that was started.
+    pub fn turn(&mut self, rotation: &[f64; 3]) {
+        self.approximation.turn(rotation);
+    }
+
+    /// The linear solver, once there is one.
+    pub fn solver(&self) -> Option<SolverChoice> {
+        self.approximation.choice()
     }
 
     /// Renews the approximate tangent at the rates x.

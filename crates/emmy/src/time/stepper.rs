@@ -7,6 +7,7 @@ use super::{Scheme, State, TimeElement, TimeElementStepper};
 use crate::body::{Body, sum};
 use crate::error::{Error, Result};
 use crate::newton::{NewtonSettings, Outcome};
+use crate::sparse::SolverChoice;
 
 /// Advances the state of a body, step by step.
 ///
@@ -30,6 +31,8 @@ pub struct StepOutcome {
     pub newton: Outcome,
     /// Impulses of loads and reactions.
     pub impulses: Impulses,
+    /// The linear solver; `None` for an explicit stepper.
+    pub solver: Option<SolverChoice>,
 }
 
 /// What loads and reactions did to the body in a step, by the scheme's own quadrature in time. What a balance then leaves

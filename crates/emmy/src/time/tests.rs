@@ -5,6 +5,7 @@ use super::{Scheme, State, TimeElement};
 use crate::body::{Body, InitialVelocity, Region};
 use crate::material::{NeoHooke, SaintVenantKirchhoff};
 use crate::newton::{System, Tangent};
+use crate::sparse::Solver;
 
 fn spinning(body: &Body) -> State {
     let motion = InitialVelocity {
@@ -17,7 +18,8 @@ fn spinning(body: &Body) -> State {
 
 /// Norms of the residuals of Newton's iteration with exact linear solutions, over the first scale.
 fn residuals(body: &Body, scheme: Scheme, degree: usize) -> Vec<f64> {
-    let mut system = StageSystem::new(body, TimeElement::new(scheme, degree).unwrap().into()).unwrap();
+    let mut system =
+        StageSystem::new(body, TimeElement::new(scheme, degree).unwrap().into(), Solver::Auto).unwrap();
     let state = spinning(body);
     let h = 0.3;
     system.start(&state.displacement, h);

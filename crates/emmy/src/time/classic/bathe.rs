@@ -52,9 +52,11 @@ impl<'a> BatheStepper<'a> {
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
+        let system =
+            StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0), settings.solver)?;
         Ok(BatheStepper {
-            system: StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0))?,
-            iteration: Iteration::new(1, n, settings),
+            iteration: Iteration::new(&system.form, n, settings),
+            system,
             forces,
             acceleration,
             inertia,
@@ -74,7 +76,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, state.time, part);
         self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, state, part)?;
-        self.iteration.remember(part);
+        self.iteration.remember(&self.system.form, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
         for (dof, x) in self.iteration.rates.iter().enumerate() {
@@ -100,7 +102,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, self.split.time, part);
         self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, &self.split, part)?;
-        self.iteration.remember(part);
+        self.iteration.remember(&self.system.form, part);
         let end = &mut self.points[2];
         let parts = self.split.displacement.iter().zip(&self.iteration.rates);
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);
@@ -156,10 +158,12 @@ impl Stepper for BatheStepper<'_> {
         let newton = Outcome {
             iterations: first.iterations + second.iterations,
             linear_iterations: first.linear_iterations + second.linear_iterations,
+            renewals: first.renewals + second.renewals,
+            took_exact_tangent: first.took_exact_tangent || second.took_exact_tangent,
             at_rounding_floor: first.at_rounding_floor || second.at_rounding_floor,
             ..second
         };
-        Ok(StepOutcome { newton, impulses })
+        Ok(StepOutcome { newton, impulses, solver: self.system.solver() })
     }
 
     /// That of the second part.

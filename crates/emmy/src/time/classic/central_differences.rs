@@ -98,7 +98,7 @@ impl Stepper for CentralDifferences<'_> {
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
         std::mem::swap(&mut self.start, &mut self.end);
-        Ok(StepOutcome { newton: Outcome { converged: true, ..Outcome::default() }, impulses })
+        Ok(StepOutcome { newton: Outcome { converged: true, ..Outcome::default() }, impulses, solver: None })
     }
 
     fn newton_history(&self) -> &[f64] {

@@ -1,0 +1,62 @@
+//! Which linear solver a step uses, and why.
+
+use std::fmt;
+
+/// What the settings ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// What costs less: see [`SolverChoice`].
+    #[default]
+    Auto,
+    /// Sparse Cholesky factorisation.
+    Direct,
+    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor.
+    Iterative,
+}
+
+/// All there are, with their names.
+pub const SOLVERS: [(&str, Solver, &str); 3] = [
+    ("auto", Solver::Auto, "conjugate gradients or Cholesky factorisation, by what the first step asks for"),
+    ("direct", Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
+    (
+        "iterative",
+        Solver::Iterative,
+        "conjugate gradients with an incomplete Cholesky factor, kept over steps",
+    ),
+];
+
+/// The solver that was chosen.
+///
+/// Conjugate gradients need about `sqrt(c)` iterations, c being the stiffness number
+///
+/// ```math
+/// c = max_dof s^2 |lambda| K_dd / m_d
+/// ```
+///
+/// (s: time scale of the stage equations, the step size of a time element; lambda: largest eigenvalue of the stage coupling; m:
+/// lumped mass): the square of the number of cells that a wave crosses in a step, but for a factor. The fill of a factorisation
+/// grows with the number of nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverChoice {
+    /// Whether it is iterative.
+    pub is_iterative: bool,
+    /// The stiffness number.
+    pub stiffness: f64,
+    /// The stiffness number up to which it is iterative; `None` where one was asked for, or where conjugate gradients failed.
+    pub limit: Option<f64>,
+}
+
+impl fmt::Display for SolverChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = if self.is_iterative {
+            "conjugate gradients with incomplete Cholesky factors"
+        } else {
+            "Cholesky factorisation"
+        };
+        write!(f, "{name} (stiffness number {:.2e}", self.stiffness)?;
+        match self.limit {
+            Some(limit) => write!(f, "; iterative up to {limit:.1e})"),
+            None => write!(f, ")"),
+        }
+    }
+}
