@@ -119,3 +119,28 @@ fn rigid_rotation() {
         }
     }
 }
+
+/// A rotation by half a radian a step of a body that is all but rigid. Newton's iteration has to begin at the right rotation: the
+/// strain that a wrong one of angle d leaves after a linear correction is d^2/2, and where `E d^2/2` outweighs the inertia
+/// `density (length/h)^2` it leads nowhere. From the rigid motion of the step it begins within its quadratic convergence: four
+/// iterations and the last correction, and one to spare.
+#[test]
+fn a_rigid_rotation_takes_few_iterations() {
+    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![svk(1e7, 1.0)], &[], &[]).unwrap();
+    let spin = InitialVelocity {
+        angular_velocity: [0.6, 1.0, 1.6],
+        about: [3.0, 3.0, 1.5],
+        velocity: [1.0, 0.0, -1.0],
+        ..Default::default()
+    };
+    for scheme in SCHEMES {
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
+        let mut motion = Motion::new(&body, scheme, 1, NewtonSettings::default(), state).unwrap();
+        let mut step =
+            |i: usize| motion.step(0.2, 0.2 * i as f64).map(|record| record.newton_iterations).unwrap();
+        let first = step(1);
+        let most = (2..=20).map(&mut step).inspect(|n| print!(" {n}")).max().unwrap();
+        println!("{scheme}: first step {first}, at most {most} afterwards");
+        assert!(most <= 6, "{scheme}: {most} iterations");
+    }
+}

@@ -45,9 +45,10 @@ impl<'a> TimeElementStepper<'a> {
     /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let (n, k) = (body.n_dofs(), element.degree());
+        let system = StageSystem::new(body, element.into())?;
         Ok(TimeElementStepper {
-            system: StageSystem::new(body, element.into())?,
-            iteration: Iteration::new(k, n, settings),
+            iteration: Iteration::new(&system.form, n, settings),
+            system,
             mass_solver: MassSolver::new(body)?,
             momentum: vec![0.0; n],
             residual: vec![0.0; k * n],
@@ -196,7 +197,7 @@ impl Stepper for TimeElementStepper<'_> {
         let newton = self.iteration.solve(&mut self.system, state, step_size)?;
         let mut impulses = self.impulses(step_size)?;
         self.update(state, step_size, &mut impulses);
-        self.iteration.remember(step_size);
+        self.iteration.remember(&self.system.form, step_size);
         Ok(StepOutcome { newton, impulses })
     }
 

@@ -1,9 +1,10 @@
 //! Newton's iteration over the equations of a step: where it starts, and what is tried when it fails.
 
 use super::State;
-use super::stage_system::StageSystem;
+use super::prediction::{Carry, Prediction};
+use super::stage_system::{StageForm, StageSystem};
 use crate::error::{Error, Result};
-use crate::newton::{Newton, NewtonSettings, Outcome};
+use crate::newton::{Newton, NewtonSettings, Outcome, System};
 
 /// The iteration of a step with its memory: the rates it solves for, and those of the step before.
 #[derive(Debug)]
@@ -12,16 +13,18 @@ pub struct Iteration {
     newton: Newton,
     /// The unknowns x_i, `[k][n_nodes][3]`.
     pub rates: Vec<f64>,
-    /// Rates and step size of the last step.
-    last: Option<(Vec<f64>, f64)>,
-    coefficients: Vec<f64>,
+    prediction: Prediction,
+    /// Residual at a starting point, where there is a choice.
+    residual: Vec<f64>,
 }
 
 /// Starting points of the iteration, in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Guess {
-    /// The last step's polynomial, continued.
+    /// The rigid motion of the step, and what the last step did besides.
     Continued,
+    /// The rigid motion alone.
+    Rigid,
     /// h v.
     Velocity,
     /// No motion.
@@ -29,23 +32,26 @@ enum Guess {
 }
 
 /// Every attempt at a step: starting point, and whether a line search guards it.
-const ATTEMPTS: [(Guess, bool); 5] = [
+const ATTEMPTS: [(Guess, bool); 7] = [
     (Guess::Continued, false),
+    (Guess::Rigid, false),
     (Guess::Velocity, false),
     (Guess::Rest, false),
+    (Guess::Rigid, true),
     (Guess::Velocity, true),
     (Guess::Rest, true),
 ];
 
 impl Iteration {
-    /// Memory for k stages of n degrees of freedom.
-    pub fn new(k: usize, n: usize, settings: NewtonSettings) -> Self {
+    /// Memory for the stages of n degrees of freedom.
+    pub fn new(form: &StageForm, n: usize, settings: NewtonSettings) -> Self {
+        let k = form.rule.degree();
         Iteration {
             settings,
             newton: Newton::default(),
             rates: vec![0.0; k * n],
-            last: None,
-            coefficients: vec![0.0; k * k],
+            prediction: Prediction::new(k, n),
+            residual: vec![0.0; if k > 1 { k * n } else { 0 }],
         }
     }
 
@@ -59,6 +65,7 @@ impl Iteration {
     /// # Errors
     /// [`Error::NoConvergence`].
     pub fn solve(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) -> Result<Outcome> {
+        self.prediction.start(system, state);
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
             if !self.predict(guess, system, state, step_size) {
@@ -100,35 +107,51 @@ impl Iteration {
     }
 
     /// Keeps the rates of a step for the prediction of the next one.
-    pub fn remember(&mut self, step_size: f64) {
-        let (last, last_size) = self.last.get_or_insert_with(|| (self.rates.clone(), step_size));
-        last.copy_from_slice(&self.rates);
-        *last_size = step_size;
+    pub fn remember(&mut self, form: &StageForm, step_size: f64) {
+        self.prediction.remember(form, &self.rates, step_size);
+    }
+
+    /// Predicts the rates by that carry of the last deviation that leaves the smaller residual; for k = 1 they are the same.
+    fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) -> bool {
+        if system.form.rule.degree() == 1 {
+            return self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
+        }
+        let mut sizes = [f64::INFINITY; 2];
+        for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
+            if !self.prediction.predict(carry, &system.form, step_size, &mut self.rates) {
+                return false;
+            }
+            system.drive(&mut self.rates);
+            if let Ok(sizes) = system.residual(&self.rates, &mut self.residual) {
+                *size = sizes.residual;
+            }
+        }
+        if sizes[0] <= sizes[1] {
+            self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
+        }
+        true
     }
 
     /// Sets the rates to a starting point; false if there is none of this kind.
-    fn predict(&mut self, guess: Guess, system: &StageSystem<'_>, state: &State, step_size: f64) -> bool {
+    fn predict(&mut self, guess: Guess, system: &mut StageSystem<'_>, state: &State, step_size: f64) -> bool {
         let n = state.displacement.len();
-        match (guess, &self.last) {
-            (Guess::Continued, None) => return false,
-            (Guess::Continued, Some((last, last_size))) => {
-                let rule = &system.form.rule;
-                rule.continuation(step_size / last_size, &mut self.coefficients);
-                let k = rule.degree();
-                for (i, rates) in self.rates.chunks_exact_mut(n).enumerate() {
-                    rates.fill(0.0);
-                    for j in 0..k {
-                        let e = self.coefficients[i * k + j];
-                        rates.iter_mut().zip(&last[j * n..]).for_each(|(x, old)| *x += e * old);
-                    }
+        match guess {
+            Guess::Continued => {
+                if !self.predict_better(system, step_size) {
+                    return false;
                 }
             }
-            (Guess::Velocity, _) => {
+            Guess::Rigid => {
+                if !self.prediction.predict(Carry::Nothing, &system.form, step_size, &mut self.rates) {
+                    return false;
+                }
+            }
+            Guess::Velocity => {
                 for rates in self.rates.chunks_exact_mut(n) {
                     rates.iter_mut().zip(&state.velocity).for_each(|(x, v)| *x = step_size * v);
                 }
             }
-            (Guess::Rest, _) => self.rates.fill(0.0),
+            Guess::Rest => self.rates.fill(0.0),
         }
         system.drive(&mut self.rates);
         true

@@ -9,6 +9,7 @@ mod element_stepper;
 mod followers;
 mod iteration;
 mod preconditioner;
+mod prediction;
 mod scheme;
 mod stage_system;
 mod state;

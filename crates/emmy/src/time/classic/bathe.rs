@@ -52,9 +52,10 @@ impl<'a> BatheStepper<'a> {
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
+        let system = StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0))?;
         Ok(BatheStepper {
-            system: StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0))?,
-            iteration: Iteration::new(1, n, settings),
+            iteration: Iteration::new(&system.form, n, settings),
+            system,
             forces,
             acceleration,
             inertia,
@@ -74,7 +75,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, state.time, part);
         self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, state, part)?;
-        self.iteration.remember(part);
+        self.iteration.remember(&self.system.form, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
         for (dof, x) in self.iteration.rates.iter().enumerate() {
@@ -100,7 +101,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, self.split.time, part);
         self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, &self.split, part)?;
-        self.iteration.remember(part);
+        self.iteration.remember(&self.system.form, part);
         let end = &mut self.points[2];
         let parts = self.split.displacement.iter().zip(&self.iteration.rates);
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);

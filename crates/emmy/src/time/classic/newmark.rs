@@ -102,10 +102,11 @@ impl<'a> NewmarkStepper<'a> {
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
+        let system = StageSystem::new(body, stage_form(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f))?;
         Ok(NewmarkStepper {
             parameters,
-            system: StageSystem::new(body, stage_form(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f))?,
-            iteration: Iteration::new(1, n, settings),
+            iteration: Iteration::new(&system.form, n, settings),
+            system,
             forces,
             acceleration,
             inertia,
@@ -169,7 +170,7 @@ impl Stepper for NewmarkStepper<'_> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size)?;
         self.evaluate_end(state, step_size)?;
-        self.iteration.remember(step_size);
+        self.iteration.remember(&self.system.form, step_size);
         self.update(state, step_size);
         let impulses = self.impulses(step_size);
         std::mem::swap(&mut self.start, &mut self.end);

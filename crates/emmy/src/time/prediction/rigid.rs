@@ -1,0 +1,233 @@
+//! The rigid motion that obeys the equations of a step: k spins from the balance of moments.
+
+use super::rotation::{UNIT, cross, log, moment, product, product_transposed};
+use crate::tensor::Mat3;
+use crate::time::stage_system::StageForm;
+
+/// More iterations than Newton's method needs from no rotation, up to a radian or two a step.
+const ITERATIONS: usize = 20;
+
+/// A balance of moments up to this part of their size is one.
+const ROUNDING: f64 = 1e-13;
+
+/// Inertia, over the largest, that a body without any about an axis (one on a line) is given.
+const SMALLEST: f64 = 1e-10;
+
+/// The rates of a step in which a body moves without strain.
+///
+/// With the positions y about the centre of mass at the start of the step the rates are `x_j = D_j y`. No strain rate at the
+/// Gauss points c_i means a spin w_i there,
+///
+/// ```math
+/// D_i = [w_i] T_i,     T_i = I + sum_j a_ij D_j
+/// ```
+///
+/// which is Gauss collocation of a rotation: the body ends turned by an orthogonal tensor (for k = 1 Cayley's). The forces
+/// inside a body have no moment about its positions `T_i y`, so that the stage equations leave
+///
+/// ```math
+/// sum_A T_i y_A x ( sum_j m_ij (M D_j y)_A - G_iA ) = 0,     G_i = g_i + s^2 f_i^ext
+/// ```
+///
+/// in which the body is but the tensors `J = sum_A (M y)_A y_A^T` and `B_i = sum_A G_iA y_A^T`: 3k equations for k spins.
+#[derive(Debug)]
+pub struct RigidStep {
+    /// Degree of the time element.
+    k: usize,
+    /// Spins w_i.
+    spins: Vec<[f64; 3]>,
+    /// D_j.
+    pub rates: Vec<Mat3<f64>>,
+    /// T_i.
+    places: Vec<Mat3<f64>>,
+    /// Rotation vector of the whole step.
+    pub rotation: [f64; 3],
+    /// Matrix of the collocation and its right-hand sides: three for D, then three for every component of a spin.
+    collocation: Vec<f64>,
+    changes: Vec<f64>,
+    jacobian: Vec<f64>,
+    turns: Vec<f64>,
+}
+
+impl RigidStep {
+    pub fn new(k: usize) -> Self {
+        RigidStep {
+            k,
+            spins: vec![[0.0; 3]; k],
+            rates: vec![[[0.0; 3]; 3]; k],
+            places: vec![UNIT; k],
+            rotation: [0.0; 3],
+            collocation: vec![0.0; 9 * k * k],
+            changes: vec![0.0; 3 * k * (3 + 9 * k)],
+            jacobian: vec![0.0; 9 * k * k],
+            turns: vec![0.0; 3 * k],
+        }
+    }
+
+    /// No rotation.
+    pub fn stay(&mut self) {
+        self.spins.fill([0.0; 3]);
+        self.rates.fill([[0.0; 3]; 3]);
+        self.places.fill(UNIT);
+        self.rotation = [0.0; 3];
+    }
+
+    /// Finds the spins about the axes that are free; where there is no solution the body stays.
+    pub fn solve(&mut self, form: &StageForm, inertia: &Mat3<f64>, known: &[Mat3<f64>], free: [bool; 3]) {
+        self.stay();
+        if !free.contains(&true) {
+            return;
+        }
+        for _ in 0..ITERATIONS {
+            if !self.collocate(form) {
+                break;
+            }
+            if self.linearise(form, inertia, known, free) {
+                let weights = form.rule.weights();
+                let mut end = UNIT;
+                self.rates.iter().zip(weights).for_each(|(D, b)| add(&mut end, *b, D));
+                self.rotation = log(&end);
+                return;
+            }
+            if !eliminate(&mut self.jacobian, &mut self.turns, 1) {
+                break;
+            }
+            for (spin, turn) in self.spins.iter_mut().zip(self.turns.chunks_exact(3)) {
+                (0..3).for_each(|d| spin[d] += turn[d]);
+            }
+        }
+        self.stay();
+    }
+
+    /// Sets D, T and the changes of D with the spins.
+    ///
+    /// ```math
+    /// D_i - [w_i] sum_j a_ij D_j = [w_i],     dD_i - [w_i] sum_j a_ij dD_j = [dw_i] T_i
+    /// ```
+    fn collocate(&mut self, form: &StageForm) -> bool {
+        let (k, n, a) = (self.k, 3 * self.k, form.rule.coefficients());
+        // T_i first, for the right-hand sides of the changes; two eliminations of a small matrix.
+        for columns in [3, 3 + 3 * n] {
+            self.collocation.fill(0.0);
+            let changes = &mut self.changes[..n * columns];
+            changes.fill(0.0);
+            for i in 0..k {
+                let spin = cross(&self.spins[i]);
+                for d in 0..3 {
+                    let row = 3 * i + d;
+                    for (j, e) in (0..k).flat_map(|j| [(j, 0), (j, 1), (j, 2)]) {
+                        self.collocation[row * n + 3 * j + e] = -a[i * k + j] * spin[d][e];
+                    }
+                    self.collocation[row * n + row] += 1.0;
+                    changes[row * columns..row * columns + 3].copy_from_slice(&spin[d]);
+                    for axis in (0..3).filter(|_| columns > 3) {
+                        let at = row * columns + 3 + 3 * (3 * i + axis);
+                        let turned = product(&unit_cross(axis), &self.places[i]);
+                        changes[at..at + 3].copy_from_slice(&turned[d]);
+                    }
+                }
+            }
+            if !eliminate(&mut self.collocation, changes, columns) {
+                return false;
+            }
+            for i in 0..k {
+                self.rates[i] = block(changes, columns, i, 0);
+            }
+            for i in 0..k {
+                self.places[i] = UNIT;
+                (0..k).for_each(|j| add(&mut self.places[i], a[i * k + j], &self.rates[j]));
+            }
+        }
+        true
+    }
+
+    /// Sets the moments, with the other sign, and their derivatives by the spins; whether the moments are balanced.
+    fn linearise(
+        &mut self,
+        form: &StageForm,
+        inertia: &Mat3<f64>,
+        known: &[Mat3<f64>],
+        free: [bool; 3],
+    ) -> bool {
+        let (k, n) = (self.k, 3 * self.k);
+        let (m, a, columns) = (&form.mass, form.rule.coefficients(), 3 + 3 * n);
+        let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
+        let (mut size, mut largest) = (0f64, 0f64);
+        for i in 0..k {
+            let mut force = [[0.0; 3]; 3];
+            (0..k).for_each(|j| add(&mut force, m[i * k + j], &product(&self.rates[j], inertia)));
+            let parts = force.iter().flatten().chain(known[i].iter().flatten());
+            size = parts.fold(size, |size, part| size.max(part.abs()));
+            add(&mut force, -1.0, &known[i]);
+            let residual = moment(&product_transposed(&force, &self.places[i]));
+            for d in 0..3 {
+                self.turns[3 * i + d] = if free[d] { -residual[d] } else { 0.0 };
+                largest = largest.max(self.turns[3 * i + d].abs());
+            }
+            for column in 0..n {
+                let (mut of_force, mut of_place) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+                for j in 0..k {
+                    let change = block(&self.changes, columns, j, 3 + 3 * column);
+                    add(&mut of_force, m[i * k + j], &product(&change, inertia));
+                    add(&mut of_place, a[i * k + j], &change);
+                }
+                let mut change = product_transposed(&of_force, &self.places[i]);
+                add(&mut change, 1.0, &product_transposed(&force, &of_place));
+                let change = moment(&change);
+                for d in 0..3 {
+                    let both = free[d] && free[column % 3];
+                    self.jacobian[(3 * i + d) * n + column] = if both { change[d] } else { 0.0 };
+                }
+            }
+            for d in 0..3 {
+                let at = (3 * i + d) * (n + 1);
+                self.jacobian[at] += if free[d] { SMALLEST * trace } else { 1.0 };
+            }
+        }
+        largest <= ROUNDING * size
+    }
+}
+
+/// Tensor of the rows 3 i.. and the columns from one on.
+fn block(matrix: &[f64], columns: usize, i: usize, column: usize) -> Mat3<f64> {
+    [0, 1, 2].map(|d| [0, 1, 2].map(|e| matrix[(3 * i + d) * columns + column + e]))
+}
+
+fn unit_cross(axis: usize) -> Mat3<f64> {
+    let mut unit = [0.0; 3];
+    unit[axis] = 1.0;
+    cross(&unit)
+}
+
+/// `A += s B`.
+fn add(A: &mut Mat3<f64>, s: f64, B: &Mat3<f64>) {
+    for (A, B) in A.iter_mut().flatten().zip(B.iter().flatten()) {
+        *A += s * B;
+    }
+}
+
+/// Solves a small system for several right-hand sides, in place, by elimination with row pivots; false if it is singular.
+fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
+    let n = matrix.len().isqrt();
+    for column in 0..n {
+        let size = |row: usize| matrix[row * n + column].abs();
+        let pivot = (column..n).fold(column, |best, row| if size(row) > size(best) { row } else { best });
+        if size(pivot).is_nan() || size(pivot) == 0.0 {
+            return false;
+        }
+        (0..n).for_each(|j| matrix.swap(pivot * n + j, column * n + j));
+        (0..columns).for_each(|j| x.swap(pivot * columns + j, column * columns + j));
+        for row in column + 1..n {
+            let factor = matrix[row * n + column] / matrix[column * n + column];
+            (column..n).for_each(|j| matrix[row * n + j] -= factor * matrix[column * n + j]);
+            (0..columns).for_each(|j| x[row * columns + j] -= factor * x[column * columns + j]);
+        }
+    }
+    for row in (0..n).rev() {
+        for j in 0..columns {
+            let rest: f64 = (row + 1..n).map(|i| matrix[row * n + i] * x[i * columns + j]).sum();
+            x[row * columns + j] = (x[row * columns + j] - rest) / matrix[row * n + row];
+        }
+    }
+    true
+}

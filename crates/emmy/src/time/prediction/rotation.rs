@@ -1,0 +1,88 @@
+//! Rotations as 3x3 tensors.
+
+use crate::tensor::Mat3;
+
+pub const UNIT: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// A B.
+pub fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][0] * B[0][j] + A[i][1] * B[1][j] + A[i][2] * B[2][j]))
+}
+
+/// A B^T.
+pub fn product_transposed(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][0] * B[j][0] + A[i][1] * B[j][1] + A[i][2] * B[j][2]))
+}
+
+/// A v.
+pub fn image(A: &Mat3<f64>, v: &[f64]) -> [f64; 3] {
+    [0, 1, 2].map(|i| A[i][0] * v[0] + A[i][1] * v[1] + A[i][2] * v[2])
+}
+
+/// The vector w with `w . c = c_x (W_zy - W_yz) + ..`: for `W = sum b a^T` it is `sum a x b`.
+pub fn moment(W: &Mat3<f64>) -> [f64; 3] {
+    [W[2][1] - W[1][2], W[0][2] - W[2][0], W[1][0] - W[0][1]]
+}
+
+/// The tensor `[w]` with `[w] v = w x v`.
+pub fn cross(w: &[f64; 3]) -> Mat3<f64> {
+    [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]]
+}
+
+/// Rotation of a rotation vector, by the unit quaternion (cos, sin) of half the angle.
+pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
+    let angle = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
+    let half = 0.5 * angle;
+    // sin(half)/angle without division by zero.
+    let s = if half < 1e-8 { 0.5 } else { half.sin() / angle };
+    let (c, [x, y, z]) = (half.cos(), w.map(|w| s * w));
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - c * z), 2.0 * (x * z + c * y)],
+        [2.0 * (x * y + c * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - c * x)],
+        [2.0 * (x * z - c * y), 2.0 * (y * z + c * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+/// Rotation vector of a rotation, of a length of at most pi.
+///
+/// The quaternion from its largest component (Shepperd 1978): nothing cancels at any angle.
+pub fn log(R: &Mat3<f64>) -> [f64; 3] {
+    let trace = R[0][0] + R[1][1] + R[2][2];
+    let squares =
+        [1.0 + trace, 1.0 - trace + 2.0 * R[0][0], 1.0 - trace + 2.0 * R[1][1], 1.0 - trace + 2.0 * R[2][2]];
+    let largest = (1..4).fold(0, |best, i| if squares[i] > squares[best] { i } else { best });
+    let twist = moment(R);
+    let mut quaternion = match largest {
+        0 => [squares[0], twist[0], twist[1], twist[2]],
+        i => {
+            let axis = i - 1;
+            let sum = |d: usize| if d == axis { squares[i] } else { R[d][axis] + R[axis][d] };
+            [twist[axis], sum(0), sum(1), sum(2)]
+        }
+    };
+    if quaternion[0] < 0.0 {
+        quaternion = quaternion.map(|q| -q);
+    }
+    let [c, x, y, z] = quaternion;
+    let sine = (x * x + y * y + z * z).sqrt();
+    let factor = if sine == 0.0 { 0.0 } else { 2.0 * sine.atan2(c) / sine };
+    [factor * x, factor * y, factor * z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rotation_vector_comes_back() {
+        for w in [[0.0; 3], [1e-9, -2e-9, 0.0], [0.3, 0.5, -0.8], [0.0, 3.1, 0.4], [-1.0, -2.0, 2.0]] {
+            let R = exp(&w);
+            let unit = product_transposed(&R, &R);
+            let back = log(&R);
+            for i in 0..3 {
+                assert!((back[i] - w[i]).abs() < 1e-15 + 2e-15 * w[i].abs().max(1.0), "{w:?}: {back:?}");
+                assert!((0..3).all(|j| (unit[i][j] - UNIT[i][j]).abs() < 1e-15));
+            }
+        }
+    }
+}
