@@ -2,6 +2,7 @@
 
 use emmy::body::Body;
 use emmy::motion::{Record, View};
+use emmy::sparse::SolverChoice;
 
 /// The worst of a quantity, and the step it was in.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,6 +33,12 @@ pub struct Tally {
     pub newton_iterations: usize,
     /// Iterations of the linear solver.
     pub linear_iterations: usize,
+    /// How often the stiffness that the linear solver works with was made anew.
+    pub renewals: usize,
+    /// Steps that needed the exact tangent.
+    pub steps_with_exact_tangent: usize,
+    /// The linear solver of the last step that had one.
+    pub solver: Option<SolverChoice>,
     /// Steps that ended at the rounding floor instead of the tolerance.
     pub steps_at_rounding_floor: usize,
     /// Worst defect of a step's energy balance \[energy\].
@@ -67,6 +74,9 @@ impl Tally {
         self.time = record.time;
         self.newton_iterations += record.newton_iterations;
         self.linear_iterations += record.linear_iterations;
+        self.renewals += record.renewals;
+        self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
+        self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
         self.energy.see(record.energy_residual, record.step);
         self.linear_momentum.see(record.linear_momentum_residual, record.step);

@@ -122,7 +122,8 @@ fn rigid_rotation() {
 
 /// A rotation by half a radian a step of a body that is all but rigid. Newton's iteration has to begin at the right rotation: the
 /// strain that a wrong one of angle d leaves after a linear correction is d^2/2, and where `E d^2/2` outweighs the inertia
-/// `density (length/h)^2` it leads nowhere. From the rigid motion of the step it begins within its quadratic convergence: four iterations and the last correction, and one to spare.
+/// `density (length/h)^2` it leads nowhere. From the rigid motion of the step it begins within its quadratic convergence: four
+/// iterations and the last correction, and one to spare.
 #[test]
 fn a_rigid_rotation_takes_few_iterations() {
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![svk(1e7, 1.0)], &[], &[]).unwrap();

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use emmy::mesh::CellKind;
+use emmy::sparse::SOLVERS;
 use serde_json::json;
 
 use super::new::TEMPLATES;
@@ -119,11 +120,6 @@ const MESHES: [Item; 5] = [
     ("file", "mesh file: Gmsh .msh (2.2 and 4.1), Abaqus .inp, VTK .vtu; groups by their names in the file"),
 ];
 
-const SOLVERS: [Item; 1] = [(
-    "auto",
-    "GMRES on the true tangent, preconditioned by Cholesky factors that are kept while they serve",
-)];
-
 /// Prints the list.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let items: Vec<Item> = match arguments.what {
@@ -131,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Materials => MATERIALS.to_vec(),
         What::Elements => CellKind::ALL.map(|kind| (kind.name(), description(kind))).to_vec(),
         What::Meshes => MESHES.to_vec(),
-        What::Solvers => SOLVERS.to_vec(),
+        What::Solvers => SOLVERS.map(|(name, _, description)| (name, description)).to_vec(),
         What::Templates => TEMPLATES.map(|template| (template.name, template.title())).to_vec(),
     };
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })

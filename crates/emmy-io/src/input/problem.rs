@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use emmy::body::{Body, InitialVelocity, Load, Nodal, Region, Support};
 use emmy::motion::{NewtonSettings, StepPlan};
+use emmy::sparse::Solver;
 use emmy::time::Scheme;
 
 use super::fault::{Fault, Faults, InputError};
@@ -132,12 +133,12 @@ impl Parts {
         let output = faults.keep(root.require("output").and_then(settings::output));
         let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
         let limits = faults.keep(limits).unwrap_or_default();
-        faults.keep(root.get("solver").map_or(Ok(()), settings::solver));
+        let solver = faults.keep(root.get("solver").map_or(Ok(Solver::Auto), settings::solver));
         if let Some(time) = &time {
             history::check_finite(tree, &time.plan, &mut faults);
         }
         let Some(shape) = shape else { return Err(finished(faults)) };
-        let (Some(time), Some(newton), Some(output)) = (time, newton, output) else {
+        let (Some(time), Some(newton), Some(solver), Some(output)) = (time, newton, solver, output) else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
         let time = time::Time { plan: support::plan_with_releases(&time.plan, &supports), ..time };
@@ -150,7 +151,7 @@ impl Parts {
             nodal,
             initial,
             time,
-            newton,
+            newton: NewtonSettings { solver, ..newton },
             output,
             limits,
             faults,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use emmy::motion::NewtonSettings;
+use emmy::sparse::{SOLVERS, Solver};
 
 use super::fault::{Fault, Place};
 use super::keys;
@@ -55,12 +56,17 @@ pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
         return Err(tolerance
             .fault(format!("`tolerance` must be less than 1, not {}", spelled(value)), "it is relative"));
     }
-    Ok(NewtonSettings { tolerance: value, max_iterations: table.require("max_iterations")?.whole(1)? })
+    Ok(NewtonSettings {
+        tolerance: value,
+        max_iterations: table.require("max_iterations")?.whole(1)?,
+        ..Default::default()
+    })
 }
 
-pub(super) fn solver(item: Item<'_>) -> Result<(), Fault> {
+pub(super) fn solver(item: Item<'_>) -> Result<Solver, Fault> {
     let table = item.table(keys::SOLVER)?;
-    table.require("kind")?.word("a solver", &["auto"]).map(|_| ())
+    let word = table.require("kind")?.word("a solver", &SOLVERS.map(|(name, ..)| name))?;
+    Ok(SOLVERS.into_iter().find(|(name, ..)| *name == word).map_or(Solver::Auto, |(_, solver, _)| solver))
 }
 
 pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {

@@ -173,6 +173,11 @@ impl Rule {
         Rule { c, b, a, kind, points, mean, load_quadrature, smooth_quadrature }
     }
 
+    /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
+    pub fn is_energy_momentum(&self) -> bool {
+        self.kind != Kind::Standard
+    }
+
     /// Degree k of the time element.
     pub fn degree(&self) -> usize {
         self.c.len()

@@ -136,6 +136,7 @@ impl Record {
             newton_iterations: outcome.newton.iterations,
             linear_iterations: outcome.newton.linear_iterations,
             renewals: outcome.newton.renewals,
+            took_exact_tangent: outcome.newton.took_exact_tangent,
             solver: outcome.solver,
             at_rounding_floor: outcome.newton.at_rounding_floor,
             ..Record::default()

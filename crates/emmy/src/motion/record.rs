@@ -44,6 +44,8 @@ pub struct Record {
     pub linear_iterations: usize,
     /// How often the stiffness that the linear solver works with was made anew.
     pub renewals: usize,
+    /// Whether the step needed the exact tangent.
+    pub took_exact_tangent: bool,
     /// The linear solver; `None` at the start and for explicit steppers.
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
-use super::prediction::rotation::{UNIT, exp, product};
+use super::prediction::rigid::{RigidStep, eliminate};
+use super::prediction::rotation::{UNIT, cross, exp, product};
 use super::shifted_solver::{Direct, DirectPair, Iterative, ShiftedSolver};
 use super::stage_system::StageForm;
 use crate::average::{Rule, Want};
@@ -31,6 +32,12 @@ pub struct ApproximateTangent {
     orientation: Mat3<f64>,
     /// Rotation vector of the step.
     rotation: [f64; 3],
+    /// Rotations from the middle of the step to its Gauss points, `[k]`.
+    stage_rotations: Vec<Mat3<f64>>,
+    /// What the rates of the step are, of those that strain it, at every node, `[3 k][3 k]`; empty: the same.
+    straining: Vec<f64>,
+    unstraining: Vec<f64>,
+    turned: Vec<f64>,
     /// The time s of the stage equations that the solvers were made for.
     made_for: Option<f64>,
     /// Displacement of K.
@@ -58,6 +65,10 @@ impl ApproximateTangent {
             choice: None,
             orientation: UNIT,
             rotation: [0.0; 3],
+            stage_rotations: vec![UNIT; nodes.len()],
+            straining: vec![0.0; 9 * nodes.len() * nodes.len()],
+            unstraining: vec![0.0; 9 * nodes.len() * nodes.len()],
+            turned: vec![0.0; n * nodes.len()],
             made_for: None,
             displacement: vec![0.0; n],
             rest: vec![0.0; n],
@@ -92,11 +103,36 @@ impl ApproximateTangent {
 
     /// Goes over to the next step, in which the body turns by a rotation vector: `M + lambda K` turns with it, so that K stays
     /// near, however often the body turns around.
-    pub fn turn(&mut self, rotation: &[f64; 3]) {
-        for half in [&self.rotation, rotation] {
+    ///
+    /// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`, which answers to a change of the rates, in a
+    /// body that turns with spins w_m, by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`: the rates that strain it are
+    /// `y = C x`, node by node, and K acts on them.
+    pub fn turn(&mut self, step: &RigidStep, rule: &Rule) {
+        for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
         }
-        self.rotation = *rotation;
+        self.rotation = step.rotation;
+        for (stage, c) in self.stage_rotations.iter_mut().zip(rule.nodes()) {
+            *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
+        }
+        let (k, n) = (rule.degree(), 3 * rule.degree());
+        for matrix in [&mut self.straining, &mut self.unstraining] {
+            matrix.fill(0.0);
+            matrix.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = 1.0);
+        }
+        if !rule.is_energy_momentum() {
+            return;
+        }
+        for m in 0..k {
+            let spin = cross(&step.spins[m]);
+            for (j, d, e) in (0..9 * k).map(|at| (at / 9, at / 3 % 3, at % 3)) {
+                self.straining[(3 * m + d) * n + 3 * j + e] -= rule.coefficients()[m * k + j] * spin[d][e];
+            }
+        }
+        if !eliminate(&mut self.straining, &mut self.unstraining, n) {
+            self.unstraining.fill(0.0);
+            (0..n).for_each(|row| self.unstraining[row * (n + 1)] = 1.0);
+        }
     }
 
     /// The solver, once there is one.
@@ -180,20 +216,68 @@ impl ApproximateTangent {
     /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
     /// iterations, `None` if a solver did not come there.
     pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
-        z.fill(0.0);
         let mut total = Some(0);
-        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let columns = &mut self.columns[..r.len() / self.half.len() * mode.n_columns()];
-            mode.restrict(r, columns);
-            rotate(columns, mode.n_columns(), &transposed(&self.orientation));
-            total = solver.solve(columns, tolerance).and_then(|n| total.map(|total| total + n));
-            rotate(columns, mode.n_columns(), &self.orientation);
-            mode.add_to(&mode.backward, columns, z);
-        }
+        self.in_modes(
+            r,
+            z,
+            |solver, columns| {
+                total = solver.solve(columns, tolerance).and_then(|n| total.map(|total| total + n));
+            },
+            |mode| &mode.backward,
+        );
         if total.is_none() {
             self.give_up();
         }
         total
+    }
+
+    /// `z = P^-1 r`, a linear map near the inverse of the linearised stage equations.
+    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.in_modes(r, z, |solver, columns| solver.precondition(columns), |mode| &mode.turned);
+    }
+
+    /// Solves mode by mode, in the orientation of K.
+    fn in_modes(
+        &mut self,
+        r: &[f64],
+        z: &mut [f64],
+        mut solve: impl FnMut(&mut dyn ShiftedSolver, &mut [f64]),
+        backward: impl Fn(&Mode) -> &Vec<f64>,
+    ) {
+        let n = r.len() / self.half.len();
+        self.turned.copy_from_slice(r);
+        for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
+            rotate(stage, 1, &transposed(&product(R, &self.orientation)));
+        }
+        z.fill(0.0);
+        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
+            let columns = &mut self.columns[..n * mode.n_columns()];
+            mode.restrict(&self.turned, columns);
+            solve(&mut **solver, columns);
+            mode.add_to(backward(mode), columns, z);
+        }
+        for (stage, R) in z.chunks_exact_mut(n).zip(&self.stage_rotations) {
+            rotate(stage, 1, &product(R, &self.orientation));
+        }
+        self.unstrain(z);
+    }
+
+    /// `x = C^-1 y` at every node.
+    fn unstrain(&mut self, rates: &mut [f64]) {
+        let (k, n) = (self.half.len(), rates.len() / self.half.len());
+        if self.rotation == [0.0; 3] {
+            return;
+        }
+        self.turned.copy_from_slice(rates);
+        for i in 0..k {
+            for node in 0..n / 3 {
+                for d in 0..3 {
+                    let row = &self.unstraining[(3 * i + d) * 3 * k..][..3 * k];
+                    let old = |column: usize| self.turned[column / 3 * n + 3 * node + column % 3];
+                    rates[i * n + 3 * node + d] = (0..3 * k).map(|column| row[column] * old(column)).sum();
+                }
+            }
+        }
     }
 
     /// Goes over to a factorisation with the next stiffness, where the solver was left open.
@@ -203,19 +287,6 @@ impl ApproximateTangent {
             self.solvers.clear();
         }
         self.made_for = None;
-    }
-
-    /// `z = P^-1 r`, a linear map near the inverse of the linearised stage equations.
-    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
-        z.fill(0.0);
-        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let columns = &mut self.columns[..r.len() / self.half.len() * mode.n_columns()];
-            mode.restrict(r, columns);
-            rotate(columns, mode.n_columns(), &transposed(&self.orientation));
-            solver.precondition(columns);
-            rotate(columns, mode.n_columns(), &self.orientation);
-            mode.add_to(&mode.turned, columns, z);
-        }
     }
 
     fn sum_rows(&mut self, body: &Body) {

@@ -2,6 +2,7 @@
 
 use super::approximate_tangent::ApproximateTangent;
 use super::followers::Followers;
+use super::prediction::rigid::RigidStep;
 use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
@@ -162,9 +163,9 @@ impl<'a> StageSystem<'a> {
         Ok(())
     }
 
-    /// Turns the approximate tangent with the body, which turns by a rotation vector in the step that was started.
-    pub fn turn(&mut self, rotation: &[f64; 3]) {
-        self.approximation.turn(rotation);
+    /// Turns the approximate tangent with the body, in the step that was started.
+    pub fn turn(&mut self, rotation: &RigidStep) {
+        self.approximation.turn(rotation, &self.form.rule);
     }
 
     /// The linear solver, once there is one.

@@ -15,6 +15,12 @@ pub fn report(results: &Results, status: Status) {
         "{}: {steps} steps to t = {time} in {seconds:.2} s, {iterations} Newton iterations",
         status.name()
     );
+    if let Some(solver) = tally.solver {
+        let (renewals, exact) = (tally.renewals, tally.steps_with_exact_tangent);
+        eprintln!(
+            "linear solver: {solver}; stiffness made anew {renewals} times, exact tangent in {exact} steps"
+        );
+    }
     if tally.steps_at_rounding_floor > 0 {
         let floor = tally.steps_at_rounding_floor;
         eprintln!("steps that ended at the rounding floor, above the tolerance: {floor}");

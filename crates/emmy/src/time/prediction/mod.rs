@@ -1,6 +1,6 @@
 //! Where Newton's iteration starts: the rigid motion of the step, and what the last step did besides its own.
 
-mod rigid;
+pub(super) mod rigid;
 pub(super) mod rotation;
 #[cfg(test)]
 mod tests;
@@ -128,9 +128,9 @@ impl Prediction {
         }
     }
 
-    /// Rotation vector of the rigid motion.
-    pub fn rotation(&self) -> &[f64; 3] {
-        &self.rigid.rotation
+    /// The rotation of the rigid motion.
+    pub fn rotation(&self) -> &RigidStep {
+        &self.rigid
     }
 
     /// Predicts the rates of the step that was started; false if there was none before.

@@ -35,7 +35,7 @@ pub struct RigidStep {
     /// Degree of the time element.
     k: usize,
     /// Spins w_i.
-    spins: Vec<[f64; 3]>,
+    pub spins: Vec<[f64; 3]>,
     /// D_j.
     pub rates: Vec<Mat3<f64>>,
     /// T_i.
@@ -207,7 +207,7 @@ fn add(A: &mut Mat3<f64>, s: f64, B: &Mat3<f64>) {
 }
 
 /// Solves a small system for several right-hand sides, in place, by elimination with row pivots; false if it is singular.
-fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
+pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
     let n = matrix.len().isqrt();
     for column in 0..n {
         let size = |row: usize| matrix[row * n + column].abs();
