@@ -18,9 +18,7 @@ const MATERIALS: [&str; 4] = ["neo-hooke", "saint-venant-kirchhoff", "hencky", "
 
 fn region(material: &str) -> Region {
     match material {
-        "saint-venant-kirchhoff" => {
-            Region::new(None, 1.0, SaintVenantKirchhoff::new(1000.0, 500.0).unwrap())
-        }
+        "saint-venant-kirchhoff" => Region::new(None, 1.0, SaintVenantKirchhoff::new(1000.0, 500.0).unwrap()),
         "hencky" => Region::new(None, 1.0, Hencky::new(1000.0, 500.0).unwrap()),
         "ogden" => {
             let terms = [(400.0, 1.3), (-50.0, -2.0)];
@@ -41,8 +39,7 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, want: Want) {
     let (displacement, rates, rule) = (wave(0.05), wave(0.01), Rule::standard(1, &gauss(1)));
     let body = pool.install(|| Body::new(mesh, vec![region(material)], &[], &[]).unwrap());
     let mut assembly = body.assembly(1);
-    let step =
-        StepInput { rule: &rule, tangent_factor: 1e-4, displacement: &displacement, rates: &rates };
+    let step = StepInput { rule: &rule, tangent_factor: 1e-4, displacement: &displacement, rates: &rates };
     let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
     counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
 }
