@@ -2,7 +2,7 @@
 
 use super::{Field, History, term::Solid};
 use crate::error::Result;
-use crate::material::{Link, Material};
+use crate::material::Link;
 use crate::mesh::Mesh;
 
 /// Part of the body with one material and density.
@@ -18,9 +18,9 @@ pub struct Region {
 }
 
 impl Region {
-    /// A region of a material.
-    pub fn new<M: Material>(group: Option<String>, density: f64, material: M) -> Self {
-        Region { group, density, thickness: 1.0, solid: super::term::solid(material) }
+    /// A region of a material of this crate, or of a [`super::Custom`] one.
+    pub fn new(group: Option<String>, density: f64, material: impl Solid + 'static) -> Self {
+        Region { group, density, thickness: 1.0, solid: Box::new(material) }
     }
 
     /// A region of links. `density` is the mass per volume of bars; springs and attractions have no mass.

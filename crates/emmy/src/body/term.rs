@@ -8,7 +8,10 @@ use super::integral::Scratch;
 use super::solid::SolidTerm;
 use crate::average::{Rule, Want};
 use crate::error::Result;
-use crate::material::{Link, Material};
+use crate::material::{
+    ArrudaBoyce, CiarletGeymonat, Gent, Hencky, HolzapfelGasserOgden, Link, Material, MooneyRivlin, NeoHooke,
+    Ogden, Orthotropic, SaintVenantKirchhoff, Yeoh,
+};
 use crate::sparse::{Pattern, RowPart};
 
 /// A step as the terms see it.
@@ -52,7 +55,10 @@ pub trait Term: fmt::Debug + Send + Sync {
     fn strain_energy(&self, displacement: &[f64]) -> f64;
 }
 
-/// A material before its cells are known: makes the term of a table of cells.
+/// What a region can be made of: it makes the term of a table of cells.
+///
+/// Implemented for every material of this crate, whose kernels are compiled with it, once. [`Custom`] makes one of a material of
+/// another crate, which is then compiled with that.
 pub trait Solid: fmt::Debug + Send + Sync {
     /// The term.
     ///
@@ -66,18 +72,39 @@ pub trait Solid: fmt::Debug + Send + Sync {
     }
 }
 
-/// Wraps a material.
-pub fn solid<M: Material>(material: M) -> Box<dyn Solid> {
-    Box::new(Model(material))
-}
+/// A material of another crate.
+#[derive(Debug, Clone)]
+pub struct Custom<M>(pub M);
 
-struct Model<M>(M);
-
-impl<M> fmt::Debug for Model<M> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(std::any::type_name::<M>())
+impl<M: Material + fmt::Debug> Solid for Custom<M> {
+    fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
+        Ok(Box::new(SolidTerm::new(self.0.clone(), table)?))
     }
 }
+
+macro_rules! solids {
+    ($($material:ty),+) => { $(
+        impl Solid for $material {
+            fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
+                Ok(Box::new(SolidTerm::new(self.clone(), table)?))
+            }
+        }
+    )+ };
+}
+
+solids!(
+    ArrudaBoyce,
+    CiarletGeymonat,
+    Gent,
+    Hencky,
+    HolzapfelGasserOgden,
+    MooneyRivlin,
+    NeoHooke,
+    Ogden,
+    Orthotropic,
+    SaintVenantKirchhoff,
+    Yeoh
+);
 
 impl Solid for Link {
     fn term(&self, mut table: CellTable) -> Result<Box<dyn Term>> {
@@ -89,11 +116,5 @@ impl Solid for Link {
 
     fn link(&self) -> Option<Link> {
         Some(*self)
-    }
-}
-
-impl<M: Material> Solid for Model<M> {
-    fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
-        Ok(Box::new(SolidTerm::new(self.0.clone(), table)?))
     }
 }

@@ -265,7 +265,8 @@ impl ApproximateTangent {
     /// `x = C^-1 y` at every node.
     fn unstrain(&mut self, rates: &mut [f64]) {
         let (k, n) = (self.half.len(), rates.len() / self.half.len());
-        if self.rotation == [0.0; 3] {
+        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
+        if self.rotation == [0.0; 3] || self.choice.is_some_and(|choice| choice.is_iterative) {
             return;
         }
         self.turned.copy_from_slice(rates);
