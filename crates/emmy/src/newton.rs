@@ -61,11 +61,13 @@ pub struct NewtonSettings {
     pub max_iterations: usize,
     /// Linear solver.
     pub solver: Solver,
+    /// Whether every correction takes the exact tangent: quadratic convergence, to be studied or where steps are extreme.
+    pub exact_tangent: bool,
 }
 
 impl Default for NewtonSettings {
     fn default() -> Self {
-        NewtonSettings { tolerance: 1e-10, max_iterations: 20, solver: Solver::Auto }
+        NewtonSettings { tolerance: 1e-10, max_iterations: 20, solver: Solver::Auto, exact_tangent: false }
     }
 }
 
@@ -107,6 +109,8 @@ pub struct Newton {
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
     approximation: Approximation,
+    /// Residuals in the history before those with the exact tangent; an approximate one may be slow without stagnation.
+    exact_from: usize,
 }
 
 /// What is known of the approximate tangent.
@@ -151,8 +155,9 @@ impl Newton {
         }
         self.history.clear();
         let sizes = system.residual(x, &mut self.residual)?;
+        self.exact_from = usize::MAX - 3;
         let mut run = Run { outcome: Outcome::default(), sizes, settings };
-        if !line_search && self.solve_approximately(system, x, &mut run)? {
+        if !line_search && !settings.exact_tangent && self.solve_approximately(system, x, &mut run)? {
             return Ok(run.outcome);
         }
         self.solve_exactly(system, x, &mut run, line_search)?;
@@ -167,16 +172,14 @@ impl Newton {
         run: &mut Run<'_>,
         line_search: bool,
     ) -> Result<()> {
-        run.outcome.took_exact_tangent = true;
         let mut forcing = FIRST_FORCING;
+        self.exact_from = self.history.len();
         // The iterations of another tangent do not count.
         let limit = run.outcome.iterations + run.settings.max_iterations;
         loop {
             if self.judge(run) {
                 if run.sizes.scale > 0.0 {
-                    run.outcome.linear_iterations += self.correct(system, x, POLISH, Tangent::LastExact)?;
-                    x.copy_from_slice(&self.trial);
-                    run.outcome.iterations += 1;
+                    self.polish(system, x, run)?;
                 }
                 return Ok(());
             }
@@ -187,10 +190,21 @@ impl Newton {
             let before = run.sizes.residual;
             let tolerance = forcing.max(0.1 * run.outcome.target / before).min(FIRST_FORCING);
             run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Exact)?;
+            run.outcome.took_exact_tangent = true;
             run.outcome.iterations += 1;
             run.sizes = self.advance(system, x, before, line_search)?;
             forcing = (0.9 * (run.sizes.residual / before).powi(2)).clamp(LAST_FORCING, FIRST_FORCING);
         }
+    }
+
+    /// One correction more with the exact tangent. It leaves what the rounding of the internal forces makes of the residual, and
+    /// those have neither a resultant nor a moment.
+    fn polish(&mut self, system: &mut impl System, x: &mut [f64], run: &mut Run<'_>) -> Result<()> {
+        let tangent = if run.outcome.took_exact_tangent { Tangent::LastExact } else { Tangent::Exact };
+        run.outcome.linear_iterations += self.correct(system, x, POLISH, tangent)?;
+        x.copy_from_slice(&self.trial);
+        run.outcome.iterations += 1;
+        Ok(())
     }
 
     /// Notes a residual; whether it counts as converged.
@@ -229,14 +243,19 @@ impl Newton {
         let mut contraction = 1.0;
         loop {
             let is_converged = self.judge(run);
-            let round_off = run.sizes.floor.max(f64::EPSILON * run.sizes.scale);
+            if run.outcome.at_rounding_floor {
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                self.polish(system, x, run)?;
+                return Ok(true);
+            }
+            let round_off = (POLISHED * run.sizes.floor).max(f64::EPSILON * run.sizes.scale);
             let residual = run.sizes.residual;
             if run.sizes.scale == 0.0 && is_converged || is_converged && residual <= round_off {
                 self.note_corrections(run.outcome.iterations, is_fresh, forcing);
                 return Ok(true);
             }
             if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
-                return Ok(false);
+                return Ok(is_converged);
             }
             let tolerance = forcing.max(0.3 * round_off / residual).min(LOOSEST);
             run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
@@ -266,12 +285,13 @@ impl Newton {
             contraction = ratio;
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
-            // written so that NaN is slow
-            if !(ratio < SLOW) && !is_converged {
-                if is_fresh {
-                    self.approximation.fresh = None;
-                    return Ok(false);
-                }
+            let is_slow = ratio > SLOW || ratio.is_nan();
+            if is_slow && is_fresh && !is_converged {
+                self.approximation.fresh = None;
+                return Ok(false);
+            }
+            let left = (round_off / run.sizes.residual).ln() / ratio.ln();
+            if !is_fresh && (is_slow && !is_converged || left > system.renewal_cost() + FRESH) {
                 (tangent, is_fresh) = (Tangent::Renewed, true);
             }
         }
@@ -332,7 +352,9 @@ impl Newton {
     /// Whether the residual has stopped falling near the rounding floor.
     fn stagnates(&self, sizes: Sizes) -> bool {
         let n = self.history.len();
-        n >= 3 && sizes.residual <= STAGNATION * sizes.floor && sizes.residual > 0.5 * self.history[n - 2]
+        n >= self.exact_from + 3
+            && sizes.residual <= STAGNATION * sizes.floor
+            && sizes.residual > 0.5 * self.history[n - 2]
     }
 }
 
@@ -345,6 +367,12 @@ struct Run<'a> {
 
 /// A correction with the approximate tangent that leaves more than this of the residual is slow.
 const SLOW: f64 = 0.3;
+
+/// The iteration with the approximate tangent ends at this part of the rounding floor, which is an estimate from above.
+const POLISHED: f64 = 0.1;
+
+/// Corrections that a new approximate tangent is expected to take.
+const FRESH: f64 = 4.0;
 
 /// Tightest and loosest relative tolerance of a correction with the approximate tangent.
 const TIGHTEST: f64 = 1e-4;

@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may use each other: each only what stands before it. Modules on one line are
 /// independent of each other, but for polynomial, which integrates with a quadrature.
-const ORDER: [&[&str]; 11] = [
+const ORDER: [&[&str]; 13] = [
     &["error"],
     &["tensor"],
     &["quadrature"],
-    &["polynomial", "sparse", "newton"],
+    &["polynomial"],
+    &["sparse"],
+    &["newton"],
     &["mesh"],
     &["element"],
     &["material"],

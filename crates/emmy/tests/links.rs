@@ -143,7 +143,8 @@ fn a_network_of_springs_keeps_energy_and_momenta() {
             assert!(record.energy_residual.abs() < 1e-12 * first.total_energy, "k = {degree}: {record:?}");
             assert!(record.linear_momentum_residual < 1e-12, "k = {degree}: {record:?}");
             assert!(record.angular_momentum_residual < 1e-11, "k = {degree}: {record:?}");
-            assert!(record.newton_iterations <= 7, "k = {degree}: {record:?}");
+            // A kept stiffness leaves a part of 1e-2 of the residual, or less: from 1e-2 to rounding in seven, and a renewal.
+            assert!(record.newton_iterations <= 9, "k = {degree}: {record:?}");
         });
         let last = motion.record();
         assert!(strained > 0.01, "{strained}");

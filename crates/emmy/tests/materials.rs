@@ -29,7 +29,7 @@ fn start(body: &Body) -> State {
 fn assert_balanced(material: &(impl Material + Solid + std::fmt::Debug + 'static)) -> usize {
     let (body, mut worst) = (block(material.clone()), 0);
     for degree in 1..=2 {
-        let settings = NewtonSettings::default();
+        let settings = NewtonSettings { exact_tangent: true, ..Default::default() };
         let mut motion =
             Motion::new(&body, Scheme::DiscreteGradient, degree, settings, start(&body)).unwrap();
         let mut strained = 0f64;
