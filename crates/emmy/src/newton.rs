@@ -174,8 +174,8 @@ impl Newton {
     ) -> Result<()> {
         let mut forcing = FIRST_FORCING;
         self.exact_from = self.history.len();
-        // The iterations of another tangent do not count.
-        let limit = run.outcome.iterations + run.settings.max_iterations;
+        // Half of them at least, if the approximate tangent used them up.
+        let limit = run.settings.max_iterations.max(run.outcome.iterations + run.settings.max_iterations / 2);
         loop {
             if self.judge(run) {
                 if run.sizes.scale > 0.0 {
