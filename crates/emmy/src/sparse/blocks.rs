@@ -38,15 +38,16 @@ pub fn products<'a, T: Real, const C: usize>(
     columns: &[u32],
     x: impl Fn(usize) -> &'a Row<T, C>,
 ) -> Row<T, C> {
-    let blocks = &blocks[..9 * columns.len() + 1];
     let mut sum = [T::four([T::default(); 4]); C];
-    for (block, &column) in blocks.windows(10).step_by(9).zip(columns) {
-        let x = x(column as usize);
+    let mut at = 0;
+    for &column in columns {
+        let (block, x) = (&blocks[at..at + 10], x(column as usize));
         let a = [four(block, 0), four(block, 3), four(block, 6)];
         for c in 0..C {
             let by = |b: usize| T::four([x[b][c]; 4]);
             sum[c] += a[0] * by(0) + a[1] * by(1) + a[2] * by(2);
         }
+        at += 9;
     }
     let sum = sum.map(T::array);
     [0, 1, 2].map(|a| std::array::from_fn(|c| sum[c][a]))
