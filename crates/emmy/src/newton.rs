@@ -227,8 +227,8 @@ impl Newton {
 
     /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
     ///
-    /// The iteration converges linearly, so it goes on to the rounding floor, by its own contraction: the last residual need not
-    /// be evaluated.
+    /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
+    /// evaluated.
     fn solve_approximately(
         &mut self,
         system: &mut impl System,
@@ -248,53 +248,73 @@ impl Newton {
                 self.polish(system, x, run)?;
                 return Ok(true);
             }
-            let round_off = (POLISHED * run.sizes.floor).max(f64::EPSILON * run.sizes.scale);
             let residual = run.sizes.residual;
-            if run.sizes.scale == 0.0 && is_converged || is_converged && residual <= round_off {
+            if is_converged {
+                if run.sizes.scale > 0.0 {
+                    self.polish_approximately(system, x, run, contraction)?;
+                }
                 self.note_corrections(run.outcome.iterations, is_fresh, forcing);
                 return Ok(true);
             }
             if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
-                return Ok(is_converged);
+                return Ok(false);
             }
-            let tolerance = forcing.max(0.3 * round_off / residual).min(LOOSEST);
+            let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
             run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
                 self.approximation.fresh = None;
-                return Ok(is_converged);
+                return Ok(false);
             };
             tangent = Tangent::Kept;
             run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
-            if is_converged && residual * tolerance.max(contraction) <= round_off {
-                x.copy_from_slice(&self.trial);
-                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
-                return Ok(true);
-            }
             let sizes = system.residual(&self.trial, &mut self.trial_residual);
             let ratio = sizes.as_ref().map_or(f64::INFINITY, |sizes| sizes.residual / residual);
             if ratio < 1.0 {
                 x.copy_from_slice(&self.trial);
                 std::mem::swap(&mut self.residual, &mut self.trial_residual);
                 run.sizes = sizes?;
-            } else if is_converged {
-                // Rounding is all that is left.
-                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
-                return Ok(true);
             }
             contraction = ratio;
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             let is_slow = ratio > SLOW || ratio.is_nan();
-            if is_slow && is_fresh && !is_converged {
+            if is_slow && is_fresh {
                 self.approximation.fresh = None;
                 return Ok(false);
             }
-            let left = (round_off / run.sizes.residual).ln() / ratio.ln();
-            if !is_fresh && (is_slow && !is_converged || left > system.renewal_cost() + FRESH) {
+            let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
+            if !is_fresh && (is_slow || left > system.renewal_cost() + FRESH) {
                 (tangent, is_fresh) = (Tangent::Renewed, true);
             }
         }
+    }
+
+    /// Corrections after convergence, until by the contraction so far nothing but rounding is left in the residual. What the
+    /// rounding of the internal forces makes of it hides that: it is large, but has neither a resultant nor a moment.
+    fn polish_approximately(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+        contraction: f64,
+    ) -> Result<()> {
+        let mut left = run.sizes.residual;
+        for round in 0..MAX_POLISHING {
+            if round > 0 {
+                run.sizes = system.residual(x, &mut self.residual)?;
+                self.history.push(run.sizes.residual);
+            }
+            let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
+            run.outcome.iterations += 1;
+            x.copy_from_slice(&self.trial);
+            left *= tolerance.max(contraction);
+            if left <= run.round_off() {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Notes how many corrections a solution took.
@@ -365,11 +385,18 @@ struct Run<'a> {
     settings: &'a NewtonSettings,
 }
 
+impl Run<'_> {
+    /// What rounding leaves of a residual that is solved as well as can be.
+    fn round_off(&self) -> f64 {
+        2.0 * f64::EPSILON * self.sizes.scale
+    }
+}
+
 /// A correction with the approximate tangent that leaves more than this of the residual is slow.
 const SLOW: f64 = 0.3;
 
-/// The iteration with the approximate tangent ends at this part of the rounding floor, which is an estimate from above.
-const POLISHED: f64 = 0.1;
+/// Corrections after convergence at the most.
+const MAX_POLISHING: usize = 8;
 
 /// Corrections that a new approximate tangent is expected to take.
 const FRESH: f64 = 4.0;

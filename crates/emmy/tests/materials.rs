@@ -26,7 +26,7 @@ fn start(body: &Body) -> State {
 }
 
 /// Flies 50 steps with time elements of degree 1 and 2; returns the worst number of Newton iterations.
-fn assert_balanced(material: &(impl Material + Solid + std::fmt::Debug + 'static)) -> usize {
+fn assert_balanced(material: &(impl Material + Solid + 'static)) -> usize {
     let (body, mut worst) = (block(material.clone()), 0);
     for degree in 1..=2 {
         let settings = NewtonSettings { exact_tangent: true, ..Default::default() };
