@@ -12,7 +12,7 @@ use crate::body::{Assembly, Body, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{Solver, SolverChoice, SweepOrder, nested_dissection};
+use crate::sparse::{Solver, SolverChoice, SweepOrder};
 use crate::tensor::Mat3;
 
 /// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric, whatever the scheme. It is
@@ -184,13 +184,13 @@ impl ApproximateTangent {
         self.choice = Some(choice);
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let sweep = (choice.is_iterative || has_pairs).then(|| Arc::new(SweepOrder::new(body.pattern())));
-        let order = if choice.is_iterative { Vec::new() } else { nested_dissection(body.pattern())? };
+        let order = body.node_order();
         for mode in &self.modes {
             self.solvers.push(match (&sweep, choice.is_iterative, mode.n_columns()) {
                 (Some(sweep), true, 1) => Box::new(Iterative::<1>::new(body, sweep.clone())),
                 (Some(sweep), true, _) => Box::new(Iterative::<2>::new(body, sweep.clone())),
-                (Some(sweep), false, 2) => Box::new(DirectPair::new(body, &order, sweep.clone())?),
-                _ => Box::new(Direct::new(body, &order)?),
+                (Some(sweep), false, 2) => Box::new(DirectPair::new(body, order, sweep.clone())?),
+                _ => Box::new(Direct::new(body, order)?),
             });
         }
         Ok(())
