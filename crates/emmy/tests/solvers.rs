@@ -1,0 +1,91 @@
+//! The linear solvers: all lead to the same motion, on any number of threads, and the stiffness that they keep turns with the body.
+
+use emmy::body::{Body, InitialVelocity, Region};
+use emmy::material::{NeoHooke, SaintVenantKirchhoff};
+use emmy::motion::{Motion, NewtonSettings, Record, State};
+use emmy::sparse::Solver;
+use emmy::time::Scheme;
+
+fn spin(rate: f64) -> InitialVelocity {
+    InitialVelocity { angular_velocity: [0.3 * rate, 0.5 * rate, 0.8 * rate], ..Default::default() }
+}
+
+fn flight(
+    region: Region,
+    motion: InitialVelocity,
+    (scheme, degree): (&str, usize),
+    settings: NewtonSettings,
+    (n, h): (usize, f64),
+) -> (Vec<Record>, Vec<f64>) {
+    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![region], &[], &[]).unwrap();
+    let scheme: Scheme = scheme.parse().unwrap();
+    let state = State::initial(&body, 0.0, &[motion]).unwrap();
+    let mut motion = Motion::new(&body, scheme, degree, settings, state).unwrap();
+    let records = (1..=n).map(|i| motion.step(h, h * i as f64).unwrap().clone()).collect();
+    (records, motion.state().displacement.clone())
+}
+
+fn soft(scheme: (&str, usize), settings: NewtonSettings) -> (Vec<Record>, Vec<f64>) {
+    let gradient = [[0.2, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, 0.0, 0.02]];
+    let motion = InitialVelocity { gradient, ..spin(1.0) };
+    flight(
+        Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap()),
+        motion,
+        scheme,
+        settings,
+        (20, 0.05),
+    )
+}
+
+#[test]
+fn all_lead_to_the_same_motion() {
+    for scheme in [("FE(1)", 1), ("DGM", 1), ("AS(3)", 2), ("DGM", 3), ("Newmark(0.25, 0.5)", 1)] {
+        let with = |solver, exact_tangent| {
+            soft(scheme, NewtonSettings { solver, exact_tangent, ..Default::default() })
+        };
+        let (expected_records, expected) = with(Solver::Direct, true);
+        let size = expected.iter().fold(0.0, |size: f64, u| size.max(u.abs()));
+        for (solver, exact) in
+            [(Solver::Iterative, true), (Solver::Direct, false), (Solver::Iterative, false)]
+        {
+            let (records, displacement) = with(solver, exact);
+            let wanted = records[0].solver.map(|choice| choice.is_iterative);
+            assert_eq!(wanted, Some(solver == Solver::Iterative));
+            for (u, expected) in displacement.iter().zip(&expected) {
+                assert!((u - expected).abs() < 1e-11 * size, "{scheme:?} {solver:?}: {u} {expected}");
+            }
+            let balance = |records: &[Record]| {
+                records.iter().map(|record| record.angular_momentum_residual).fold(0.0, f64::max)
+            };
+            if !scheme.0.starts_with("Newmark") {
+                // The balances are closed to rounding whatever solves the equations.
+                let (kept, exact) = (balance(&records), balance(&expected_records));
+                assert!(kept < 1e-11 && exact < 1e-11, "{scheme:?} {solver:?}: {kept:e} {exact:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    for solver in [Solver::Direct, Solver::Iterative] {
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| soft(("DGM", 2), NewtonSettings { solver, ..Default::default() }).1)
+        };
+        let one = on(1);
+        assert!((2..5).all(|threads| on(threads) == one), "{solver:?}");
+    }
+}
+
+/// A body that is all but rigid turns by more than a radian and a half; K is made in the first step and serves to the end.
+#[test]
+fn a_kept_stiffness_turns_with_the_body() {
+    let stiff = || Region::new(None, 1.0, SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap());
+    for scheme in [("DGM", 1), ("AS(2)", 2), ("FE(1)", 1)] {
+        let settings = NewtonSettings { solver: Solver::Direct, ..Default::default() };
+        let (records, _) = flight(stiff(), spin(2.0), scheme, settings, (80, 0.01));
+        let renewals: usize = records.iter().map(|record| record.renewals).sum();
+        assert!(renewals <= 3, "{scheme:?}: {renewals}");
+    }
+}
