@@ -1,5 +1,11 @@
 //! Newton's iteration, on a trait; it knows no mechanics.
 
+mod approximate;
+#[cfg(test)]
+mod tests;
+
+use approximate::Approximation;
+
 use crate::error::Result;
 use crate::sparse::Solver;
 
@@ -113,17 +119,6 @@ pub struct Newton {
     exact_from: usize,
 }
 
-/// What is known of the approximate tangent.
-#[derive(Debug, Clone, Copy, Default)]
-struct Approximation {
-    /// Corrections that the solution took for which it was made; `None`: there is none.
-    fresh: Option<usize>,
-    /// Corrections since then beyond those.
-    excess: usize,
-    /// Relative tolerance of the next correction.
-    forcing: f64,
-}
-
 impl Newton {
     /// Norms of the residuals of the last solution.
     pub fn history(&self) -> &[f64] {
@@ -225,108 +220,6 @@ impl Newton {
         outcome.converged
     }
 
-    /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
-    ///
-    /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
-    /// evaluated.
-    fn solve_approximately(
-        &mut self,
-        system: &mut impl System,
-        x: &mut [f64],
-        run: &mut Run<'_>,
-    ) -> Result<bool> {
-        let old = &mut self.approximation;
-        let is_old = old.fresh.is_none() || old.excess as f64 >= system.renewal_cost();
-        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
-        let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
-        let mut is_fresh = is_old;
-        let mut contraction = 1.0;
-        loop {
-            let is_converged = self.judge(run);
-            if run.outcome.at_rounding_floor {
-                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
-                self.polish(system, x, run)?;
-                return Ok(true);
-            }
-            let residual = run.sizes.residual;
-            if is_converged {
-                if run.sizes.scale > 0.0 {
-                    self.polish_approximately(system, x, run, contraction)?;
-                }
-                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
-                return Ok(true);
-            }
-            if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
-                return Ok(false);
-            }
-            let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
-            run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
-            let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
-                self.approximation.fresh = None;
-                return Ok(false);
-            };
-            tangent = Tangent::Kept;
-            run.outcome.linear_iterations += iterations;
-            run.outcome.iterations += 1;
-            let sizes = system.residual(&self.trial, &mut self.trial_residual);
-            let ratio = sizes.as_ref().map_or(f64::INFINITY, |sizes| sizes.residual / residual);
-            if ratio < 1.0 {
-                x.copy_from_slice(&self.trial);
-                std::mem::swap(&mut self.residual, &mut self.trial_residual);
-                run.sizes = sizes?;
-            }
-            contraction = ratio;
-            forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
-            forcing = forcing.clamp(TIGHTEST, LOOSEST);
-            let is_slow = ratio > SLOW || ratio.is_nan();
-            if is_slow && is_fresh {
-                self.approximation.fresh = None;
-                return Ok(false);
-            }
-            let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
-            if !is_fresh && (is_slow || left > system.renewal_cost() + FRESH) {
-                (tangent, is_fresh) = (Tangent::Renewed, true);
-            }
-        }
-    }
-
-    /// Corrections after convergence, until by the contraction so far nothing but rounding is left in the residual. What the
-    /// rounding of the internal forces makes of it hides that: it is large, but has neither a resultant nor a moment.
-    fn polish_approximately(
-        &mut self,
-        system: &mut impl System,
-        x: &mut [f64],
-        run: &mut Run<'_>,
-        contraction: f64,
-    ) -> Result<()> {
-        let mut left = run.sizes.residual;
-        for round in 0..MAX_POLISHING {
-            if round > 0 {
-                run.sizes = system.residual(x, &mut self.residual)?;
-                self.history.push(run.sizes.residual);
-            }
-            let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
-            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
-            run.outcome.iterations += 1;
-            x.copy_from_slice(&self.trial);
-            left *= tolerance.max(contraction);
-            if left <= run.round_off() {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Notes how many corrections a solution took.
-    fn note_corrections(&mut self, corrections: usize, is_fresh: bool, forcing: f64) {
-        let noted = &mut self.approximation;
-        noted.forcing = forcing;
-        match noted.fresh {
-            Some(fresh) if !is_fresh => noted.excess += corrections.saturating_sub(fresh),
-            _ => (noted.fresh, noted.excess) = (Some(corrections), 0),
-        }
-    }
-
     /// The trial point `x + dx`.
     fn correct(
         &mut self,
@@ -392,19 +285,6 @@ impl Run<'_> {
     }
 }
 
-/// A correction with the approximate tangent that leaves more than this of the residual is slow.
-const SLOW: f64 = 0.3;
-
-/// Corrections after convergence at the most.
-const MAX_POLISHING: usize = 8;
-
-/// Corrections that a new approximate tangent is expected to take.
-const FRESH: f64 = 4.0;
-
-/// Tightest and loosest relative tolerance of a correction with the approximate tangent.
-const TIGHTEST: f64 = 1e-4;
-const LOOSEST: f64 = 0.1;
-
 /// Largest relative tolerance of a correction (Eisenstat and Walker 1996, choice 2 with gamma = 0.9).
 const FIRST_FORCING: f64 = 1e-3;
 
@@ -413,98 +293,3 @@ const LAST_FORCING: f64 = 1e-8;
 
 /// Shortest part of a correction that is tried.
 const SHORTEST: f64 = 1.0 / 64.0;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::error::Error;
-
-    /// x^2 = a, undefined for x <= 0.
-    struct SquareRoot(f64, f64, f64);
-
-    impl System for SquareRoot {
-        fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-            if x[0] <= 0.0 {
-                return Err(Error::Inverted { cell: 0, det: x[0] });
-            }
-            residual[0] = x[0] * x[0] - self.0;
-            Ok(Sizes { residual: residual[0].abs(), scale: self.0, floor: self.1 })
-        }
-        fn correction(
-            &mut self,
-            x: &[f64],
-            residual: &[f64],
-            _: f64,
-            tangent: Tangent,
-            dx: &mut [f64],
-        ) -> Result<usize> {
-            if matches!(tangent, Tangent::Renewed | Tangent::Exact) {
-                self.2 = 2.0 * x[0];
-            }
-            dx[0] = -residual[0] / self.2;
-            Ok(1)
-        }
-        fn renewal_cost(&self) -> f64 {
-            4.0
-        }
-    }
-
-    #[test]
-    fn converges_quadratically() {
-        let (mut newton, mut x) = (Newton::default(), [3.0]);
-        let outcome =
-            newton.solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut x, &NewtonSettings::default(), true).unwrap();
-        assert!(outcome.converged && !outcome.at_rounding_floor && x[0] == 2.0);
-        // R_(n+1) = (R_n / (2 x_n))^2 exactly for this equation.
-        let history = newton.history();
-        for pair in history.windows(2).take(3) {
-            let x = (pair[0] + 4.0).sqrt();
-            assert!((pair[1] - (pair[0] / (2.0 * x)).powi(2)).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn steps_back_from_where_there_is_no_residual() {
-        let (mut newton, mut x) = (Newton::default(), [10.0]);
-        // From 10 the equation x^2 = 1e-4 asks for 5, 2.5, ...: the iteration stays on the positive side.
-        let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 40, ..Default::default() };
-        let outcome = newton.solve(&mut SquareRoot(1e-4, 0.0, 0.0), &mut x, &settings, true).unwrap();
-        assert!(outcome.converged && (x[0] - 0.01).abs() < 1e-15);
-        assert!(newton.solve(&mut SquareRoot(1.0, 0.0, 0.0), &mut [-1.0], &settings, true).is_err());
-    }
-
-    #[test]
-    fn gives_up_and_says_so() {
-        let settings = NewtonSettings { max_iterations: 2, ..Default::default() };
-        let outcome =
-            Newton::default().solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut [300.0], &settings, true).unwrap();
-        assert!(!outcome.converged && outcome.iterations == 2 && outcome.residual > outcome.target);
-    }
-
-    #[test]
-    fn a_kept_tangent_is_renewed_when_it_has_cost_more_than_a_new_one() {
-        let (mut newton, mut system) = (Newton::default(), SquareRoot(4.0, 1e-12, 0.0));
-        let settings = NewtonSettings::default();
-        let mut renewals = Vec::new();
-        for step in 0..12 {
-            let mut x = [2.0 + 0.02 * f64::from(step)];
-            let before = system.2;
-            system.0 = (2.01 + 0.02 * f64::from(step)).powi(2);
-            let outcome = newton.solve(&mut system, &mut x, &settings, false).unwrap();
-            assert!(outcome.converged && (x[0] * x[0] - system.0).abs() < 1e-11);
-            renewals.push(system.2 != before);
-        }
-        // Made for the first step, kept for the next ones, renewed before the last.
-        assert!(renewals[0] && !renewals[1] && !renewals[2], "{renewals:?}");
-        assert!(renewals[3..].contains(&true), "{renewals:?}");
-    }
-
-    #[test]
-    fn a_rounding_floor_is_accepted() {
-        // The floor lies above the tolerance: what rounding allows is all that can be asked.
-        let outcome = Newton::default()
-            .solve(&mut SquareRoot(4.0, 1e-3, 0.0), &mut [3.0], &NewtonSettings::default(), false)
-            .unwrap();
-        assert!(outcome.converged && outcome.at_rounding_floor);
-    }
-}

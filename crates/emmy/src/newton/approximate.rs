@@ -1,0 +1,132 @@
+//! Corrections with an approximate tangent that is kept from one solution to the next.
+
+use super::{FIRST_FORCING, Newton, Run, System, Tangent};
+use crate::error::Result;
+
+/// What is known of the approximate tangent.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Approximation {
+    /// Corrections that the solution took for which it was made; `None`: there is none.
+    fresh: Option<usize>,
+    /// Corrections since then beyond those.
+    excess: usize,
+    /// Relative tolerance of the next correction.
+    forcing: f64,
+}
+
+impl Newton {
+    /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
+    ///
+    /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
+    /// evaluated.
+    pub(super) fn solve_approximately(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+    ) -> Result<bool> {
+        let old = &mut self.approximation;
+        let is_old = old.fresh.is_none() || old.excess as f64 >= system.renewal_cost();
+        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
+        let mut is_fresh = is_old;
+        let mut contraction = 1.0;
+        loop {
+            let is_converged = self.judge(run);
+            if run.outcome.at_rounding_floor {
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                self.polish(system, x, run)?;
+                return Ok(true);
+            }
+            let residual = run.sizes.residual;
+            if is_converged {
+                if run.sizes.scale > 0.0 {
+                    self.polish_approximately(system, x, run, contraction)?;
+                }
+                self.note_corrections(run.outcome.iterations, is_fresh, forcing);
+                return Ok(true);
+            }
+            if run.outcome.iterations >= run.settings.max_iterations || !residual.is_finite() {
+                return Ok(false);
+            }
+            let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
+            run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
+            let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
+                self.approximation.fresh = None;
+                return Ok(false);
+            };
+            tangent = Tangent::Kept;
+            run.outcome.linear_iterations += iterations;
+            run.outcome.iterations += 1;
+            let sizes = system.residual(&self.trial, &mut self.trial_residual);
+            let ratio = sizes.as_ref().map_or(f64::INFINITY, |sizes| sizes.residual / residual);
+            if ratio < 1.0 {
+                x.copy_from_slice(&self.trial);
+                std::mem::swap(&mut self.residual, &mut self.trial_residual);
+                run.sizes = sizes?;
+            }
+            contraction = ratio;
+            forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
+            forcing = forcing.clamp(TIGHTEST, LOOSEST);
+            let is_slow = ratio > SLOW || ratio.is_nan();
+            if is_slow && is_fresh {
+                self.approximation.fresh = None;
+                return Ok(false);
+            }
+            let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
+            if !is_fresh && (is_slow || left > system.renewal_cost() + FRESH) {
+                (tangent, is_fresh) = (Tangent::Renewed, true);
+            }
+        }
+    }
+
+    /// Corrections after convergence, until by the contraction so far nothing but rounding is left in the residual. What the
+    /// rounding of the internal forces makes of it hides that: it is large, but has neither a resultant nor a moment.
+    fn polish_approximately(
+        &mut self,
+        system: &mut impl System,
+        x: &mut [f64],
+        run: &mut Run<'_>,
+        contraction: f64,
+    ) -> Result<()> {
+        let mut left = run.sizes.residual;
+        for round in 0..MAX_POLISHING {
+            if round > 0 {
+                run.sizes = system.residual(x, &mut self.residual)?;
+                self.history.push(run.sizes.residual);
+            }
+            let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
+            run.outcome.iterations += 1;
+            x.copy_from_slice(&self.trial);
+            left *= tolerance.max(contraction);
+            if left <= run.round_off() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes how many corrections a solution took.
+    fn note_corrections(&mut self, corrections: usize, is_fresh: bool, forcing: f64) {
+        let noted = &mut self.approximation;
+        noted.forcing = forcing;
+        match noted.fresh {
+            Some(fresh) if !is_fresh => noted.excess += corrections.saturating_sub(fresh),
+            _ => (noted.fresh, noted.excess) = (Some(corrections), 0),
+        }
+    }
+}
+
+/// A correction with the approximate tangent that leaves more than this of the residual is slow.
+const SLOW: f64 = 0.3;
+
+/// Corrections after convergence at the most.
+const MAX_POLISHING: usize = 8;
+
+/// Corrections that a new approximate tangent is expected to take.
+const FRESH: f64 = 4.0;
+
+/// Tightest and loosest relative tolerance of a correction with the approximate tangent.
+const TIGHTEST: f64 = 1e-4;
+const LOOSEST: f64 = 0.1;
