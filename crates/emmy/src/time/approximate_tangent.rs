@@ -34,7 +34,7 @@ pub struct ApproximateTangent {
     rotation: [f64; 3],
     /// Rotations from the middle of the step to its Gauss points, `[k]`.
     stage_rotations: Vec<Mat3<f64>>,
-    /// What the rates of the step are, of those that strain it, at every node, `[3 k][3 k]`; empty: the same.
+    /// C, from the rates of the step to those that strain it, at every node, `[3 k][3 k]`; then its inverse.
     straining: Vec<f64>,
     unstraining: Vec<f64>,
     turned: Vec<f64>,
@@ -116,10 +116,8 @@ impl ApproximateTangent {
             *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
         }
         let (k, n) = (rule.degree(), 3 * rule.degree());
-        for matrix in [&mut self.straining, &mut self.unstraining] {
-            matrix.fill(0.0);
-            matrix.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = 1.0);
-        }
+        set_unit(&mut self.straining, n);
+        set_unit(&mut self.unstraining, n);
         if !rule.is_energy_momentum() {
             return;
         }
@@ -130,8 +128,7 @@ impl ApproximateTangent {
             }
         }
         if !eliminate(&mut self.straining, &mut self.unstraining, n) {
-            self.unstraining.fill(0.0);
-            (0..n).for_each(|row| self.unstraining[row * (n + 1)] = 1.0);
+            set_unit(&mut self.unstraining, n);
         }
     }
 
@@ -314,13 +311,18 @@ impl ApproximateTangent {
 
 /// Stiffness number up to which conjugate gradients cost less than factorisations.
 ///
-/// Both are limited by memory. Measured (`benches/README.md`): an iteration takes 4.5 ns a coupling of nodes, about `10 sqrt(c)` of
-/// them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the factor, which has about `15 n^(4/3)` of them
-/// for n degrees of freedom, as nested dissection leaves in three dimensions.
+/// Both are limited by memory. By profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 4.5 ns a
+/// coupling of nodes, about `10 sqrt(c)` of them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the
+/// factor, which has about `15 n^(4/3)` of them for n degrees of freedom, as nested dissection leaves in three dimensions.
 fn iterative_limit(body: &Body) -> f64 {
     let iteration = 4.5e-9 * body.pattern().n_blocks() as f64;
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (10.0 * iteration)).powi(2)
+}
+
+fn set_unit(matrix: &mut [f64], n: usize) {
+    matrix.fill(0.0);
+    matrix.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = 1.0);
 }
 
 /// Turns the vectors of all nodes, `[n_nodes][3][columns]`.
