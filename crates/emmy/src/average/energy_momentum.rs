@@ -35,7 +35,7 @@ impl Rule {
         }
         let E_1 = green_lagrange(start);
         match self.kind {
-            Kind::AssumedStrain => self.assumed_strain_stress(material, &E_1, want, average),
+            Kind::AssumedStrain | Kind::StrainingRates => self.assumed_strain_stress(material, &E_1, want, average),
             _ => self.discrete_gradient_stress(material, &E_1, &green_lagrange(&end), want, average),
         }
         for i in 0..k {
@@ -217,9 +217,10 @@ impl Rule {
             for j in 0..k {
                 let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
+                    let turned = if self.kind == Kind::StrainingRates { 0.0 } else { self.a[m * k + j] };
                     let mut H = mat3(
                         #[inline(always)]
-                        |r, c| rates[m][r][c] * self.a[m * k + j],
+                        |r, c| rates[m][r][c] * turned,
                     );
                     if m == j {
                         let F = with_identity(&average.gradients[j]);

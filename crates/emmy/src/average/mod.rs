@@ -51,6 +51,7 @@ enum Kind {
     Standard,
     AssumedStrain,
     DiscreteGradient,
+    StrainingRates,
 }
 
 /// A quadrature point inside the step with everything a rule needs there.
@@ -151,6 +152,18 @@ impl Rule {
         Rule::with(degree, Kind::DiscreteGradient, &gauss(degree + 3))
     }
 
+    /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates that strain only.
+    ///
+    /// ```math
+    /// dP = a dF' S + F(c) dS/dE' : sym(F(c)^T dF'),    a = c = 1/2
+    /// ```
+    ///
+    /// In a body that turns by an angle t the configuration at c is shrunk by `cos(t/2)`, which is no strain of these rules: the
+    /// mid-point rule, whose stress is that of this configuration, is no approximation of their tangent in a stiff body.
+    pub fn straining_rates() -> Rule {
+        Rule::with(1, Kind::StrainingRates, &gauss(1))
+    }
+
     fn with(degree: usize, kind: Kind, quadrature: &Quadrature<1>) -> Rule {
         let outer = gauss(degree);
         let c: Vec<f64> = outer.points.iter().map(|p| p[0]).collect();
@@ -243,7 +256,7 @@ impl Rule {
 
     /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: those of a standard rule with k = 1.
     pub fn is_symmetric(&self) -> bool {
-        self.kind == Kind::Standard && self.degree() == 1
+        matches!(self.kind, Kind::Standard | Kind::StrainingRates) && self.degree() == 1
     }
 
     /// How much of each rate has been passed at the only point of the step where the rule evaluates the stress, `[k]`; `None`

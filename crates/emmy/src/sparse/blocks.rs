@@ -1,80 +1,145 @@
 //! Matrix blocks for products with vectors.
 
-use super::real::Real;
+use super::kernel::{Entry, Kernel};
+use crate::tensor::inlined;
 
-/// A vector of a solver: three components a row, each with C columns. One column is a real vector; two are the real and the
-/// imaginary part of a complex one. `[row][3][C]`.
-pub type Row<T, const C: usize> = [[T; C]; 3];
+/// A vector of a solver: three components a row, each with C columns, and a zero that makes a register full. One column is a
+/// real vector; two are the real and the imaginary part of a complex one. `[row][4][C]`.
+pub type Row<T, const C: usize> = [[T; C]; 4];
 
-/// 3 x 3 blocks one after another, each by columns. A product loads a column as four numbers, the last of which belongs to the
-/// next column and is not used: so three multiplications of whole registers serve a block, and no memory is lost to padding.
+/// 3 x 3 blocks one after another, each by columns. A product loads more than a block; what it loads of the next one is not
+/// used, and no memory is lost to padding.
 #[derive(Debug, Clone)]
-pub struct Blocks<T> {
-    entries: Vec<T>,
+pub struct Blocks<E> {
+    entries: Vec<E>,
 }
 
-impl<T: Real> Blocks<T> {
+/// Entries that a product loads from the first of a block on: a register of the widest instruction set.
+pub const LOADED: usize = 16;
+
+impl<E: Entry> Blocks<E> {
     /// Zero blocks.
     pub fn new(n_blocks: usize) -> Self {
-        Blocks { entries: vec![T::default(); 9 * n_blocks + 1] }
+        Blocks { entries: vec![E::default(); 9 * n_blocks + LOADED - 9] }
     }
 
-    /// All entries, one block after another, each by columns, and one more.
-    pub fn entries(&self) -> &[T] {
-        &self.entries
-    }
-
-    /// All entries, to be written.
-    pub fn entries_mut(&mut self) -> &mut [T] {
-        let n = self.entries.len() - 1;
+    /// All entries, one block after another, each by columns.
+    pub fn entries_mut(&mut self) -> &mut [E] {
+        let n = self.entries.len() + 9 - LOADED;
         &mut self.entries[..n]
     }
-}
 
-/// `sum A x` over the blocks of a row: `blocks` holds them one after another, and at least one number more.
-#[inline(always)]
-pub fn products<'a, T: Real, const C: usize>(
-    blocks: &[T],
-    columns: &[u32],
-    x: impl Fn(usize) -> &'a Row<T, C>,
-) -> Row<T, C> {
-    let mut sum = [T::four([T::default(); 4]); C];
-    let mut at = 0;
-    for &column in columns {
-        let (block, x) = (&blocks[at..at + 10], x(column as usize));
-        let a = [four(block, 0), four(block, 3), four(block, 6)];
-        for c in 0..C {
-            let by = |b: usize| T::four([x[b][c]; 4]);
-            sum[c] += a[0] * by(0) + a[1] * by(1) + a[2] * by(2);
+    /// `sum A x` over blocks that follow one another, from `first` on, one for each column. The last column is added last, or
+    /// first if `REVERSED`: a sweep wants the row that it has just computed to come last.
+    #[inline(always)]
+    pub fn product<const C: usize, const REVERSED: bool, K: Kernel<E, C>>(
+        &self,
+        kernel: K,
+        first: usize,
+        columns: &[u32],
+        x: Rows<'_, E::Number, C>,
+    ) -> Row<E::Number, C> {
+        let n = columns.len();
+        let entries = &self.entries[9 * first..9 * (first + n) + LOADED - 9];
+        // Two sums, so that an addition need not wait for the one before.
+        let mut sums = [kernel.zero(); 2];
+        let add = inlined!(|sum: &mut K::Sum, i: usize| {
+            let at = if REVERSED { n - 1 - i } else { i };
+            if let Some(block) = entries[9 * at..].first_chunk() {
+                *sum = kernel.add_product(*sum, block, x.row(columns[at]));
+            }
+        });
+        for pair in 0..n / 2 {
+            add(&mut sums[0], 2 * pair);
+            add(&mut sums[1], 2 * pair + 1);
         }
-        at += 9;
+        if n % 2 == 1 {
+            add(&mut sums[0], n - 1);
+        }
+        kernel.total(sums)
     }
-    let sum = sum.map(T::array);
-    [0, 1, 2].map(|a| std::array::from_fn(|c| sum[c][a]))
 }
 
-#[inline(always)]
-fn four<T: Real>(block: &[T], at: usize) -> T::Four {
-    T::four([block[at], block[at + 1], block[at + 2], block[at + 3]])
+/// Rows of a vector in one or two pieces.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows<'a, T, const C: usize> {
+    /// Rows from number `first` on.
+    pub own: &'a [Row<T, C>],
+    /// Number of the first of them.
+    pub first: usize,
+    /// Where the others are.
+    pub others: &'a [Row<T, C>],
+    /// Number of the first of the others.
+    pub first_other: usize,
+}
+
+impl<'a, T, const C: usize> Rows<'a, T, C> {
+    /// All rows in one piece.
+    pub fn all(rows: &'a [Row<T, C>]) -> Self {
+        Rows { own: rows, first: 0, others: &[], first_other: 0 }
+    }
+
+    #[inline(always)]
+    fn row(self, number: u32) -> &'a Row<T, C> {
+        let number = number as usize;
+        match self.own.get(number.wrapping_sub(self.first)) {
+            Some(row) => row,
+            None => &self.others[number - self.first_other],
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use half::bf16;
+
+    use super::super::kernel::{Portable, Work};
+    use super::super::real::Real;
     use super::*;
 
-    #[test]
-    fn products_are_those_of_the_blocks() {
-        let mut blocks = Blocks::<f64>::new(2);
-        blocks.entries_mut().iter_mut().enumerate().for_each(|(at, entry)| *entry = at as f64);
-        let x = [[[1.0, -1.0], [2.0, 0.5], [3.0, 2.0]], [[-1.0, 2.0], [0.5, 1.0], [1.0, 0.0]]];
-        let sum = products(blocks.entries(), &[1, 0], |column| &x[column]);
-        for a in 0..3 {
-            for c in 0..2 {
-                let block = |first: usize, row: usize| {
-                    (0..3).map(|b| (first + 3 * b + a) as f64 * x[row][b][c]).sum::<f64>()
-                };
-                assert_eq!(sum[a][c], block(0, 1) + block(9, 0));
-            }
+    /// Sums of products with the columns 1, 0, 2 in both directions.
+    struct Sums<'a, E: Entry, const C: usize> {
+        blocks: &'a Blocks<E>,
+        x: &'a [Row<E::Number, C>],
+    }
+
+    impl<E: Entry, const C: usize> Work<E, C> for Sums<'_, E, C> {
+        type Output = [Row<E::Number, C>; 2];
+        fn run<K: Kernel<E, C>>(self, kernel: K) -> Self::Output {
+            let x = Rows { own: &self.x[1..], first: 1, others: &self.x[..1], first_other: 0 };
+            let forward = self.blocks.product::<C, false, K>(kernel, 1, &[1, 0, 2], x);
+            [forward, self.blocks.product::<C, true, K>(kernel, 1, &[1, 0, 2], x)]
         }
+    }
+
+    fn products_are_those_of_the_blocks<E: Entry, const C: usize>() {
+        // Whole numbers that every type holds, so that sums are exact in any order.
+        let mut blocks = Blocks::<E>::new(5);
+        blocks.entries_mut().iter_mut().enumerate().for_each(|(at, entry)| *entry = E::of(at as f64));
+        let value = |row: usize, b: usize, c: usize| (5 * row + 2 * b) as f64 - (7 * c) as f64;
+        let x = [0, 1, 2].map(|row| {
+            let mut x = [[E::Number::default(); C]; 4];
+            (0..3).for_each(|b| (0..C).for_each(|c| x[b][c] = E::Number::of(value(row, b, c))));
+            x
+        });
+        let sums = || Sums { blocks: &blocks, x: &x };
+        let mut results = vec![sums().run(Portable), E::dispatch(sums())];
+        results.extend(E::narrower(sums()));
+        for (a, c) in (0..3).flat_map(|a| (0..C).map(move |c| (a, c))) {
+            let block = |number: usize, row: usize| {
+                (0..3).map(|b| (9 * number + 3 * b + a) as f64 * value(row, b, c)).sum::<f64>()
+            };
+            let sum = block(1, 1) + block(2, 0) + block(3, 2);
+            assert!(results.iter().flatten().all(|row| row[a][c].wide() == sum), "{results:?} {sum}");
+        }
+        assert!(results.iter().flatten().all(|row| row[3] == [E::Number::default(); C]));
+    }
+
+    #[test]
+    fn products_in_every_instruction_set() {
+        products_are_those_of_the_blocks::<f64, 1>();
+        products_are_those_of_the_blocks::<f64, 2>();
+        products_are_those_of_the_blocks::<bf16, 1>();
+        products_are_those_of_the_blocks::<bf16, 2>();
     }
 }

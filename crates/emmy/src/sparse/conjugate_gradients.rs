@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::blocks::Row;
 use super::gmres::Solution;
+use super::kernel::Entry;
 use super::real::Real;
 use super::shifted::{CHUNK, ShiftedMatrix, dot, summed};
 use super::sweep::SweepOrder;
@@ -31,7 +32,7 @@ pub struct ConjugateGradients<T, const C: usize> {
 impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     /// Memory for systems of a size.
     pub fn new(n_rows: usize) -> Self {
-        let zero = vec![[[T::default(); C]; 3]; n_rows];
+        let zero = vec![[[T::default(); C]; 4]; n_rows];
         ConjugateGradients {
             rhs: zero.clone(),
             solution: zero.clone(),
@@ -46,12 +47,12 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     pub fn solve(
         &mut self,
         sweep: &SweepOrder,
-        matrix: &ShiftedMatrix<T, C>,
+        matrix: &ShiftedMatrix<impl Entry<Number = T>, C>,
         inverse: &mut impl Approximate<T, C>,
         tolerance: f64,
         max_iterations: usize,
     ) -> Solution {
-        self.solution.fill([[T::default(); C]; 3]);
+        self.solution.fill([[T::default(); C]; 4]);
         let norm = self.residual_norm();
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
         if norm == 0.0 || !norm.is_finite() {
@@ -118,7 +119,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
 /// `y += a x`.
 #[inline(always)]
 fn add_multiple<T: Real, const C: usize>(y: &mut Row<T, C>, a: [T; 2], x: &Row<T, C>) {
-    for component in 0..3 {
+    for component in 0..4 {
         if C == 1 {
             y[component][0] += a[0] * x[component][0];
         } else {
@@ -130,7 +131,11 @@ fn add_multiple<T: Real, const C: usize>(y: &mut Row<T, C>, a: [T; 2], x: &Row<T
 }
 
 fn square<T: Real, const C: usize>(x: &[Row<T, C>]) -> f64 {
-    x.iter().flatten().flatten().map(|x| x.wide() * x.wide()).sum()
+    let mut sums = [0.0; 4];
+    for x in x {
+        (0..4).for_each(|a| (0..C).for_each(|c| sums[a] += x[a][c].wide() * x[a][c].wide()));
+    }
+    sums.iter().sum()
 }
 
 /// Quotient of two complex numbers.
@@ -141,6 +146,8 @@ fn divided(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use half::bf16;
+
     use super::super::incomplete_cholesky::IncompleteCholesky;
     use super::super::incomplete_cholesky::tests::elastic;
     use super::super::sweep::tests::grid;
@@ -154,7 +161,7 @@ mod tests {
         let mut fixed = vec![false; 3 * pattern.n_rows()];
         (0..40).for_each(|dof| fixed[5 * dof] = true);
         let block = |position: usize| &stiffness[9 * position..9 * position + 9];
-        let mut matrix = ShiftedMatrix::<f32, C>::new(&sweep, &fixed);
+        let mut matrix = ShiftedMatrix::<bf16, C>::new(&sweep, &fixed);
         matrix.set(&sweep, shift, &mass, block);
         let mut factor = IncompleteCholesky::new(&sweep);
         factor.factorize(&sweep, &fixed, shift[0].hypot(shift[1]), &mass, block);
@@ -164,7 +171,7 @@ mod tests {
             if held { 0.0 } else { ((3 * row + a + 7 * c) as f32 * 0.1).sin() }
         };
         let x: Vec<Row<f32, C>> = (0..sweep.n_rows())
-            .map(|row| [0, 1, 2].map(|a| std::array::from_fn(|c| value(row, a, c))))
+            .map(|row| [0, 1, 2, 3].map(|a| std::array::from_fn(|c| if a < 3 { value(row, a, c) } else { 0.0 })))
             .collect();
         matrix.multiply(&sweep, &x, &mut solver.rhs, &mut vec![[0.0; 2]; sweep.n_rows().div_ceil(CHUNK)]);
         let outcome = solver.solve(&sweep, &matrix, &mut factor, tolerance, 200);
@@ -188,7 +195,7 @@ mod tests {
         let pattern = grid([2, 2, 2]);
         let sweep = SweepOrder::new(&pattern);
         let mut solver = ConjugateGradients::<f32, 1>::new(8);
-        let matrix = ShiftedMatrix::new(&sweep, &[false; 24]);
+        let matrix = ShiftedMatrix::<bf16, 1>::new(&sweep, &[false; 24]);
         let outcome = solver.solve(&sweep, &matrix, &mut IncompleteCholesky::new(&sweep), 1e-3, 10);
         assert_eq!(outcome.iterations, 0);
     }

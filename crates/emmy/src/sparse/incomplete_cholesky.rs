@@ -2,25 +2,37 @@
 
 use std::ops::Range;
 
-use super::blocks::{Blocks, Row, products};
+use half::bf16;
+
+use super::blocks::{Blocks, Row, Rows};
 use super::conjugate_gradients::Approximate;
+use super::kernel::{Entry, Kernel, Work};
+use super::real::Real;
 use super::sweep::SweepOrder;
 
-/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks and in single
-/// precision: it only has to be near.
+/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It only has
+/// to be near: it is computed in single precision, and kept in half of that.
 ///
 /// It is stored as `L = D U`, D the triangular diagonal blocks of L: the blocks of U on the diagonal are unit matrices, and a sweep
 /// through U waits for nothing but the rows before. A pivot that is lost to what is left out is replaced by that of the matrix.
 #[derive(Debug, Clone)]
 pub struct IncompleteCholesky {
-    /// On the couplings of the sweep: left of the diagonal U, on it D^-1, right of it U^T.
-    factor: Blocks<f32>,
+    /// On the couplings of the sweep: left of the diagonal U, right of it U^T.
+    factor: Blocks<bf16>,
+    /// D^-1 of each row, by columns.
+    pivots: Vec<[[f32; 4]; 3]>,
+    /// L left of the diagonal and D^-1 on it, while it is computed.
+    lower: Vec<f32>,
 }
 
 impl IncompleteCholesky {
     /// Memory for a factor.
     pub fn new(sweep: &SweepOrder) -> Self {
-        IncompleteCholesky { factor: Blocks::new(sweep.columns.len()) }
+        IncompleteCholesky {
+            factor: Blocks::new(sweep.columns.len()),
+            pivots: vec![[[0.0; 4]; 3]; sweep.n_rows()],
+            lower: vec![0.0; 9 * sweep.columns.len()],
+        }
     }
 
     /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both in the positions of the pattern; `fixed`:
@@ -50,7 +62,7 @@ impl IncompleteCholesky {
             block
         };
         let n_interior = sweep.row_begin[sweep.n_interior()];
-        let (interior, interface) = self.factor.entries_mut().split_at_mut(9 * n_interior);
+        let (interior, interface) = self.lower.split_at_mut(9 * n_interior);
         side_by_side(interior, &sweep.interiors, &|row| 9 * sweep.row_begin[row], &|part, rows| {
             let first = sweep.row_begin[rows.start];
             rows.for_each(|row| factorize_row(sweep, row, first, part, &[], &entry));
@@ -67,9 +79,10 @@ impl IncompleteCholesky {
     fn finish(&mut self, sweep: &SweepOrder) {
         let factor = self.factor.entries_mut();
         for row in 0..sweep.n_rows() {
+            let inverse = block(&self.lower, sweep.diagonal[row]);
+            self.pivots[row] = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
             for position in sweep.row_begin[row]..sweep.diagonal[row] {
-                let inverse = block(factor, sweep.diagonal[row]);
-                let unit = lower_times(inverse, block(factor, position));
+                let unit = lower_times(inverse, block(&self.lower, position)).map(bf16::from_f32);
                 let mirror = sweep.mirror[position] as usize;
                 factor[9 * position..][..9].copy_from_slice(&unit);
                 factor[9 * mirror..][..9].copy_from_slice(&transposed(&unit));
@@ -82,92 +95,119 @@ impl IncompleteCholesky {
         let n_interior = sweep.n_interior();
         let (interior, interface) = x.split_at_mut(n_interior);
         side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
-            for row in rows.clone() {
-                let known = self.left(sweep, row, |column| &x[column - rows.start]);
-                self.forward(sweep, row, &known, &mut x[row - rows.start]);
-            }
+            bf16::dispatch(Forward { part: self.part(sweep, rows, &[], 0), x });
         });
         let interior_done = &*interior;
         side_by_side(interface, &sweep.interfaces, &|row| row, &|x, rows| {
-            for row in rows.clone() {
-                let known = self.left(sweep, row, |column| match column.checked_sub(rows.start) {
-                    Some(own) => &x[own],
-                    None => &interior_done[column],
-                });
-                self.forward(sweep, row, &known, &mut x[row - rows.start]);
-            }
-            for row in rows.clone().rev() {
-                let known = self.right(sweep, row, |column| &x[column - rows.start]);
-                subtract(&mut x[row - rows.start], &known);
-            }
+            bf16::dispatch(Forward { part: self.part(sweep, rows.clone(), interior_done, 0), x });
+            bf16::dispatch(Backward { part: self.part(sweep, rows, &[], 0), x });
         });
+        let interface_done = &*interface;
         side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
-            for row in rows.clone().rev() {
-                let known = self.right(sweep, row, |column| match column.checked_sub(n_interior) {
-                    Some(at) => &interface[at],
-                    None => &x[column - rows.start],
-                });
-                subtract(&mut x[row - rows.start], &known);
-            }
+            bf16::dispatch(Backward { part: self.part(sweep, rows, interface_done, n_interior), x });
         });
-        for (row, x) in x.iter_mut().enumerate() {
-            let inverse = block(self.factor.entries(), sweep.diagonal[row]);
-            for c in 0..C {
-                let b = [x[0][c], x[1][c], x[2][c]];
-                x[0][c] = inverse[0] * b[0] + inverse[1] * b[1] + inverse[2] * b[2];
-                x[1][c] = inverse[4] * b[1] + inverse[5] * b[2];
-                x[2][c] = inverse[8] * b[2];
-            }
+        for (x, pivot) in x.iter_mut().zip(&self.pivots) {
+            *x = transposed_times(pivot, x);
         }
     }
 
-    /// What stands left of the diagonal of a row, times x.
-    #[inline(always)]
-    fn left<'a, const C: usize>(
-        &self,
-        sweep: &SweepOrder,
-        row: usize,
-        x: impl Fn(usize) -> &'a Row<f32, C>,
-    ) -> Row<f32, C> {
-        let (begin, end) = (sweep.row_begin[row], sweep.diagonal[row]);
-        products(&self.factor.entries()[9 * begin..=9 * end], &sweep.columns[begin..end], x)
-    }
-
-    /// What stands right of the diagonal of a row, times x.
-    #[inline(always)]
-    fn right<'a, const C: usize>(
-        &self,
-        sweep: &SweepOrder,
-        row: usize,
-        x: impl Fn(usize) -> &'a Row<f32, C>,
-    ) -> Row<f32, C> {
-        let (begin, end) = (sweep.diagonal[row] + 1, sweep.row_begin[row + 1]);
-        products(&self.factor.entries()[9 * begin..=9 * end], &sweep.columns[begin..end], x)
-    }
-
-    /// `x = D_i^-1 x - known`: the product does not wait for the rows before.
-    #[inline(always)]
-    fn forward<const C: usize>(
-        &self,
-        sweep: &SweepOrder,
-        row: usize,
-        known: &Row<f32, C>,
-        x: &mut Row<f32, C>,
-    ) {
-        let inverse = block(self.factor.entries(), sweep.diagonal[row]);
-        for c in 0..C {
-            let b = [x[0][c], x[1][c], x[2][c]];
-            x[0][c] = inverse[0] * b[0];
-            x[1][c] = inverse[1] * b[0] + inverse[4] * b[1];
-            x[2][c] = inverse[2] * b[0] + inverse[5] * b[1] + inverse[8] * b[2];
-        }
-        subtract(x, known);
+    fn part<'a, const C: usize>(
+        &'a self,
+        sweep: &'a SweepOrder,
+        rows: Range<usize>,
+        others: &'a [Row<f32, C>],
+        first_other: usize,
+    ) -> Part<'a, C> {
+        Part { inverse: self, sweep, rows, others, first_other }
     }
 }
 
+/// Rows that a sweep goes through.
+struct Part<'a, const C: usize> {
+    inverse: &'a IncompleteCholesky,
+    sweep: &'a SweepOrder,
+    rows: Range<usize>,
+    /// What has been computed of other rows, from number `first_other` on.
+    others: &'a [Row<f32, C>],
+    first_other: usize,
+}
+
+/// `x = U^-1 D^-1 x`.
+struct Forward<'a, const C: usize> {
+    part: Part<'a, C>,
+    x: &'a mut [Row<f32, C>],
+}
+
+impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<K: Kernel<bf16, C>>(self, kernel: K) {
+        let Part { inverse, sweep, rows, others, first_other } = self.part;
+        let first = rows.start;
+        for row in rows {
+            let columns = sweep.row_begin[row]..sweep.diagonal[row];
+            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let x = Rows { own: &*self.x, first, others, first_other };
+            let known = inverse.factor.product::<C, false, K>(kernel, begin, columns, x);
+            // The product with the pivot does not wait for the rows before.
+            let x = &mut self.x[row - first];
+            *x = minus(&times(&inverse.pivots[row], x), &known);
+        }
+    }
+}
+
+/// `x = U^-T x`.
+struct Backward<'a, const C: usize> {
+    part: Part<'a, C>,
+    x: &'a mut [Row<f32, C>],
+}
+
+impl<const C: usize> Work<bf16, C> for Backward<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run<K: Kernel<bf16, C>>(self, kernel: K) {
+        let Part { inverse, sweep, rows, others, first_other } = self.part;
+        let first = rows.start;
+        for row in rows.rev() {
+            let columns = sweep.diagonal[row] + 1..sweep.row_begin[row + 1];
+            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let x = Rows { own: &*self.x, first, others, first_other };
+            let known = inverse.factor.product::<C, true, K>(kernel, begin, columns, x);
+            let x = &mut self.x[row - first];
+            *x = minus(x, &known);
+        }
+    }
+}
+
+/// `A x`, A by columns.
 #[inline(always)]
-fn subtract<const C: usize>(x: &mut Row<f32, C>, y: &Row<f32, C>) {
-    (0..3).for_each(|a| (0..C).for_each(|c| x[a][c] -= y[a][c]));
+pub fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, C> {
+    let mut product = [[T::default(); C]; 4];
+    for a in 0..4 {
+        for c in 0..C {
+            product[a][c] = A[0][a] * x[0][c] + A[1][a] * x[1][c] + A[2][a] * x[2][c];
+        }
+    }
+    product
+}
+
+/// `A^T x`, A by columns.
+#[inline(always)]
+fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> Row<f32, C> {
+    let mut product = [[0.0; C]; 4];
+    for a in 0..3 {
+        for c in 0..C {
+            product[a][c] = A[a][0] * x[0][c] + A[a][1] * x[1][c] + A[a][2] * x[2][c];
+        }
+    }
+    product
+}
+
+#[inline(always)]
+fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
+    let mut difference = *x;
+    (0..4).for_each(|a| (0..C).for_each(|c| difference[a][c] -= y[a][c]));
+    difference
 }
 
 /// A block, by columns.
@@ -276,7 +316,7 @@ fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
     [i0, i10, -(L[2][0] * i0 + L[2][1] * i10) * i2, 0.0, i1, i21, 0.0, 0.0, i2]
 }
 
-fn transposed(A: &[f32]) -> [f32; 9] {
+fn transposed(A: &[bf16; 9]) -> [bf16; 9] {
     [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 
@@ -333,7 +373,7 @@ pub mod tests {
 
     #[test]
     fn without_fill_it_is_the_factor_itself() {
-        // A chain has no fill: the incomplete factor is exact, to single precision.
+        // A chain has no fill: the incomplete factor is exact, to the 8 bits in which it is kept.
         let lists: Vec<[u32; 2]> = (0..39).map(|i| [i, i + 1]).collect();
         let pattern = Pattern::new(40, lists.iter().map(|list| &list[..]));
         let (mass, stiffness) = elastic(&pattern);
@@ -347,14 +387,14 @@ pub mod tests {
         matrix.set(&sweep, [0.7, 0.0], &mass, block);
         let free = |new: usize, a: usize| !fixed[3 * sweep.order[new] as usize + a];
         let x: Vec<Row<f64, 1>> = (0..40)
-            .map(|i| [0, 1, 2].map(|a| [if free(i, a) { (i as f64 + a as f64).sin() } else { 0.0 }]))
+            .map(|i| [0, 1, 2, 3].map(|a| [if a < 3 && free(i, a) { (i as f64 + a as f64).sin() } else { 0.0 }]))
             .collect();
         let mut b = x.clone();
         matrix.multiply(&sweep, &x, &mut b, &mut [[0.0; 2]]);
         let mut solution: Vec<Row<f32, 1>> = b.iter().map(|b| b.map(|b| [b[0] as f32])).collect();
         factor.sweeps(&sweep, &mut solution);
         for (x, solution) in x.iter().zip(&solution) {
-            (0..3).for_each(|a| assert!((x[a][0] - f64::from(solution[a][0])).abs() < 1e-5));
+            (0..3).for_each(|a| assert!((x[a][0] - f64::from(solution[a][0])).abs() < 1.0 / 128.0));
         }
     }
 
@@ -368,11 +408,11 @@ pub mod tests {
         let fixed = vec![false; 3 * pattern.n_rows()];
         let mut factor = IncompleteCholesky::new(&sweep);
         factor.factorize(&sweep, &fixed, 1.0, &mass, |position| &stiffness[9 * position..9 * position + 9]);
-        let mut x = vec![[[1f32]; 3]; sweep.n_rows()];
+        let mut x = vec![[[1f32], [1.0], [1.0], [0.0]]; sweep.n_rows()];
         factor.sweeps(&sweep, &mut x);
         let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let mut y = vec![[[1f32]; 3]; sweep.n_rows()];
+        let mut y = vec![[[1f32], [1.0], [1.0], [0.0]]; sweep.n_rows()];
         one_thread.install(|| factor.sweeps(&sweep, &mut y));
-        assert!(x == y && x.iter().flatten().all(|x| x[0].is_finite() && x[0] > 0.0));
+        assert!(x == y && x.iter().all(|x| x[..3].iter().all(|x| x[0].is_finite() && x[0] > 0.0)));
     }
 }

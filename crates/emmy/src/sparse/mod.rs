@@ -10,6 +10,7 @@ mod conjugate_gradients;
 mod dense;
 mod gmres;
 mod incomplete_cholesky;
+mod kernel;
 mod ordering;
 mod pattern;
 mod real;

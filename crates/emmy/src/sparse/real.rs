@@ -10,6 +10,7 @@ pub trait Real:
     Copy
     + Debug
     + Default
+    + PartialEq
     + Send
     + Sync
     + Add<Output = Self>

@@ -1,19 +1,26 @@
 //! Matrices `M + lambda K` with real or complex lambda, symmetric, on the rows of a pattern.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, Row, products};
+use super::blocks::{Blocks, Row, Rows};
+use super::incomplete_cholesky::times;
+use super::kernel::{Entry, Kernel, Work};
 use super::real::Real;
 use super::sweep::SweepOrder;
 
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
-pub struct ShiftedMatrix<T, const C: usize> {
+pub struct ShiftedMatrix<E: Entry, const C: usize> {
     /// With one column the blocks of `M + lambda K`, with two those of K.
-    blocks: Blocks<T>,
+    blocks: Blocks<E>,
+    /// What rounding took from the blocks of a row, added to its diagonal block: a motion that does not strain must not cost
+    /// energy, and the rounding of neighbours would make it.
+    remainders: Vec<[[E::Number; 4]; 3]>,
     /// M, with two columns.
-    mass: Vec<T>,
-    shift: [T; 2],
+    mass: Vec<E::Number>,
+    shift: [E::Number; 2],
     /// Components that are held: rows of which are left out, `[3 row + component]` in the order of the sweep.
     fixed: Vec<u32>,
 }
@@ -21,16 +28,18 @@ pub struct ShiftedMatrix<T, const C: usize> {
 /// Rows that one task works on.
 pub const CHUNK: usize = 2048;
 
-impl<T: Real, const C: usize> ShiftedMatrix<T, C> {
+impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     /// Memory for a matrix; `fixed: [n_rows][3]` in the numbers of the pattern.
     pub fn new(sweep: &SweepOrder, fixed: &[bool]) -> Self {
         let held = sweep.order.iter().enumerate().flat_map(|(new, &old)| {
             (0..3).filter(move |a| fixed[3 * old as usize + a]).map(move |a| (3 * new + a) as u32)
         });
+        let zero = E::Number::default();
         ShiftedMatrix {
             blocks: Blocks::new(sweep.columns.len()),
-            mass: vec![T::default(); if C == 2 { sweep.columns.len() } else { 0 }],
-            shift: [T::default(); 2],
+            remainders: vec![[[zero; 4]; 3]; sweep.n_rows()],
+            mass: vec![zero; if C == 2 { sweep.columns.len() } else { 0 }],
+            shift: [zero; 2],
             fixed: held.collect(),
         }
     }
@@ -43,86 +52,149 @@ impl<T: Real, const C: usize> ShiftedMatrix<T, C> {
         mass: &[f64],
         stiffness: impl Fn(usize) -> &'a [f64] + Sync,
     ) {
-        self.shift = shift.map(T::of);
+        self.shift = shift.map(E::Number::of);
         let factor = if C == 2 { 1.0 } else { shift[0] };
-        let set = |(block, &source): (&mut [T], &u32)| {
-            let values = stiffness(source as usize);
-            let m = if C == 2 { 0.0 } else { mass[source as usize] };
-            for (at, value) in block.iter_mut().enumerate() {
-                // by columns
-                let entry = factor * values[3 * (at % 3) + at / 3];
-                *value = T::of(entry + if at % 4 == 0 { m } else { 0.0 });
+        let set_row = |blocks: &mut [E], remainder: &mut [[E::Number; 4]; 3], row: usize| {
+            let mut lost = [[0.0; 3]; 3];
+            let couplings = &sweep.source[sweep.row_begin[row]..sweep.row_begin[row + 1]];
+            for (block, &source) in blocks.chunks_exact_mut(9).zip(couplings) {
+                let values = stiffness(source as usize);
+                let m = if C == 2 { 0.0 } else { mass[source as usize] };
+                for (at, stored) in block.iter_mut().enumerate() {
+                    // by columns
+                    let (a, b) = (at % 3, at / 3);
+                    let entry = factor * values[3 * a + b] + if a == b { m } else { 0.0 };
+                    *stored = E::of(entry);
+                    lost[b][a] += entry - stored.number().wide();
+                }
+            }
+            for (a, b) in (0..9).map(|at| (at % 3, at / 3)) {
+                remainder[b][a] = E::Number::of(0.5 * (lost[b][a] + lost[a][b]));
             }
         };
-        let blocks = self.blocks.entries_mut().par_chunks_exact_mut(9);
-        blocks.zip(&sweep.source).with_min_len(4096).for_each(set);
-        self.mass.iter_mut().zip(&sweep.source).for_each(|(m, &source)| *m = T::of(mass[source as usize]));
+        let tasks = parts_of_rows(self.blocks.entries_mut(), sweep).zip(self.remainders.par_chunks_mut(CHUNK));
+        tasks.enumerate().for_each(|(task, (blocks, remainders))| {
+            let first = sweep.row_begin[task * CHUNK];
+            for (row, remainder) in (task * CHUNK..).zip(remainders) {
+                let range = 9 * (sweep.row_begin[row] - first)..9 * (sweep.row_begin[row + 1] - first);
+                set_row(&mut blocks[range], remainder, row);
+            }
+        });
+        self.mass.iter_mut().zip(&sweep.source).for_each(|(m, &source)| *m = E::Number::of(mass[source as usize]));
     }
 
     /// `y = (M + lambda K) x`, on rows that are free; held ones stay zero. Returns `x^T y` (not conjugated).
     pub fn multiply(
         &self,
         sweep: &SweepOrder,
-        x: &[Row<T, C>],
-        y: &mut [Row<T, C>],
+        x: &[Row<E::Number, C>],
+        y: &mut [Row<E::Number, C>],
         partial: &mut [[f64; 2]],
     ) -> [f64; 2] {
         let tasks = y.par_chunks_mut(CHUNK).zip(partial.par_iter_mut()).enumerate();
         tasks.for_each(|(task, (y, partial))| {
-            self.multiply_rows(sweep, task * CHUNK, x, y);
-            let first = (3 * CHUNK * task) as u32;
-            let held = self.fixed.partition_point(|&at| at < first)
-                ..self.fixed.partition_point(|&at| at < first + 3 * y.len() as u32);
-            self.fixed[held].iter().for_each(|&at| {
-                let at = (at - first) as usize;
-                y[at / 3][at % 3] = [T::default(); C];
-            });
-            *partial = dot(&x[CHUNK * task..CHUNK * task + y.len()], y);
+            let first = task * CHUNK;
+            *partial = E::dispatch(Multiply { matrix: self, sweep, first, x, y });
         });
         summed(partial)
     }
 
-    fn multiply_rows(&self, sweep: &SweepOrder, first: usize, x: &[Row<T, C>], y: &mut [Row<T, C>]) {
-        for (index, y) in y.iter_mut().enumerate() {
-            let row = first + index;
-            let (begin, end) = (sweep.row_begin[row], sweep.row_begin[row + 1]);
-            let columns = &sweep.columns[begin..end];
-            let stiff = products(&self.blocks.entries()[9 * begin..=9 * end], columns, |column| &x[column]);
-            if C == 1 {
-                *y = stiff;
-                continue;
-            }
-            let mut inert = [[T::default(); C]; 3];
-            for (&m, &column) in self.mass[begin..end].iter().zip(&sweep.columns[begin..end]) {
-                let x = &x[column as usize];
-                (0..3).for_each(|a| (0..C).for_each(|c| inert[a][c] += m * x[a][c]));
-            }
-            let [re, im] = self.shift;
-            for a in 0..3 {
-                let [k_re, k_im] = [stiff[a][0], stiff[a][C - 1]];
-                y[a][0] = inert[a][0] + re * k_re - im * k_im;
-                y[a][C - 1] = inert[a][C - 1] + re * k_im + im * k_re;
-            }
-        }
+    /// Sets the rows that are held to zero; y: rows from `first_row` on.
+    fn hold(&self, first_row: usize, y: &mut [Row<E::Number, C>]) {
+        let first = 3 * first_row as u32;
+        let begin = self.fixed.partition_point(|&at| at < first);
+        let end = self.fixed.partition_point(|&at| at < first + 3 * y.len() as u32);
+        self.fixed[begin..end].iter().for_each(|&at| {
+            let at = (at - first) as usize;
+            y[at / 3][at % 3] = [E::Number::default(); C];
+        });
     }
 }
 
+/// `y = (M + lambda K) x` for rows that follow one another; returns their part of `x^T y`.
+struct Multiply<'a, E: Entry, const C: usize> {
+    matrix: &'a ShiftedMatrix<E, C>,
+    sweep: &'a SweepOrder,
+    first: usize,
+    x: &'a [Row<E::Number, C>],
+    y: &'a mut [Row<E::Number, C>],
+}
+
+impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
+    type Output = [f64; 2];
+    #[inline(always)]
+    fn run<K: Kernel<E, C>>(self, kernel: K) -> [f64; 2] {
+        let Multiply { matrix, sweep, first, x, y } = self;
+        for index in 0..y.len() {
+            let row = first + index;
+            let couplings = sweep.row_begin[row]..sweep.row_begin[row + 1];
+            let (begin, columns) = (couplings.start, &sweep.columns[couplings.clone()]);
+            let product = matrix.blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
+            let mut stiff = times(&matrix.remainders[row], &x[row]);
+            (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));
+            y[index] = if C == 1 { stiff } else { shifted(matrix, &couplings, columns, x, &stiff) };
+        }
+        matrix.hold(first, y);
+        dot(&x[first..first + y.len()], y)
+    }
+}
+
+/// A row of `M x + lambda (K x)`.
+#[inline(always)]
+fn shifted<E: Entry, const C: usize>(
+    matrix: &ShiftedMatrix<E, C>,
+    couplings: &Range<usize>,
+    columns: &[u32],
+    x: &[Row<E::Number, C>],
+    stiff: &Row<E::Number, C>,
+) -> Row<E::Number, C> {
+    let mut row = [[E::Number::default(); C]; 4];
+    for (&m, &column) in matrix.mass[couplings.clone()].iter().zip(columns) {
+        let x = &x[column as usize];
+        (0..4).for_each(|a| (0..C).for_each(|c| row[a][c] += m * x[a][c]));
+    }
+    let [re, im] = matrix.shift;
+    for a in 0..3 {
+        let [k_re, k_im] = [stiff[a][0], stiff[a][C - 1]];
+        row[a][0] += re * k_re - im * k_im;
+        row[a][C - 1] += re * k_im + im * k_re;
+    }
+    row
+}
+
+/// The blocks of [`CHUNK`] rows after another.
+fn parts_of_rows<'a, E: Send>(
+    mut entries: &'a mut [E],
+    sweep: &SweepOrder,
+) -> impl IndexedParallelIterator<Item = &'a mut [E]> {
+    let mut parts = Vec::with_capacity(sweep.n_rows().div_ceil(CHUNK));
+    for first in (0..sweep.n_rows()).step_by(CHUNK) {
+        let end = (first + CHUNK).min(sweep.n_rows());
+        let (part, rest) = entries.split_at_mut(9 * (sweep.row_begin[end] - sweep.row_begin[first]));
+        parts.push(part);
+        entries = rest;
+    }
+    parts.into_par_iter()
+}
+
 /// `x^T y`, not conjugated, as (real, imaginary).
+#[inline(always)]
 pub fn dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2] {
-    let mut sum = [0.0; 2];
+    // A sum for each component, so that an addition need not wait for the one before.
+    let mut sums = [[0.0; 4]; 2];
     for (x, y) in x.iter().zip(y) {
-        for a in 0..3 {
+        for a in 0..4 {
             if C == 1 {
-                sum[0] += x[a][0].wide() * y[a][0].wide();
+                sums[0][a] += x[a][0].wide() * y[a][0].wide();
             } else {
                 let [xr, xi] = [x[a][0].wide(), x[a][C - 1].wide()];
                 let [yr, yi] = [y[a][0].wide(), y[a][C - 1].wide()];
-                sum[0] += xr * yr - xi * yi;
-                sum[1] += xr * yi + xi * yr;
+                sums[0][a] += xr * yr - xi * yi;
+                sums[1][a] += xr * yi + xi * yr;
             }
         }
     }
-    sum
+    sums.map(|sum| sum.iter().sum())
 }
 
 /// Sum of the parts, in their order: the same for any number of threads.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
-use super::prediction::rigid::{RigidStep, eliminate};
-use super::prediction::rotation::{UNIT, cross, exp, product};
+use super::prediction::rigid::RigidStep;
+use super::prediction::rotation::{UNIT, exp, product};
 use super::shifted_solver::{Direct, DirectPair, Iterative, ShiftedSolver};
 use super::stage_system::StageForm;
+use super::straining::Straining;
 use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::Result;
@@ -20,8 +21,8 @@ use crate::tensor::Mat3;
 #[derive(Debug)]
 pub struct ApproximateTangent {
     modes: Vec<Mode>,
-    /// Integrals of the basis up to the middle of the step, `[k]`.
-    half: Vec<f64>,
+    /// Integrals of the basis up to the middle of the step, or to its end if the rule finds the middle, `[k]`.
+    passed: Vec<f64>,
     rule: Rule,
     assembly: Assembly,
     solvers: Vec<Box<dyn ShiftedSolver>>,
@@ -34,15 +35,15 @@ pub struct ApproximateTangent {
     rotation: [f64; 3],
     /// Rotations from the middle of the step to its Gauss points, `[k]`.
     stage_rotations: Vec<Mat3<f64>>,
-    /// C, from the rates of the step to those that strain it, at every node, `[3 k][3 k]`; then its inverse.
-    straining: Vec<f64>,
-    unstraining: Vec<f64>,
+    /// Whether K acts on the rates that strain.
+    strains: bool,
+    straining: Straining,
     turned: Vec<f64>,
     /// The time s of the stage equations that the solvers were made for.
     made_for: Option<f64>,
     /// Displacement of K.
     displacement: Vec<f64>,
-    rest: Vec<f64>,
+    rates: Vec<f64>,
     /// `sum_m |K_lm|` of each row l.
     row_sums: Vec<f64>,
     columns: Vec<f64>,
@@ -55,10 +56,15 @@ impl ApproximateTangent {
     /// [`crate::Error::Linear`].
     pub fn new(body: &Body, form: &StageForm, solver: Solver) -> Result<Self> {
         let (n, nodes) = (body.n_dofs(), form.rule.nodes());
+        let (rule, until) = if form.rule.is_energy_momentum() && nodes.len() == 1 {
+            (Rule::straining_rates(), 1.0)
+        } else {
+            (Rule::standard(1, &gauss(1)), 0.5)
+        };
         Ok(ApproximateTangent {
             modes: modes(form)?,
-            half: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, 0.5)).collect(),
-            rule: Rule::standard(1, &gauss(1)),
+            passed: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
+            rule,
             assembly: body.assembly(1),
             solvers: Vec::new(),
             wanted: solver,
@@ -66,12 +72,12 @@ impl ApproximateTangent {
             orientation: UNIT,
             rotation: [0.0; 3],
             stage_rotations: vec![UNIT; nodes.len()],
-            straining: vec![0.0; 9 * nodes.len() * nodes.len()],
-            unstraining: vec![0.0; 9 * nodes.len() * nodes.len()],
+            strains: false,
+            straining: Straining::new(nodes.len(), n),
             turned: vec![0.0; n * nodes.len()],
             made_for: None,
             displacement: vec![0.0; n],
-            rest: vec![0.0; n],
+            rates: vec![0.0; n],
             row_sums: vec![0.0; n],
             columns: vec![0.0; if nodes.len() > 1 { 2 * n } else { n }],
         })
@@ -89,24 +95,29 @@ impl ApproximateTangent {
     pub fn renew(&mut self, body: &Body, displacement: &[f64], rates: &[f64], time_scale: f64) -> Result<()> {
         self.made_for = None;
         self.orientation = UNIT;
-        self.displacement.copy_from_slice(displacement);
-        for (rates, half) in rates.chunks_exact(body.n_dofs()).zip(&self.half) {
-            self.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += half * x);
-        }
+        self.place(displacement, rates);
         if self.assemble(body).is_err() {
             self.displacement.copy_from_slice(displacement);
+            self.rates.fill(0.0);
             self.assemble(body)?;
         }
         self.sum_rows(body);
         self.set(body, time_scale)
     }
 
+    /// Sets displacement and rates to those from which the rule of K sees the middle of the step.
+    fn place(&mut self, displacement: &[f64], rates: &[f64]) {
+        let n = displacement.len();
+        self.displacement.copy_from_slice(displacement);
+        self.rates.fill(0.0);
+        let sum = if self.rule.is_energy_momentum() { &mut self.rates } else { &mut self.displacement };
+        for (rates, passed) in rates.chunks_exact(n).zip(&self.passed) {
+            sum.iter_mut().zip(rates).for_each(|(sum, x)| *sum += passed * x);
+        }
+    }
+
     /// Goes over to the next step, in which the body turns by a rotation vector: `M + lambda K` turns with it, so that K stays
     /// near, however often the body turns around.
-    ///
-    /// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`, which answers to a change of the rates, in a
-    /// body that turns with spins w_m, by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`: the rates that strain it are
-    /// `y = C x`, node by node, and K acts on them.
     pub fn turn(&mut self, step: &RigidStep, rule: &Rule) {
         for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
@@ -115,20 +126,15 @@ impl ApproximateTangent {
         for (stage, c) in self.stage_rotations.iter_mut().zip(rule.nodes()) {
             *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
         }
-        let (k, n) = (rule.degree(), 3 * rule.degree());
-        set_unit(&mut self.straining, n);
-        set_unit(&mut self.unstraining, n);
-        if !rule.is_energy_momentum() {
-            return;
-        }
-        for m in 0..k {
-            let spin = cross(&step.spins[m]);
-            for (j, d, e) in (0..9 * k).map(|at| (at / 9, at / 3 % 3, at % 3)) {
-                self.straining[(3 * m + d) * n + 3 * j + e] -= rule.coefficients()[m * k + j] * spin[d][e];
-            }
-        }
-        if !eliminate(&mut self.straining, &mut self.unstraining, n) {
-            set_unit(&mut self.unstraining, n);
+    }
+
+    /// Follows an iterate: the rates that strain the body are seen from the spins that it has.
+    pub fn follow(&mut self, body: &Body, rule: &Rule, displacement: &[f64], x: &[f64]) {
+        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
+        let is_direct = self.choice.is_some_and(|choice| !choice.is_iterative);
+        self.strains = is_direct && rule.is_energy_momentum() && self.rotation != [0.0; 3];
+        if self.strains {
+            self.straining.follow(body, rule, displacement, x);
         }
     }
 
@@ -151,7 +157,7 @@ impl ApproximateTangent {
             rule: &self.rule,
             tangent_factor: 2.0,
             displacement: &self.displacement,
-            rates: &self.rest,
+            rates: &self.rates,
         };
         body.assemble(&step, Want::Tangent, &[0.0], &mut self.assembly)
     }
@@ -241,7 +247,7 @@ impl ApproximateTangent {
         mut solve: impl FnMut(&mut dyn ShiftedSolver, &mut [f64]),
         backward: impl Fn(&Mode) -> &Vec<f64>,
     ) {
-        let n = r.len() / self.half.len();
+        let n = r.len() / self.passed.len();
         self.turned.copy_from_slice(r);
         for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, 1, &transposed(&product(R, &self.orientation)));
@@ -256,25 +262,8 @@ impl ApproximateTangent {
         for (stage, R) in z.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, 1, &product(R, &self.orientation));
         }
-        self.unstrain(z);
-    }
-
-    /// `x = C^-1 y` at every node.
-    fn unstrain(&mut self, rates: &mut [f64]) {
-        let (k, n) = (self.half.len(), rates.len() / self.half.len());
-        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
-        if self.rotation == [0.0; 3] || self.choice.is_some_and(|choice| choice.is_iterative) {
-            return;
-        }
-        self.turned.copy_from_slice(rates);
-        for i in 0..k {
-            for node in 0..n / 3 {
-                for d in 0..3 {
-                    let row = &self.unstraining[(3 * i + d) * 3 * k..][..3 * k];
-                    let old = |column: usize| self.turned[column / 3 * n + 3 * node + column % 3];
-                    rates[i * n + 3 * node + d] = (0..3 * k).map(|column| row[column] * old(column)).sum();
-                }
-            }
+        if self.strains {
+            self.straining.undo(z);
         }
     }
 
@@ -318,11 +307,6 @@ fn iterative_limit(body: &Body) -> f64 {
     let iteration = 4.5e-9 * body.pattern().n_blocks() as f64;
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (10.0 * iteration)).powi(2)
-}
-
-fn set_unit(matrix: &mut [f64], n: usize) {
-    matrix.fill(0.0);
-    matrix.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = 1.0);
 }
 
 /// Turns the vectors of all nodes, `[n_nodes][3][columns]`.

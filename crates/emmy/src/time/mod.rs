@@ -16,6 +16,7 @@ mod shifted_solver;
 mod stage_system;
 mod state;
 mod stepper;
+mod straining;
 #[cfg(test)]
 mod tests;
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
+use half::bf16;
+
 use crate::body::Body;
 use crate::error::Result;
 use crate::sparse::{
@@ -32,7 +34,7 @@ pub trait ShiftedSolver: fmt::Debug + Send {
 #[derive(Debug)]
 pub struct Iterative<const C: usize> {
     sweep: Arc<SweepOrder>,
-    matrix: ShiftedMatrix<f32, C>,
+    matrix: ShiftedMatrix<bf16, C>,
     factor: IncompleteCholesky,
     krylov: ConjugateGradients<f32, C>,
 }

@@ -1,0 +1,130 @@
+//! Products of 3 x 3 blocks with vectors, for each instruction set.
+
+use half::bf16;
+use pulp::Arch;
+
+use super::blocks::{LOADED, Row};
+use super::real::Real;
+
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+/// How a matrix stores a number.
+pub trait Entry: Copy + Default + Send + Sync + 'static {
+    /// What products are computed in.
+    type Number: Real;
+    /// The nearest entry.
+    fn of(value: f64) -> Self;
+    /// The number that it stands for.
+    fn number(self) -> Self::Number;
+    /// Works with the kernel of the best instruction set that the machine has.
+    fn dispatch<const C: usize, W: Work<Self, C>>(work: W) -> W::Output;
+    /// Works with the kernel of an instruction set that is not the best one of the machine.
+    #[cfg(test)]
+    fn narrower<const C: usize, W: Work<Self, C>>(_: W) -> Option<W::Output> {
+        None
+    }
+}
+
+/// Double precision, where a solution is not corrected again.
+impl Entry for f64 {
+    type Number = f64;
+    #[inline(always)]
+    fn of(value: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn number(self) -> f64 {
+        self
+    }
+    fn dispatch<const C: usize, W: Work<f64, C>>(work: W) -> W::Output {
+        work.run(Portable)
+    }
+}
+
+/// The upper half of a number of single precision: an iterative solver waits for memory, and what it returns is corrected again.
+impl Entry for bf16 {
+    type Number = f32;
+    #[inline(always)]
+    fn of(value: f64) -> bf16 {
+        bf16::from_f32(value as f32)
+    }
+    #[inline(always)]
+    fn number(self) -> f32 {
+        f32::from_bits(u32::from(self.to_bits()) << 16)
+    }
+    fn dispatch<const C: usize, W: Work<bf16, C>>(work: W) -> W::Output {
+        match Arch::new() {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(simd) => simd.vectorize(x86::With { simd, work }),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(simd) => simd.vectorize(x86::With { simd, work }),
+            _ => work.run(Portable),
+        }
+    }
+    #[cfg(all(test, target_arch = "x86_64"))]
+    fn narrower<const C: usize, W: Work<bf16, C>>(work: W) -> Option<W::Output> {
+        pulp::x86::V3::try_new().map(|simd| simd.vectorize(x86::With { simd, work }))
+    }
+}
+
+/// What is done with a kernel. All that `run` reaches must be inlined into it, else it is compiled for the oldest machine.
+pub trait Work<E: Entry, const C: usize> {
+    /// Result.
+    type Output;
+    /// Does the work.
+    fn run<K: Kernel<E, C>>(self, kernel: K) -> Self::Output;
+}
+
+/// Sums of products of blocks with rows of a vector, in registers.
+pub trait Kernel<E: Entry, const C: usize>: Copy {
+    /// A sum.
+    type Sum: Copy;
+    /// Zero.
+    fn zero(self) -> Self::Sum;
+    /// `sum + A x`; A: the first nine entries, by columns.
+    fn add_product(self, sum: Self::Sum, A: &[E; LOADED], x: &Row<E::Number, C>) -> Self::Sum;
+    /// The sum of two sums.
+    fn total(self, sums: [Self::Sum; 2]) -> Row<E::Number, C>;
+}
+
+/// The kernel of any machine: four numbers at a time.
+#[derive(Debug, Clone, Copy)]
+pub struct Portable;
+
+impl<E: Entry, const C: usize> Kernel<E, C> for Portable {
+    type Sum = [<E::Number as Real>::Four; C];
+
+    #[inline(always)]
+    fn zero(self) -> Self::Sum {
+        [E::Number::four([E::Number::default(); 4]); C]
+    }
+
+    #[inline(always)]
+    fn add_product(self, mut sum: Self::Sum, A: &[E; LOADED], x: &Row<E::Number, C>) -> Self::Sum {
+        let column = |b: usize| {
+            E::Number::four([
+                A[3 * b].number(),
+                A[3 * b + 1].number(),
+                A[3 * b + 2].number(),
+                A[3 * b + 3].number(),
+            ])
+        };
+        let A = [column(0), column(1), column(2)];
+        for c in 0..C {
+            let by = |b: usize| E::Number::four([x[b][c]; 4]);
+            sum[c] += A[0] * by(0) + A[1] * by(1) + A[2] * by(2);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn total(self, sums: [Self::Sum; 2]) -> Row<E::Number, C> {
+        let mut row = [[E::Number::default(); C]; 4];
+        for c in 0..C {
+            let sum = E::Number::array(sums[0][c] + sums[1][c]);
+            (0..3).for_each(|a| row[a][c] = sum[a]);
+        }
+        row
+    }
+}
