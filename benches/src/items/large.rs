@@ -39,11 +39,11 @@ pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
 }
 
 fn sizes(settings: &Settings) -> Vec<u32> {
-    match (&settings.cells, settings.session.quick, settings.million) {
-        (Some(cells), _, _) => cells.clone(),
-        (None, true, _) => vec![1, 2],
-        (None, false, true) => vec![MILLION],
-        (None, false, false) => vec![4, 6, 8, 12],
+    let million = settings.million.then_some(MILLION);
+    match (&settings.cells, settings.session.quick) {
+        (Some(cells), _) => cells.iter().copied().chain(million).collect(),
+        (None, true) => vec![1, 2],
+        (None, false) => million.map_or(vec![4, 6, 8, 12], |million| vec![million]),
     }
 }
 

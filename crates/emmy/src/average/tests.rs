@@ -216,3 +216,35 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
     }
     error / size
 }
+
+/// `sum_c A_rc X_c` with tensors as nine numbers.
+fn applied(A: &[[f64; 9]; 9], X: &Mat3<f64>) -> [f64; 9] {
+    std::array::from_fn(|row| (0..9).map(|c| A[row][c] * X[c / 3][c % 3]).sum())
+}
+
+#[test]
+fn straining_rates_are_those_of_assumed_strain_in_a_turning_body() {
+    // A rigid turn from a state of no strain: F' = [w] F(1/2), and by E' = sym(F^T F')
+    // dE' = sym(F(1/2)^T (dF' - [w] dF'/2)) exactly, so that A_AS dF' = A (dF' - [w] dF'/2).
+    let (R, material) = (rotation([0.3, -0.5, 0.9]), NeoHooke::new(1000.0, 500.0).unwrap());
+    let rate = add_scaled(&R, -1.0, &IDENTITY);
+    let step = Step { start: [[0.0; 3]; 3], rates: vec![rate] };
+    // [w] = F' F^-1 = 2 (R - I) (R + I)^-1, Cayley's transform: tan(t/2)/(t/2) times the rotation vector.
+    let angle = (0.3f64 * 0.3 + 0.5 * 0.5 + 0.9 * 0.9).sqrt();
+    let w = [0.3, -0.5, 0.9].map(|x| x * (0.5 * angle).tan() / (0.5 * angle));
+    let W = [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]];
+    let assumed = averaged(&Rule::assumed_strain(1, 1), &material, &step, Want::Tangent);
+    let straining = averaged(&Rule::straining_rates(), &material, &step, Want::Tangent);
+    let size = applied(&straining.tangent[0], &IDENTITY).iter().map(|x| x.abs()).fold(0.0, f64::max);
+    for at in 0..9 {
+        let mut dF = [[0.0; 3]; 3];
+        dF[at / 3][at % 3] = 1.0;
+        let strains = add_scaled(&dF, -0.5, &product(&W, &dF));
+        let (left, right) = (applied(&assumed.tangent[0], &dF), applied(&straining.tangent[0], &strains));
+        assert!(left.iter().zip(right).all(|(a, b)| (a - b).abs() < 1e-13 * size), "{left:?} {right:?}");
+    }
+    for (row, column) in (0..81).map(|at| (at / 9, at % 9)) {
+        let (A, B) = (straining.tangent[0][row][column], straining.tangent[0][column][row]);
+        assert!((A - B).abs() < 1e-13 * size);
+    }
+}

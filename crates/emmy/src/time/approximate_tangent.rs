@@ -300,13 +300,14 @@ impl ApproximateTangent {
 
 /// Stiffness number up to which conjugate gradients cost less than factorisations.
 ///
-/// Both are limited by memory. By profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 4.5 ns a
-/// coupling of nodes, about `10 sqrt(c)` of them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the
-/// factor, which has about `15 n^(4/3)` of them for n degrees of freedom, as nested dissection leaves in three dimensions.
+/// Both are limited by memory. By profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2 ns a
+/// coupling of nodes, `12 sqrt(c)` of them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the
+/// factor, which has about `15 n^(4/3)` of them for n degrees of freedom, as nested dissection leaves in three dimensions. Times of
+/// both solvers side by side cross at c = 170 (r = 2, where this gives 180) and above 600 (r = 4, 500).
 fn iterative_limit(body: &Body) -> f64 {
-    let iteration = 4.5e-9 * body.pattern().n_blocks() as f64;
+    let iteration = 2.0e-9 * body.pattern().n_blocks() as f64;
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
-    (6.0 * solution / (10.0 * iteration)).powi(2)
+    (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 
 /// Turns the vectors of all nodes, `[n_nodes][3][columns]`.

@@ -15,8 +15,8 @@ use crate::body::Body;
 /// C_mj = delta_mj 1 - a_mj [w_m]
 /// ```
 ///
-/// The spins are those of the iterate. In a quasi-rigid body the strain that a wrong spin makes of a rotation outweighs the
-/// rotation's inertia long before it shows in the motion: at E = 1e7 an error of 1e-3 of the spins doubles the stiffness against turning.
+/// The spins are those of the iterate. An error d of a spin strains a turning body by `a d` for each unit of rotation, which resists
+/// as much as its inertia where `E a d = 4 rho L^2/h^2`: in a quasi-rigid body (E = 1e7, rho = 0.5, L = 10, h = 0.2) from 1e-3 on.
 #[derive(Debug)]
 pub struct Straining {
     degree: usize,
