@@ -44,6 +44,12 @@ pub fn measure(arguments: &Arguments) -> Result<Outcome, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global();
     pool.map_err(|error| text(&error))?;
+    // Inside the pool, as `emmy run` works.
+    rayon::scope(|_| measure_here(arguments))
+}
+
+fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
     let overrides = Overrides { set: arguments.set.clone(), ..Default::default() };
     let problem = input::read(&arguments.input, &overrides);
     let problem = problem.map_err(|error| format!("{}: {error}", arguments.input.display()))?;

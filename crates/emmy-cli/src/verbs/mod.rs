@@ -83,9 +83,11 @@ impl Input {
     }
 }
 
-/// Sets the number of threads; all cores without one.
-fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-    built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))
+/// Works in the thread pool, with a number of threads: a thread outside of it would hand over every small task and wait for it.
+fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+    if let Some(threads) = threads {
+        let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
+    }
+    Ok(rayon::scope(|_| work()))
 }

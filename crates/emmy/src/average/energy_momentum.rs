@@ -35,7 +35,9 @@ impl Rule {
         }
         let E_1 = green_lagrange(start);
         match self.kind {
-            Kind::AssumedStrain | Kind::StrainingRates => self.assumed_strain_stress(material, &E_1, want, average),
+            Kind::AssumedStrain | Kind::StrainingRates => {
+                self.assumed_strain_stress(material, &E_1, want, average)
+            }
             _ => self.discrete_gradient_stress(material, &E_1, &green_lagrange(&end), want, average),
         }
         for i in 0..k {

@@ -171,7 +171,9 @@ mod tests {
             if held { 0.0 } else { ((3 * row + a + 7 * c) as f32 * 0.1).sin() }
         };
         let x: Vec<Row<f32, C>> = (0..sweep.n_rows())
-            .map(|row| [0, 1, 2, 3].map(|a| std::array::from_fn(|c| if a < 3 { value(row, a, c) } else { 0.0 })))
+            .map(|row| {
+                [0, 1, 2, 3].map(|a| std::array::from_fn(|c| if a < 3 { value(row, a, c) } else { 0.0 }))
+            })
             .collect();
         matrix.multiply(&sweep, &x, &mut solver.rhs, &mut vec![[0.0; 2]; sweep.n_rows().div_ceil(CHUNK)]);
         let outcome = solver.solve(&sweep, &matrix, &mut factor, tolerance, 200);

@@ -387,7 +387,9 @@ pub mod tests {
         matrix.set(&sweep, [0.7, 0.0], &mass, block);
         let free = |new: usize, a: usize| !fixed[3 * sweep.order[new] as usize + a];
         let x: Vec<Row<f64, 1>> = (0..40)
-            .map(|i| [0, 1, 2, 3].map(|a| [if a < 3 && free(i, a) { (i as f64 + a as f64).sin() } else { 0.0 }]))
+            .map(|i| {
+                [0, 1, 2, 3].map(|a| [if a < 3 && free(i, a) { (i as f64 + a as f64).sin() } else { 0.0 }])
+            })
             .collect();
         let mut b = x.clone();
         matrix.multiply(&sweep, &x, &mut b, &mut [[0.0; 2]]);

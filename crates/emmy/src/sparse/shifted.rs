@@ -72,15 +72,12 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
                 remainder[b][a] = E::Number::of(0.5 * (lost[b][a] + lost[a][b]));
             }
         };
-        let tasks = parts_of_rows(self.blocks.entries_mut(), sweep).zip(self.remainders.par_chunks_mut(CHUNK));
-        tasks.enumerate().for_each(|(task, (blocks, remainders))| {
-            let first = sweep.row_begin[task * CHUNK];
-            for (row, remainder) in (task * CHUNK..).zip(remainders) {
-                let range = 9 * (sweep.row_begin[row] - first)..9 * (sweep.row_begin[row + 1] - first);
-                set_row(&mut blocks[range], remainder, row);
-            }
-        });
-        self.mass.iter_mut().zip(&sweep.source).for_each(|(m, &source)| *m = E::Number::of(mass[source as usize]));
+        let rows = 0..sweep.n_rows();
+        each_row(sweep, rows, self.blocks.entries_mut(), &mut self.remainders, &set_row);
+        self.mass
+            .iter_mut()
+            .zip(&sweep.source)
+            .for_each(|(m, &source)| *m = E::Number::of(mass[source as usize]));
     }
 
     /// `y = (M + lambda K) x`, on rows that are free; held ones stay zero. Returns `x^T y` (not conjugated).
@@ -162,19 +159,28 @@ fn shifted<E: Entry, const C: usize>(
     row
 }
 
-/// The blocks of [`CHUNK`] rows after another.
-fn parts_of_rows<'a, E: Send>(
-    mut entries: &'a mut [E],
+/// Works on the blocks and the remainder of each row, in halves side by side.
+fn each_row<E: Send, R: Send>(
     sweep: &SweepOrder,
-) -> impl IndexedParallelIterator<Item = &'a mut [E]> {
-    let mut parts = Vec::with_capacity(sweep.n_rows().div_ceil(CHUNK));
-    for first in (0..sweep.n_rows()).step_by(CHUNK) {
-        let end = (first + CHUNK).min(sweep.n_rows());
-        let (part, rest) = entries.split_at_mut(9 * (sweep.row_begin[end] - sweep.row_begin[first]));
-        parts.push(part);
-        entries = rest;
+    rows: Range<usize>,
+    blocks: &mut [E],
+    remainders: &mut [R],
+    work: &(impl Fn(&mut [E], &mut R, usize) + Sync),
+) {
+    let begin = |row: usize| 9 * (sweep.row_begin[row] - sweep.row_begin[rows.start]);
+    if rows.len() <= CHUNK {
+        for (row, remainder) in rows.clone().zip(remainders) {
+            work(&mut blocks[begin(row)..begin(row + 1)], remainder, row);
+        }
+        return;
     }
-    parts.into_par_iter()
+    let middle = rows.start + rows.len() / 2;
+    let (low, high) = blocks.split_at_mut(begin(middle));
+    let (before, after) = remainders.split_at_mut(middle - rows.start);
+    rayon::join(
+        || each_row(sweep, rows.start..middle, low, before, work),
+        || each_row(sweep, middle..rows.end, high, after, work),
+    );
 }
 
 /// `x^T y`, not conjugated, as (real, imaginary).

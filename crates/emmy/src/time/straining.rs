@@ -29,7 +29,12 @@ impl Straining {
     /// Memory for a degree and a number of degrees of freedom.
     pub fn new(degree: usize, n_dofs: usize) -> Self {
         let n = 3 * degree;
-        Straining { degree, matrix: vec![0.0; n * n], inverse: vec![0.0; n * n], old: vec![0.0; degree * n_dofs] }
+        Straining {
+            degree,
+            matrix: vec![0.0; n * n],
+            inverse: vec![0.0; n * n],
+            old: vec![0.0; degree * n_dofs],
+        }
     }
 
     /// Takes the spins of the rates x from a displacement; all without effect if they are singular.

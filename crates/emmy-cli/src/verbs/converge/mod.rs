@@ -11,7 +11,7 @@ use emmy_io::convergence::{self, Row};
 use emmy_io::directory::{self, MARK};
 use emmy_io::input::{self, Overrides, Problem};
 
-use super::use_threads;
+use super::with_threads;
 use crate::failure::Failure;
 use crate::print;
 
@@ -64,7 +64,11 @@ const WITNESS: &str = "study.toml";
 
 /// Runs the study.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    use_threads(arguments.threads)?;
+    with_threads(arguments.threads, || converge(arguments))?
+}
+
+/// Converges in the thread that it is called in.
+fn converge(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let study = study::read(arguments, &problem)?;

@@ -10,7 +10,7 @@ use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
-use super::{Input, use_threads};
+use super::{Input, with_threads};
 use crate::failure::{Failure, with_causes};
 use crate::print;
 use crate::progress::Progress;
@@ -34,7 +34,11 @@ pub struct Arguments {
 
 /// Runs the problem.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    use_threads(arguments.threads)?;
+    with_threads(arguments.threads, || run_here(arguments))?
+}
+
+/// Runs the problem in the thread that it is called in.
+fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
     directory::check(&problem.output.directory)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;

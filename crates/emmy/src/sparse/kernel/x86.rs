@@ -1,7 +1,6 @@
 //! The kernels of x86-64 with AVX-512 and with AVX2.
 
 use std::arch::x86_64::{__m128i, __m256, __m256i, __m512};
-use std::array;
 
 use half::bf16;
 use pulp::NullaryFnOnce;
@@ -35,20 +34,20 @@ impl<const C: usize> Kernel<bf16, C> for V4 {
     }
 
     #[inline(always)]
-    fn add_product(self, sum: [__m512; C], A: &[bf16; LOADED], x: &Row<f32, C>) -> [__m512; C] {
+    fn add_product(self, mut sum: [__m512; C], A: &[bf16; LOADED], x: &Row<f32, C>) -> [__m512; C] {
         let simd = self.avx512f;
         let upper = simd._mm512_slli_epi32::<16>(simd._mm512_cvtepu16_epi32(cast::<_, __m256i>(*A)));
         let A = simd._mm512_castsi512_ps(upper);
-        let x = if C == 1 { simd._mm512_castps128_ps512(cast(first::<4, _>(x.as_flattened()))) } else {
+        let x = if C == 1 {
+            simd._mm512_castps128_ps512(cast(first::<4, _>(x.as_flattened())))
+        } else {
             simd._mm512_castps256_ps512(cast(first::<8, _>(x.as_flattened())))
         };
-        array::from_fn(
-            #[inline(always)]
-            |c| {
-                let spread = simd._mm512_permutexvar_ps(cast(columns::<16>(C, c)), x);
-                simd._mm512_fmadd_ps(A, spread, sum[c])
-            },
-        )
+        for c in 0..C {
+            let spread = simd._mm512_permutexvar_ps(cast(columns::<16>(C, c)), x);
+            sum[c] = simd._mm512_fmadd_ps(A, spread, sum[c]);
+        }
+        sum
     }
 
     #[inline(always)]
@@ -81,22 +80,26 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
     }
 
     #[inline(always)]
-    fn add_product(self, sum: [(__m256, f32); C], A: &[bf16; LOADED], x: &Row<f32, C>) -> [(__m256, f32); C] {
+    fn add_product(
+        self,
+        mut sum: [(__m256, f32); C],
+        A: &[bf16; LOADED],
+        x: &Row<f32, C>,
+    ) -> [(__m256, f32); C] {
         let bits: __m128i = cast(first::<8, _>(A));
         let upper = self.avx2._mm256_slli_epi32::<16>(self.avx2._mm256_cvtepu16_epi32(bits));
-        let (eight, last) = (self.avx._mm256_castsi256_ps(upper), f32::from_bits(u32::from(A[8].to_bits()) << 16));
+        let (eight, last) =
+            (self.avx._mm256_castsi256_ps(upper), f32::from_bits(u32::from(A[8].to_bits()) << 16));
         let vector = if C == 1 {
             self.avx._mm256_castps128_ps256(cast(first::<4, _>(x.as_flattened())))
         } else {
             cast(first::<8, _>(x.as_flattened()))
         };
-        array::from_fn(
-            #[inline(always)]
-            |c| {
-                let spread = self.avx2._mm256_permutevar8x32_ps(vector, cast(columns::<8>(C, c)));
-                (self.fma._mm256_fmadd_ps(eight, spread, sum[c].0), last.mul_add(x[2][c], sum[c].1))
-            },
-        )
+        for c in 0..C {
+            let spread = self.avx2._mm256_permutevar8x32_ps(vector, cast(columns::<8>(C, c)));
+            sum[c] = (self.fma._mm256_fmadd_ps(eight, spread, sum[c].0), last.mul_add(x[2][c], sum[c].1));
+        }
+        sum
     }
 
     #[inline(always)]
@@ -113,6 +116,7 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
 }
 
 /// Where each entry of a block finds the component that it is multiplied with, in a row of `n_columns` columns.
+#[inline(always)]
 const fn columns<const N: usize>(n_columns: usize, column: usize) -> [i32; N] {
     let mut at = [0; N];
     let mut entry = 0;
