@@ -1,14 +1,18 @@
 //! The output directory: nothing of anybody else's is ever written over or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json` and the
-//! frames of its collections are removed, every other file stays. A directory with other content is refused.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json`, the frames
+//! of its collections and its series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
 //!
 //! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+use rust_hdf5::H5File;
+
+use crate::vtk::{CREATOR, UNPUBLISHED};
 
 /// First words of every `input.toml` that Emmy writes.
 pub const MARK: &str = "# Written by Emmy";
@@ -141,7 +145,19 @@ fn remove_run(path: &Path) -> io::Result<()> {
             remove(&path.join(&name))?;
         }
     }
+    for name in names(path)? {
+        let series = name.strip_suffix(UNPUBLISHED).unwrap_or(&name);
+        if series.ends_with(".vtkhdf") && is_series(&path.join(&name)) {
+            remove(&path.join(&name))?;
+        }
+    }
     Ok(())
+}
+
+/// Whether a file is a series of frames that Emmy wrote.
+fn is_series(path: &Path) -> bool {
+    let creator = H5File::open(path).and_then(|file| file.attr_string(CREATOR));
+    creator.is_ok_and(|creator| creator.starts_with("Emmy"))
 }
 
 /// Removes `frames/NAME_000000.vtu` and so on, and the directory if nothing is left in it.

@@ -70,6 +70,20 @@ impl Fields {
         Fields { mesh, regions, region_of_cell, recovery, density }
     }
 
+    /// Whether the body has a field: stresses at nodes need solid or plane cells, those in cells a volume, axial forces links.
+    pub fn has(&self, name: FieldName) -> bool {
+        let is_link = |region: &Region| region.link().is_some();
+        let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);
+        match name {
+            FieldName::Displacement | FieldName::Velocity => true,
+            FieldName::AxialForce => self.regions.iter().any(is_link),
+            name if name == FieldName::MomentumDensity || name.place() == Place::Cells => {
+                self.regions.iter().any(has_volume)
+            }
+            _ => !self.regions.iter().all(is_link),
+        }
+    }
+
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
         let is_recovered = |name: &FieldName| !name.is_motion();
