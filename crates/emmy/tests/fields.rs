@@ -42,9 +42,7 @@ fn rotation(axis: [f64; 3], angle: f64) -> Mat3<f64> {
     let cross = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];
     let (sin, cos) = angle.sin_cos();
     [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| {
-            cos * f64::from(u8::from(i == j)) + sin * cross[i][j] + (1.0 - cos) * n[i] * n[j]
-        })
+        [0, 1, 2].map(|j| cos * f64::from(u8::from(i == j)) + sin * cross[i][j] + (1.0 - cos) * n[i] * n[j])
     })
 }
 
@@ -119,8 +117,7 @@ fn is_exact(mesh: Mesh, F: &Mat3<f64>, stretches: [f64; 3], what: &str) {
     let (cauchy, second, energy) = neo_hooke(F);
     let of = |A: &Mat3<f64>| PAIRS.map(|(i, j)| A[i][j]);
     let found = fields(&body, &displacement, &NODAL);
-    let expected: [&[f64]; 5] =
-        [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &stretches, &[energy]];
+    let expected: [&[f64]; 5] = [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &stretches, &[energy]];
     for ((found, expected), name) in found.iter().zip(expected).zip(NODAL) {
         let size = if name == FieldName::PrincipalStretches { 10.0 } else { 1e4 };
         assert_eq!(found.len(), body.mesh().n_nodes() * expected.len());
@@ -138,7 +135,8 @@ fn is_exact(mesh: Mesh, F: &Mat3<f64>, stretches: [f64; 3], what: &str) {
 fn homogeneous_deformations_are_exact_on_every_kind() {
     // R Q diag(1.4, 1.1, 0.7) Q^T
     let Q = rotation([1.0, 2.0, -1.0], 0.8);
-    let stretch = product(&product(&Q, &[[0.7, 0.0, 0.0], [0.0, 1.4, 0.0], [0.0, 0.0, 1.1]]), &transposed(&Q));
+    let stretch =
+        product(&product(&Q, &[[0.7, 0.0, 0.0], [0.0, 1.4, 0.0], [0.0, 0.0, 1.1]]), &transposed(&Q));
     let F = product(&rotation([-2.0, 1.0, 3.0], 2.1), &stretch);
     for kind in CellKind::SOLIDS {
         let mesh = Patch { bricks: 2, curved: false, distortion: 1.0 }.mesh(kind);
@@ -150,7 +148,8 @@ fn homogeneous_deformations_are_exact_on_every_kind() {
 #[test]
 fn homogeneous_deformations_are_exact_in_plane_strain() {
     let Q = rotation([0.0, 0.0, 1.0], 0.5);
-    let stretch = product(&product(&Q, &[[1.3, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]]), &transposed(&Q));
+    let stretch =
+        product(&product(&Q, &[[1.3, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]]), &transposed(&Q));
     let F = product(&rotation([0.0, 0.0, 1.0], 1.9), &stretch);
     let (cauchy, ..) = neo_hooke(&F);
     assert!(cauchy[2][2].abs() > 1.0);
@@ -203,7 +202,8 @@ fn errors(kind: CellKind, bricks: usize) -> [f64; 2] {
     let mut errors = [0.0f64; 2];
     for (found, &X) in found[0].chunks_exact(6).zip(body.mesh().points()) {
         let (cauchy, ..) = neo_hooke(&waved(X).1);
-        let error = found.iter().zip(PAIRS).map(|(found, (i, j))| (found - cauchy[i][j]).abs()).fold(0.0, f64::max);
+        let error =
+            found.iter().zip(PAIRS).map(|(found, (i, j))| (found - cauchy[i][j]).abs()).fold(0.0, f64::max);
         // One cell away from the surface, averages are no longer of one side.
         if X.iter().all(|&x| x > 0.2 && x < 0.8) {
             errors[0] = errors[0].max(error);
@@ -329,7 +329,13 @@ fn between_regions_there_is_the_mean_and_the_cells_have_the_sides() {
     let names = [FieldName::SecondPiolaKirchhoffStress, FieldName::CellSecondPiolaKirchhoffStress];
     let found = fields(&body, &displacement, &names);
     for (node, X) in body.mesh().points().iter().enumerate() {
-        let mu = if X[0] < 0.5 { 10.0 } else if X[0] > 1.5 { 70.0 } else { 40.0 };
+        let mu = if X[0] < 0.5 {
+            10.0
+        } else if X[0] > 1.5 {
+            70.0
+        } else {
+            40.0
+        };
         assert!((found[0][6 * node] - 2.0 * mu * 0.22).abs() < 1e-12, "{X:?}: {}", found[0][6 * node]);
     }
     assert!((found[1][0] - 4.4).abs() < 1e-12 && (found[1][6] - 30.8).abs() < 1e-12);
@@ -342,7 +348,13 @@ fn momentum_density_is_density_times_velocity_without_point_masses() {
     let velocity: Vec<f64> = body.mesh().points().iter().flat_map(|_| [1.0, -2.0, 0.5]).collect();
     let found = Fields::new(&body).at(&rest, &velocity, &[FieldName::MomentumDensity, FieldName::Velocity]);
     for (p, X) in found[0].numbers.chunks_exact(3).zip(body.mesh().points()) {
-        let density = if X[0] < 0.5 { 1.0 } else if X[0] > 1.5 { 3.0 } else { 2.0 };
+        let density = if X[0] < 0.5 {
+            1.0
+        } else if X[0] > 1.5 {
+            3.0
+        } else {
+            2.0
+        };
         assert_eq!(p, [density, -2.0 * density, 0.5 * density]);
     }
     assert_eq!(found[1].numbers, velocity);
@@ -370,7 +382,10 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     let found = Fields::new(&body).at(&displacement, &displacement, &names);
     let near = |found: &[f64], expected: &[f64]| {
         assert_eq!(found.len(), expected.len());
-        found.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{found:?} {expected:?}"));
+        found
+            .iter()
+            .zip(expected)
+            .for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{found:?} {expected:?}"));
     };
     near(&found[0].numbers, &[132.0, 4.0]);
     let mut cauchy = [0.0; 12];

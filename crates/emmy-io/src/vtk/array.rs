@@ -45,8 +45,7 @@ pub(super) fn named_components<T: Numeric>(
     numbers: impl Iterator<Item = T>,
 ) -> String {
     let named = components.iter().enumerate().filter(|(_, component)| !component.is_empty());
-    let names: String =
-        named.map(|(i, component)| format!(" ComponentName{i}=\"{component}\"")).collect();
+    let names: String = named.map(|(i, component)| format!(" ComponentName{i}=\"{component}\"")).collect();
     element::<T>(name, components.len(), &names, numbers)
 }
 

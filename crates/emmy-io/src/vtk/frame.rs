@@ -64,7 +64,8 @@ impl Frame {
         let has_displacement = fields.iter().any(|field| field.name == FieldName::Displacement);
         xml += if has_displacement { "<PointData Vectors=\"displacement\">\n" } else { "<PointData>\n" };
         let arrays: Vec<String> = fields.par_iter().map(array).collect();
-        let of = |place: Place| fields.iter().zip(&arrays).filter(move |(field, _)| field.name.place() == place);
+        let of =
+            |place: Place| fields.iter().zip(&arrays).filter(move |(field, _)| field.name.place() == place);
         of(Place::Nodes).for_each(|(_, array)| xml += array);
         xml += &self.node_groups;
         xml += "</PointData>\n<CellData Scalars=\"region\">\n";

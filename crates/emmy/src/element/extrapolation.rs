@@ -31,7 +31,8 @@ pub fn extrapolation(kind: CellKind) -> Vec<f64> {
     let mut basis: Vec<[Vec<f64>; 2]> = Vec::new();
     for i in 0..polynomials(kind, nodes[0]).len() {
         // Values at the points and at the nodes, made orthonormal side by side.
-        let mut own: [Vec<f64>; 2] = [rule.points.iter().map(at(i)).collect(), nodes.iter().map(at(i)).collect()];
+        let mut own: [Vec<f64>; 2] =
+            [rule.points.iter().map(at(i)).collect(), nodes.iter().map(at(i)).collect()];
         let size = norm(&own[0], &rule.weights);
         for other in &basis {
             let part = dot(&own[0], &other[0], &rule.weights);
@@ -120,8 +121,9 @@ mod tests {
         let [near, far] = [(1.0 + 3f64.sqrt()) / 2.0, (1.0 - 3f64.sqrt()) / 2.0];
         let mut row = extrapolation(CellKind::Hex8)[..8].to_vec();
         row.sort_by(f64::total_cmp);
-        let mut expected: Vec<f64> =
-            (0..8).map(|i: usize| near.powi(3 - i.count_ones() as i32) * far.powi(i.count_ones() as i32)).collect();
+        let mut expected: Vec<f64> = (0..8)
+            .map(|i: usize| near.powi(3 - i.count_ones() as i32) * far.powi(i.count_ones() as i32))
+            .collect();
         expected.sort_by(f64::total_cmp);
         assert!(row.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-14), "{row:?}");
     }

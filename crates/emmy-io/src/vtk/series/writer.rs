@@ -245,7 +245,8 @@ fn write_static(file: &H5File, mesh: &Mesh, region_of_cell: &[u32]) -> rust_hdf5
 }
 
 fn write_mesh(file: &H5File, mesh: &Mesh) -> rust_hdf5::Result<()> {
-    let nodes: Vec<i64> = mesh.cells().flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node))).collect();
+    let nodes: Vec<i64> =
+        mesh.cells().flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node))).collect();
     let ends = mesh.cells().scan(0, |end, cell| {
         *end += cell.nodes.len() as i64;
         Some(*end)

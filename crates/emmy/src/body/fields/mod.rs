@@ -137,7 +137,10 @@ impl Fields {
                 total.1.add(weight, state);
             }
         }
-        totals.into_iter().map(|(weight, state)| if weight > 0.0 { state.over(weight) } else { state }).collect()
+        totals
+            .into_iter()
+            .map(|(weight, state)| if weight > 0.0 { state.over(weight) } else { state })
+            .collect()
     }
 
     /// Means over the quadrature points of every cell by reference volume, `[n_cells]`.

@@ -109,6 +109,29 @@ impl FieldName {
         }
     }
 
+    /// What it is, in a line.
+    pub const fn description(self) -> &'static str {
+        match self {
+            FieldName::Displacement => "displacement u [length]",
+            FieldName::Velocity => "velocity v [length/time]",
+            FieldName::MomentumDensity => {
+                "momentum per reference volume, density times velocity [mass/(length^2 time)]"
+            }
+            FieldName::CauchyStress => {
+                "force per current area, F S F^T / J: xx, yy, zz, xy, yz, xz [force/length^2]"
+            }
+            FieldName::SecondPiolaKirchhoffStress => "S = dW/dE: xx, yy, zz, xy, yz, xz [force/length^2]",
+            FieldName::VonMisesStress => "equivalent stress of the Cauchy stress [force/length^2]",
+            FieldName::PrincipalStretches => "square roots of the eigenvalues of C, the largest first",
+            FieldName::StrainEnergyDensity => "stored energy W per reference volume [energy/length^3]",
+            FieldName::CellCauchyStress => "mean of the Cauchy stress in each cell [force/length^2]",
+            FieldName::CellSecondPiolaKirchhoffStress => "mean of S in each cell [force/length^2]",
+            FieldName::CellVonMisesStress => "equivalent stress of cell_cauchy_stress [force/length^2]",
+            FieldName::CellStrainEnergyDensity => "mean of W in each cell [energy/length^3]",
+            FieldName::AxialForce => "force in each link, positive in tension; 0 in other cells [force]",
+        }
+    }
+
     /// Where it has its values.
     pub const fn place(self) -> Place {
         match self {
