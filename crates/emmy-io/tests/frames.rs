@@ -209,6 +209,8 @@ fn large_frames_are_divided_and_come_back() {
         fields.at(&values, &values, &names)
     };
     (0..3).for_each(|k| series.write(k, k as f64, &frame(k)).unwrap());
+    let others = series.write(3, 3.0, &frame(3)[..2]).unwrap_err().to_string();
+    assert!(others.contains("the same fields in every frame"), "{others}");
     series.finish().unwrap();
     let reader = SeriesReader::open(series.path()).unwrap();
     for k in 0..3 {

@@ -399,6 +399,10 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     near(&found[5].numbers, &[0.0; 18]);
     near(&found[8].numbers, &[1.0; 9]);
     near(&found[10].numbers, &[0.0, 0.0, 0.0, -8.0, 9.6, 0.0, 0.0, 0.0, 0.0]);
+    // What is not there need not be written.
+    let fields = Fields::new(&body);
+    assert!(fields.has(FieldName::AxialForce) && fields.has(FieldName::CellCauchyStress));
+    assert!(!fields.has(FieldName::CauchyStress) && !Fields::new(&two_cubes()).has(FieldName::AxialForce));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use emmy::body::fields::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
 
 pub use frames::Frames;
-pub(crate) use series::{CREATOR, UNPUBLISHED};
+pub(crate) use series::CREATOR;
 pub use series::{Series, SeriesReader};
 
 /// Which files the frames are.

@@ -27,9 +27,6 @@ pub use writer::Series;
 /// Attribute of the file that tells who wrote it.
 pub(crate) const CREATOR: &str = "Creator";
 
-/// Ending that is added to the name of the file that grows.
-pub(crate) const UNPUBLISHED: &str = ".part";
-
 /// Groups of the fields, and of their offsets.
 const fn groups(place: Place) -> [&'static str; 2] {
     match place {

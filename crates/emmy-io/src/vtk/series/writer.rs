@@ -11,7 +11,8 @@ use rust_hdf5::types::H5Type;
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group};
 
 use super::chunks::Chunks;
-use super::{CREATOR, UNPUBLISHED, groups, refused, without_slash};
+use super::{CREATOR, groups, refused, without_slash};
+use crate::directory::PART;
 use crate::vtk::array::LEVEL;
 use crate::vtk::marks::marks;
 use crate::vtk::{Place, cell_type, name_of};
@@ -74,7 +75,7 @@ impl Series {
     pub fn create(directory: &Path, mesh: &Mesh, region_of_cell: &[u32]) -> io::Result<Self> {
         fs::create_dir_all(directory)?;
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
-        let growing = with_ending(&path, UNPUBLISHED);
+        let growing = with_ending(&path, PART);
         let file = H5File::options().best_effort_locking().create(&growing).map_err(refused)?;
         write_static(&file, mesh, region_of_cell).map_err(refused)?;
         Ok(Series {
@@ -91,13 +92,18 @@ impl Series {
         })
     }
 
-    /// Writes the fields of a step, unless it has been written. They are those of the first step every time.
+    /// Writes the fields of a step, unless it has been written.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// What the system refuses, and other fields than those of the first step.
     pub fn write(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         if self.last_step == Some(step) {
             return Ok(());
+        }
+        let names = fields.iter().map(|field| field.name);
+        if self.n_frames > 0 && !names.eq(self.fields.iter().map(|field| field.name)) {
+            let message = "a series of frames has the same fields in every frame";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         if self.n_frames == 0 {
             self.fields = fields.iter().map(|field| self.new_field(field.name)).collect::<io::Result<_>>()?;
@@ -140,7 +146,7 @@ impl Series {
         if let Some(file) = self.file.take() {
             file.close_no_sync().map_err(refused)?;
         }
-        let copy = with_ending(&self.path, ".new");
+        let copy = with_ending(&self.path, ".copy");
         fs::copy(&self.growing, &copy)?;
         fs::rename(&copy, &self.path)?;
         let file = H5File::options().best_effort_locking().open_rw(&self.growing).map_err(refused)?;

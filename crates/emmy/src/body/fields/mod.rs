@@ -18,7 +18,7 @@ use recovery::Recovery;
 /// The fields of a body: computed from a displacement and a velocity, whatever the scheme.
 ///
 /// Stresses, stretches and energy at a node are those of the material at the deformation gradient that is recovered there: in every
-/// cell the displacement gradient is projected from the quadrature points to the nodes ([`crate::element::extrapolation`]), then
+/// cell the displacement gradient is projected from the quadrature points to the nodes ([`crate::element::extrapolation()`]), then
 /// averaged over the cells around a node that are of one region, by their volumes.
 ///
 /// ```math
