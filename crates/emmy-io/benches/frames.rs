@@ -9,7 +9,7 @@ use emmy::body::fields::{FieldName, FieldValues, Fields};
 use emmy::body::{Body, Region};
 use emmy::material::NeoHooke;
 use emmy::mesh::block;
-use emmy_io::vtk::{Format, FrameWriter};
+use emmy_io::vtk::{Format, FrameWriter, Precision};
 use tempfile::TempDir;
 
 const MOTION: [FieldName; 2] = [FieldName::Displacement, FieldName::Velocity];
@@ -56,7 +56,13 @@ fn all(fields: &Fields, state: &[f64]) -> Vec<FieldValues> {
 }
 
 fn writer(temp: &TempDir, format: Format, body: &Body) -> FrameWriter {
-    FrameWriter::create(format, &temp.path().join("out"), body.mesh(), body.region_of_cell()).unwrap()
+    FrameWriter::create(
+        (format, Precision::Double),
+        &temp.path().join("out"),
+        body.mesh(),
+        body.region_of_cell(),
+    )
+    .unwrap()
 }
 
 fn size(temp: &TempDir) -> u64 {

@@ -107,8 +107,12 @@ impl Frames {
         let (body, output) = (&problem.body, &problem.output);
         let fields = Fields::new(body);
         let names = output.fields.iter().copied().filter(|&name| fields.has(name)).collect();
-        let files =
-            FrameWriter::create(output.format, &output.directory, body.mesh(), body.region_of_cell())?;
+        let files = FrameWriter::create(
+            (output.format, output.precision),
+            &output.directory,
+            body.mesh(),
+            body.region_of_cell(),
+        )?;
         Ok(Frames { files, fields, names })
     }
 

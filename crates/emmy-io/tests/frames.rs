@@ -9,7 +9,7 @@ use emmy::motion::{Motion, State};
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
-use emmy_io::vtk::SeriesReader;
+use emmy_io::vtk::{Precision, Series, SeriesReader};
 
 const INPUT: &str = "\
     mesh.box = { size = [1, 2, 1], cells = [2, 2, 1] }\n\
@@ -192,7 +192,23 @@ fn a_run_that_is_given_up_leaves_a_whole_file() {
     assert_eq!(names(temp.path()), ["frames", "history.csv", "input.toml", "out.pvd", "summary.json"]);
 }
 
-/// Names of groups with a slash, and several chunks of different kinds of fields.
+#[test]
+fn single_precision_keeps_seven_digits_in_both_formats() {
+    let (frames, series) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let single = "output.precision=single";
+    let state = run(&problem(frames.path(), &[single]), true);
+    run(&problem(series.path(), &[single, ONE_FILE]), true);
+    let series = SeriesReader::open(&series.path().join("out/out.vtkhdf")).unwrap();
+    let xml = read(frames.path(), 5);
+    let found = bytes(&xml, "displacement");
+    let found = found.chunks(4).map(|chunk| f32::from_le_bytes(chunk.try_into().unwrap()));
+    assert!(found.eq(state.displacement.iter().map(|&u| u as f32)));
+    let one = series.values(FieldName::Displacement, 1).unwrap();
+    assert!(one.iter().zip(&state.displacement).all(|(&one, &u)| one == f64::from(u as f32)));
+    assert!(xml.contains("type=\"Float64\" Name=\"Points\""));
+}
+
+/// Several chunks of different kinds of fields.
 #[test]
 fn large_frames_are_divided_and_come_back() {
     let temp = tempfile::tempdir().unwrap();
@@ -201,8 +217,8 @@ fn large_frames_are_divided_and_come_back() {
     let fields = Fields::new(&problem.body);
     let n = problem.body.n_dofs();
     let directory = temp.path().join("large");
-    let mut series =
-        emmy_io::vtk::Series::create(&directory, problem.body.mesh(), problem.body.region_of_cell()).unwrap();
+    let (mesh, region_of_cell) = (problem.body.mesh(), problem.body.region_of_cell());
+    let mut series = Series::create(&directory, Precision::Double, mesh, region_of_cell).unwrap();
     let names: Vec<FieldName> = FieldName::ALL.into_iter().filter(|&name| fields.has(name)).collect();
     let frame = |k: usize| {
         let values: Vec<f64> = (0..n).map(|i| 1e-4 * ((i * (k + 1)) as f64).sin()).collect();

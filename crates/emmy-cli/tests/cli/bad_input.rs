@@ -74,6 +74,11 @@ const CASES: &[Case] = &[
         "every = 2\nformat = \"vtk\"",
         &["`vtk` is not a format of frames; there is `vtu`, `vtkhdf`", "did you mean `vtu`?"],
     ),
+    case(
+        "every = 2",
+        "every = 2\nprecision = \"float\"",
+        &["`float` is not a precision", "`double`, `single`"],
+    ),
     case("every = 2", "every = -1", &["`every` must be at least 0"]),
     case("every = 2", "every = 2\ncheckpoint_every = 0.5", &["`checkpoint_every` must be a whole number"]),
     case("velocity = [0, 0, 0]", "velocity = [0, 0, \"fast\"]", &["must be a number, not a string"]),

@@ -89,7 +89,7 @@ pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
 pub(super) const OUTPUT: Keys =
-    keys("[output]", &["directory", "every", "format", "fields", "checkpoint_every", "probes"]);
+    keys("[output]", &["directory", "every", "format", "precision", "fields", "checkpoint_every", "probes"]);
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 

@@ -9,7 +9,7 @@ use emmy::sparse::{SOLVERS, Solver};
 use super::fault::{Fault, Place};
 use super::keys;
 use super::table::{Item, spelled};
-use crate::vtk::Format;
+use crate::vtk::{Format, Precision};
 
 /// What is written, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Output {
     pub every: usize,
     /// Which files the frames are.
     pub format: Format,
+    /// Precision of their fields.
+    pub precision: Precision,
     /// Fields in the frames; those that the body does not have are left out.
     pub fields: Vec<FieldName>,
     /// Steps between checkpoints; 0: no checkpoints.
@@ -52,7 +54,7 @@ pub struct Limits {
 pub(super) const DEFAULTS: &str = "\
     [time]\ndegree = 1\n\
     [newton]\ntolerance = 1e-10\nmax_iterations = 20\n\
-    [output]\nevery = 1\nformat = \"vtu\"\n\
+    [output]\nevery = 1\nformat = \"vtu\"\nprecision = \"double\"\n\
     fields = [\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
     \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
     \"strain_energy_density\", \"axial_force\"]\n\
@@ -94,6 +96,7 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
         directory: table.require("directory")?.string()?.into(),
         every: table.require("every")?.whole(0)?,
         format: format(table.require("format")?)?,
+        precision: precision(table.require("precision")?)?,
         fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
         probes: probes.into_iter().map(|(probe, _)| probe).collect(),
@@ -103,6 +106,12 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
 fn format(item: Item<'_>) -> Result<Format, Fault> {
     let word = item.word("a format of frames", &Format::ALL.map(Format::name))?;
     Ok(Format::ALL.into_iter().find(|format| format.name() == word).unwrap_or(Format::Vtu))
+}
+
+fn precision(item: Item<'_>) -> Result<Precision, Fault> {
+    let word = item.word("a precision of frames", &Precision::ALL.map(Precision::name))?;
+    let named = Precision::ALL.into_iter().find(|precision| precision.name() == word);
+    Ok(named.unwrap_or(Precision::Double))
 }
 
 fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {

@@ -24,7 +24,7 @@ macro_rules! numeric {
         })*
     };
 }
-numeric! { f64, "Float64"; i64, "Int64"; i32, "Int32"; u8, "UInt8"; }
+numeric! { f64, "Float64"; f32, "Float32"; i64, "Int64"; i32, "Int32"; u8, "UInt8"; }
 
 /// Size of the blocks that are compressed one by one \[bytes\].
 const BLOCK: usize = 1 << 20;

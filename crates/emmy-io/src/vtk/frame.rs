@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use super::array::{data_array, named_components};
 use super::marks::marks;
-use super::{cell_type, escaped};
+use super::{Precision, cell_type, escaped};
 
 /// What is the same in every frame, as XML.
 #[derive(Debug)]
 pub(super) struct Frame {
+    precision: Precision,
     n_nodes: usize,
     n_cells: usize,
     points_and_cells: String,
@@ -21,7 +22,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(mesh: &Mesh, region_of_cell: &[u32]) -> Self {
+    pub(super) fn new(precision: Precision, mesh: &Mesh, region_of_cell: &[u32]) -> Self {
         let offsets = mesh.cells().scan(0, |end, cell| {
             *end += cell.nodes.len() as i64;
             Some(*end)
@@ -36,6 +37,7 @@ impl Frame {
             marks.map(|marks| data_array(&escaped(&marks.name), 1, marks.bits.into_iter())).collect()
         };
         Frame {
+            precision,
             n_nodes: mesh.n_nodes(),
             n_cells: mesh.n_cells(),
             points_and_cells: format!("<Points>\n{points}</Points>\n<Cells>\n{cells}</Cells>\n"),
@@ -63,7 +65,7 @@ impl Frame {
         xml += &self.points_and_cells;
         let has_displacement = fields.iter().any(|field| field.name == FieldName::Displacement);
         xml += if has_displacement { "<PointData Vectors=\"displacement\">\n" } else { "<PointData>\n" };
-        let arrays: Vec<String> = fields.par_iter().map(array).collect();
+        let arrays: Vec<String> = fields.par_iter().map(|field| array(field, self.precision)).collect();
         let of =
             |place: Place| fields.iter().zip(&arrays).filter(move |(field, _)| field.name.place() == place);
         of(Place::Nodes).for_each(|(_, array)| xml += array);
@@ -76,6 +78,10 @@ impl Frame {
     }
 }
 
-fn array(field: &FieldValues) -> String {
-    named_components(field.name.name(), field.name.components(), field.numbers.iter().copied())
+fn array(field: &FieldValues, precision: Precision) -> String {
+    let (name, components, numbers) = (field.name.name(), field.name.components(), field.numbers.iter());
+    match precision {
+        Precision::Double => named_components(name, components, numbers.copied()),
+        Precision::Single => named_components(name, components, numbers.map(|&number| number as f32)),
+    }
 }

@@ -8,7 +8,7 @@ use emmy::body::fields::FieldValues;
 use emmy::mesh::Mesh;
 
 use super::frame::Frame;
-use super::{escaped, name_of};
+use super::{Precision, escaped, name_of};
 use crate::directory::{COLLECTION_MARK, replace};
 
 /// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell data, cell
@@ -34,9 +34,14 @@ impl Frames {
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn create(directory: &Path, mesh: &Mesh, region_of_cell: &[u32]) -> io::Result<Self> {
+    pub fn create(
+        directory: &Path,
+        precision: Precision,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+    ) -> io::Result<Self> {
         fs::create_dir_all(directory.join("frames"))?;
-        let (name, frame) = (name_of(directory), Frame::new(mesh, region_of_cell));
+        let (name, frame) = (name_of(directory), Frame::new(precision, mesh, region_of_cell));
         let mut frames =
             Frames { directory: directory.to_path_buf(), name, frame, times: Vec::new(), listed: 0 };
         frames.write_collection()?;
@@ -113,7 +118,7 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         let directory = temp.path().join("a & b");
         let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
-        let mut frames = Frames::create(&directory, &mesh, &[0]).unwrap();
+        let mut frames = Frames::create(&directory, Precision::Double, &mesh, &[0]).unwrap();
         frames.write(0, 0.0, &[]).unwrap();
         frames.write(20, 0.1, &[]).unwrap();
         frames.write(20, 0.1, &[]).unwrap();

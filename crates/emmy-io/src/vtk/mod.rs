@@ -43,6 +43,41 @@ impl Format {
     }
 }
 
+/// Precision of the fields in a file; points are always in double precision.
+///
+/// ```
+/// use emmy_io::vtk::Precision;
+/// assert_eq!(Precision::ALL.map(Precision::name), ["double", "single"]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 8 bytes a number: all digits.
+    Double,
+    /// 4 bytes a number: 7 digits, for pictures.
+    Single,
+}
+
+impl Precision {
+    /// Both.
+    pub const ALL: [Precision; 2] = [Precision::Double, Precision::Single];
+
+    /// Its name in the input.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        }
+    }
+
+    /// Bytes of a number.
+    const fn width(self) -> usize {
+        match self {
+            Precision::Double => 8,
+            Precision::Single => 4,
+        }
+    }
+}
+
 /// The frames of a run, in one of the formats.
 #[derive(Debug)]
 pub enum FrameWriter {
@@ -57,10 +92,18 @@ impl FrameWriter {
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn create(format: Format, directory: &Path, mesh: &Mesh, region_of_cell: &[u32]) -> io::Result<Self> {
+    pub fn create(
+        (format, precision): (Format, Precision),
+        directory: &Path,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+    ) -> io::Result<Self> {
         Ok(match format {
-            Format::Vtu => FrameWriter::Vtu(Frames::create(directory, mesh, region_of_cell)?),
-            Format::Vtkhdf => FrameWriter::Vtkhdf(Box::new(Series::create(directory, mesh, region_of_cell)?)),
+            Format::Vtu => FrameWriter::Vtu(Frames::create(directory, precision, mesh, region_of_cell)?),
+            Format::Vtkhdf => {
+                let series = Series::create(directory, precision, mesh, region_of_cell)?;
+                FrameWriter::Vtkhdf(Box::new(series))
+            }
         })
     }
 

@@ -8,17 +8,17 @@ use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 
 use super::{groups, refused};
-use crate::vtk::{FACETS, GROUP, cell_type};
+use crate::vtk::{FACETS, GROUP, Precision, cell_type};
 
 /// Reads a `.vtkhdf` that Emmy wrote.
 ///
 /// ```
 /// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
-/// use emmy_io::vtk::{Series, SeriesReader};
+/// use emmy_io::vtk::{Precision, Series, SeriesReader};
 /// # let directory = std::env::temp_dir().join(format!("emmy-doc-series-{}", std::process::id()));
 /// let rubber = Region::new(None, 2.0, NeoHooke::new(1.0, 1.0)?);
 /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
-/// let mut series = Series::create(&directory, body.mesh(), body.region_of_cell())?;
+/// let mut series = Series::create(&directory, Precision::Double, body.mesh(), body.region_of_cell())?;
 /// for (step, time) in [0.0, 0.5].into_iter().enumerate() {
 ///     let fields = Fields::new(&body).at(&[0.0; 24], &[time; 24], &[FieldName::MomentumDensity]);
 ///     series.write(step, time, &fields)?;
@@ -87,7 +87,12 @@ impl SeriesReader {
         let dataset = self.file.dataset(&format!("{data}/{name}")).map_err(refused)?;
         let axes = dataset.ndims();
         let (start, count) = ([offset, 0], [n_rows, name.components().len()]);
-        dataset.read_slice(&start[..axes], &count[..axes]).map_err(refused)
+        let (start, count) = (&start[..axes], &count[..axes]);
+        if dataset.element_size() == Precision::Single.width() {
+            let numbers: Vec<f32> = dataset.read_slice(start, count).map_err(refused)?;
+            return Ok(numbers.into_iter().map(f64::from).collect());
+        }
+        dataset.read_slice(start, count).map_err(refused)
     }
 
     /// The mesh with its groups.

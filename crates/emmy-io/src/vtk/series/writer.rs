@@ -15,7 +15,7 @@ use super::{CREATOR, groups, refused, without_slash};
 use crate::directory::PART;
 use crate::vtk::array::LEVEL;
 use crate::vtk::marks::marks;
-use crate::vtk::{Place, cell_type, name_of};
+use crate::vtk::{Place, Precision, cell_type, name_of};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
 ///
@@ -27,6 +27,7 @@ pub struct Series {
     growing: PathBuf,
     /// Not there once the series has ended.
     file: Option<H5File>,
+    precision: Precision,
     n_nodes: usize,
     n_cells: usize,
     fields: Vec<Field>,
@@ -72,7 +73,12 @@ impl Series {
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn create(directory: &Path, mesh: &Mesh, region_of_cell: &[u32]) -> io::Result<Self> {
+    pub fn create(
+        directory: &Path,
+        precision: Precision,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+    ) -> io::Result<Self> {
         fs::create_dir_all(directory)?;
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let growing = with_ending(&path, PART);
@@ -82,6 +88,7 @@ impl Series {
             path,
             growing,
             file: Some(file),
+            precision,
             n_nodes: mesh.n_nodes(),
             n_cells: mesh.n_cells(),
             fields: Vec::new(),
@@ -166,17 +173,17 @@ impl Series {
     fn new_field(&self, name: FieldName) -> io::Result<Field> {
         let (place, components) = (name.place(), name.components().len());
         let n_rows = if place == Place::Nodes { self.n_nodes } else { self.n_cells };
-        let chunks = Chunks::new(n_rows, components);
+        let chunks = Chunks::new(n_rows, components, self.precision);
         let (file, [data, offsets]) = (self.file()?, groups(place));
-        // Scalars have one axis.
-        let axes = |rows: usize| if components == 1 { vec![rows] } else { vec![rows, components] };
-        let most: Vec<Option<usize>> =
-            axes(0).iter().enumerate().map(|(axis, &n)| (axis > 0).then_some(n)).collect();
-        let growing = file.new_dataset::<f64>().shape(axes(0)).chunk(&axes(chunks.rows)).max_shape(&most);
+        let data = format!("{data}/{name}");
+        let dataset = match self.precision {
+            Precision::Double => growing::<f64>(file, &data, chunks),
+            Precision::Single => growing::<f32>(file, &data, chunks),
+        };
         Ok(Field {
             name,
             chunks,
-            dataset: growing.shuffle_deflate(LEVEL).create(&format!("{data}/{name}")).map_err(refused)?,
+            dataset: dataset.map_err(refused)?,
             offsets: table::<i64>(file, &format!("{offsets}/{name}"), false).map_err(refused)?,
         })
     }
@@ -275,6 +282,15 @@ fn once<T: H5Type>(file: &H5File, name: &str, numbers: Vec<T>) -> rust_hdf5::Res
     let n = numbers.len();
     let dataset = file.new_dataset::<T>().shape([n]).chunk(&[n.clamp(1, ROWS)]).shuffle_deflate(LEVEL);
     dataset.create(name)?.write_raw(&numbers)
+}
+
+/// An empty field that grows by the chunks of a frame; scalars have one axis.
+fn growing<T: H5Type>(file: &H5File, name: &str, chunks: Chunks) -> rust_hdf5::Result<H5Dataset> {
+    let components = chunks.components;
+    let axes = |rows: usize| if components == 1 { vec![rows] } else { vec![rows, components] };
+    let most = if components == 1 { vec![None] } else { vec![None, Some(components)] };
+    let dataset = file.new_dataset::<T>().shape(axes(0)).chunk(&axes(chunks.rows)).max_shape(&most);
+    dataset.shuffle_deflate(LEVEL).create(name)
 }
 
 /// An empty table that grows by a number a step; `has_columns`: on two axes.
