@@ -10,6 +10,11 @@ run:
 test:
     cargo test --workspace
 
+# Frames as PyVista reads them (CONTRIBUTING.md says what it needs).
+pyvista:
+    cargo build -p emmy-cli
+    python3 crates/emmy-cli/tests/pyvista/frames.py target/debug/emmy
+
 # All that CI runs.
 ci:
     bash .ci/run

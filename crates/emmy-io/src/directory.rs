@@ -1,8 +1,8 @@
 //! The output directory: nothing of anybody else's is ever written over or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json` and the
-//! frames of its collections are removed, every other file stays. A directory with other content is refused.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json`, the frames
+//! of its collections and its series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
 //!
 //! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
@@ -10,11 +10,22 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use rust_hdf5::H5File;
+
+use crate::vtk::CREATOR;
+
 /// First words of every `input.toml` that Emmy writes.
 pub const MARK: &str = "# Written by Emmy";
 
 /// Comment in every collection (`.pvd`) that Emmy writes.
 pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
+
+/// Ending of a file that is not whole yet.
+pub(crate) const PART: &str = ".part";
+
+/// Endings of what a run that was killed may leave beside its files.
+const UNFINISHED: [&str; 6] =
+    [".vtkhdf.part", ".vtkhdf.copy", ".pvd.part", "history.csv.part", "summary.json.part", "input.toml.part"];
 
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
@@ -141,7 +152,20 @@ fn remove_run(path: &Path) -> io::Result<()> {
             remove(&path.join(&name))?;
         }
     }
+    for name in names(path)? {
+        // Names of files that are not whole yet are nobody else's.
+        let is_unfinished = UNFINISHED.iter().any(|ending| name.ends_with(ending));
+        if is_unfinished || name.ends_with(".vtkhdf") && is_series(&path.join(&name)) {
+            remove(&path.join(&name))?;
+        }
+    }
     Ok(())
+}
+
+/// Whether a file is a series of frames that Emmy wrote.
+fn is_series(path: &Path) -> bool {
+    let creator = H5File::open(path).and_then(|file| file.attr_string(CREATOR));
+    creator.is_ok_and(|creator| creator.starts_with("Emmy"))
 }
 
 /// Removes `frames/NAME_000000.vtu` and so on, and the directory if nothing is left in it.
@@ -150,7 +174,8 @@ fn remove_frames(frames: &Path, name: &str) -> io::Result<()> {
         return Ok(());
     }
     for file in names(frames)? {
-        let number = file.strip_prefix(name).and_then(|rest| rest.strip_prefix('_')?.strip_suffix(".vtu"));
+        let whole = file.strip_suffix(PART).unwrap_or(&file);
+        let number = whole.strip_prefix(name).and_then(|rest| rest.strip_prefix('_')?.strip_suffix(".vtu"));
         if number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit()))
         {
             remove(&frames.join(file))?;
@@ -173,7 +198,7 @@ fn remove(file: &Path) -> io::Result<()> {
 /// Writes a file so that at every moment either the old or the new one is there, whole.
 pub(crate) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
+    name.push(PART);
     let part = path.with_file_name(name);
     let mut file = fs::File::create(&part)?;
     file.write_all(content)?;
@@ -220,10 +245,25 @@ mod tests {
     #[test]
     fn only_files_of_the_earlier_run_are_removed() {
         let temp = tempfile::tempdir().unwrap();
-        let own =
-            ["history.csv", "summary.json", "old.pvd", "frames/old_000000.vtu", "frames/old_1000000.vtu"];
-        let foreign =
-            ["notes.txt", "other.pvd", "frames/other_000000.vtu", "frames/old_final.vtu", "frames/old_1.vtu"];
+        let own = [
+            "history.csv",
+            "summary.json",
+            "old.pvd",
+            "frames/old_000000.vtu",
+            "frames/old_1000000.vtu",
+            "frames/old_000020.vtu.part",
+            "old.vtkhdf.part",
+            "old.vtkhdf.copy",
+        ];
+        let foreign = [
+            "notes.txt",
+            "other.pvd",
+            "other.vtkhdf",
+            "notes.part",
+            "frames/other_000000.vtu",
+            "frames/old_final.vtu",
+            "frames/old_1.vtu",
+        ];
         own.iter().chain(&foreign).for_each(|name| write(temp.path().join(name), "x"));
         write(temp.path().join("old.pvd"), COLLECTION_MARK);
         write(temp.path().join("input.toml"), MARK);

@@ -7,7 +7,7 @@
 //! | [`results`] | everything that a run writes, as one observer of a motion |
 //! | [`directory`] | the output directory, and what in it is Emmy's |
 //! | [`history`] | `history.csv` |
-//! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`) |
+//! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or one file of them all (`.vtkhdf`) |
 //! | [`summary`] | `summary.json` |
 //! | [`chart`] | charts as `.svg` and `.png` |
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |

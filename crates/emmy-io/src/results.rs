@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use emmy::body::fields::{FieldName, Fields};
 use emmy::motion::{Observer, State, View};
 use serde_json::Value;
 
@@ -13,7 +14,7 @@ use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::summary::{self, Heading, Status};
 use crate::tally::Tally;
-use crate::vtk::Frames;
+use crate::vtk::FrameWriter;
 
 /// Writes `input.toml`, `history.csv`, the frames and `summary.json` into the output directory, and watches the limits.
 #[derive(Debug)]
@@ -42,7 +43,7 @@ impl Results {
         let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         let history = HistoryFile::create(&directory.join("history.csv"), &output.probes)?;
-        let frames = || Frames::create(directory, problem.body.mesh(), problem.body.region_of_cell());
+        let frames = || Frames::create(problem);
         let frames = (output.every > 0).then(frames).transpose()?;
         let (heading, tally) = (Heading::new(problem), Tally::default());
         let summary = heading.summary(&tally, Status::Running, None, 0.0);
@@ -65,6 +66,7 @@ impl Results {
     pub fn finish(&mut self, state: &State, status: Status, message: Option<&str>) -> io::Result<Value> {
         if let Some(frames) = &mut self.frames {
             frames.write(state)?;
+            frames.files.finish()?;
         }
         let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
         summary::write(&self.directory().join("summary.json"), &summary)?;
@@ -76,9 +78,9 @@ impl Results {
         &self.output.directory
     }
 
-    /// The collection of frames, if there is one.
+    /// The collection of frames, or the one file that holds them, if there are any.
     pub fn collection(&self) -> Option<PathBuf> {
-        self.frames.as_ref().map(Frames::collection)
+        self.frames.as_ref().map(|frames| frames.files.path())
     }
 
     /// What the run adds up to so far.
@@ -89,6 +91,38 @@ impl Results {
     /// Seconds since the start of the run.
     pub fn wall_seconds(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
+    }
+}
+
+/// The frames with what is in them.
+#[derive(Debug)]
+struct Frames {
+    files: FrameWriter,
+    fields: Fields,
+    names: Vec<FieldName>,
+}
+
+impl Frames {
+    fn create(problem: &Problem) -> io::Result<Self> {
+        let (body, output) = (&problem.body, &problem.output);
+        let fields = Fields::new(body);
+        let names = output.fields.iter().copied().filter(|&name| fields.has(name)).collect();
+        let files = FrameWriter::create(
+            (output.format, output.precision),
+            &output.directory,
+            body.mesh(),
+            body.region_of_cell(),
+        )?;
+        Ok(Frames { files, fields, names })
+    }
+
+    /// Writes a state, unless its step has been written.
+    fn write(&mut self, state: &State) -> io::Result<()> {
+        if self.files.last_step() == Some(state.step) {
+            return Ok(());
+        }
+        let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
+        self.files.write(state.step, state.time, &fields)
     }
 }
 

@@ -1,13 +1,15 @@
-//! Frames read back: the arrays of a `.vtu` are the state, bit by bit.
+//! Frames read back: the arrays of a `.vtu` are the state, bit by bit, and those of a `.vtkhdf` are the same.
 
 use std::io::Read;
 use std::path::Path;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
+use emmy::body::fields::{FieldName, Fields, Place};
 use emmy::motion::{Motion, State};
-use emmy_io::input::{self, Overrides};
+use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
+use emmy_io::vtk::{Precision, Series, SeriesReader};
 
 const INPUT: &str = "\
     mesh.box = { size = [1, 2, 1], cells = [2, 2, 1] }\n\
@@ -43,20 +45,44 @@ fn integers(xml: &str, name: &str) -> Vec<i64> {
     bytes(xml, name).chunks(8).map(|chunk| i64::from_le_bytes(chunk.try_into().unwrap())).collect()
 }
 
-/// The frame of the last state of a run, and what the run knew.
-fn frame(directory: &Path) -> (String, State, emmy::mesh::Mesh) {
+fn problem(directory: &Path, set: &[&str]) -> Problem {
     let file = directory.join("box.toml");
     std::fs::write(&file, INPUT).unwrap();
-    let output = Some(directory.join("out"));
-    let problem = input::read(&file, &Overrides { output, ..Default::default() }).unwrap();
+    let (output, set) = (Some(directory.join("out")), set.iter().map(ToString::to_string).collect());
+    input::read(&file, &Overrides { output, set, ..Default::default() }).unwrap()
+}
+
+/// The last state of a run that ends, or that is given up before its end.
+fn run(problem: &Problem, ends: bool) -> State {
     let state = State::initial(&problem.body, 0.0, &problem.initial).unwrap();
     let mut motion =
         Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state).unwrap();
-    let mut results = Results::create(&problem).unwrap();
+    let mut results = Results::create(problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
-    results.finish(motion.state(), Status::Done, None).unwrap();
-    let xml = std::fs::read_to_string(directory.join("out/frames/out_000005.vtu")).unwrap();
-    (xml, motion.state().clone(), problem.body.mesh().clone())
+    if ends {
+        results.finish(motion.state(), Status::Done, None).unwrap();
+    }
+    motion.state().clone()
+}
+
+/// The frame of the last state of a run, and what the run knew.
+fn frame(directory: &Path) -> (String, State, emmy::mesh::Mesh) {
+    let problem = problem(directory, &[]);
+    let state = run(&problem, true);
+    (read(directory, 5), state, problem.body.mesh().clone())
+}
+
+fn read(directory: &Path, step: usize) -> String {
+    std::fs::read_to_string(directory.join(format!("out/frames/out_{step:06}.vtu"))).unwrap()
+}
+
+fn names(directory: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(directory.join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
 }
 
 #[test]
@@ -76,4 +102,138 @@ fn arrays_of_a_frame_are_the_state() {
     assert!(xml.contains(
         "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.5<"
     ));
+}
+
+/// The eight fields at the nodes, whose names never change.
+const NODAL: [(&str, usize); 8] = [
+    ("displacement", 3),
+    ("velocity", 3),
+    ("momentum_density", 3),
+    ("cauchy_stress", 6),
+    ("second_piola_kirchhoff_stress", 6),
+    ("von_mises_stress", 1),
+    ("principal_stretches", 3),
+    ("strain_energy_density", 1),
+];
+
+#[test]
+fn frames_have_the_fields_of_their_state_and_those_of_the_start_no_stress() {
+    let temp = tempfile::tempdir().unwrap();
+    let (xml, state, mesh) = frame(temp.path());
+    let problem = problem(temp.path(), &[]);
+    let fields = Fields::new(&problem.body).at(&state.displacement, &state.velocity, &FieldName::ALL);
+    let start = read(temp.path(), 0);
+    for (name, components) in NODAL {
+        let field = fields.iter().find(|field| field.name.name() == name).unwrap();
+        assert_eq!(floats(&xml, name), field.numbers, "{name}");
+        assert_eq!(field.numbers.len(), components * mesh.n_nodes());
+        assert!(xml.contains(&format!("Name=\"{name}\" NumberOfComponents=\"{components}\"")));
+        if name.contains("stress") || name.contains("energy") {
+            assert!(floats(&start, name).iter().all(|&value| value == 0.0), "{name}");
+            assert!(field.numbers.iter().any(|&value| value.abs() > 1e-3), "{name}");
+        }
+    }
+    assert!(floats(&start, "principal_stretches").iter().all(|&stretch| stretch == 1.0));
+    let names = "ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"zz\" ComponentName3=\"xy\" \
+                 ComponentName4=\"yz\" ComponentName5=\"xz\"";
+    assert_eq!(xml.matches(names).count(), 2);
+    assert!(!xml.contains("axial_force") && !xml.contains("cell_"));
+}
+
+#[test]
+fn fields_are_those_that_are_asked_for() {
+    let temp = tempfile::tempdir().unwrap();
+    run(&problem(temp.path(), &["output.fields=['cell_cauchy_stress', 'velocity']"]), true);
+    let xml = read(temp.path(), 5);
+    assert_eq!(floats(&xml, "cell_cauchy_stress").len(), 6 * 4);
+    let cell_data = xml.find("<CellData").unwrap();
+    assert!(xml.find("cell_cauchy_stress").unwrap() > cell_data && xml.find("velocity").unwrap() < cell_data);
+    assert!(!xml.contains("displacement"));
+}
+
+const ONE_FILE: &str = "output.format=vtkhdf";
+
+#[test]
+fn one_file_holds_what_the_frames_hold() {
+    let (frames, series) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let names_set = format!("output.fields={:?}", FieldName::ALL.map(FieldName::name));
+    run(&problem(frames.path(), &[&names_set, "output.every=1"]), true);
+    let problem = problem(series.path(), &[&names_set, "output.every=1", ONE_FILE]);
+    run(&problem, true);
+    assert_eq!(names(series.path()), ["history.csv", "input.toml", "out.vtkhdf", "summary.json"]);
+    let series = SeriesReader::open(&series.path().join("out/out.vtkhdf")).unwrap();
+    assert_eq!(series.mesh().unwrap(), *problem.body.mesh());
+    assert_eq!(series.times(), [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5]);
+    let expected = FieldName::ALL.into_iter().filter(|&name| name != FieldName::AxialForce);
+    assert!(series.fields().into_iter().eq(expected));
+    for step in 0..6 {
+        let xml = read(frames.path(), step);
+        for name in series.fields() {
+            assert_eq!(series.values(name, step).unwrap(), floats(&xml, name.name()), "{name}");
+        }
+    }
+    assert!(series.values(FieldName::Velocity, 6).is_err());
+    assert!(series.values(FieldName::AxialForce, 0).is_err());
+}
+
+/// As a run that is killed, which writes nothing more.
+#[test]
+fn a_run_that_is_given_up_leaves_a_whole_file() {
+    let temp = tempfile::tempdir().unwrap();
+    run(&problem(temp.path(), &["output.every=1", ONE_FILE]), false);
+    assert!(names(temp.path()).contains(&"out.vtkhdf".to_string()));
+    let series = SeriesReader::open(&temp.path().join("out/out.vtkhdf")).unwrap();
+    let n = series.times().len();
+    assert!((1..=6).contains(&n));
+    let last = series.values(FieldName::Velocity, n - 1).unwrap();
+    assert!(last.iter().any(|v| v.abs() > 0.01));
+    // The next run removes what this one left.
+    run(&problem(temp.path(), &[]), true);
+    assert_eq!(names(temp.path()), ["frames", "history.csv", "input.toml", "out.pvd", "summary.json"]);
+}
+
+#[test]
+fn single_precision_keeps_seven_digits_in_both_formats() {
+    let (frames, series) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let single = "output.precision=single";
+    let state = run(&problem(frames.path(), &[single]), true);
+    run(&problem(series.path(), &[single, ONE_FILE]), true);
+    let series = SeriesReader::open(&series.path().join("out/out.vtkhdf")).unwrap();
+    let xml = read(frames.path(), 5);
+    let found = bytes(&xml, "displacement");
+    let found = found.chunks(4).map(|chunk| f32::from_le_bytes(chunk.try_into().unwrap()));
+    assert!(found.eq(state.displacement.iter().map(|&u| u as f32)));
+    let one = series.values(FieldName::Displacement, 1).unwrap();
+    assert!(one.iter().zip(&state.displacement).all(|(&one, &u)| one == f64::from(u as f32)));
+    assert!(xml.contains("type=\"Float64\" Name=\"Points\""));
+}
+
+/// Several chunks of different kinds of fields.
+#[test]
+fn large_frames_are_divided_and_come_back() {
+    let temp = tempfile::tempdir().unwrap();
+    let set = "mesh.box={ size = [1, 1, 1], cells = [40, 40, 30] }";
+    let problem = problem(temp.path(), &[set, ONE_FILE]);
+    let fields = Fields::new(&problem.body);
+    let n = problem.body.n_dofs();
+    let directory = temp.path().join("large");
+    let (mesh, region_of_cell) = (problem.body.mesh(), problem.body.region_of_cell());
+    let mut series = Series::create(&directory, Precision::Double, mesh, region_of_cell).unwrap();
+    let names: Vec<FieldName> = FieldName::ALL.into_iter().filter(|&name| fields.has(name)).collect();
+    let frame = |k: usize| {
+        let values: Vec<f64> = (0..n).map(|i| 1e-4 * ((i * (k + 1)) as f64).sin()).collect();
+        fields.at(&values, &values, &names)
+    };
+    (0..3).for_each(|k| series.write(k, k as f64, &frame(k)).unwrap());
+    let others = series.write(3, 3.0, &frame(3)[..2]).unwrap_err().to_string();
+    assert!(others.contains("the same fields in every frame"), "{others}");
+    series.finish().unwrap();
+    let reader = SeriesReader::open(series.path()).unwrap();
+    for k in 0..3 {
+        for field in frame(k) {
+            let place = if field.name.place() == Place::Nodes { n / 3 } else { 48_000 };
+            assert_eq!(field.numbers.len(), place * field.name.components().len());
+            assert!(reader.values(field.name, k).unwrap() == field.numbers, "{}", field.name);
+        }
+    }
 }

@@ -2,10 +2,10 @@
 
 mod meshes;
 
+use emmy::body::fields::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
-use emmy::motion::State;
 use emmy_io::mesh::MeshFile;
-use emmy_io::vtk::Frames;
+use emmy_io::vtk::{Frames, Precision};
 use meshes::parse_text;
 
 /// A square of two triangles of Gmsh, the second clockwise, beside a quadrilateral; the left edge is a physical curve, and a
@@ -88,11 +88,10 @@ fn abaqus() {
 #[test]
 fn frames_come_back_with_all_their_groups() {
     let mesh = parse_text("a.msh", &v2()).unwrap().mesh;
-    let (temp, zeros) = (tempfile::tempdir().unwrap(), vec![0.0; mesh.n_dofs()]);
-    let state =
-        State { time: 0.0, step: 0, displacement: zeros.clone(), momentum: zeros.clone(), velocity: zeros };
-    let mut frames = Frames::create(&temp.path().join("out"), &mesh, &[0; 3]).unwrap();
-    frames.write(&state).unwrap();
+    let temp = tempfile::tempdir().unwrap();
+    let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; mesh.n_dofs()] };
+    let mut frames = Frames::create(&temp.path().join("out"), Precision::Double, &mesh, &[0; 3]).unwrap();
+    frames.write(0, 0.0, &[displacement]).unwrap();
     let back = emmy_io::mesh::read(&temp.path().join("out/frames/out_000000.vtu")).unwrap();
     assert_eq!(back.mesh.points(), mesh.points());
     assert!(back.mesh.cells().eq(mesh.cells()));

@@ -4,9 +4,9 @@ mod meshes;
 
 use std::path::Path;
 
+use emmy::body::fields::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
-use emmy::motion::State;
-use emmy_io::vtk::Frames;
+use emmy_io::vtk::{Frames, Precision};
 use meshes::{assert_plane, assert_straight, parse_text, path, read, volume};
 
 const WAYS: [&str; 11] = [
@@ -82,11 +82,10 @@ fn quadratic_cells_and_voxels_have_their_nodes_where_vtk_has_them() {
 /// The frame of a mesh at rest, as a run writes it.
 fn frame(mesh: &Mesh, directory: &Path) -> Mesh {
     let (n, region_of_cell) = (mesh.n_dofs(), vec![0; mesh.n_cells()]);
-    let zeros = vec![0.0; n];
-    let state =
-        State { time: 0.0, step: 0, displacement: zeros.clone(), momentum: zeros.clone(), velocity: zeros };
-    let mut frames = Frames::create(&directory.join("out"), mesh, &region_of_cell).unwrap();
-    frames.write(&state).unwrap();
+    let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; n] };
+    let mut frames =
+        Frames::create(&directory.join("out"), Precision::Double, mesh, &region_of_cell).unwrap();
+    frames.write(0, 0.0, &[displacement]).unwrap();
     emmy_io::mesh::read(&directory.join("out/frames/out_000000.vtu")).unwrap().mesh
 }
 

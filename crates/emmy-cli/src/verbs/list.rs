@@ -1,6 +1,7 @@
 //! `emmy list WHAT`: one item a line, its key word first.
 
 use clap::{Args, ValueEnum};
+use emmy::body::fields::FieldName;
 use emmy::mesh::CellKind;
 use emmy::sparse::SOLVERS;
 use serde_json::json;
@@ -31,6 +32,8 @@ enum What {
     Meshes,
     /// Solvers of the linear systems
     Solvers,
+    /// Fields that frames may hold
+    Fields,
     /// Examples that `emmy new` writes
     Templates,
 }
@@ -128,6 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Elements => CellKind::ALL.map(|kind| (kind.name(), description(kind))).to_vec(),
         What::Meshes => MESHES.to_vec(),
         What::Solvers => SOLVERS.map(|(name, _, description)| (name, description)).to_vec(),
+        What::Fields => FieldName::ALL.map(|field| (field.name(), field.description())).to_vec(),
         What::Templates => TEMPLATES.map(|template| (template.name, template.title())).to_vec(),
     };
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })

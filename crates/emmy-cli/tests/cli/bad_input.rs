@@ -55,6 +55,30 @@ const CASES: &[Case] = &[
     case(TRACTION, "traction = 1.0", &["`traction` must be a list of 3 numbers, not a number"]),
     case("degree = 1", "degree = 1.5", &["`degree` must be a whole number, not 1.5"]),
     case("degree = 1", "degree = 0", &["`degree` must be at least 1"]),
+    case(
+        "every = 2",
+        "every = 2\nfields = [\"cauchy_stres\"]",
+        &[
+            "`cauchy_stres` is not a field; there is `displacement`, `velocity`",
+            "did you mean `cauchy_stress`?",
+        ],
+    ),
+    case("every = 2", "every = 2\nfields = \"velocity\"", &["`fields` must be a list of fields, such as"]),
+    case(
+        "every = 2",
+        "every = 2\nfields = [\"velocity\", \"velocity\"]",
+        &["the field `velocity` is there twice"],
+    ),
+    case(
+        "every = 2",
+        "every = 2\nformat = \"vtk\"",
+        &["`vtk` is not a format of frames; there is `vtu`, `vtkhdf`", "did you mean `vtu`?"],
+    ),
+    case(
+        "every = 2",
+        "every = 2\nprecision = \"float\"",
+        &["`float` is not a precision", "`double`, `single`"],
+    ),
     case("every = 2", "every = -1", &["`every` must be at least 0"]),
     case("every = 2", "every = 2\ncheckpoint_every = 0.5", &["`checkpoint_every` must be a whole number"]),
     case("velocity = [0, 0, 0]", "velocity = [0, 0, \"fast\"]", &["must be a number, not a string"]),

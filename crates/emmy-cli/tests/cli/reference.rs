@@ -17,8 +17,8 @@ fn it_has_every_column_and_every_field() {
 }
 
 #[test]
-fn it_has_every_scheme_and_material() {
-    for what in ["schemes", "materials"] {
+fn it_has_every_scheme_material_and_field_of_a_frame() {
+    for what in ["schemes", "materials", "fields"] {
         let list = Place::new().succeed(&["list", what, "--json"]).stdout;
         let list: serde_json::Value = serde_json::from_str(&list).unwrap();
         list.as_array().unwrap().iter().for_each(|item| has(item["name"].as_str().unwrap()));

@@ -139,6 +139,7 @@ fn list_has_the_key_word_first() {
         ("meshes", ["l-block", "file"]),
         ("solvers", ["auto", "auto"]),
         ("templates", ["l-block", "cantilever"]),
+        ("fields", ["cauchy_stress", "axial_force"]),
     ];
     for (what, words) in expected {
         let text = place.succeed(&["list", what]).stdout;

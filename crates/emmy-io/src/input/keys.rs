@@ -88,7 +88,8 @@ pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps"]);
 pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
-pub(super) const OUTPUT: Keys = keys("[output]", &["directory", "every", "checkpoint_every", "probes"]);
+pub(super) const OUTPUT: Keys =
+    keys("[output]", &["directory", "every", "format", "precision", "fields", "checkpoint_every", "probes"]);
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
@@ -196,6 +197,9 @@ const KIN: &[(&str, &str)] = &[
     ("prescribe", "move"),
     ("rotation", "rotate"),
     ("amplitude", "history"),
+    ("variables", "fields"),
+    ("arrays", "fields"),
+    ("file_format", "format"),
 ];
 
 impl Keys {

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
+use emmy::body::fields::FieldName;
 use emmy::motion::NewtonSettings;
 use emmy::sparse::{SOLVERS, Solver};
 
 use super::fault::{Fault, Place};
 use super::keys;
 use super::table::{Item, spelled};
+use crate::vtk::{Format, Precision};
 
 /// What is written, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +18,12 @@ pub struct Output {
     pub directory: PathBuf,
     /// Steps between frames, beside the first and the last; 0: no frames.
     pub every: usize,
+    /// Which files the frames are.
+    pub format: Format,
+    /// Precision of their fields.
+    pub precision: Precision,
+    /// Fields in the frames; those that the body does not have are left out.
+    pub fields: Vec<FieldName>,
     /// Steps between checkpoints; 0: no checkpoints.
     pub checkpoint_every: usize,
     /// Points whose path is written into the history.
@@ -46,7 +54,11 @@ pub struct Limits {
 pub(super) const DEFAULTS: &str = "\
     [time]\ndegree = 1\n\
     [newton]\ntolerance = 1e-10\nmax_iterations = 20\n\
-    [output]\nevery = 1\ncheckpoint_every = 0\nprobes = []\n";
+    [output]\nevery = 1\nformat = \"vtu\"\nprecision = \"double\"\n\
+    fields = [\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
+    \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
+    \"strain_energy_density\", \"axial_force\"]\n\
+    checkpoint_every = 0\nprobes = []\n";
 
 pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
     let table = item.table(keys::NEWTON)?;
@@ -83,9 +95,33 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
     Ok(Output {
         directory: table.require("directory")?.string()?.into(),
         every: table.require("every")?.whole(0)?,
+        format: format(table.require("format")?)?,
+        precision: precision(table.require("precision")?)?,
+        fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
         probes: probes.into_iter().map(|(probe, _)| probe).collect(),
     })
+}
+
+fn format(item: Item<'_>) -> Result<Format, Fault> {
+    let word = item.word("a format of frames", &Format::ALL.map(Format::name))?;
+    Ok(Format::ALL.into_iter().find(|format| format.name() == word).unwrap_or(Format::Vtu))
+}
+
+fn precision(item: Item<'_>) -> Result<Precision, Fault> {
+    let word = item.word("a precision of frames", &Precision::ALL.map(Precision::name))?;
+    let named = Precision::ALL.into_iter().find(|precision| precision.name() == word);
+    Ok(named.unwrap_or(Precision::Double))
+}
+
+fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
+    let mut fields: Vec<FieldName> = Vec::new();
+    for item in item.list_or("a list of fields, such as [\"displacement\", \"cauchy_stress\"]")? {
+        let word = item.word("a field", &FieldName::ALL.map(FieldName::name))?;
+        let field = FieldName::from_name(word).filter(|field| !fields.contains(field));
+        fields.push(field.ok_or_else(|| item.fault(format!("the field `{word}` is there twice"), "again"))?);
+    }
+    Ok(fields)
 }
 
 /// Names that would make columns which are there already.

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::{Compression, write::ZlibEncoder};
+use rayon::prelude::*;
 
 /// Numbers of a type that VTK knows.
 pub(super) trait Numeric: Copy {
@@ -23,7 +24,7 @@ macro_rules! numeric {
         })*
     };
 }
-numeric! { f64, "Float64"; i64, "Int64"; i32, "Int32"; u8, "UInt8"; }
+numeric! { f64, "Float64"; f32, "Float32"; i64, "Int64"; i32, "Int32"; u8, "UInt8"; }
 
 /// Size of the blocks that are compressed one by one \[bytes\].
 const BLOCK: usize = 1 << 20;
@@ -34,10 +35,30 @@ pub(super) fn data_array<T: Numeric>(
     components: usize,
     numbers: impl Iterator<Item = T>,
 ) -> String {
-    let mut bytes = Vec::new();
+    element::<T>(name, components, "", numbers)
+}
+
+/// A `DataArray` element whose components have names; one empty name: a scalar.
+pub(super) fn named_components<T: Numeric>(
+    name: &str,
+    components: &[&str],
+    numbers: impl Iterator<Item = T>,
+) -> String {
+    let named = components.iter().enumerate().filter(|(_, component)| !component.is_empty());
+    let names: String = named.map(|(i, component)| format!(" ComponentName{i}=\"{component}\"")).collect();
+    element::<T>(name, components.len(), &names, numbers)
+}
+
+fn element<T: Numeric>(
+    name: &str,
+    components: usize,
+    attributes: &str,
+    numbers: impl Iterator<Item = T>,
+) -> String {
+    let mut bytes = Vec::with_capacity(size_of::<T>() * numbers.size_hint().0);
     numbers.for_each(|number| number.push(&mut bytes));
     format!(
-        "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">{}</DataArray>\n",
+        "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\"{attributes} format=\"binary\">{}</DataArray>\n",
         T::NAME,
         encoded(&bytes)
     )
@@ -45,7 +66,7 @@ pub(super) fn data_array<T: Numeric>(
 
 /// Header (number of blocks, size of a block, size of the last one if it is less, compressed sizes) and blocks.
 fn encoded(bytes: &[u8]) -> String {
-    let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(compressed).collect();
+    let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(compressed).collect();
     let mut header = Vec::new();
     for number in [blocks.len(), BLOCK, bytes.len() % BLOCK].into_iter().chain(blocks.iter().map(Vec::len)) {
         header.extend_from_slice(&(number as u64).to_le_bytes());
@@ -53,8 +74,12 @@ fn encoded(bytes: &[u8]) -> String {
     STANDARD.encode(header) + &STANDARD.encode(blocks.concat())
 }
 
-fn compressed(block: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
+/// Effort of the compression, 1 to 9.
+pub(super) const LEVEL: u32 = 4;
+
+/// A block as zlib has it.
+pub(super) fn compressed(block: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
     // Writing into memory does not fail.
     let _ = encoder.write_all(block);
     encoder.finish().unwrap_or_default()

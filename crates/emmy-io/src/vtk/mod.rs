@@ -1,17 +1,150 @@
-//! Frames for ParaView and PyVista: one `.vtu` each, collected with their times in a `.pvd`.
+//! Frames for ParaView and PyVista: one `.vtu` each, collected with their times in a `.pvd`, or all in one `.vtkhdf`.
 
 mod array;
 mod frame;
+mod frames;
+mod marks;
+mod series;
 
-use std::fmt::Write;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
+use emmy::body::fields::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
-use emmy::motion::State;
 
-use crate::directory::{COLLECTION_MARK, replace};
-use frame::Frame;
+pub use frames::Frames;
+pub(crate) use series::CREATOR;
+pub use series::{Series, SeriesReader};
+
+/// Which files the frames are.
+///
+/// ```
+/// use emmy_io::vtk::Format;
+/// assert_eq!(Format::ALL.map(Format::name), ["vtu", "vtkhdf"]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// `NAME.pvd` and a `.vtu` for each frame: [`Frames`].
+    Vtu,
+    /// One `NAME.vtkhdf`: [`Series`].
+    Vtkhdf,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Format; 2] = [Format::Vtu, Format::Vtkhdf];
+
+    /// Its name in the input.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Format::Vtu => "vtu",
+            Format::Vtkhdf => "vtkhdf",
+        }
+    }
+}
+
+/// Precision of the fields in a file; points are always in double precision.
+///
+/// ```
+/// use emmy_io::vtk::Precision;
+/// assert_eq!(Precision::ALL.map(Precision::name), ["double", "single"]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 8 bytes a number: all digits.
+    Double,
+    /// 4 bytes a number: 7 digits, for pictures.
+    Single,
+}
+
+impl Precision {
+    /// Both.
+    pub const ALL: [Precision; 2] = [Precision::Double, Precision::Single];
+
+    /// Its name in the input.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Precision::Double => "double",
+            Precision::Single => "single",
+        }
+    }
+
+    /// Bytes of a number.
+    const fn width(self) -> usize {
+        match self {
+            Precision::Double => 8,
+            Precision::Single => 4,
+        }
+    }
+}
+
+/// The frames of a run, in one of the formats.
+#[derive(Debug)]
+pub enum FrameWriter {
+    /// A file for each frame.
+    Vtu(Frames),
+    /// One file.
+    Vtkhdf(Box<Series>),
+}
+
+impl FrameWriter {
+    /// Frames in a directory, called by its name; `region_of_cell: [n_cells]`.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn create(
+        (format, precision): (Format, Precision),
+        directory: &Path,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+    ) -> io::Result<Self> {
+        Ok(match format {
+            Format::Vtu => FrameWriter::Vtu(Frames::create(directory, precision, mesh, region_of_cell)?),
+            Format::Vtkhdf => {
+                let series = Series::create(directory, precision, mesh, region_of_cell)?;
+                FrameWriter::Vtkhdf(Box::new(series))
+            }
+        })
+    }
+
+    /// Writes the fields of a step, unless it has been written.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
+        match self {
+            FrameWriter::Vtu(frames) => frames.write(step, time, fields),
+            FrameWriter::Vtkhdf(series) => series.write(step, time, fields),
+        }
+    }
+
+    /// Number of the last step that was written.
+    pub fn last_step(&self) -> Option<usize> {
+        match self {
+            FrameWriter::Vtu(frames) => frames.last_step(),
+            FrameWriter::Vtkhdf(series) => series.last_step(),
+        }
+    }
+
+    /// Ends the files: every frame is where a reader finds it.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn finish(&mut self) -> io::Result<()> {
+        match self {
+            FrameWriter::Vtu(frames) => frames.finish(),
+            FrameWriter::Vtkhdf(series) => series.finish(),
+        }
+    }
+
+    /// The file to open: the collection, or the one that holds them all.
+    pub fn path(&self) -> PathBuf {
+        match self {
+            FrameWriter::Vtu(frames) => frames.collection(),
+            FrameWriter::Vtkhdf(series) => series.path().to_path_buf(),
+        }
+    }
+}
 
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
 pub(crate) const GROUP: &str = "group:";
@@ -39,71 +172,6 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
     }
 }
 
-/// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, point data
-/// `displacement` and `velocity`, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
-#[derive(Debug)]
-pub struct Frames {
-    directory: PathBuf,
-    name: String,
-    frame: Frame,
-    times: Vec<(usize, f64)>,
-}
-
-impl Frames {
-    /// Frames in a directory, called by its name; `region_of_cell: [n_cells]`.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn create(directory: &Path, mesh: &Mesh, region_of_cell: &[u32]) -> io::Result<Self> {
-        fs::create_dir_all(directory.join("frames"))?;
-        let name = name_of(directory);
-        let frame = Frame::new(mesh, region_of_cell);
-        let frames = Frames { directory: directory.to_path_buf(), name, frame, times: Vec::new() };
-        frames.write_collection()?;
-        Ok(frames)
-    }
-
-    /// Writes a state, unless its step has been written.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn write(&mut self, state: &State) -> io::Result<()> {
-        if self.times.last().is_some_and(|&(step, _)| step == state.step) {
-            return Ok(());
-        }
-        let path = self.directory.join(self.file(state.step));
-        replace(&path, self.frame.xml(state).as_bytes())?;
-        self.times.push((state.step, state.time));
-        self.write_collection()
-    }
-
-    /// Path of the collection.
-    pub fn collection(&self) -> PathBuf {
-        self.directory.join(format!("{}.pvd", self.name))
-    }
-
-    /// Number of frames that were written.
-    pub fn n_frames(&self) -> usize {
-        self.times.len()
-    }
-
-    fn file(&self, step: usize) -> String {
-        format!("frames/{}_{step:06}.vtu", self.name)
-    }
-
-    /// The whole collection anew, so that a run that is killed leaves a readable one.
-    fn write_collection(&self) -> io::Result<()> {
-        let mut xml = format!("<?xml version=\"1.0\"?>\n{COLLECTION_MARK}\n");
-        xml += "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
-        for &(step, time) in &self.times {
-            let file = escaped(&self.file(step));
-            let _ = writeln!(xml, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>");
-        }
-        xml += "</Collection>\n</VTKFile>\n";
-        replace(&self.collection(), xml.as_bytes())
-    }
-}
-
 /// Last part of a path, also of `.` and `..`.
 fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
@@ -113,33 +181,4 @@ fn name_of(directory: &Path) -> String {
 /// Text as the value of an XML attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn collections_list_the_frames_that_are_there() {
-        let temp = tempfile::tempdir().unwrap();
-        let directory = temp.path().join("a & b");
-        let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
-        let mut frames = Frames::create(&directory, &mesh, &[0]).unwrap();
-        let mut state = State {
-            time: 0.0,
-            step: 0,
-            displacement: vec![0.0; 24],
-            momentum: vec![0.0; 24],
-            velocity: vec![0.0; 24],
-        };
-        frames.write(&state).unwrap();
-        (state.step, state.time) = (20, 0.1);
-        frames.write(&state).unwrap();
-        frames.write(&state).unwrap();
-        let text = fs::read_to_string(directory.join("a & b.pvd")).unwrap();
-        assert_eq!(text.matches("<DataSet").count(), 2);
-        assert!(text.contains("timestep=\"0.1\" part=\"0\" file=\"frames/a &amp; b_000020.vtu\""), "{text}");
-        assert!(directory.join("frames/a & b_000020.vtu").is_file());
-        assert_eq!(fs::read_dir(directory.join("frames")).unwrap().count(), 2);
-    }
 }

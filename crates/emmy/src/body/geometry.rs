@@ -100,7 +100,7 @@ impl<const D: usize> ReferenceTable<D> {
 }
 
 /// dxi/dX, `[xi component][X component]`.
-fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
+pub(super) fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
     [0, 1, 2].map(|i| {
         let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
         [0, 1, 2].map(|j| {
@@ -145,7 +145,7 @@ pub fn for_each_volume_point(
 }
 
 /// Reference positions of some nodes.
-fn positions(mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
+pub(super) fn positions(mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
     nodes.iter().map(|&node| mesh.points()[node as usize]).collect()
 }
 

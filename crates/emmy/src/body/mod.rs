@@ -6,6 +6,7 @@ mod batches;
 mod drive;
 mod facets;
 mod field;
+pub mod fields;
 mod geometry;
 mod history;
 mod input;
@@ -66,6 +67,8 @@ pub struct Body {
     mesh: Arc<Mesh>,
     regions: Vec<RegionSummary>,
     region_of_cell: Vec<u32>,
+    /// The regions as they were given.
+    made_of: Arc<Vec<Region>>,
     terms: Arc<Vec<Box<dyn Term>>>,
     /// Terms that pull the body towards the ground: external to its momenta.
     ground: Arc<Vec<Box<dyn Term>>>,
@@ -144,6 +147,7 @@ impl Body {
             lumped_mass,
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
+            made_of: Arc::new(regions),
             node_order: nested_dissection(&pattern)?,
             terms: Arc::new(terms),
             ground: Arc::new(ground),

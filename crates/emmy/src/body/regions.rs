@@ -124,7 +124,7 @@ impl RegionOfCell {
 impl Region {
     /// What makes a volume of the measure of a cell: thickness of plane cells, cross section of bars (that of links without
     /// mass is 0), 1 for solids.
-    fn section(&self, kind: CellKind) -> f64 {
+    pub(super) fn section(&self, kind: CellKind) -> f64 {
         match self.link() {
             Some(link) => link.area(),
             None if kind.dimension() == 2 => self.thickness,

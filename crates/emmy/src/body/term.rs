@@ -13,6 +13,7 @@ use crate::material::{
     Ogden, Orthotropic, SaintVenantKirchhoff, Yeoh,
 };
 use crate::sparse::{Pattern, RowPart};
+use crate::tensor::Sym;
 
 /// A step as the terms see it.
 #[derive(Debug, Clone, Copy)]
@@ -66,6 +67,10 @@ pub trait Solid: fmt::Debug + Send + Sync {
     /// [`crate::Error::OutOfMemory`].
     fn term(&self, table: CellTable) -> Result<Box<dyn Term>>;
 
+    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` of a link, which has
+    /// no volume.
+    fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)>;
+
     /// The link, if it is one.
     fn link(&self) -> Option<Link> {
         None
@@ -80,6 +85,10 @@ impl<M: Material + fmt::Debug> Solid for Custom<M> {
     fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
         Ok(Box::new(SolidTerm::new(self.0.clone(), table)?))
     }
+
+    fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
+        Some((self.0.strain_energy(strain), self.0.stress(strain)))
+    }
 }
 
 macro_rules! solids {
@@ -87,6 +96,10 @@ macro_rules! solids {
         impl Solid for $material {
             fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
                 Ok(Box::new(SolidTerm::new(self.clone(), table)?))
+            }
+
+            fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
+                Some((self.strain_energy(strain), self.stress(strain)))
             }
         }
     )+ };
@@ -112,6 +125,10 @@ impl Solid for Link {
         let energies = table.weights.iter().map(|&length| self.with_length(length)).collect();
         table.weights.fill(1.0);
         Ok(Box::new(SolidTerm::with_materials(energies, table)?))
+    }
+
+    fn response(&self, _: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
+        None
     }
 
     fn link(&self) -> Option<Link> {

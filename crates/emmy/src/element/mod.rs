@@ -4,6 +4,7 @@
 
 #[cfg(test)]
 mod conformance;
+mod extrapolation;
 mod hex20;
 mod hex27;
 mod hex8;
@@ -21,6 +22,7 @@ mod wedge;
 mod wedge15;
 mod wedge6;
 
+pub use extrapolation::extrapolation;
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;

@@ -1,0 +1,197 @@
+//! Fields of a state for output: stress, stretches, densities of energy and momentum, at nodes and in cells.
+
+mod name;
+mod point;
+mod recovery;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{Body, Region};
+use crate::mesh::Mesh;
+
+pub use name::{FieldName, Place};
+use point::{PointState, axial_force, von_mises};
+use recovery::Recovery;
+
+/// The fields of a body: computed from a displacement and a velocity, whatever the scheme.
+///
+/// Stresses, stretches and energy at a node are those of the material at the deformation gradient that is recovered there: in every
+/// cell the displacement gradient is projected from the quadrature points to the nodes ([`crate::element::extrapolation()`]), then
+/// averaged over the cells around a node that are of one region, by their volumes.
+///
+/// ```math
+/// G_A = sum_c V_c sum_q X_Aq G_cq / sum_c V_c,      S_A = S(E(G_A)),      sigma_A = F_A S_A F_A^T / det F_A,   F_A = I + G_A
+/// ```
+///
+/// So the fields at a node belong together, energies are not negative where those of the material are not, a rigid rotation turns
+/// the stresses and changes nothing else, and homogeneous deformations are exact. Where regions meet the values of the sides are
+/// averaged by volume: stresses jump there, and cell fields (means over the quadrature points of a cell) show the sides one by
+/// one. A node whose recovered deformation gradient has a determinant that is not positive has NaN: the mesh is too coarse there.
+/// A node without solid or plane cells has no stress and stretches of 1.
+///
+/// ```
+/// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
+/// let rubber = NeoHooke::new(0.0, 500.0)?;
+/// let body = Body::new(mesh::block([1.0; 3], [2; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
+/// let fields = Fields::new(&body).at(&stretched, &stretched, &[FieldName::CauchyStress]);
+/// // sigma = mu (b - I) / J with F = diag(2, 1, 1)
+/// assert!((fields[0].numbers[0] - 750.0).abs() < 1e-10);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Fields {
+    mesh: Arc<Mesh>,
+    regions: Arc<Vec<Region>>,
+    region_of_cell: Vec<u32>,
+    recovery: Recovery,
+    /// Mean density of the cells around each node, by volume.
+    density: Vec<f64>,
+}
+
+/// The numbers of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldValues {
+    /// Which field.
+    pub name: FieldName,
+    /// `[n_nodes][n_components]` or `[n_cells][n_components]`.
+    pub numbers: Vec<f64>,
+}
+
+impl Fields {
+    /// The fields of a body. What does not change in a run is computed here.
+    pub fn new(body: &Body) -> Self {
+        let (mesh, regions) = (body.mesh.clone(), body.made_of.clone());
+        let region_of_cell = body.region_of_cell.clone();
+        let recovery = Recovery::new(&mesh);
+        let density = density(&mesh, &regions, &region_of_cell, &recovery);
+        Fields { mesh, regions, region_of_cell, recovery, density }
+    }
+
+    /// Whether the body has a field: stresses at nodes need solid or plane cells, those in cells a volume, axial forces links.
+    pub fn has(&self, name: FieldName) -> bool {
+        let is_link = |region: &Region| region.link().is_some();
+        let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);
+        match name {
+            FieldName::Displacement | FieldName::Velocity => true,
+            FieldName::AxialForce => self.regions.iter().any(is_link),
+            name if name == FieldName::MomentumDensity || name.place() == Place::Cells => {
+                self.regions.iter().any(has_volume)
+            }
+            _ => !self.regions.iter().all(is_link),
+        }
+    }
+
+    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
+    pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
+        let is_recovered = |name: &FieldName| !name.is_motion();
+        let wanted = |place: Place| names.iter().any(|name| is_recovered(name) && name.place() == place);
+        let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
+        let cells = if wanted(Place::Cells) { self.cell_states(displacement) } else { Vec::new() };
+        let numbers = |name: FieldName| match name {
+            FieldName::Displacement => displacement.to_vec(),
+            FieldName::Velocity => velocity.to_vec(),
+            FieldName::MomentumDensity => self.momentum_density(velocity),
+            FieldName::CauchyStress => flat(&nodes, |state| state.cauchy),
+            FieldName::SecondPiolaKirchhoffStress => flat(&nodes, |state| state.second),
+            FieldName::VonMisesStress => flat(&nodes, |state| [von_mises(&state.cauchy)]),
+            FieldName::PrincipalStretches => flat(&nodes, PointState::principal_stretches),
+            FieldName::StrainEnergyDensity => flat(&nodes, |state| [state.energy]),
+            FieldName::CellCauchyStress => flat(&cells, |state| state.cauchy),
+            FieldName::CellSecondPiolaKirchhoffStress => flat(&cells, |state| state.second),
+            FieldName::CellVonMisesStress => flat(&cells, |state| [von_mises(&state.cauchy)]),
+            FieldName::CellStrainEnergyDensity => flat(&cells, |state| [state.energy]),
+            FieldName::AxialForce => self.axial_forces(displacement),
+        };
+        names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
+    }
+
+    /// Density times velocity; `velocity`: `[n_nodes][3]`.
+    fn momentum_density(&self, velocity: &[f64]) -> Vec<f64> {
+        velocity.iter().enumerate().map(|(dof, v)| self.density[dof / 3] * v).collect()
+    }
+
+    fn axial_forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let force = |(cell, &region): (usize, &u32)| {
+            let link = self.regions[region as usize].link();
+            link.map_or(0.0, |link| axial_force(&link, &self.mesh, cell, displacement))
+        };
+        self.region_of_cell.iter().enumerate().map(force).collect()
+    }
+
+    /// The state at every node, `[n_nodes]`.
+    fn nodal_states(&self, displacement: &[f64]) -> Vec<PointState> {
+        let n_nodes = self.mesh.n_nodes();
+        let (mut totals, mut sums) = (vec![(0.0, PointState::default()); n_nodes], recovery::sums(n_nodes));
+        for (index, region) in self.regions.iter().enumerate().filter(|(_, region)| region.link().is_none()) {
+            let cells: Vec<u32> = self.cells_of(index as u32).collect();
+            let weigh = |kind| region.section(kind);
+            let nodes = self.recovery.add_gradients(&self.mesh, &cells, weigh, displacement, &mut sums);
+            let state = |&node: &u32| PointState::new(region, &sums[node as usize].mean());
+            let states: Vec<PointState> = nodes.par_iter().with_min_len(64).map(state).collect();
+            for (&node, state) in nodes.iter().zip(&states) {
+                let (total, weight) = (&mut totals[node as usize], sums[node as usize].take());
+                total.0 += weight;
+                total.1.add(weight, state);
+            }
+        }
+        totals
+            .into_iter()
+            .map(|(weight, state)| if weight > 0.0 { state.over(weight) } else { state })
+            .collect()
+    }
+
+    /// Means over the quadrature points of every cell by reference volume, `[n_cells]`.
+    fn cell_states(&self, displacement: &[f64]) -> Vec<PointState> {
+        let state = |cell: usize| {
+            let region = &self.regions[self.region_of_cell[cell] as usize];
+            match region.link() {
+                Some(link) => PointState::of_link(&link, &self.mesh, cell, displacement),
+                None => self.cell_state(region, cell, displacement),
+            }
+        };
+        (0..self.mesh.n_cells()).into_par_iter().with_min_len(64).map(state).collect()
+    }
+
+    fn cell_state(&self, region: &Region, cell: usize, displacement: &[f64]) -> PointState {
+        let (mut points, mut sum, mut volume) = (Vec::new(), PointState::default(), 0.0);
+        self.recovery.points(&self.mesh, cell, displacement, &mut points);
+        for (G, weight) in &points {
+            sum.add(*weight, &PointState::new(region, G));
+            volume += weight;
+        }
+        sum.over(volume)
+    }
+
+    fn cells_of(&self, region: u32) -> impl Iterator<Item = u32> + '_ {
+        let cells = self.region_of_cell.iter().enumerate();
+        cells.filter(move |&(_, &of_cell)| of_cell == region).map(|(cell, _)| cell as u32)
+    }
+}
+
+/// Mean density of the cells around each node by volume, point masses left out; 0 where there is no volume.
+fn density(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32], recovery: &Recovery) -> Vec<f64> {
+    let mut sums = vec![[0.0; 2]; mesh.n_nodes()];
+    for (index, cell) in mesh.cells().enumerate() {
+        let region = &regions[region_of_cell[index] as usize];
+        let volume = recovery.measure(mesh, index) * region.section(cell.kind);
+        for &node in cell.nodes {
+            let [mass, sum] = &mut sums[node as usize];
+            *mass += region.density * volume;
+            *sum += volume;
+        }
+    }
+    sums.into_iter().map(|[mass, volume]| if volume > 0.0 { mass / volume } else { 0.0 }).collect()
+}
+
+/// The numbers of a field one after the other.
+fn flat<const N: usize>(states: &[PointState], numbers: impl Fn(&PointState) -> [f64; N] + Sync) -> Vec<f64> {
+    let mut flat = vec![0.0; N * states.len()];
+    flat.par_chunks_exact_mut(N)
+        .with_min_len(256)
+        .zip(states)
+        .for_each(|(flat, state)| flat.copy_from_slice(&numbers(state)));
+    flat
+}

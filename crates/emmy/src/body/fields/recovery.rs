@@ -1,0 +1,155 @@
+//! Displacement gradients at the quadrature points and, recovered from them, at the nodes.
+
+use rayon::prelude::*;
+
+use crate::body::geometry::{ReferenceTable, inverse, positions};
+use crate::element::{element, extrapolation, jacobian};
+use crate::mesh::{CellKind, Mesh};
+use crate::tensor::{Mat3, det};
+
+/// What the cells of each kind have in common.
+#[derive(Debug)]
+pub(super) struct Recovery {
+    /// By kind, of those that the mesh has.
+    kinds: [Option<KindTable>; CellKind::ALL.len()],
+}
+
+#[derive(Debug)]
+struct KindTable {
+    reference: ReferenceTable<3>,
+    /// `[n_nodes][n_points]`.
+    extrapolation: Vec<f64>,
+}
+
+/// Sum of displacement gradients at a node by their weights.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct GradientSum {
+    weight: f64,
+    sum: Mat3<f64>,
+}
+
+impl GradientSum {
+    pub(super) fn mean(&self) -> Mat3<f64> {
+        self.sum.map(|row| row.map(|component| component / self.weight))
+    }
+
+    /// The weight; what is left is empty.
+    pub(super) fn take(&mut self) -> f64 {
+        std::mem::take(self).weight
+    }
+}
+
+/// Empty sums.
+pub(super) fn sums(n_nodes: usize) -> Vec<GradientSum> {
+    vec![GradientSum::default(); n_nodes]
+}
+
+/// Cells that one thread takes at a time, and those whose gradients are kept until they are added up.
+const RUN: usize = 256;
+const WAVE: usize = 64 * RUN;
+
+impl Recovery {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let mut kinds: [Option<KindTable>; CellKind::ALL.len()] = Default::default();
+        for kind in mesh.cells().map(|cell| cell.kind) {
+            kinds[kind as usize].get_or_insert_with(|| KindTable {
+                reference: ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes()),
+                extrapolation: extrapolation(kind),
+            });
+        }
+        Recovery { kinds }
+    }
+
+    fn table(&self, kind: CellKind) -> &KindTable {
+        self.kinds[kind as usize].as_ref().expect("every kind of the mesh has a table")
+    }
+
+    /// Volume of a solid cell, area of a plane one, length of a link.
+    pub(super) fn measure(&self, mesh: &Mesh, cell: usize) -> f64 {
+        let (cell, mut measure) = (mesh.cell(cell), 0.0);
+        let (X, table) = (positions(mesh, cell.nodes), &self.table(cell.kind).reference);
+        for (point, weight) in table.weights.iter().enumerate() {
+            measure += weight * det(&jacobian(cell.kind, &X, table.gradients_at(point)));
+        }
+        measure
+    }
+
+    /// Displacement gradients and weights (volume, area or length) at the quadrature points of a cell.
+    pub(super) fn points(
+        &self,
+        mesh: &Mesh,
+        cell: usize,
+        displacement: &[f64],
+        points: &mut Vec<(Mat3<f64>, f64)>,
+    ) {
+        let cell = mesh.cell(cell);
+        let (X, table) = (positions(mesh, cell.nodes), &self.table(cell.kind).reference);
+        points.clear();
+        for (point, weight) in table.weights.iter().enumerate() {
+            let dN = table.gradients_at(point);
+            let J = jacobian(cell.kind, &X, dN);
+            let (det, mut H) = (det(&J), [[0.0; 3]; 3]);
+            for (&node, dN) in cell.nodes.iter().zip(dN) {
+                let u = &displacement[3 * node as usize..3 * node as usize + 3];
+                (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += u[i] * dN[m]));
+            }
+            let inverse = inverse(&J, det);
+            let entry = |i: usize, j: usize| (0..3).map(|m| H[i][m] * inverse[m][j]).sum::<f64>();
+            points.push(([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), weight * det));
+        }
+    }
+
+    /// Adds the displacement gradients of some cells to their nodes by the volumes of the cells; the nodes, each once. `section`
+    /// makes a volume of the measure of a kind.
+    ///
+    /// The cells are gone through in parallel, but added up in their order.
+    pub(super) fn add_gradients(
+        &self,
+        mesh: &Mesh,
+        cells: &[u32],
+        section: impl Fn(CellKind) -> f64 + Sync,
+        displacement: &[f64],
+        sums: &mut [GradientSum],
+    ) -> Vec<u32> {
+        let mut nodes = Vec::new();
+        let recovered = |run: &[u32]| self.run(mesh, run, &section, displacement);
+        for wave in cells.chunks(WAVE) {
+            let runs: Vec<Vec<GradientSum>> = wave.par_chunks(RUN).map(recovered).collect();
+            let of_cells = wave.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes);
+            for (&node, own) in of_cells.zip(runs.iter().flatten()) {
+                let sum = &mut sums[node as usize];
+                if sum.weight == 0.0 {
+                    nodes.push(node);
+                }
+                sum.weight += own.weight;
+                (0..3).for_each(|i| (0..3).for_each(|j| sum.sum[i][j] += own.sum[i][j]));
+            }
+        }
+        nodes
+    }
+
+    /// What some cells give to their nodes, `[cell][n_nodes]`.
+    fn run(
+        &self,
+        mesh: &Mesh,
+        cells: &[u32],
+        section: impl Fn(CellKind) -> f64,
+        displacement: &[f64],
+    ) -> Vec<GradientSum> {
+        let (mut points, mut recovered) = (Vec::new(), Vec::new());
+        for &cell in cells {
+            let kind = mesh.cell(cell as usize).kind;
+            self.points(mesh, cell as usize, displacement, &mut points);
+            let weight = section(kind) * points.iter().map(|(_, weight)| weight).sum::<f64>();
+            for row in self.table(kind).extrapolation.chunks_exact(points.len()) {
+                let mut sum = [[0.0; 3]; 3];
+                for (x, (G, _)) in row.iter().zip(&points) {
+                    let x = weight * x;
+                    (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += x * G[i][j]));
+                }
+                recovered.push(GradientSum { weight, sum });
+            }
+        }
+        recovered
+    }
+}
