@@ -1,8 +1,8 @@
 //! The output directory: nothing of anybody else's is ever written over or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json` and the
-//! frames of its collections are removed, every other file stays. A directory with other content is refused.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`] and the frames of its collections
+//! are removed, every other file stays. A directory with other content is refused.
 //!
 //! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
@@ -15,6 +15,9 @@ pub const MARK: &str = "# Written by Emmy";
 
 /// Comment in every collection (`.pvd`) that Emmy writes.
 pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
+
+/// What a run writes besides its input and its frames.
+pub const FILES: [&str; 5] = ["history.csv", "newton.csv", "events.csv", "summary.json", "report.html"];
 
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
@@ -130,7 +133,7 @@ fn is_run(path: &Path) -> bool {
 }
 
 fn remove_run(path: &Path) -> io::Result<()> {
-    for name in ["history.csv", "summary.json"] {
+    for name in FILES {
         remove(&path.join(name))?;
     }
     let collections = names(path)?.into_iter().filter(|name| name.ends_with(".pvd"));
@@ -221,7 +224,7 @@ mod tests {
     fn only_files_of_the_earlier_run_are_removed() {
         let temp = tempfile::tempdir().unwrap();
         let own =
-            ["history.csv", "summary.json", "old.pvd", "frames/old_000000.vtu", "frames/old_1000000.vtu"];
+            ["history.csv", "report.html", "summary.json", "old.pvd", "frames/old_000000.vtu", "frames/old_1000000.vtu"];
         let foreign =
             ["notes.txt", "other.pvd", "frames/other_000000.vtu", "frames/old_final.vtu", "frames/old_1.vtu"];
         own.iter().chain(&foreign).for_each(|name| write(temp.path().join(name), "x"));

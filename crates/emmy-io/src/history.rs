@@ -8,7 +8,7 @@ use emmy::motion::{Record, View};
 
 use crate::input::Probe;
 
-/// Columns before those of the probes.
+/// Columns that every history has.
 pub const COLUMNS: [&str; 18] = [
     "step",
     "time",
@@ -30,6 +30,9 @@ pub const COLUMNS: [&str; 18] = [
     "wall_seconds",
 ];
 
+/// Column after [`COLUMNS`]: smallest det F at the quadrature points; `inf` for a body of links.
+const SMALLEST_DETERMINANT: &str = "smallest_determinant";
+
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
@@ -39,9 +42,9 @@ pub enum Number {
     Real(f64),
 }
 
-/// Names of all columns: [`COLUMNS`], then the current position of each probe.
+/// Names of all columns: [`COLUMNS`], `smallest_determinant`, then the current position of each probe.
 pub fn columns(probes: &[Probe]) -> Vec<String> {
-    let own = COLUMNS.iter().map(|name| name.to_string());
+    let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]).map(str::to_string);
     let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
     own.chain(probes.iter().flat_map(of_probe)).collect()
 }
@@ -74,6 +77,7 @@ fn own_columns(record: &Record, wall_seconds: f64) -> Vec<Number> {
     row.push(Real(record.angular_momentum_residual));
     row.push(Whole(record.newton_iterations));
     row.push(Real(wall_seconds));
+    row.push(Real(record.smallest_determinant));
     row
 }
 
@@ -179,6 +183,16 @@ impl History {
         Some(self.rows.iter().map(|row| row[index]).collect())
     }
 
+    /// Names of the columns.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Rows, each with a number for every column.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.rows.len()
@@ -206,8 +220,9 @@ mod tests {
         HistoryFile::create(&path, &[]).unwrap().write(&own_columns(&record, 0.5)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-        assert_eq!(lines[0], COLUMNS);
-        assert_eq!(lines[1].len(), COLUMNS.len());
+        assert_eq!(lines[0][..COLUMNS.len()], COLUMNS);
+        assert_eq!(lines[0][COLUMNS.len()..], [SMALLEST_DETERMINANT]);
+        assert_eq!(lines[1].len(), lines[0].len());
         assert_eq!((lines[1][0], lines[1][1].parse()), ("3", Ok(0.1 + 0.2)));
         assert_eq!(lines[1][3].parse(), Ok(1e-300));
         let history = History::read(&path).unwrap();
