@@ -39,14 +39,17 @@ try {
   const withFrames = runs.filter((run) => run.frames);
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");
-    window.emmyViewer = new Viewer(document.getElementById("viewer"), runs, clock);
+    new Viewer(document.getElementById("viewer"), runs, clock);
   }
   showCharts(document.getElementById("charts"), runs, clock);
   showTransport(document.getElementById("transport"), clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time,
     runs.length === 1);
   showDetails(document.getElementById("details"), runs);
   showFoot(document.getElementById("foot"), runs, manifest.version);
-  if (!isStill.matches && withFrames.length && runs.length === 1) clock.play();
+  // An address that ends in #t=2.5 shows that time.
+  const wanted = Number(location.hash.match(/^#t=(.+)$/)?.[1] ?? NaN);
+  if (Number.isFinite(wanted)) clock.set(wanted);
+  else if (!isStill.matches && withFrames.length && runs.length === 1) clock.play();
   document.documentElement.dataset.ready = "true";
 } catch (error) {
   const fault = document.getElementById("fault");

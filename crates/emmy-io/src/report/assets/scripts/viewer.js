@@ -168,8 +168,8 @@ class Viewer {
 
   showLegend(field, low, high) {
     const key = [field.name, low, high].join();
-    if (this.legend.dataset.key === key) return;
-    this.legend.dataset.key = key;
+    if (this.legend.dataset.shown === key) return;
+    this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
     this.legend.replaceChildren(element("div", {}, field.label), map,
