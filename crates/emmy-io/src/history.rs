@@ -1,7 +1,7 @@
 //! `history.csv`: one row for the start and one a step; written, and read back.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Record, View};
@@ -158,16 +158,15 @@ impl History {
     /// # Errors
     /// [`HistoryError`] with the line.
     pub fn read(path: &Path) -> Result<Self, HistoryError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| HistoryError::System { path: path.to_path_buf(), error })?;
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let mut lines = whole.lines();
-        let columns: Vec<String> = lines.next().unwrap_or("").split(',').map(str::to_string).collect();
+        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
+        let mut lines = WholeLines { reader: BufReader::new(File::open(path).map_err(system)?) };
+        let head = lines.next().transpose().map_err(system)?.unwrap_or_default();
+        let columns: Vec<String> = head.split(',').map(str::to_string).collect();
         if let Some(column) = COLUMNS.into_iter().find(|name| !columns.iter().any(|column| column == name)) {
             return Err(HistoryError::Column { path: path.to_path_buf(), column });
         }
-        let row = |(i, line): (usize, &str)| {
-            numbers(line, columns.len()).map_err(|reason| HistoryError::Row {
+        let row = |(i, line): (usize, io::Result<String>)| {
+            numbers(&line.map_err(system)?, columns.len()).map_err(|reason| HistoryError::Row {
                 path: path.to_path_buf(),
                 line: i + 2,
                 reason,
@@ -196,6 +195,25 @@ impl History {
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.rows.len()
+    }
+}
+
+/// Lines of a file, without the last one if it has no end.
+struct WholeLines {
+    reader: BufReader<File>,
+}
+
+impl Iterator for WholeLines {
+    type Item = io::Result<String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut line = String::new();
+        if let Err(error) = self.reader.read_line(&mut line) {
+            return Some(Err(error));
+        }
+        let end = line.strip_suffix('\n')?.trim_end_matches('\r').len();
+        line.truncate(end);
+        Some(Ok(line))
     }
 }
 

@@ -76,7 +76,8 @@ pub(super) fn gather(listed: &[Listed], pack: &mut Pack) -> Result<Option<Value>
     let frame = vtu::frame(&first.path, &bytes)?;
     let whole = Surface::new(&frame.cells);
     let n_whole = whole.nodes.len();
-    if n_whole == 0 {
+    // Frames may have other fields only: then there is no motion to see.
+    if n_whole == 0 || !frame.fields.contains(&("displacement".to_string(), 3)) {
         return Ok(None);
     }
     let surface = coarsened(whole, &frame.points, MAX_NODES);

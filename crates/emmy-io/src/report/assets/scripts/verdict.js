@@ -20,8 +20,8 @@ function balances(run) {
     // A body that does not move or turn on the whole has no momentum but rounding, and nothing is small next to that.
     const isRounding = scale > 0 && largest < 1e-9 * scale;
     if (scale === undefined && largest < 10 * summary[`worst_${key}_residual`]) return [NaN, null];
-    const bound = key === "angular_momentum" ? "√(2 T I)" : "√(2 T m)";
-    return isRounding ? [scale, `${bound}, the most that this kinetic energy allows`] : [largest, `the largest |${letter}|`];
+    const bound = key === "angular_momentum" ? "√(2\u00a0T\u00a0I)" : "√(2\u00a0T\u00a0m)";
+    return isRounding ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
   };
   const balance = (name, key, [size, of], drift) => {
     const worst = summary[`worst_${key}_residual`];
@@ -29,7 +29,7 @@ function balances(run) {
     return { name, key, worst, step: summary[`worst_${key}_residual_step`], size, of, part, drift };
   };
   return [
-    balance("Energy", "energy", [summary.largest_energy, "the largest T + V"], summary.energy_drift),
+    balance("Energy", "energy", [summary.largest_energy, "the largest T\u00a0+\u00a0V"], summary.energy_drift),
     balance("Linear momentum", "linear_momentum", momentum("linear_momentum", "P"), null),
     balance("Angular momentum", "angular_momentum", momentum("angular_momentum", "L"), summary.angular_momentum_drift),
   ];

@@ -73,6 +73,7 @@ class Viewer {
     try {
       if (this.scene) {
         // A canvas has one context; the next scene takes a new canvas.
+        this.scene.gl.getExtension("WEBGL_lose_context")?.loseContext();
         const canvas = this.canvas.cloneNode();
         this.canvas.replaceWith(canvas);
         this.canvas = canvas;
