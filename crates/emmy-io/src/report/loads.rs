@@ -1,14 +1,28 @@
-//! When the loads of an input act, as far as their histories are tables.
+//! When loads and driven supports of an input act, as far as their histories are tables.
 
 use serde_json::{Value, json};
 use toml::Table;
 
-/// The loads of a resolved input: `[{ label, intervals }]`; `intervals`: null for a load that acts throughout, an end of null
-/// for one that does not end. Attractions belong to the energy of the body and are no loads here.
+/// What does work on the body of a resolved input: `[{ label, intervals }]`; `intervals`: null for what acts throughout, an end
+/// of null for what does not end. Attractions belong to the energy of the body and are no loads here.
 pub(super) fn loads(input: &Table) -> Vec<Value> {
-    let entries = input.get("load").and_then(toml::Value::as_array);
-    let entries = entries.into_iter().flatten().filter_map(toml::Value::as_table);
-    entries.filter(|load| !load.contains_key("attraction")).map(load).collect()
+    let entries = |name: &str| {
+        let list = input.get(name).and_then(toml::Value::as_array);
+        list.into_iter().flatten().filter_map(toml::Value::as_table)
+    };
+    let loads = entries("load").filter(|load| !load.contains_key("attraction")).map(load);
+    let is_driven = |support: &&Table| support.contains_key("move") || support.contains_key("rotate");
+    loads.chain(entries("support").filter(is_driven).map(driven_support)).collect()
+}
+
+fn driven_support(support: &Table) -> Value {
+    let group = support.get("group").and_then(toml::Value::as_str).unwrap_or_default();
+    let until = support.get("until").and_then(number);
+    json!({ "label": format!("driven {group}"), "intervals": until.map(|until| [[0.0, until]]) })
+}
+
+fn number(value: &toml::Value) -> Option<f64> {
+    value.as_float().or(value.as_integer().map(|whole| whole as f64))
 }
 
 fn load(load: &Table) -> Value {
@@ -22,7 +36,6 @@ fn load(load: &Table) -> Value {
 
 /// Times and factors of a history; what is none of them is left out, for the input has been checked.
 fn table(points: &[toml::Value]) -> Vec<[f64; 2]> {
-    let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
     let point = |point: &toml::Value| match point.as_array().map(Vec::as_slice) {
         Some([time, factor]) => Some([number(time)?, number(factor)?]),
         _ => None,
@@ -79,6 +92,13 @@ mod tests {
             history = [[0, 0], [1, 0], [1, 1], [2, 1], [2, 0], [3, 0], [4, 2]]
             [[load]]
             attraction = { centre = [0, 0, 0], strength = 1 }
+            [[support]]
+            group = "y-min"
+            rotate = { axis = [0, 0, 1], angle = "t" }
+            until = 1
+            [[support]]
+            group = "y-max"
+            fix = ["x"]
         "#
         .parse()
         .unwrap();
@@ -89,6 +109,7 @@ mod tests {
                 json!({ "label": "acceleration", "intervals": null }),
                 json!({ "label": "nodal force on tip", "intervals": null }),
                 json!({ "label": "pressure on top", "intervals": [[1.0, 2.0], [3.0, null]] }),
+                json!({ "label": "driven y-min", "intervals": [[0.0, 1.0]] }),
             ]
         );
     }

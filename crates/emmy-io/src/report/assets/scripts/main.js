@@ -11,8 +11,10 @@ function prepared(run) {
   };
   const end = run.time[run.time.length - 1];
   run.shaded = loadedIntervals(run, end);
-  const always = run.loads.filter((load) => load.intervals === null).map((load) => load.label).join(", ");
-  const notes = [run.shaded.length ? "shaded: loads act" : "", always && `throughout: ${always}`];
+  const names = (loads) => (loads.length > 2 ? `${loads.length} loads` : loads.map((load) => load.label).join(", "));
+  const shaded = names(run.loads.filter((load) => load.intervals !== null));
+  const always = names(run.loads.filter((load) => load.intervals === null));
+  const notes = [shaded && `shaded: ${shaded}`, always && `throughout: ${always}`];
   run.loadNote = notes.filter(Boolean).join("; ");
   run.marks = run.events.slice(0, 300).map((event) => ({ time: event.time, title: `step ${event.step}, t = ${number(event.time)}: ${event.message || event.event}` }));
   return run;

@@ -103,11 +103,11 @@ class Viewer {
     this.motion = this.frames.box(factor);
     this.shown = null;
     if (!this.hasChosenFollow) {
-      this.settings.follow = this.toggles.follow.checked || this.motion.size > 5 * this.reference.size;
+      this.settings.follow = this.toggles.follow.checked || this.motion.size > 2.5 * this.reference.size;
       this.toggles.follow.checked = this.settings.follow;
       this.hasChosenFollow = true;
     }
-    const size = this.settings.follow ? 1.25 * this.reference.size : this.motion.size;
+    const size = this.settings.follow ? 1.4 * this.reference.size : this.motion.size;
     const aspect = Math.min(this.scene?.camera.aspect ?? 1, 1);
     if (this.orbit) this.orbit.distance = (0.47 * size) / Math.tan((32 * Math.PI) / 360) / Math.sqrt(aspect);
     this.refresh();
@@ -187,8 +187,8 @@ class Viewer {
     if (!isShown) return;
     arrow.start.value = this.middle;
     arrow.along.value = L.map((x) => x / size);
-    arrow.reach.value = (0.6 * this.reference.size * size) / this.current.largest.angular_momentum;
-    arrow.thick.value = 0.009 * this.reference.size;
+    arrow.reach.value = (0.52 * this.reference.size * size) / this.current.largest.angular_momentum;
+    arrow.thick.value = 0.0075 * this.reference.size;
   }
 
   draw() {
