@@ -223,8 +223,14 @@ mod tests {
     #[test]
     fn only_files_of_the_earlier_run_are_removed() {
         let temp = tempfile::tempdir().unwrap();
-        let own =
-            ["history.csv", "report.html", "summary.json", "old.pvd", "frames/old_000000.vtu", "frames/old_1000000.vtu"];
+        let own = [
+            "history.csv",
+            "report.html",
+            "summary.json",
+            "old.pvd",
+            "frames/old_000000.vtu",
+            "frames/old_1000000.vtu",
+        ];
         let foreign =
             ["notes.txt", "other.pvd", "frames/other_000000.vtu", "frames/old_final.vtu", "frames/old_1.vtu"];
         own.iter().chain(&foreign).for_each(|name| write(temp.path().join(name), "x"));

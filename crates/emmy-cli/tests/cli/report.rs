@@ -16,7 +16,10 @@ fn the_page_has_the_summary_digit_for_digit_and_the_loaded_interval() {
     let manifest = manifest(&place, "out/report.html");
     let run = &manifest["runs"][0];
     assert_eq!((&run["name"], &run["summary"]), (&"out".into(), &place.summary("out")));
-    assert_eq!(run["loads"], serde_json::json!([{ "label": "traction on y-max", "intervals": [[0.0, null]] }]));
+    assert_eq!(
+        run["loads"],
+        serde_json::json!([{ "label": "traction on y-max", "intervals": [[0.0, null]] }])
+    );
     assert_eq!(run["history"]["kept"], 9);
     assert_eq!((&run["frames"]["kept"], &run["frames"]["n_nodes"]), (&5.into(), &12.into()));
     assert_eq!(run["input"].as_str(), Some(place.read("out/input.toml").as_str()));

@@ -36,9 +36,11 @@ pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> 
     }
     let mut representative = vec![0; n];
     for members in boxes(few).values() {
-        let mean = [0, 1, 2].map(|i| members.iter().map(|&m| at(m as usize)[i]).sum::<f64>() / members.len() as f64);
+        let mean =
+            [0, 1, 2].map(|i| members.iter().map(|&m| at(m as usize)[i]).sum::<f64>() / members.len() as f64);
         let distance = |m: u32| (0..3).map(|i| (at(m as usize)[i] - mean[i]).powi(2)).sum::<f64>();
-        let nearest = members.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+        let nearest =
+            members.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
         members.iter().for_each(|&member| representative[member as usize] = nearest);
     }
     replaced(&surface, &representative)
@@ -57,7 +59,8 @@ fn replaced(surface: &Surface, representative: &[u32]) -> Surface {
             edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
         }
     }
-    let links: BTreeSet<[u32; 2]> = surface.links.iter().map(|link| link.map(new)).filter(|[a, b]| a != b).collect();
+    let links: BTreeSet<[u32; 2]> =
+        surface.links.iter().map(|link| link.map(new)).filter(|[a, b]| a != b).collect();
     let used: BTreeSet<u32> = triangles.iter().flatten().chain(links.iter().flatten()).copied().collect();
     let number: HashMap<u32, u32> = used.iter().enumerate().map(|(new, &old)| (old, new as u32)).collect();
     Surface {

@@ -20,7 +20,8 @@ pub(super) struct Listed {
 /// before others.
 pub(super) fn collection(directory: &Path) -> Option<(String, Vec<Listed>)> {
     let own = directory.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_os_string()));
-    let mut names: Vec<PathBuf> = fs::read_dir(directory).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    let mut names: Vec<PathBuf> =
+        fs::read_dir(directory).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
     names.retain(|path| path.extension().is_some_and(|extension| extension == "pvd"));
     names.sort_by_key(|path| (path.file_stem() != own.as_deref(), path.clone()));
     names.into_iter().find_map(|path| {
@@ -47,8 +48,14 @@ mod tests {
     #[test]
     fn frames_come_in_their_order_with_times_and_steps() {
         let temp = tempfile::tempdir().unwrap();
-        let set = |time: &str, step: u32| format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"frames/a_{step:06}.vtu\"/>");
-        let text = format!("{COLLECTION_MARK}<VTKFile><Collection>{}{}</Collection></VTKFile>", set("0.0", 0), set("1e-3", 1_000_020));
+        let set = |time: &str, step: u32| {
+            format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"frames/a_{step:06}.vtu\"/>")
+        };
+        let text = format!(
+            "{COLLECTION_MARK}<VTKFile><Collection>{}{}</Collection></VTKFile>",
+            set("0.0", 0),
+            set("1e-3", 1_000_020)
+        );
         fs::write(temp.path().join("a.pvd"), text).unwrap();
         fs::write(temp.path().join("b.pvd"), "<VTKFile/>").unwrap();
         let (name, frames) = collection(temp.path()).unwrap();

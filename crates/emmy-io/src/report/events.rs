@@ -7,7 +7,9 @@ pub(super) fn events(text: &str) -> Vec<Value> {
     let mut records = records(text).into_iter();
     let head = records.next().unwrap_or_default();
     let column = |name: &str| head.iter().position(|column| column == name);
-    let [Some(step), Some(time), Some(event)] = ["step", "time", "event"].map(column) else { return Vec::new() };
+    let [Some(step), Some(time), Some(event)] = ["step", "time", "event"].map(column) else {
+        return Vec::new();
+    };
     let message = column("message");
     let row = |cells: Vec<String>| {
         let number: usize = cells.get(step)?.parse().ok()?;

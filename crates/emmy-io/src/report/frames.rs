@@ -8,7 +8,7 @@ use super::coarse::coarsened;
 use super::collection::Listed;
 use super::pack::{Pack, quantised};
 use super::surface::Surface;
-use super::{MAX_FRAME_BYTES, MAX_NODES, ReportError};
+use super::{MAX_NODES, ReportError};
 use crate::mesh::{MeshError, vtu};
 
 /// A number at every node that the page may colour by.
@@ -69,8 +69,8 @@ fn norm(vector: &[f64]) -> f64 {
 /// Bytes of a node's displacement in a frame.
 const DISPLACEMENT: usize = 6;
 
-/// Packs mesh and frames; what the page needs to know of them, or `None` without a frame.
-pub(super) fn gather(listed: &[Listed], pack: &mut Pack) -> Result<Option<Value>, ReportError> {
+/// Packs mesh and frames, in so many bytes before compression; what the page needs to know of them, or `None` without a frame.
+pub(super) fn gather(listed: &[Listed], room: usize, pack: &mut Pack) -> Result<Option<Value>, ReportError> {
     let Some(first) = listed.first() else { return Ok(None) };
     let bytes = read(first)?;
     let frame = vtu::frame(&first.path, &bytes)?;
@@ -82,12 +82,13 @@ pub(super) fn gather(listed: &[Listed], pack: &mut Pack) -> Result<Option<Value>
     }
     let surface = coarsened(whole, &frame.points, MAX_NODES);
     let fields = present(first, &bytes, &frame)?;
-    let kept = kept(listed.len(), surface.nodes.len() * (DISPLACEMENT + fields.len()));
+    let kept = kept(listed.len(), room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
     let kept: Vec<&Listed> = kept.into_iter().map(|index| &listed[index]).collect();
     pack_mesh(&surface, &frame.points, pack);
     pack_frames(&kept, &surface, frame.points.len(), &fields, pack)?;
     let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false });
-    let of_field = |field: &&Field| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
+    let of_field =
+        |field: &&Field| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
     let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
     Ok(Some(json!({
         "written": listed.len(),
@@ -116,8 +117,8 @@ fn present(first: &Listed, bytes: &[u8], frame: &vtu::Frame) -> Result<Vec<&'sta
 }
 
 /// Indices of the frames that are kept: as many as there is room for, at equal distances, the first and the last among them.
-fn kept(n: usize, bytes_of_frame: usize) -> Vec<usize> {
-    let room = (MAX_FRAME_BYTES / bytes_of_frame.max(1)).max(2);
+fn kept(n: usize, bytes: usize, bytes_of_frame: usize) -> Vec<usize> {
+    let room = (bytes / bytes_of_frame.max(1)).max(2);
     if n <= room {
         return (0..n).collect();
     }
@@ -153,14 +154,16 @@ fn pack_frames(
     fields: &[&Field],
     pack: &mut Pack,
 ) -> Result<(), ReportError> {
-    let names: Vec<&str> = ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
+    let names: Vec<&str> =
+        ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
     let (mut displacement, mut bounds) = (Vec::new(), [Vec::new(), Vec::new()]);
     let mut packed: Vec<(Vec<u8>, [Vec<f64>; 2])> = vec![Default::default(); fields.len()];
     for frame in kept {
         let arrays = vtu::fields(&frame.path, &read(frame)?, &names)?;
         let at = |array: usize, components: usize| {
             let numbers = arrays[array].chunks_exact(components);
-            let numbers: Vec<&[f64]> = if arrays[array].len() == components * n_points { numbers.collect() } else { Vec::new() };
+            let numbers: Vec<&[f64]> =
+                if arrays[array].len() == components * n_points { numbers.collect() } else { Vec::new() };
             surface.nodes.iter().map(move |&node| numbers.get(node as usize).copied())
         };
         for axis in 0..3 {
@@ -194,11 +197,11 @@ mod tests {
 
     #[test]
     fn frames_are_kept_as_far_as_there_is_room() {
-        assert_eq!(kept(3, 100), [0, 1, 2]);
-        assert_eq!(kept(1, MAX_FRAME_BYTES * 2), [0]);
-        let some = kept(1001, MAX_FRAME_BYTES / 11);
+        assert_eq!(kept(3, 1000, 100), [0, 1, 2]);
+        assert_eq!(kept(1, 1000, 2000), [0]);
+        let some = kept(1001, 1100, 100);
         assert_eq!((some.len(), some[0], some[5], some[10]), (11, 0, 500, 1000));
         // A surface that fills the page by itself still moves.
-        assert_eq!(kept(50, MAX_FRAME_BYTES * 2), [0, 49]);
+        assert_eq!(kept(50, 1000, 2000), [0, 49]);
     }
 }

@@ -35,11 +35,14 @@ use crate::directory::{MARK, replace};
 use crate::mesh::MeshError;
 use run::{Place, RunData};
 
-/// Rows of the history that a page has at most; of a longer one those with the extremes of every column are kept.
+/// Rows of histories that a page has at most; of longer ones those with the extremes of every column are kept.
 pub const MAX_ROWS: usize = 12_000;
 
 /// Bytes of all frames of a page before compression, at most; of more frames some are kept, at equal distances.
 pub const MAX_FRAME_BYTES: usize = 5_000_000;
+
+/// Rows that a run keeps in any case, however many share the page.
+const FEWEST_ROWS: usize = 2_000;
 
 /// Nodes of a surface at most; a larger one is made coarser.
 pub const MAX_NODES: usize = 20_000;
@@ -79,7 +82,7 @@ pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
-    let run = RunData::gather(directory, Place::default())?;
+    let run = RunData::gather(directory, Place::default(), Room::shared_by(1))?;
     written(directory, &[run])
 }
 
@@ -88,12 +91,29 @@ pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
 /// # Errors
 /// [`ReportError`].
 pub fn write_comparison(directory: &Path, runs: &[(String, PathBuf)]) -> Result<PathBuf, ReportError> {
+    let room = Room::shared_by(runs.len());
     let gather = |(name, run): &(String, PathBuf)| {
         let place = Place { name: Some(name.clone()), href: relative(directory, run) };
-        RunData::gather(run, place)
+        RunData::gather(run, place, room)
     };
     let runs = runs.iter().map(gather).collect::<Result<Vec<_>, _>>()?;
     written(directory, &runs)
+}
+
+/// What a run may take of a page.
+#[derive(Debug, Clone, Copy)]
+struct Room {
+    /// Rows of its history.
+    rows: usize,
+    /// Bytes of its frames.
+    frame_bytes: usize,
+}
+
+impl Room {
+    fn shared_by(n_runs: usize) -> Room {
+        let n = n_runs.max(1);
+        Room { rows: (MAX_ROWS / n).max(FEWEST_ROWS), frame_bytes: MAX_FRAME_BYTES / n }
+    }
 }
 
 fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
@@ -107,7 +127,8 @@ fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
 fn relative(from: &Path, to: &Path) -> String {
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let (from, to) = (whole(from), whole(to));
-    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) = (from.components().collect(), to.components().collect());
+    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (from.components().collect(), to.components().collect());
     let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     if common == 0 {
         let parts = to.iter().map(|part| part.as_os_str().to_string_lossy()).filter(|part| part != "/");

@@ -40,7 +40,8 @@ pub(super) struct Pack {
 impl Pack {
     /// Adds an array.
     pub(super) fn push<T: Item>(&mut self, name: &str, items: &[T]) {
-        let place = json!({ "name": name, "type": T::NAME, "length": items.len(), "offset": self.bytes.len() });
+        let place =
+            json!({ "name": name, "type": T::NAME, "length": items.len(), "offset": self.bytes.len() });
         self.places.push(place);
         for plane in 0..T::WIDTH {
             self.bytes.extend(items.iter().map(|item| item.byte(plane)));

@@ -50,7 +50,9 @@ pub(super) fn page(runs: &[RunData]) -> String {
         "manifest" => inside_script(&manifest),
         "data" => runs.iter().enumerate().map(arrays).collect(),
         "scripts" => SCRIPTS.join("\n"),
-        place => PARTS.iter().find(|(name, _)| *name == place).map_or(String::new(), |(_, text)| text.to_string()),
+        place => {
+            PARTS.iter().find(|(name, _)| *name == place).map_or(String::new(), |(_, text)| text.to_string())
+        }
     })
 }
 
@@ -81,7 +83,11 @@ mod tests {
     use super::*;
 
     fn run(name: &str, input: &str) -> RunData {
-        RunData { name: name.into(), manifest: json!({ "name": name, "input": input }), arrays: "abc=".into() }
+        RunData {
+            name: name.into(),
+            manifest: json!({ "name": name, "input": input }),
+            arrays: "abc=".into(),
+        }
     }
 
     #[test]
@@ -97,7 +103,11 @@ mod tests {
     #[test]
     fn names_and_inputs_cannot_end_the_page() {
         let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")]);
-        assert!(page.contains("<title>&lt;b&gt;</title>") && !page.contains("alert(1)\"</") && !page.contains("</script><script>alert"));
+        assert!(
+            page.contains("<title>&lt;b&gt;</title>")
+                && !page.contains("alert(1)\"</")
+                && !page.contains("</script><script>alert")
+        );
     }
 
     #[test]
@@ -107,9 +117,15 @@ mod tests {
             assert!(!text.contains("</script><") && !text.contains("@import") && !text.contains("fetch("));
             // Names of XML vocabularies are not addresses.
             let rest = text.replace("http://www.w3.org/2000/svg", "");
-            let addresses = rest.match_indices("http").filter(|(at, _)| rest[*at..].starts_with("http://") || rest[*at..].starts_with("https://"));
-            let addresses: Vec<&str> = addresses.map(|(at, _)| &rest[at..(at + 60).min(rest.len())]).collect();
-            assert!(addresses.iter().all(|address| address.starts_with("https://github.com/leeoniya")), "{addresses:?}");
+            let addresses = rest
+                .match_indices("http")
+                .filter(|(at, _)| rest[*at..].starts_with("http://") || rest[*at..].starts_with("https://"));
+            let addresses: Vec<&str> =
+                addresses.map(|(at, _)| &rest[at..(at + 60).min(rest.len())]).collect();
+            assert!(
+                addresses.iter().all(|address| address.starts_with("https://github.com/leeoniya")),
+                "{addresses:?}"
+            );
         }
     }
 }

@@ -10,7 +10,7 @@ use super::events::events;
 use super::loads::loads;
 use super::pack::Pack;
 use super::thinning::kept_rows;
-use super::{MAX_ROWS, ReportError, frames};
+use super::{ReportError, Room, frames};
 use crate::comparison::Run;
 use crate::directory::FILES;
 use crate::history::{COLUMNS, History};
@@ -38,20 +38,22 @@ pub(super) struct RunData {
 
 impl RunData {
     /// Gathers a run. Only history and summary must be there.
-    pub(super) fn gather(directory: &Path, place: Place) -> Result<Self, ReportError> {
+    pub(super) fn gather(directory: &Path, place: Place, room: Room) -> Result<Self, ReportError> {
         let run = Run::read(directory)?;
         let name = place.name.unwrap_or_else(|| name_of(directory, run.name));
         let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
         let tree: toml::Table = input.parse().unwrap_or_default();
         let mut pack = Pack::default();
-        let (history, steps) = pack_history(&run.history, &mut pack);
+        let (history, steps) = pack_history(&run.history, room.rows, &mut pack);
         pack_newton(&directory.join("newton.csv"), &run.history, &steps, &mut pack);
         let (collection, listed) = collection(directory).unzip();
-        let frames = frames::gather(&listed.unwrap_or_default(), &mut pack)?;
+        let frames = frames::gather(&listed.unwrap_or_default(), room.frame_bytes, &mut pack)?;
         let (places, arrays) = pack.finish();
         let events = fs::read_to_string(directory.join("events.csv")).unwrap_or_default();
         let files = FILES.iter().chain(&["input.toml"]).map(|file| file.to_string()).chain(collection);
-        let is_there = |file: &String| directory.join(file).is_file() && (file != "report.html" || !place.href.is_empty());
+        let is_there = |file: &String| {
+            directory.join(file).is_file() && (file != "report.html" || !place.href.is_empty())
+        };
         let manifest = json!({
             "name": name,
             "href": place.href,
@@ -81,17 +83,19 @@ fn probes(input: &toml::Table) -> Vec<&str> {
 }
 
 /// Packs the columns of a history; what the page needs to know of it, and the rows that are kept.
-fn pack_history(history: &History, pack: &mut Pack) -> (Value, Vec<usize>) {
+fn pack_history(history: &History, limit: usize, pack: &mut Pack) -> (Value, Vec<usize>) {
     let (columns, rows) = (history.columns(), history.rows());
     // Time and count go only upwards: the first row of a stretch will do.
     let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds");
-    let peaked: Vec<usize> = (0..columns.len().min(COLUMNS.len() + 1 + 12)).filter(|&i| !is_steady(&columns[i])).collect();
-    let (kept, stretches) = kept_rows(rows, &peaked, MAX_ROWS);
+    let peaked: Vec<usize> =
+        (0..columns.len().min(COLUMNS.len() + 1 + 12)).filter(|&i| !is_steady(&columns[i])).collect();
+    let (kept, stretches) = kept_rows(rows, &peaked, limit);
     for (index, name) in columns.iter().enumerate() {
         let column: Vec<f64> = kept.iter().map(|&row| rows[row][index]).collect();
         pack.push(&format!("history/{name}"), &column);
     }
-    let known = json!({ "columns": columns, "written": rows.len(), "kept": kept.len(), "buckets": stretches });
+    let known =
+        json!({ "columns": columns, "written": rows.len(), "kept": kept.len(), "buckets": stretches });
     (known, kept)
 }
 
@@ -110,6 +114,9 @@ fn pack_newton(path: &Path, history: &History, kept: &[usize], pack: &mut Pack) 
     pack.push("newton/start", &start);
     pack.push("newton/end", &end);
     pack.push("newton/count", &steps.iter().map(|step| step.residuals.len() as u32).collect::<Vec<_>>());
-    pack.push("newton/residual", &steps.iter().flat_map(|s| s.residuals.iter().map(|&r| r as f32)).collect::<Vec<_>>());
+    pack.push(
+        "newton/residual",
+        &steps.iter().flat_map(|s| s.residuals.iter().map(|&r| r as f32)).collect::<Vec<_>>(),
+    );
     pack.push("newton/target", &steps.iter().map(|step| step.target as f32).collect::<Vec<_>>());
 }

@@ -69,9 +69,13 @@ impl Surface {
         let used: BTreeSet<u32> =
             self.triangles.iter().flatten().chain(self.links.iter().flatten()).copied().collect();
         self.nodes = used.into_iter().collect();
-        let number: HashMap<u32, u32> = self.nodes.iter().enumerate().map(|(new, &old)| (old, new as u32)).collect();
+        let number: HashMap<u32, u32> =
+            self.nodes.iter().enumerate().map(|(new, &old)| (old, new as u32)).collect();
         let lists = self.triangles.iter_mut().flatten();
-        lists.chain(self.edges.iter_mut().flatten()).chain(self.links.iter_mut().flatten()).for_each(|node| *node = number[node]);
+        lists
+            .chain(self.edges.iter_mut().flatten())
+            .chain(self.links.iter_mut().flatten())
+            .for_each(|node| *node = number[node]);
     }
 }
 
@@ -145,7 +149,11 @@ mod tests {
         ] {
             let (points, surface) = cell(kind);
             assert_eq!(surface.triangles.len(), n_triangles, "{kind}");
-            assert!((area(&points, &surface) - expected).abs() < 1e-12, "{kind}: {}", area(&points, &surface));
+            assert!(
+                (area(&points, &surface) - expected).abs() < 1e-12,
+                "{kind}: {}",
+                area(&points, &surface)
+            );
         }
     }
 

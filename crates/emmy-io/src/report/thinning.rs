@@ -32,7 +32,9 @@ mod tests {
 
     fn noise(n: usize) -> Vec<Vec<f64>> {
         // Fractions of multiples of irrational numbers.
-        (0..n).map(|i| vec![i as f64, (i as f64 * 0.618_033_988_7).fract(), (i as f64 * 0.414_213_562).fract()]).collect()
+        (0..n)
+            .map(|i| vec![i as f64, (i as f64 * 0.618_033_988_7).fract(), (i as f64 * 0.414_213_562).fract()])
+            .collect()
     }
 
     #[test]

@@ -10,7 +10,8 @@ use super::term::StepInput;
 use crate::average::{Average, Want};
 use crate::material::Material;
 use crate::tensor::{
-    Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3, three,
+    Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
+    three,
 };
 
 /// Working memory of an assembly, one for each part.
