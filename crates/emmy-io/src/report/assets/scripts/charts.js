@@ -33,8 +33,8 @@ function chartsOfRun(run, clock) {
       line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
       line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3])] }),
     residuals(run),
-    ofRun(run, { title: "Angular momentum", unit: "about the origin", lines: vector("angular_momentum", "L") }),
-    ofRun(run, { title: "Linear momentum", lines: vector("linear_momentum", "P") }),
+    ofRun(run, { title: "Angular momentum", unit: "about the origin" + ifRounding(run, "angular_momentum"), lines: vector("angular_momentum", "L") }),
+    ofRun(run, { title: "Linear momentum", unit: ifRounding(run, "linear_momentum"), lines: vector("linear_momentum", "P") }),
     newtonChart(run, clock),
     ofRun(run, { title: "Step size", height: 150, range: fromZero, lines: [
       { ...line("h", fromFirstStep(column("step_size")), "--c0"), stairs: true }] }),
@@ -49,6 +49,11 @@ function chartsOfRun(run, clock) {
       lines: AXES.map(([axis, colour, dash]) => line(axis, column(`${probe}_${axis}`), colour, dash)) }));
   }
   return specs;
+}
+
+// A momentum of rounding only looks like something on a scale of its own.
+function ifRounding(run, key) {
+  return isRounding(run, key) ? " nothing but rounding" : "";
 }
 
 // The defects of a step, as parts of the size of their quantity.

@@ -11,17 +11,21 @@ const SIGNS = {
   poor: ["M8 1 L15 14 H1 Z", "does not close"],
 };
 
+// A body that does not move or turn on the whole has no momentum but rounding, and nothing is small next to that.
+function isRounding(run, key) {
+  const scale = run.summary[`${key}_scale`];
+  return scale > 0 && run.largest[key] < 1e-9 * scale;
+}
+
 // The three balances of a run with what they are measured by.
 function balances(run) {
   const summary = run.summary;
   const momentum = (key, letter) => {
     const largest = run.largest[key];
     const scale = summary[`${key}_scale`];
-    // A body that does not move or turn on the whole has no momentum but rounding, and nothing is small next to that.
-    const isRounding = scale > 0 && largest < 1e-9 * scale;
     if (scale === undefined && largest < 10 * summary[`worst_${key}_residual`]) return [NaN, null];
     const bound = key === "angular_momentum" ? "√(2\u00a0T\u00a0I)" : "√(2\u00a0T\u00a0m)";
-    return isRounding ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
+    return isRounding(run, key) ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
   };
   const balance = (name, key, [size, of], drift) => {
     const worst = summary[`worst_${key}_residual`];

@@ -63,7 +63,7 @@ class Viewer {
     this.settings.edges = frames.triangles.length < 30000;
     this.toggles.edges.checked = this.settings.edges;
     // Without it there is nothing to show but rounding.
-    this.turns = run.largest.angular_momentum > 1e-9 * (run.summary.angular_momentum_scale ?? 0);
+    this.turns = !isRounding(run, "angular_momentum");
     this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
     this.start();
   }
