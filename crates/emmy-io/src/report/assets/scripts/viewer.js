@@ -39,8 +39,8 @@ class Viewer {
         element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement, views),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
         toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()),
-        toggle("Colours of this frame", "perFrame", () => this.refresh())));
-    this.toggles.perFrame.parentNode.title = "from the smallest to the largest value of the frame instead of the run";
+        toggle("Range of frame", "perFrame", () => this.refresh())));
+    this.toggles.perFrame.parentNode.title = "colours from the smallest to the largest value of the frame instead of the run";
     this.toggles.follow.parentNode.title = "keep the body in the middle";
   }
 
