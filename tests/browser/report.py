@@ -190,6 +190,22 @@ def check_comparison(browser, directory, runs):
     return n
 
 
+def check_begun(browser, emmy, source, directory):
+    """A run that has just begun: no row of its history, then one."""
+    os.makedirs(directory)
+    lines = open(f"{source}/history.csv").read().splitlines(keepends=True)
+    for name in ["input.toml", "summary.json"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    for rows in [0, 1]:
+        open(f"{directory}/history.csv", "w").writelines(lines[:rows + 1])
+        subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+        page = browser.page(f"{directory}/report.html")
+        page.press("ArrowRight")
+        assert time_shown(page) == 0.0
+        check_silence(page)
+        page.close()
+
+
 def check_long(browser, emmy, source, directory):
     """A history of 200,000 steps: the page is small, quick, and has the peak."""
     os.makedirs(directory)
@@ -241,6 +257,7 @@ def main():
         compare = [emmy, "compare", *(f"{place}/{run}" for run in compared), "--output", f"{place}/compare", "--quiet"]
         subprocess.run(compare, check=True, stdout=subprocess.DEVNULL)
         n += check_comparison(browser, f"{place}/compare", compared)
+        check_begun(browser, emmy, f"{place}/charts-only", f"{place}/begun")
         size, seconds = check_long(browser, emmy, f"{place}/charts-only", f"{place}/long")
         sizes = {run: os.path.getsize(f"{place}/{run}/report.html") // 1000 for run in RUNS}
         print(f"reports: {n} numbers as in the summaries; kB: {sizes}")

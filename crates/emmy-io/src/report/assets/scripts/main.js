@@ -36,8 +36,10 @@ showHeading(manifest.runs);
 try {
   const runs = (await Promise.all(manifest.runs.map((run, index) => readRun(index, run)))).map(prepared);
   showVerdict(document.getElementById("verdict"), runs);
-  const longest = runs.reduce((a, b) => (b.time[b.time.length - 1] > a.time[a.time.length - 1] ? b : a));
-  const clock = new Clock(Math.min(...runs.map((run) => run.time[0])), longest.time[longest.time.length - 1]);
+  // A run that has just begun may have no row yet.
+  const endOf = (run) => run.time[run.time.length - 1] ?? 0;
+  const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
+  const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
   const withFrames = runs.filter((run) => run.frames);
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");

@@ -25,7 +25,7 @@ function showTransport(place, clock, run, times, isAlone) {
   clock.follow((time) => {
     const row = lastBefore(run.time, time);
     slider.value = clock.end > clock.start ? Math.round((10000 * (time - clock.start)) / (clock.end - clock.start)) : 0;
-    const step = run.column("step")[row];
+    const step = run.column("step")[row] ?? 0;
     output.replaceChildren("t = ", element("b", {}, number(time, 5)), isAlone ? `, step ${step} of ${run.summary.steps}` : "");
     slider.setAttribute("aria-valuetext", `t = ${number(time, 5)}, step ${step}`);
     if (wasPlaying !== clock.isPlaying) {
