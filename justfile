@@ -45,7 +45,12 @@ book:
 book-results:
     cargo run --release -p emmy-validation -- --output book/src/paper
 
-# The picture of the README.
+# Reports in a browser (needs Chromium: `apt-get install chromium`), and the picture of the README.
+test-browser:
+    cargo build --release -p emmy-cli
+    python3 tests/browser/report.py target/release/emmy --picture docs/report.png
+
+# The drawing of the README.
 picture:
     cargo run --release -p emmy-io --example tumble > docs/tumble.svg
 

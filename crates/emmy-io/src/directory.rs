@@ -1,8 +1,8 @@
 //! The output directory: nothing of anybody else's is ever written over or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, `history.csv`, `summary.json`, the frames
-//! of its collections and its series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], the frames of its collections and its
+//! series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
 //!
 //! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
@@ -26,6 +26,8 @@ pub(crate) const PART: &str = ".part";
 /// Endings of what a run that was killed may leave beside its files.
 const UNFINISHED: [&str; 6] =
     [".vtkhdf.part", ".vtkhdf.copy", ".pvd.part", "history.csv.part", "summary.json.part", "input.toml.part"];
+/// What a run writes besides its input and its frames.
+pub const FILES: [&str; 5] = ["history.csv", "newton.csv", "events.csv", "summary.json", "report.html"];
 
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
@@ -141,7 +143,7 @@ fn is_run(path: &Path) -> bool {
 }
 
 fn remove_run(path: &Path) -> io::Result<()> {
-    for name in ["history.csv", "summary.json"] {
+    for name in FILES {
         remove(&path.join(name))?;
     }
     let collections = names(path)?.into_iter().filter(|name| name.ends_with(".pvd"));
@@ -247,6 +249,7 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         let own = [
             "history.csv",
+            "report.html",
             "summary.json",
             "old.pvd",
             "frames/old_000000.vtu",

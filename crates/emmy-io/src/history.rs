@@ -1,14 +1,14 @@
 //! `history.csv`: one row for the start and one a step; written, and read back.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Record, View};
 
 use crate::input::Probe;
 
-/// Columns before those of the probes.
+/// Columns that every history has.
 pub const COLUMNS: [&str; 18] = [
     "step",
     "time",
@@ -30,6 +30,9 @@ pub const COLUMNS: [&str; 18] = [
     "wall_seconds",
 ];
 
+/// Column after [`COLUMNS`]: smallest det F at the quadrature points; `inf` for a body of links.
+const SMALLEST_DETERMINANT: &str = "smallest_determinant";
+
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
@@ -39,9 +42,9 @@ pub enum Number {
     Real(f64),
 }
 
-/// Names of all columns: [`COLUMNS`], then the current position of each probe.
+/// Names of all columns: [`COLUMNS`], `smallest_determinant`, then the current position of each probe.
 pub fn columns(probes: &[Probe]) -> Vec<String> {
-    let own = COLUMNS.iter().map(|name| name.to_string());
+    let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]).map(str::to_string);
     let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
     own.chain(probes.iter().flat_map(of_probe)).collect()
 }
@@ -74,6 +77,7 @@ fn own_columns(record: &Record, wall_seconds: f64) -> Vec<Number> {
     row.push(Real(record.angular_momentum_residual));
     row.push(Whole(record.newton_iterations));
     row.push(Real(wall_seconds));
+    row.push(Real(record.smallest_determinant));
     row
 }
 
@@ -154,16 +158,15 @@ impl History {
     /// # Errors
     /// [`HistoryError`] with the line.
     pub fn read(path: &Path) -> Result<Self, HistoryError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| HistoryError::System { path: path.to_path_buf(), error })?;
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        let mut lines = whole.lines();
-        let columns: Vec<String> = lines.next().unwrap_or("").split(',').map(str::to_string).collect();
+        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
+        let mut lines = WholeLines { reader: BufReader::new(File::open(path).map_err(system)?) };
+        let head = lines.next().transpose().map_err(system)?.unwrap_or_default();
+        let columns: Vec<String> = head.split(',').map(str::to_string).collect();
         if let Some(column) = COLUMNS.into_iter().find(|name| !columns.iter().any(|column| column == name)) {
             return Err(HistoryError::Column { path: path.to_path_buf(), column });
         }
-        let row = |(i, line): (usize, &str)| {
-            numbers(line, columns.len()).map_err(|reason| HistoryError::Row {
+        let row = |(i, line): (usize, io::Result<String>)| {
+            numbers(&line.map_err(system)?, columns.len()).map_err(|reason| HistoryError::Row {
                 path: path.to_path_buf(),
                 line: i + 2,
                 reason,
@@ -179,9 +182,38 @@ impl History {
         Some(self.rows.iter().map(|row| row[index]).collect())
     }
 
+    /// Names of the columns.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Rows, each with a number for every column.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.rows.len()
+    }
+}
+
+/// Lines of a file, without the last one if it has no end.
+struct WholeLines {
+    reader: BufReader<File>,
+}
+
+impl Iterator for WholeLines {
+    type Item = io::Result<String>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut line = String::new();
+        if let Err(error) = self.reader.read_line(&mut line) {
+            return Some(Err(error));
+        }
+        let end = line.strip_suffix('\n')?.trim_end_matches('\r').len();
+        line.truncate(end);
+        Some(Ok(line))
     }
 }
 
@@ -206,8 +238,9 @@ mod tests {
         HistoryFile::create(&path, &[]).unwrap().write(&own_columns(&record, 0.5)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-        assert_eq!(lines[0], COLUMNS);
-        assert_eq!(lines[1].len(), COLUMNS.len());
+        assert_eq!(lines[0][..COLUMNS.len()], COLUMNS);
+        assert_eq!(lines[0][COLUMNS.len()..], [SMALLEST_DETERMINANT]);
+        assert_eq!(lines[1].len(), lines[0].len());
         assert_eq!((lines[1][0], lines[1][1].parse()), ("3", Ok(0.1 + 0.2)));
         assert_eq!(lines[1][3].parse(), Ok(1e-300));
         let history = History::read(&path).unwrap();

@@ -7,6 +7,8 @@
 //! | [`results`] | everything that a run writes, as one observer of a motion |
 //! | [`directory`] | the output directory, and what in it is Emmy's |
 //! | [`history`] | `history.csv` |
+//! | [`newton`] | `newton.csv` |
+//! | [`report`] | `report.html` |
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or one file of them all (`.vtkhdf`) |
 //! | [`summary`] | `summary.json` |
 //! | [`chart`] | charts as `.svg` and `.png` |
@@ -25,7 +27,9 @@ pub mod history;
 pub mod input;
 pub mod limits;
 pub mod mesh;
+pub mod newton;
 mod picture;
+pub mod report;
 pub mod results;
 pub mod summary;
 pub mod tally;

@@ -12,21 +12,33 @@ use crate::directory::{self, DirectoryError, MARK, replace};
 use crate::history::{self, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
+use crate::newton::NewtonFile;
+use crate::report::{self, ReportError};
 use crate::summary::{self, Heading, Status};
 use crate::tally::Tally;
 use crate::vtk::FrameWriter;
 
-/// Writes `input.toml`, `history.csv`, the frames and `summary.json` into the output directory, and watches the limits.
+/// Writes `input.toml`, `history.csv`, `newton.csv`, the frames, `summary.json` and `report.html` into the output directory,
+/// and watches the limits.
 #[derive(Debug)]
 pub struct Results {
     output: Output,
     limits: Limits,
     heading: Heading,
     history: HistoryFile,
+    newton: NewtonFile,
     frames: Option<Frames>,
     tally: Tally,
     started: Instant,
+    /// Seconds after which the page is written anew.
+    report_due: f64,
 }
+
+/// Seconds between two pages of a run that is going on, at the least.
+const BETWEEN_REPORTS: f64 = 5.0;
+
+/// The run goes on for so many times the time that a page took before the next one: pages cost at most 2 per cent of it.
+const SPARINGLY: f64 = 50.0;
 
 impl Results {
     /// Makes the directory ready and opens the files. The clock starts here.
@@ -43,6 +55,7 @@ impl Results {
         let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         let history = HistoryFile::create(&directory.join("history.csv"), &output.probes)?;
+        let newton = NewtonFile::create(&directory.join("newton.csv"))?;
         let frames = || Frames::create(problem);
         let frames = (output.every > 0).then(frames).transpose()?;
         let (heading, tally) = (Heading::new(problem), Tally::default());
@@ -53,9 +66,11 @@ impl Results {
             output,
             heading,
             history,
+            newton,
             frames,
             tally,
             started: Instant::now(),
+            report_due: BETWEEN_REPORTS,
         })
     }
 
@@ -71,6 +86,28 @@ impl Results {
         let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
         summary::write(&self.directory().join("summary.json"), &summary)?;
         Ok(summary)
+    }
+
+    /// Writes `report.html`, of the run as far as it is.
+    ///
+    /// # Errors
+    /// [`ReportError`] if a file cannot be written, or read back.
+    pub fn report(&self) -> Result<PathBuf, ReportError> {
+        report::write(self.directory())
+    }
+
+    /// Writes summary and page of a run that is going on, if it is time. A page that cannot be written is no reason to end a
+    /// run: the one at the end tells why.
+    fn report_progress(&mut self) -> io::Result<()> {
+        let begin = self.wall_seconds();
+        if begin >= self.report_due {
+            let summary = self.heading.summary(&self.tally, Status::Running, None, begin);
+            summary::write(&self.directory().join("summary.json"), &summary)?;
+            let _ = self.report();
+            let now = self.wall_seconds();
+            self.report_due = now + BETWEEN_REPORTS.max(SPARINGLY * (now - begin));
+        }
+        Ok(())
     }
 
     /// The output directory.
@@ -130,12 +167,14 @@ impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let row = history::row(view, &self.output.probes, self.wall_seconds());
         self.history.write(&row)?;
+        self.newton.write(view)?;
         if let Some(frames) =
             self.frames.as_mut().filter(|_| view.record.step.is_multiple_of(self.output.every))
         {
             frames.write(view.state)?;
         }
         self.tally.add(view);
+        self.report_progress()?;
         Ok(limits::check(&self.limits, &self.tally)?)
     }
 }

@@ -49,8 +49,14 @@ pub struct Tally {
     pub angular_momentum: Worst,
     /// Largest T + |V| \[energy\]: the total energy, but where an attraction makes V negative.
     pub largest_energy: f64,
+    /// Largest norm of the linear momentum.
+    pub largest_linear_momentum: f64,
     /// Largest norm of the angular momentum.
     pub largest_angular_momentum: f64,
+    /// Largest linear momentum that the largest kinetic energy allows, `sqrt(2 T m)`.
+    pub linear_momentum_scale: f64,
+    /// Largest angular momentum that the largest kinetic energy allows in the reference configuration, `sqrt(2 T I)`.
+    pub angular_momentum_scale: f64,
     /// Sum of the energy residuals so far \[energy\].
     pub accumulated_energy: f64,
     /// Sum of the norms of the angular momentum residuals so far, without those that are rounding only.
@@ -86,14 +92,17 @@ impl Tally {
     }
 
     fn add_balances(&mut self, record: &Record, body: &Body) {
-        let norm = record.angular_momentum.iter().map(|l| l * l).sum::<f64>().sqrt();
+        let norm = |vector: [f64; 3]| vector.iter().map(|v| v * v).sum::<f64>().sqrt();
         self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
-        self.largest_angular_momentum = self.largest_angular_momentum.max(norm);
+        self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));
+        self.largest_angular_momentum = self.largest_angular_momentum.max(norm(record.angular_momentum));
+        let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();
+        self.linear_momentum_scale = (2.0 * self.largest_kinetic_energy * mass).sqrt();
+        self.angular_momentum_scale = (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
         self.accumulated_energy += record.energy_residual;
-        let rounding = ROUNDING * (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
         let residual = record.angular_momentum_residual;
-        if residual > rounding || residual.is_nan() {
+        if residual > ROUNDING * self.angular_momentum_scale || residual.is_nan() {
             self.accumulated_angular_momentum += residual;
         }
     }

@@ -1,10 +1,11 @@
-//! `emmy compare DIR...`: runs side by side, as charts and as a table.
+//! `emmy compare DIR...`: runs side by side, as a page, as charts and as a table.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use emmy_io::comparison::{self, Run, RunError};
 use emmy_io::directory;
+use emmy_io::report;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -36,10 +37,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     comparison::write(&arguments.output, &runs).map_err(|error| {
         Failure::Other(format!("cannot write the charts to {}: {error}", arguments.output.display()))
     })?;
+    let named = runs.iter().map(|run| run.name.clone()).zip(arguments.directories.iter().cloned());
+    let page = report::write_comparison(&arguments.output, &named.collect::<Vec<_>>())?;
     print::result(&if arguments.json { lines(&runs) } else { table(&runs) })?;
     if !arguments.quiet {
         let stem = arguments.output.join("compare");
         eprintln!("written: {0}.svg, {0}.png, and each chart by itself, {0}-*", stem.display());
+        eprintln!("to look at: {}", page.display());
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ mod completions;
 mod converge;
 mod list;
 mod new;
+mod report;
 mod run;
 
 use std::path::PathBuf;
@@ -28,7 +29,12 @@ pub enum Verb {
     /// Emmy's are never written over or removed; a directory that holds only such files is refused. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
-    /// Show several runs side by side: charts and a table
+    /// Write the page of a run, report.html, anew
+    ///
+    /// A run writes it by itself, at its end and from time to time before. The page opens from disk in a browser: the motion in
+    /// three dimensions, energies, momenta, balances, and the verdict.
+    Report(report::Arguments),
+    /// Show several runs side by side: a page, charts and a table
     Compare(compare::Arguments),
     /// Measure the error over the step size
     ///
@@ -49,6 +55,7 @@ impl Verb {
             Verb::New(arguments) => new::run(&arguments),
             Verb::Check(arguments) => check::run(&arguments),
             Verb::Run(arguments) => run::run(&arguments),
+            Verb::Report(arguments) => report::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Converge(arguments) => converge::run(&arguments),
             Verb::List(arguments) => list::run(&arguments),

@@ -38,7 +38,8 @@ fn runs_are_drawn_and_listed_side_by_side() {
         let png = std::fs::read(place.path(&format!("compare/{chart}.png"))).unwrap();
         assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{chart}");
     }
-    assert_eq!(names.len(), 18);
+    assert_eq!(names.len(), 19);
+    assert!(place.read("compare/report.html").contains("<title>conserving, standard</title>"));
     // Again, into the same place; and as JSON.
     let again = place.succeed(&["compare", "conserving", "--quiet", "--json"]);
     assert!(again.stderr.is_empty());

@@ -8,6 +8,7 @@ mod examples;
 mod links;
 mod messages;
 mod reference;
+mod report;
 mod results;
 mod run;
 mod verbs;

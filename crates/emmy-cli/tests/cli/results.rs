@@ -4,13 +4,15 @@ use super::{BOX, Place};
 
 const COLUMNS: &str = "step,time,step_size,kinetic_energy,strain_energy,external_work,total_energy,energy_residual,\
     linear_momentum_x,linear_momentum_y,linear_momentum_z,angular_momentum_x,angular_momentum_y,angular_momentum_z,\
-    linear_momentum_residual,angular_momentum_residual,newton_iterations,wall_seconds,tip_x,tip_y,tip_z";
+    linear_momentum_residual,angular_momentum_residual,newton_iterations,wall_seconds,smallest_determinant,tip_x,tip_y,tip_z";
 
 #[test]
 fn the_history_has_its_columns_and_a_row_a_step() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
-    assert_eq!(place.names("out"), ["frames", "history.csv", "input.toml", "out.pvd", "summary.json"]);
+    let files =
+        ["frames", "history.csv", "input.toml", "newton.csv", "out.pvd", "report.html", "summary.json"];
+    assert_eq!(place.names("out"), files);
     assert_eq!(place.read("out/history.csv").lines().next(), Some(COLUMNS));
     let history = place.history("out");
     assert_eq!(history["step"], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
@@ -24,6 +26,29 @@ fn the_history_has_its_columns_and_a_row_a_step() {
     }
     let worst = history["energy_residual"].iter().fold(0.0, |worst: f64, x| worst.max(x.abs()));
     assert_eq!(place.summary("out")["worst_energy_residual"].as_f64(), Some(worst));
+}
+
+/// The body is undeformed at the start, and every step ends with a residual below its target.
+#[test]
+fn newton_and_determinants_are_recorded() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    let det = &history["smallest_determinant"];
+    assert!((det[0] - 1.0).abs() < 1e-15 && det[8] < 1.0 && det[8] > 0.5, "{det:?}");
+    let text = place.read("out/newton.csv");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("step,iteration,residual,target"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    for step in 1..9 {
+        let rows: Vec<&Vec<f64>> = rows.iter().filter(|row| row[0] == step as f64).collect();
+        // One evaluation before each correction; the last residual is not evaluated.
+        assert_eq!(rows.len() as f64, history["newton_iterations"][step]);
+        assert!(rows.iter().enumerate().all(|(i, row)| row[1] == i as f64));
+        let last = rows.last().unwrap();
+        assert!(last[2] <= last[3] && rows[0][2] > 1e3 * last[3], "{rows:?}");
+    }
 }
 
 #[test]

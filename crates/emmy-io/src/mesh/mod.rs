@@ -3,7 +3,7 @@
 mod abaqus;
 mod error;
 mod gmsh;
-mod vtu;
+pub(crate) mod vtu;
 
 use std::fs;
 use std::path::Path;

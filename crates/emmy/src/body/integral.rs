@@ -10,7 +10,8 @@ use super::term::StepInput;
 use crate::average::{Average, Want};
 use crate::material::Material;
 use crate::tensor::{
-    Batch, LANES, Mat3, Packed, Register, Tangent, dot3, green_lagrange, inlined, mat3, three,
+    Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
+    three,
 };
 
 /// Working memory of an assembly, one for each part.
@@ -182,22 +183,23 @@ pub fn integrate<R: Register, M: Material>(
     }
 }
 
-/// Stored energy of part `part` of a batch at a nodal displacement.
+/// Stored energy of part `part` of a batch at a nodal displacement, and the smallest det F.
 #[inline(always)]
-pub fn strain_energy<R: Register, M: Material>(
+pub fn strained<R: Register, M: Material>(
     zero: R,
     (cells, batch, part): (&CellBatches, usize, usize),
     material: &M,
     nodal: &[[Packed; 3]],
-) -> R {
-    let mut energy = zero;
+) -> (R, R) {
+    let (mut energy, mut min_det) = (zero, zero.splat(f64::INFINITY));
     for (point, geometry) in cells.geometry_of(batch).iter().enumerate() {
         let (dN, inverse) = (cells.reference_gradients_at(point), inverse_jacobian(zero, geometry, part));
         let G = field_gradient(zero, nodal, dN, &inverse, part);
         let W = material.strain_energy(&green_lagrange(&G));
         energy = W.mul_add(zero.load(&geometry.weight, part), energy);
+        min_det = min_det.min(det_of_identity_plus(&G));
     }
-    energy
+    (energy, min_det)
 }
 
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Energies and momenta of a state (section 2).
 
-use super::Body;
+use super::{Body, Strained};
 
 /// Sum of a nodal vector, `[n_nodes][3]`.
 pub fn sum(vector: &[f64]) -> [f64; 3] {
@@ -27,6 +27,21 @@ impl Body {
 
     /// Strain energy V of a displacement, with the potential of springs and attractions to the ground \[energy\].
     pub fn strain_energy(&self, displacement: &[f64]) -> f64 {
-        self.terms.iter().chain(self.ground.iter()).map(|term| term.strain_energy(displacement)).sum()
+        self.strained(displacement).strain_energy
+    }
+
+    /// Strain energy and smallest det F of a displacement; the latter is infinite for a body of links.
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// let rubber = NeoHooke::new(1000.0, 500.0)?;
+    /// let body = Body::new(mesh::block([1.0; 3], [2; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+    /// let squeezed: Vec<f64> = body.mesh().points().iter().flat_map(|X| [0.0, 0.0, -0.2 * X[2]]).collect();
+    /// assert!((body.strained(&squeezed).smallest_determinant - 0.8).abs() < 1e-14);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn strained(&self, displacement: &[f64]) -> Strained {
+        let terms = self.terms.iter().chain(self.ground.iter());
+        terms.fold(Strained::NONE, |sum, term| sum.with(term.strained(displacement)))
     }
 }

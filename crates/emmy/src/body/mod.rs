@@ -38,7 +38,7 @@ pub use loads::LoadResultant;
 pub use mass::MassSolver;
 pub use regions::RegionSummary;
 pub use symmetry::symmetry_axis;
-pub use term::{Custom, Solid, StepInput, Term};
+pub use term::{Custom, Solid, StepInput, Strained, Term};
 
 use drive::Drive;
 use field::FieldLoad;

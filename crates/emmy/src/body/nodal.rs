@@ -7,7 +7,7 @@ use super::input::{GroundAttraction, GroundSpring, Nodal, PointMass};
 use super::integral::Scratch;
 use super::regions::RegionSummary;
 use super::solid::SolidTerm;
-use super::term::{StepInput, Term};
+use super::term::{StepInput, Strained, Term};
 use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::material::Link;
@@ -134,9 +134,10 @@ impl Term for GroundSprings {
         Ok(())
     }
 
-    fn strain_energy(&self, displacement: &[f64]) -> f64 {
+    fn strained(&self, displacement: &[f64]) -> Strained {
         let square = |node: u32| displacement[3 * node as usize..][..3].iter().map(|u| u * u).sum::<f64>();
-        self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node)).sum()
+        let energies = self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node));
+        Strained { strain_energy: energies.sum(), ..Strained::NONE }
     }
 }
 

@@ -8,12 +8,12 @@ use pulp::{Arch, Simd, WithSimd};
 use super::batches::CellBatches;
 use super::geometry::CellTable;
 use super::integral::{self, BatchMemory, PointMemory, Scratch};
-use super::term::{StepInput, Term};
+use super::term::{StepInput, Strained, Term};
 use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Batch, LANES, Packed, Register};
+use crate::tensor::{Batch, LANES, Lane, Packed, Register};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
@@ -145,11 +145,12 @@ impl<M: Material> SolidTerm<M> {
         }
     }
 
-    /// Stored energy of some batches.
+    /// What a displacement does to some batches.
     #[inline(always)]
-    fn energy_of<R: Register>(&self, zero: R, batches: Range<usize>, displacement: &[f64]) -> f64 {
+    fn strained_of<R: Register>(&self, zero: R, batches: Range<usize>, displacement: &[f64]) -> Strained {
         let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
-        let (nodal, mut energies, mut sum) = (&mut memory[..self.cells.n_nodes], Packed([0.0; LANES]), 0.0);
+        let (nodal, mut sum) = (&mut memory[..self.cells.n_nodes], Strained::NONE);
+        let (mut energies, mut dets) = (Packed([0.0; LANES]), Packed([f64::INFINITY; LANES]));
         for batch in batches {
             self.cells.gather(
                 batch,
@@ -160,30 +161,37 @@ impl<M: Material> SolidTerm<M> {
             let cells = self.cells.cells_of(batch);
             for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
                 let place = (&self.cells, batch, part);
-                integral::strain_energy(zero, place, self.material(cell), nodal).store(&mut energies, part);
+                let (energy, det) = integral::strained(zero, place, self.material(cell), nodal);
+                energy.store(&mut energies, part);
+                if !M::IS_LINK {
+                    det.store(&mut dets, part);
+                }
             }
-            sum += energies.0[..cells.len()].iter().sum::<f64>();
+            for lane in 0..cells.len() {
+                sum.smallest_determinant = Lane::min(sum.smallest_determinant, dets.0[lane]);
+            }
+            sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
         }
         sum
     }
 
-    /// Stored energy of some batches, added up in an order that does not depend on the threads.
-    fn energy_sum(&self, batches: Range<usize>, displacement: &[f64]) -> f64 {
+    /// What a displacement does to some batches, added up in an order that does not depend on the threads.
+    fn strained_sum(&self, batches: Range<usize>, displacement: &[f64]) -> Strained {
         if batches.len() <= ENERGY_RUN {
             return if M::IS_LINK {
-                self.energy_of(0.0, batches, displacement)
+                self.strained_of(0.0, batches, displacement)
             } else {
-                Arch::new().dispatch(EnergySum { term: self, batches, displacement })
+                Arch::new().dispatch(StrainedSum { term: self, batches, displacement })
             };
         }
         let middle = batches.start + batches.len() / 2;
         let (left, right) = (batches.start..middle, middle..batches.end);
-        let sum = |batches| self.energy_sum(batches, displacement);
+        let sum = |batches| self.strained_sum(batches, displacement);
         let (left, right) = match self.parts.len() {
             1 => (sum(left), sum(right)),
             _ => rayon::join(|| sum(left), || sum(right)),
         };
-        left + right
+        left.with(right)
     }
 }
 
@@ -223,18 +231,18 @@ impl<M: Material> WithSimd for PartAssembly<'_, M> {
     }
 }
 
-/// The stored energy of some batches, in the registers of an instruction set.
-struct EnergySum<'a, M> {
+/// What a displacement does to some batches, in the registers of an instruction set.
+struct StrainedSum<'a, M> {
     term: &'a SolidTerm<M>,
     batches: Range<usize>,
     displacement: &'a [f64],
 }
 
-impl<M: Material> WithSimd for EnergySum<'_, M> {
-    type Output = f64;
+impl<M: Material> WithSimd for StrainedSum<'_, M> {
+    type Output = Strained;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        self.term.energy_of(Batch::new(simd, 0.0), self.batches, self.displacement)
+    fn with_simd<S: Simd>(self, simd: S) -> Strained {
+        self.term.strained_of(Batch::new(simd, 0.0), self.batches, self.displacement)
     }
 }
 
@@ -282,7 +290,7 @@ impl<M: Material> Term for SolidTerm<M> {
         Arch::new().dispatch(PartAssembly { term: self, step, want, batches, scratch, sink })
     }
 
-    fn strain_energy(&self, displacement: &[f64]) -> f64 {
-        self.energy_sum(0..self.cells.len(), displacement)
+    fn strained(&self, displacement: &[f64]) -> Strained {
+        self.strained_sum(0..self.cells.len(), displacement)
     }
 }

@@ -13,7 +13,7 @@ use crate::material::{
     Ogden, Orthotropic, SaintVenantKirchhoff, Yeoh,
 };
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::Sym;
+use crate::tensor::{Lane, Sym};
 
 /// A step as the terms see it.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,28 @@ pub struct StepInput<'a> {
     pub displacement: &'a [f64],
     /// Rates x_j of the displacement, `[k][n_nodes][3]`.
     pub rates: &'a [f64],
+}
+
+/// What a displacement does to cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strained {
+    /// Stored energy \[energy\].
+    pub strain_energy: f64,
+    /// Smallest det F at the quadrature points; infinite where there is no F that means something (links, springs).
+    pub smallest_determinant: f64,
+}
+
+impl Strained {
+    /// Nothing at all.
+    pub const NONE: Strained = Strained { strain_energy: 0.0, smallest_determinant: f64::INFINITY };
+
+    /// Both together.
+    pub fn with(self, other: Strained) -> Strained {
+        Strained {
+            strain_energy: self.strain_energy + other.strain_energy,
+            smallest_determinant: Lane::min(self.smallest_determinant, other.smallest_determinant),
+        }
+    }
 }
 
 /// Part of the internal force: stage averages f_i, their derivatives, and the stored energy.
@@ -52,8 +74,8 @@ pub trait Term: fmt::Debug + Send + Sync {
         sink: &mut RowPart,
     ) -> Result<()>;
 
-    /// Stored energy at a displacement \[energy\].
-    fn strain_energy(&self, displacement: &[f64]) -> f64;
+    /// What a displacement does to the term.
+    fn strained(&self, displacement: &[f64]) -> Strained;
 }
 
 /// What a region can be made of: it makes the term of a table of cells.

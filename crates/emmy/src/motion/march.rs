@@ -109,7 +109,8 @@ impl<'a> Motion<'a> {
     }
 
     fn notify(&self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
-        let view = View { body: self.body, state: &self.state, record: &self.record };
+        let (body, state, record) = (self.body, &self.state, &self.record);
+        let view = View { body, state, record, newton_residuals: self.stepper.newton_history() };
         observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)
     }
 }
@@ -118,7 +119,9 @@ impl Record {
     /// The record with energies and momenta of a state.
     fn with_invariants(mut self, body: &Body, state: &State) -> Record {
         self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
-        self.strain_energy = body.strain_energy(&state.displacement);
+        let strained = body.strained(&state.displacement);
+        self.strain_energy = strained.strain_energy;
+        self.smallest_determinant = strained.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
         self.linear_momentum = sum(&state.momentum);
         self.angular_momentum = body.moment(&state.displacement, &state.momentum);
@@ -134,6 +137,7 @@ impl Record {
             step_size,
             external_work: self.external_work + impulses.work,
             newton_iterations: outcome.newton.iterations,
+            newton_target: outcome.newton.target,
             linear_iterations: outcome.newton.linear_iterations,
             renewals: outcome.newton.renewals,
             took_exact_tangent: outcome.newton.took_exact_tangent,

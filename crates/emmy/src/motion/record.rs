@@ -38,8 +38,12 @@ pub struct Record {
     pub linear_momentum_residual: f64,
     /// Norm of the defect of the step's angular momentum balance.
     pub angular_momentum_residual: f64,
+    /// Smallest det F at the quadrature points: how far the body is from being turned inside out. Infinite for links.
+    pub smallest_determinant: f64,
     /// Number of Newton iterations (linear systems solved).
     pub newton_iterations: usize,
+    /// What the norm of Newton's residual had to fall below.
+    pub newton_target: f64,
     /// Number of iterations of the linear solver.
     pub linear_iterations: usize,
     /// How often the stiffness that the linear solver works with was made anew.
@@ -61,6 +65,9 @@ pub struct View<'a> {
     pub state: &'a State,
     /// Energies, momenta, balances.
     pub record: &'a Record,
+    /// Norms of Newton's residuals in the step, one for each evaluation; of the second part where a step has two, empty at the
+    /// start and for explicit steppers.
+    pub newton_residuals: &'a [f64],
 }
 
 /// Looks on while a motion is computed: files, progress, plots hang on the loop through this trait.

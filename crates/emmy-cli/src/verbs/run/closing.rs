@@ -1,5 +1,7 @@
 //! The short report at the end of a run, on standard error.
 
+use std::path::Path;
+
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use emmy_io::tally::Worst;
@@ -7,7 +9,7 @@ use emmy_io::tally::Worst;
 use crate::print::number;
 
 /// Prints how far the run came, its worst balances, and where the files are.
-pub fn report(results: &Results, status: Status) {
+pub fn report(results: &Results, status: Status, page: Option<&Path>) {
     let tally = results.tally();
     let (steps, time, seconds) = (tally.steps, number(tally.time), results.wall_seconds());
     let iterations = tally.newton_iterations;
@@ -36,6 +38,9 @@ pub fn report(results: &Results, status: Status) {
     files.extend(results.collection());
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     eprintln!("written: {}", files.join(", "));
+    if let Some(page) = page {
+        eprintln!("to look at: {}", page.display());
+    }
 }
 
 fn worst(name: &str, worst: Worst, relative: Option<(f64, &str)>) {

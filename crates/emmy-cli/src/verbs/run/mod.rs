@@ -56,8 +56,10 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         print::result(&format!("{summary}\n"))?;
     }
+    // The numbers are safe: a page that cannot be written does not make a run fail.
+    let report = results.report().inspect_err(|error| eprintln!("note: no report was written: {error}")).ok();
     if !arguments.quiet {
-        closing::report(&results, status);
+        closing::report(&results, status, report.as_deref());
     }
     failure.map_or(Ok(()), Err)
 }

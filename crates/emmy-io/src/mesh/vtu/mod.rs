@@ -3,6 +3,7 @@
 mod array;
 mod cell;
 mod file;
+mod frame;
 mod groups;
 
 use std::path::Path;
@@ -10,6 +11,8 @@ use std::path::Path;
 use emmy::mesh::MeshBuilder;
 
 use super::{KINDS, MeshError, MeshFile, Origin, Place, Result, counted, finished, without_mark};
+pub(crate) use frame::{Frame, fields, frame};
+
 use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
 use file::{Grid, Parts, document, no_cells};
 

@@ -1,0 +1,32 @@
+//! `emmy report DIR`: the page of a run, anew.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use emmy_io::report::{self, ReportError};
+
+use crate::failure::Failure;
+use crate::print;
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Output directory of a run; it may be going on
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+}
+
+/// Writes the page and prints its path.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let path = report::write(&arguments.directory)?;
+    print::result(&format!("{}\n", path.display()))
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        match error {
+            ReportError::System { .. } => Failure::Other(format!("the report cannot be written: {error}")),
+            error => Failure::Usage { message: error.to_string(), help: None },
+        }
+    }
+}

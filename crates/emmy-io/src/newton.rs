@@ -1,0 +1,111 @@
+//! `newton.csv`: the residuals of Newton's iteration in every step; written, and read back.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::Path;
+
+use emmy::motion::View;
+
+/// Columns of the file.
+pub const COLUMNS: &str = "step,iteration,residual,target";
+
+/// The file: one row an evaluation of the residual, with the number of corrections before it and what it had to fall below.
+/// Every step is on disk once it is written. Norms have four digits.
+#[derive(Debug)]
+pub struct NewtonFile {
+    file: File,
+}
+
+impl NewtonFile {
+    /// A new file with its header.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let mut file = File::create(path)?;
+        file.write_all(format!("{COLUMNS}\n").as_bytes())?;
+        Ok(NewtonFile { file })
+    }
+
+    /// Writes the rows of a step.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write(&mut self, view: View<'_>) -> io::Result<()> {
+        self.write_step(view.record.step, view.newton_residuals, view.record.newton_target)
+    }
+
+    fn write_step(&mut self, step: usize, residuals: &[f64], target: f64) -> io::Result<()> {
+        let mut rows = String::new();
+        for (iteration, residual) in residuals.iter().enumerate() {
+            let _ = writeln!(rows, "{step},{iteration},{residual:.3e},{target:.3e}");
+        }
+        self.file.write_all(rows.as_bytes())?;
+        self.file.flush()
+    }
+}
+
+/// Newton's iteration in a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewtonStep {
+    /// Number of the step.
+    pub step: usize,
+    /// Norms of the residuals, one for each evaluation.
+    pub residuals: Vec<f64>,
+    /// What they had to fall below.
+    pub target: f64,
+}
+
+/// Reads the steps that are asked for, ascending. Rows that are damaged or still being written are left out.
+///
+/// # Errors
+/// What the system refuses.
+pub fn read(path: &Path, mut is_wanted: impl FnMut(usize) -> bool) -> io::Result<Vec<NewtonStep>> {
+    let mut reader = BufReader::new(File::open(path)?);
+    let (mut steps, mut line) = (Vec::<NewtonStep>::new(), String::new());
+    loop {
+        line.clear();
+        if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
+            return Ok(steps);
+        }
+        let Some((step, residual, target)) = row(&line) else { continue };
+        if steps.last().is_none_or(|last| last.step != step) {
+            if !is_wanted(step) {
+                continue;
+            }
+            steps.push(NewtonStep { step, residuals: Vec::new(), target });
+        }
+        if let Some(last) = steps.last_mut() {
+            last.residuals.push(residual);
+        }
+    }
+}
+
+fn row(line: &str) -> Option<(usize, f64, f64)> {
+    let mut cells = line.trim_end().split(',');
+    let step = cells.next()?.parse().ok()?;
+    let residual = cells.nth(1)?.parse().ok()?;
+    Some((step, residual, cells.next()?.parse().ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_come_back_as_they_were() {
+        let temp = tempfile::tempdir().unwrap();
+        let path = temp.path().join("newton.csv");
+        let mut file = NewtonFile::create(&path).unwrap();
+        file.write_step(0, &[], 0.0).unwrap();
+        file.write_step(1, &[2.0, 1.234e-5], 1e-8).unwrap();
+        file.write_step(2, &[f64::NAN], 0.5).unwrap();
+        file.write_step(3, &[1e300, 0.0], 0.5).unwrap();
+        // Killed while it wrote a row.
+        file.file.write_all(b"4,0,1.0").unwrap();
+        let steps = read(&path, |step| step != 2).unwrap();
+        let expected = [(1, vec![2.0, 1.234e-5], 1e-8), (3, vec![1e300, 0.0], 0.5)];
+        assert_eq!(steps, expected.map(|(step, residuals, target)| NewtonStep { step, residuals, target }));
+    }
+}

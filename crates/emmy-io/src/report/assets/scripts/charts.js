@@ -1,0 +1,116 @@
+// The charts of the page: what is drawn of one run, and of several.
+
+const AXES = [["x", "--c1", []], ["y", "--c2", [6, 3]], ["z", "--c0", [2, 3]]];
+
+function showCharts(place, runs, clock) {
+  const specs = runs.length === 1 ? chartsOfRun(runs[0], clock) : chartsOfRuns(runs, clock);
+  specs.forEach((spec) => new Chart(place, spec, clock));
+  clock.follow((time) => charts.forEach((chart) => chart.show(time)));
+  new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(place);
+  isDark.addEventListener("change", () => charts.forEach((chart) => chart.build()));
+}
+
+// Lines of one run over its own times.
+function ofRun(run, spec) {
+  const lines = spec.lines.map((line) => ({ times: run.time, ...line }));
+  return { shaded: run.shaded, marks: run.marks, data: () => [run.time, ...lines.map((line) => line.values)], ...spec, lines };
+}
+
+// Lines of several runs over the times of all of them.
+function ofRuns(spec) {
+  const data = () => uPlot.join(spec.lines.map((line) => [line.times, line.values]));
+  return { data, ...spec };
+}
+
+function chartsOfRun(run, clock) {
+  const column = run.column;
+  const line = (label, values, colour, dash, width) => ({ label, values, colour, dash, width });
+  const vector = (name, letter) => [
+    ...AXES.map(([axis, colour, dash]) => line(`${letter}${axis}`, column(`${name}_${axis}`), colour, dash)),
+    line(`|${letter}|`, run.norm(name), "--ink", [], 2)];
+  const specs = [
+    ofRun(run, { title: "Energies", note: run.loadNote, height: 190, lines: [
+      line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
+      line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3])] }),
+    residuals(run),
+    ofRun(run, { title: "Angular momentum", unit: "about the origin" + ifRounding(run, "angular_momentum"), lines: vector("angular_momentum", "L") }),
+    ofRun(run, { title: "Linear momentum", unit: ifRounding(run, "linear_momentum"), lines: vector("linear_momentum", "P") }),
+    newtonChart(run, clock),
+    ofRun(run, { title: "Step size", height: 150, range: fromZero, lines: [
+      { ...line("h", fromFirstStep(column("step_size")), "--c0"), stairs: true }] }),
+  ];
+  const determinant = column("smallest_determinant");
+  if (determinant?.some(Number.isFinite)) {
+    specs.push(ofRun(run, { title: "Smallest det F", unit: "over all quadrature points; 1: volume unchanged", height: 150,
+      lines: [line("min det F", nulled(determinant), "--c0")] }));
+  }
+  for (const probe of run.probes) {
+    specs.push(ofRun(run, { title: `Probe ${probe}`, unit: "position", height: 150,
+      lines: AXES.map(([axis, colour, dash]) => line(axis, column(`${probe}_${axis}`), colour, dash)) }));
+  }
+  return specs;
+}
+
+// A momentum of rounding only looks like something on a scale of its own.
+function ifRounding(run, key) {
+  return isRounding(run, key) ? " nothing but rounding" : "";
+}
+
+// The defects of a step, as parts of the size of their quantity.
+function residuals(run) {
+  const colours = { energy: ["--ink", [], 1.7], linear_momentum: ["--c2", [6, 3], 1.4], angular_momentum: ["--c1", [2, 3], 1.7] };
+  const labels = { energy: "energy", linear_momentum: "linear mom.", angular_momentum: "angular mom." };
+  const lines = balances(run).map(({ key, size }) => {
+    const [colour, dash, width] = colours[key];
+    return { label: labels[key], values: sizes(run.column(`${key}_residual`), size), colour, dash, width };
+  });
+  return ofRun(run, { title: "Balance of each step", unit: "defect, as a part of the largest T + V, |P|, |L|", log: true, height: 190, lines });
+}
+
+// Sizes of defects as parts of a size; exact zeros and the start are left out, a logarithm has no place for them.
+function sizes(values, size) {
+  return Array.from(values, (value, i) => (i === 0 || value === 0 || !Number.isFinite(value) ? null : Math.abs(value) / (size || 1)));
+}
+
+function nulled(values) {
+  return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+}
+
+// What belongs to steps: the start takes the value of the first one.
+function fromFirstStep(values) {
+  const all = Array.from(values);
+  if (all.length > 1) all[0] = all[1];
+  return all;
+}
+
+function fromZero(plot, min, max) {
+  return [0, max > 0 ? 1.12 * max : 1];
+}
+
+function chartsOfRuns(runs, clock) {
+  const each = (values) => runs.map((run) => ({
+    label: run.name, times: run.time, values: values(run), colour: `--c${run.index % 8}`, dash: DASHES[run.index % DASHES.length],
+  }));
+  const residual = (key, title, unit) => {
+    const values = (run) => sizes(run.column(`${key}_residual`), balances(run).find((balance) => balance.key === key).size);
+    return ofRuns({ title, unit, log: true, height: 190, lines: each(values) });
+  };
+  const column = (name) => each((run) => run.column(name));
+  const stairs = (name) => each((run) => fromFirstStep(run.column(name))).map((line) => ({ ...line, stairs: true }));
+  const specs = [
+    ofRuns({ title: "Total energy", unit: "T + V", height: 190, lines: column("total_energy") }),
+    residual("energy", "Energy balance of each step", "defect, of the largest T + V"),
+    ofRuns({ title: "Angular momentum", unit: "|L| about the origin", height: 190, lines: each((run) => run.norm("angular_momentum")) }),
+    residual("angular_momentum", "Angular momentum balance of each step", "defect, of the largest |L|"),
+    ofRuns({ title: "Linear momentum", unit: "|P|", lines: each((run) => run.norm("linear_momentum")) }),
+    residual("linear_momentum", "Linear momentum balance of each step", "defect, of the largest |P|"),
+    ofRuns({ title: "Kinetic energy", unit: "T", lines: column("kinetic_energy") }),
+    ofRuns({ title: "Strain energy", unit: "V", lines: column("strain_energy") }),
+    ofRuns({ title: "Newton iterations", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),
+    ofRuns({ title: "Step size", range: fromZero, lines: stairs("step_size") }),
+  ];
+  if (runs.every((run) => run.column("smallest_determinant")?.some(Number.isFinite))) {
+    specs.push(ofRuns({ title: "Smallest det F", lines: each((run) => nulled(run.column("smallest_determinant"))) }));
+  }
+  return specs;
+}

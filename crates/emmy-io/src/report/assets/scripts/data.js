@@ -1,0 +1,51 @@
+// The data of the page: a manifest in JSON, and for each run one compressed block of typed arrays.
+
+const BYTES = { f64: 8, f32: 4, u32: 4, u16: 2, u8: 1 };
+const ARRAYS = { f64: Float64Array, f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
+
+// Bytes of a block, out of base64 and zlib.
+async function inflated(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// An array whose bytes stand plane by plane: all first bytes, all second bytes, and so on, which compresses better.
+function unpacked(block, { type, length, offset }) {
+  const width = BYTES[type];
+  const bytes = new Uint8Array(length * width);
+  for (let plane = 0; plane < width; plane++) {
+    const from = offset + plane * length;
+    for (let i = 0; i < length; i++) bytes[i * width + plane] = block[from + i];
+  }
+  return new ARRAYS[type](bytes.buffer);
+}
+
+// A run with `array(name)`, which is null for what the run does not have, and `column(name)` of its history.
+async function readRun(index, run) {
+  const block = await inflated(document.getElementById(`run-${index}`).textContent);
+  const places = new Map(run.arrays.map((place) => [place.name, place]));
+  const cache = new Map();
+  const array = (name) => {
+    if (!places.has(name)) return null;
+    if (!cache.has(name)) cache.set(name, unpacked(block, places.get(name)));
+    return cache.get(name);
+  };
+  const column = (name) => array(`history/${name}`);
+  const norm = (name) => {
+    const [x, y, z] = ["x", "y", "z"].map((axis) => column(`${name}_${axis}`));
+    return x.map((_, i) => Math.hypot(x[i], y[i], z[i]));
+  };
+  return { ...run, index, array, column, norm, time: column("time") };
+}
+
+// Index of the last of ascending times that is not after a time; 0 before the first.
+function lastBefore(times, time) {
+  const tolerance = 1e-9 * Math.max(Math.abs(time), Math.abs(times[times.length - 1]));
+  let low = 0, high = times.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time + tolerance) low = middle; else high = middle;
+  }
+  return low;
+}

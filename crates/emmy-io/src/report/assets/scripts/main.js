@@ -1,0 +1,63 @@
+// Puts the page together.
+
+const manifest = JSON.parse(document.getElementById("manifest").textContent);
+
+// What charts mark and measure a run by.
+function prepared(run) {
+  const largest = (values) => values.reduce((most, value) => (value > most ? value : most), 0);
+  run.largest = {
+    linear_momentum: run.summary.largest_linear_momentum ?? largest(run.norm("linear_momentum")),
+    angular_momentum: run.summary.largest_angular_momentum,
+  };
+  const end = run.time[run.time.length - 1];
+  run.shaded = loadedIntervals(run, end);
+  const names = (loads) => (loads.length > 2 ? `${loads.length} loads` : loads.map((load) => load.label).join(", "));
+  const shaded = names(run.loads.filter((load) => load.intervals !== null));
+  const always = names(run.loads.filter((load) => load.intervals === null));
+  const notes = [shaded && `shaded: ${shaded}`, always && `throughout: ${always}`];
+  run.loadNote = notes.filter(Boolean).join("; ");
+  run.marks = run.events.slice(0, 300).map((event) => ({ time: event.time, title: `step ${event.step}, t = ${number(event.time)}: ${event.message || event.event}` }));
+  return run;
+}
+
+// Intervals in which some load acts, joined. Loads that act throughout shade nothing.
+function loadedIntervals(run, end) {
+  const all = run.loads.flatMap((load) => load.intervals ?? []).map(([from, to]) => [from, Math.min(to ?? end, end)]).sort((a, b) => a[0] - b[0]);
+  const joined = [];
+  for (const [from, to] of all) {
+    const last = joined[joined.length - 1];
+    if (last && from <= last[1]) last[1] = Math.max(last[1], to);
+    else if (to > from) joined.push([from, to]);
+  }
+  return joined;
+}
+
+showHeading(manifest.runs);
+try {
+  const runs = (await Promise.all(manifest.runs.map((run, index) => readRun(index, run)))).map(prepared);
+  showVerdict(document.getElementById("verdict"), runs);
+  // A run that has just begun may have no row yet.
+  const endOf = (run) => run.time[run.time.length - 1] ?? 0;
+  const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
+  const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
+  const withFrames = runs.filter((run) => run.frames);
+  if (withFrames.length) {
+    document.querySelector(".stage").classList.add("with-viewer");
+    new Viewer(document.getElementById("viewer"), runs, clock);
+  }
+  showCharts(document.getElementById("charts"), runs, clock);
+  showTransport(document.getElementById("transport"), clock, longest, withFrames.length ? withFrames[0].array("frames/time") : longest.time,
+    runs.length === 1);
+  showDetails(document.getElementById("details"), runs);
+  showFoot(document.getElementById("foot"), runs, manifest.version);
+  // An address that ends in #t=2.5 shows that time.
+  const wanted = Number(location.hash.match(/^#t=(.+)$/)?.[1] ?? NaN);
+  if (Number.isFinite(wanted)) clock.set(wanted);
+  else if (!isStill.matches && withFrames.length && runs.length === 1) clock.play();
+  document.documentElement.dataset.ready = "true";
+} catch (error) {
+  const fault = document.getElementById("fault");
+  fault.hidden = false;
+  fault.textContent = `This page could not be drawn: ${error.message}. The numbers stand in summary.json and history.csv.`;
+  throw error;
+}

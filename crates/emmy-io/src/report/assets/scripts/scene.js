@@ -1,0 +1,144 @@
+// The body of a run in three dimensions.
+
+class Scene {
+  constructor(canvas, frames) {
+    Object.assign(this, { canvas, frames });
+    this.renderer = new OGL.Renderer({ canvas, alpha: true, premultipliedAlpha: true, antialias: true, webgl: 2, dpr: Math.min(devicePixelRatio || 1, 2) });
+    const gl = (this.gl = this.renderer.gl);
+    if (!this.renderer.isWebgl2) throw new Error("no WebGL 2");
+    gl.clearColor(0, 0, 0, 0);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 1);
+    this.camera = new OGL.Camera(gl, { fov: 32 });
+    this.root = new OGL.Transform();
+    this.map = new OGL.Texture(gl, { width: 256, height: 1, generateMipmaps: false, magFilter: gl.NEAREST, minFilter: gl.NEAREST });
+    const reference = frames.points;
+    this.position = { size: 3, data: new Float32Array(reference), usage: gl.DYNAMIC_DRAW };
+    this.value = { size: 1, data: new Float32Array(frames.n), usage: gl.DYNAMIC_DRAW };
+    this.range = { value: [0, 1] };
+    const sharp = outline(frames);
+    this.surface = this.mesh(SURFACE, { position: this.position, value: this.value }, frames.triangles, gl.TRIANGLES);
+    this.cellEdges = this.lines({ position: this.position }, frames.edges);
+    this.outline = this.lines({ position: this.position }, sharp);
+    this.ghost = this.lines({ position: { size: 3, data: new Float32Array(reference) } }, frames.links.length ? this.joined(sharp, frames.links) : sharp);
+    this.addLinks();
+    this.addArrow();
+  }
+
+  joined(a, b) {
+    const all = new Uint32Array(a.length + b.length);
+    all.set(a);
+    all.set(b, a.length);
+    return all;
+  }
+
+  mesh(shader, attributes, index, mode, uniforms = {}, options = {}) {
+    if (index && !index.length) return null;
+    const { gl } = this;
+    const program = new OGL.Program(gl, { ...shader, cullFace: false, uniforms: { map: { value: this.map }, range: this.range, ...uniforms }, ...options });
+    const geometry = new OGL.Geometry(gl, index ? { ...attributes, index: { data: index } } : attributes);
+    const mesh = new OGL.Mesh(gl, { mode, geometry, program, frustumCulled: false });
+    mesh.setParent(this.root);
+    return mesh;
+  }
+
+  lines(attributes, index) {
+    const options = { transparent: true, depthWrite: false };
+    return this.mesh(LINES, attributes, index, this.gl.LINES, { ink: { value: [0, 0, 0, 1] } }, options);
+  }
+
+  // Links are ribbons of a width on the screen, with discs at their nodes.
+  addLinks() {
+    const { gl, frames } = this, { links } = frames;
+    this.hasLinks = links.length > 0;
+    if (!this.hasLinks) return;
+    const n = links.length / 2;
+    const index = new Uint32Array(6 * n), side = new Float32Array(4 * n);
+    for (let link = 0; link < n; link++) {
+      index.set([0, 1, 2, 2, 1, 3].map((corner) => 4 * link + corner), 6 * link);
+      // The far end sees the line the other way round.
+      side.set([1, -1, -1, 1], 4 * link);
+    }
+    this.ends = { size: 3, data: new Float32Array(12 * n), usage: gl.DYNAMIC_DRAW };
+    this.others = { size: 3, data: new Float32Array(12 * n), usage: gl.DYNAMIC_DRAW };
+    this.endValues = { size: 1, data: new Float32Array(4 * n), usage: gl.DYNAMIC_DRAW };
+    this.screen = { value: [1, 1] };
+    const attributes = { position: this.ends, other: this.others, side: { size: 1, data: side }, value: this.endValues };
+    this.mesh(LINKS, attributes, index, gl.TRIANGLES, { size: this.screen, width: { value: 4 * this.renderer.dpr } });
+    const nodes = new Uint32Array(new Set(links));
+    this.mesh(NODES, { position: this.position, value: this.value }, nodes, gl.POINTS, { width: { value: 15 * this.renderer.dpr } });
+  }
+
+  setLinks() {
+    if (!this.hasLinks) return;
+    const { links } = this.frames, at = this.position.data;
+    for (let i = 0; i < links.length; i++) {
+      const link = i >> 1, end = i & 1, node = links[i], other = links[i ^ 1];
+      for (const corner of [4 * link + 2 * end, 4 * link + 2 * end + 1]) {
+        for (let axis = 0; axis < 3; axis++) {
+          this.ends.data[3 * corner + axis] = at[3 * node + axis];
+          this.others.data[3 * corner + axis] = at[3 * other + axis];
+        }
+        this.endValues.data[corner] = this.value.data[node];
+      }
+    }
+    [this.ends, this.others, this.endValues].forEach((attribute) => { attribute.needsUpdate = true; });
+  }
+
+  // The arrow is drawn twice: faintly through the body, and fully where it is in sight.
+  addArrow() {
+    const { position, head } = arrowTriangles();
+    const attributes = () => ({ position: { size: 3, data: position }, head: { size: 1, data: head } });
+    this.arrow = { start: { value: [0, 0, 0] }, along: { value: [0, 0, 1] }, reach: { value: 1 }, thick: { value: 0.01 } };
+    const arrow = (ink, options) => this.mesh(ARROW, attributes(), null, this.gl.TRIANGLES, { ...this.arrow, ink }, options);
+    this.arrowInk = [{ value: [0, 0, 0, 1] }, { value: [0, 0, 0, 0.3] }];
+    this.arrows = [arrow(this.arrowInk[0], {}), arrow(this.arrowInk[1], { transparent: true, depthTest: false, depthWrite: false })];
+  }
+
+  setInk() {
+    const channel = (text) => text.split(",").map((part) => Number(part) / 255);
+    const hex = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
+    const edge = channel(style("--edge"));
+    if (this.cellEdges) this.cellEdges.program.uniforms.ink.value = [...edge, 0.28];
+    if (this.outline) this.outline.program.uniforms.ink.value = [...edge, 0.75];
+    if (this.ghost) this.ghost.program.uniforms.ink.value = [...hex(style("--ghost")), 0.55];
+    const ink = hex(style("--c1"));
+    this.arrowInk[0].value = [...ink, 1];
+    this.arrowInk[1].value = [...ink, 0.3];
+  }
+
+  setMap(name) {
+    const colours = colourMap(name), image = new Uint8Array(256 * 4).fill(255);
+    for (let i = 0; i < 256; i++) image.set(colours.subarray(3 * i, 3 * i + 3), 4 * i);
+    this.map.image = image;
+    this.map.needsUpdate = true;
+  }
+
+  // Shows displacement and values as they stand in the frames, displacements magnified. Returns the middle of the body.
+  setFrame(factor) {
+    const { points, displacement, values, n } = this.frames, at = this.position.data;
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < 3 * n; i++) {
+      at[i] = points[i] + factor * displacement[i];
+      const axis = i % 3;
+      if (at[i] < low[axis]) low[axis] = at[i];
+      if (at[i] > high[axis]) high[axis] = at[i];
+    }
+    this.value.data.set(values);
+    this.position.needsUpdate = this.value.needsUpdate = true;
+    this.setLinks();
+    return low.map((a, i) => (a + high[i]) / 2);
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentNode;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height);
+    this.camera.perspective({ aspect: width / height });
+    if (this.screen) this.screen.value = [width * this.renderer.dpr, height * this.renderer.dpr];
+  }
+
+  draw() {
+    this.renderer.render({ scene: this.root, camera: this.camera });
+  }
+}

@@ -1,0 +1,111 @@
+// What a run kept, in words and numbers.
+
+// Defects up to these parts of the quantity's size count as round-off: of one step, and added up over the run.
+const ROUND_OFF = { step: 1e-11, run: 1e-9 };
+// Beyond this part, added up, a balance does not close.
+const DRIFT = 1e-4;
+
+const SIGNS = {
+  good: ["M1 8 l5 5 L15 2", "closes to round-off"],
+  fair: ["M1 10 q3.5 -7 7 -3 t7 -3", "closes nearly"],
+  poor: ["M8 1 L15 14 H1 Z", "does not close"],
+};
+
+// A body that does not move or turn on the whole has no momentum but rounding, and nothing is small next to that.
+function isRounding(run, key) {
+  const scale = run.summary[`${key}_scale`];
+  return scale > 0 && run.largest[key] < 1e-9 * scale;
+}
+
+// The three balances of a run with what they are measured by.
+function balances(run) {
+  const summary = run.summary;
+  const momentum = (key, letter) => {
+    const largest = run.largest[key];
+    const scale = summary[`${key}_scale`];
+    if (scale === undefined && largest < 10 * summary[`worst_${key}_residual`]) return [NaN, null];
+    const bound = key === "angular_momentum" ? "√(2\u00a0T\u00a0I)" : "√(2\u00a0T\u00a0m)";
+    return isRounding(run, key) ? [scale, `${bound}, ${letter} being zero`] : [largest, `the largest |${letter}|`];
+  };
+  const balance = (name, key, [size, of], drift) => {
+    const worst = summary[`worst_${key}_residual`];
+    const part = worst === 0 ? 0 : worst / size;
+    return { name, key, worst, step: summary[`worst_${key}_residual_step`], size, of, part, drift };
+  };
+  return [
+    balance("Energy", "energy", [summary.largest_energy, "the largest T\u00a0+\u00a0V"], summary.energy_drift),
+    balance("Linear momentum", "linear_momentum", momentum("linear_momentum", "P"), null),
+    balance("Angular momentum", "angular_momentum", momentum("angular_momentum", "L"), summary.angular_momentum_drift),
+  ];
+}
+
+function grade({ part, drift, of }) {
+  if (of === null) return "fair";
+  const sum = drift ?? part;
+  if (part === null || Number.isNaN(part) || drift === undefined) return "poor";
+  if (part <= ROUND_OFF.step && sum <= ROUND_OFF.run) return "good";
+  return Math.max(part, sum) <= DRIFT ? "fair" : "poor";
+}
+
+function sign(mark) {
+  return element("svg", { class: "sign", viewBox: "0 0 16 16", width: 13, height: 13, "aria-hidden": "true" },
+    element("path", { d: SIGNS[mark][0], fill: "none", stroke: "currentColor", "stroke-width": "2.6", "stroke-linejoin": "round", "stroke-linecap": "round" }));
+}
+
+function balanceCard(run, balance) {
+  const mark = grade(balance);
+  const { key, part, of, step, drift } = balance;
+  const rest = element("p", { class: "rest" }, "worst of a step ", ofSummary(run, `worst_${key}_residual`));
+  if (step > 0) rest.append(", in step ", ofSummary(run, `worst_${key}_residual_step`, String(step)));
+  if (drift !== null && drift !== undefined) {
+    rest.append("; adds up to ", ofSummary(run, key === "energy" ? "energy_drift" : "angular_momentum_drift", number(drift, 2)));
+  }
+  return element("div", { class: "balance" },
+    element("h2", {}, `${balance.name} balance`),
+    element("p", { class: `word ${mark}` }, sign(mark), of === null ? "has nothing to be measured by" : SIGNS[mark][1]),
+    of === null ? null : element("p", { class: "part" }, element("b", { class: "num", "data-part": key }, number(part, 2)), ` of ${of}`),
+    rest);
+}
+
+function facts(run) {
+  const s = run.summary;
+  const fact = (term, ...value) => element("div", {}, element("dt", {}, term), element("dd", {}, ...value));
+  const small = (text) => element("small", {}, text);
+  const mean = s.steps > 0 ? ` ${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
+  return element("dl", { class: "facts" },
+    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`, degree ${s.degree}`)),
+    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(` to t = ${number(s.time)}`)),
+    fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
+    fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
+    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
+    fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
+}
+
+function showVerdict(place, runs) {
+  if (runs.length === 1) {
+    place.append(element("div", { class: "strip" }, ...balances(runs[0]).map((b) => balanceCard(runs[0], b)), facts(runs[0])));
+    return;
+  }
+  const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "steps", "Newton", "dofs", "time", "status"];
+  const cell = (run, balance) => {
+    const mark = grade(balance);
+    const word = `${balance.name} balance ${SIGNS[mark][1]}`;
+    return element("td", {}, element("span", { class: mark, role: "img", "aria-label": word, title: word }, sign(mark)), " ",
+      element("b", { class: "num", "data-part": balance.key, "data-run": run.name }, balance.of === null ? "–" : number(balance.part, 2)), " ",
+      element("small", {}, "step ", ofSummary(run, `worst_${balance.key}_residual_step`, String(balance.step))));
+  };
+  const row = (run) => element("tr", {},
+    element("th", { scope: "row" }, keySample(run.index), " ", run.files.includes("report.html") ? element("a", { href: linkTo(run.href, "report.html") }, run.name) : run.name),
+    element("td", {}, ofSummary(run, "scheme", run.summary.scheme), run.summary.degree > 1 ? `, degree ${run.summary.degree}` : ""),
+    ...balances(run).map((balance) => cell(run, balance)),
+    element("td", {}, ofSummary(run, "steps", grouped(run.summary.steps))),
+    element("td", {}, ofSummary(run, "newton_iterations", grouped(run.summary.newton_iterations))),
+    element("td", {}, ofSummary(run, "dofs", grouped(run.summary.dofs))),
+    element("td", {}, ofSummary(run, "wall_seconds", duration(run.summary.wall_seconds))),
+    element("td", {}, run.summary.status));
+  place.append(element("div", { class: "table-wrap" }, element("table", { class: "runs" },
+    element("thead", {}, element("tr", {}, ...heads.map((head) => element("th", { scope: "col" }, head)))),
+    element("tbody", {}, ...runs.map(row)))),
+    element("p", { class: "note" }, "Balances: the worst defect of a step as a part of the largest T + V, |P|, |L| of the run. ",
+      ...["good", "fair", "poor"].flatMap((mark) => [element("span", { class: mark }, sign(mark)), ` ${SIGNS[mark][1]}  `])));
+}

@@ -1,0 +1,235 @@
+// The motion: the scene with its controls.
+
+class Viewer {
+  constructor(place, runs, clock) {
+    Object.assign(this, { place, clock, runs: runs.filter((run) => run.frames) });
+    const id = (name) => document.getElementById(name);
+    [this.canvas, this.legend, this.note, this.foot, this.triad] = ["scene", "legend", "scene-note", "viewer-foot", "triad"].map(id);
+    place.hidden = false;
+    this.settings = { edges: true, ghost: true, arrow: true, follow: false, perFrame: false };
+    this.addTools(id("viewer-tools"));
+    this.choose(this.runs[0]);
+    clock.follow((time) => this.show(time));
+    new ResizeObserver(() => { this.scene?.resize(); this.draw(); }).observe(this.canvas.parentNode);
+    isDark.addEventListener("change", () => { this.scene?.setInk(); this.draw(); });
+    this.canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  addTools(place) {
+    const select = (label, changed) => {
+      const node = element("select", { "aria-label": label, onchange: () => changed(node.value) });
+      return node;
+    };
+    const toggle = (label, name, changed) => {
+      const node = element("input", { type: "checkbox", onchange: () => { this.settings[name] = node.checked; changed(); } });
+      node.checked = this.settings[name];
+      this.toggles[name] = node;
+      return element("label", {}, node, label);
+    };
+    this.toggles = {};
+    this.colour = select("Colour by", (name) => { this.field = name; this.refresh(); });
+    this.factor = select("Displacement is magnified by", () => this.frame());
+    this.run = select("Run", (index) => this.choose(this.runs[index]));
+    this.runs.forEach((run, i) => this.run.append(element("option", { value: i }, run.name)));
+    const view = (label, name) => element("button", { class: "tool", type: "button", title: `look ${name}`, "aria-label": `look ${name}`, onclick: () => this.look(label) }, label);
+    const views = element("span", { class: "views" }, view("x", "along x"), view("y", "along y"), view("z", "along z"), view("Reset", "from the side, at all of the motion"));
+    const displacement = element("label", {}, "Displacement ", this.factor);
+    place.append(
+      element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
+        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement, views),
+      element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
+        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()),
+        toggle("Range of frame", "perFrame", () => this.refresh())));
+    this.toggles.perFrame.parentNode.title = "colours from the smallest to the largest value of the frame instead of the run";
+    this.toggles.follow.parentNode.title = "keep the body in the middle";
+  }
+
+  // Goes over to a run.
+  choose(run) {
+    this.current = run;
+    this.frames = new Frames(run);
+    const { frames } = this;
+    this.reference = frames.box(0);
+    const largest = frames.rangeOf("displacement")[1];
+    this.factor.replaceChildren();
+    const proposed = proposedFactor(largest, this.reference.size);
+    const factors = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 1e4, 1e5, 1e6, proposed];
+    for (const factor of [...new Set(factors)].sort((a, b) => a - b)) {
+      this.factor.append(element("option", { value: factor, selected: factor === proposed }, `× ${grouped(factor)}`));
+    }
+    this.colour.replaceChildren(...frames.fields.map((field) => element("option", { value: field.name }, field.label)));
+    const kept = frames.fields.find((field) => field.name === this.field) ?? frames.fields.find((field) => field.name === "von_mises_stress") ?? frames.fields[0];
+    this.field = this.colour.value = kept.name;
+    this.settings.edges = frames.triangles.length < 30000;
+    this.toggles.edges.checked = this.settings.edges;
+    // Without it there is nothing to show but rounding.
+    this.turns = !isRounding(run, "angular_momentum");
+    this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
+    this.start();
+  }
+
+  start() {
+    const { frames } = this;
+    try {
+      if (this.scene) {
+        // A canvas has one context; the next scene takes a new canvas.
+        this.scene.gl.getExtension("WEBGL_lose_context")?.loseContext();
+        const canvas = this.canvas.cloneNode();
+        this.canvas.replaceWith(canvas);
+        this.canvas = canvas;
+        canvas.addEventListener("keydown", (event) => this.key(event));
+      }
+      this.scene = new Scene(this.canvas, frames);
+    } catch (error) {
+      this.note.textContent = "The motion needs WebGL 2, which this browser does not offer here; the charts do without.";
+      this.scene = null;
+      return;
+    }
+    this.orbit = new Orbit(this.scene.camera, this.canvas, () => this.draw());
+    this.isPlane = frames.triangles.length > 0 && isFlat(frames, this.reference);
+    this.orbit.up = this.isPlane || (!frames.triangles.length && this.reference.high[2] === this.reference.low[2]) ? [0, 1, 0] : [0, 0, 1];
+    // In a plane it points at the eye.
+    this.settings.arrow = this.toggles.arrow.checked = this.settings.arrow && !this.isPlane;
+    this.scene.setInk();
+    this.scene.resize();
+    this.frame();
+    this.look("Reset");
+    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+  }
+
+  // Sets the view so that the whole motion fits.
+  frame() {
+    const factor = Number(this.factor.value);
+    this.motion = this.frames.box(factor);
+    this.shown = null;
+    if (!this.hasChosenFollow) {
+      this.settings.follow = this.toggles.follow.checked || this.motion.size > 2.5 * this.reference.size;
+      this.toggles.follow.checked = this.settings.follow;
+      this.hasChosenFollow = true;
+    }
+    const size = this.settings.follow ? 1.4 * this.reference.size : this.motion.size;
+    const aspect = Math.min(this.scene?.camera.aspect ?? 1, 1);
+    if (this.orbit) this.orbit.distance = (0.47 * size) / Math.tan((32 * Math.PI) / 360) / Math.sqrt(aspect);
+    this.refresh();
+  }
+
+  look(from) {
+    const turn = this.orbit.up[1] === 1 ? Math.PI / 2 : 0;
+    const views = { x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, 1.5607], Reset: [-1.0, 0.42] };
+    const plane = { x: [Math.PI / 2, 0], y: [0, 1.5607], z: [0, 0], Reset: this.isPlane || turn ? [0, 0] : [-1, 0.42] };
+    const [azimuth, elevation] = (turn ? plane : views)[from];
+    if (from === "Reset") this.frame();
+    this.orbit.look(azimuth, elevation);
+  }
+
+  key(event) {
+    const turns = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12] };
+    if (event.shiftKey && turns[event.key]) this.orbit.turn(...turns[event.key]);
+    else if (event.key === "+" || event.key === "=") this.orbit.zoom(0.9);
+    else if (event.key === "-") this.orbit.zoom(1.1);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  refresh() {
+    this.shown = null;
+    this.show(this.clock.time);
+  }
+
+  show(time) {
+    if (!this.scene) return;
+    const frame = lastBefore(this.frames.times, time);
+    if (this.shown !== frame) {
+      this.shown = frame;
+      this.showFrame(frame);
+    }
+    this.setArrow(time);
+    this.draw();
+  }
+
+  showFrame(frame) {
+    const { frames, scene, settings } = this;
+    const field = frames.fields.find((field) => field.name === this.field);
+    const whole = frames.rangeOf(this.field);
+    frames.readDisplacement(frame);
+    const own = frames.readField(this.field, frame);
+    let [low, high] = settings.perFrame ? own : whole;
+    if (field.signed) [low, high] = [-Math.max(Math.abs(low), Math.abs(high)), Math.max(Math.abs(low), Math.abs(high))];
+    if (!(high > low)) high = low + (Math.abs(low) || 1);
+    scene.range.value = [low, high];
+    scene.setMap(field.signed ? "diverging" : "viridis");
+    this.middle = scene.setFrame(Number(this.factor.value));
+    if (scene.cellEdges) scene.cellEdges.visible = settings.edges;
+    if (scene.ghost) scene.ghost.visible = settings.ghost;
+    this.orbit.target = settings.follow ? this.middle : this.motion.centre;
+    this.showLegend(field, low, high);
+    this.canvas.dataset.frame = frame;
+  }
+
+  showLegend(field, low, high) {
+    const key = [field.name, low, high].join();
+    if (this.legend.dataset.shown === key) return;
+    this.legend.dataset.shown = key;
+    const map = element("canvas");
+    drawMap(map, field.signed ? "diverging" : "viridis");
+    this.legend.replaceChildren(element("div", {}, field.label), map,
+      element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
+  }
+
+  // The arrow of angular momentum starts in the middle of the body; its length is that of |L| in the run.
+  setArrow(time) {
+    const row = lastBefore(this.current.time, time);
+    const L = this.momentum.map((component) => component[row]);
+    const size = Math.hypot(...L), { arrow, arrows } = this.scene;
+    const isShown = this.settings.arrow && this.turns && size > 1e-9 * this.current.largest.angular_momentum;
+    arrows.forEach((mesh) => { mesh.visible = isShown; });
+    if (!isShown) return;
+    arrow.start.value = this.middle;
+    arrow.along.value = L.map((x) => x / size);
+    arrow.reach.value = (0.52 * this.reference.size * size) / this.current.largest.angular_momentum;
+    arrow.thick.value = 0.0075 * this.reference.size;
+  }
+
+  draw() {
+    if (!this.scene || this.isDrawing) return;
+    this.isDrawing = true;
+    requestAnimationFrame(() => {
+      this.isDrawing = false;
+      this.orbit.apply();
+      this.scene.draw();
+      this.drawTriad();
+      this.describe();
+    });
+  }
+
+  describe() {
+    const { frames, shown, current } = this, { kept, written, notes } = current.frames;
+    const factor = Number(this.factor.value);
+    this.note.textContent = factor === 1 ? "" : `displacements × ${grouped(factor)}`;
+    const thinned = kept < written ? ` (${written} written)` : "";
+    const text = `Frame ${shown + 1} of ${kept}${thinned}, step ${frames.steps[shown]}, t = ${number(frames.times[shown])}; as computed, nothing between frames is made up. ${notes.join(" ")}`;
+    if (this.foot.textContent !== text) this.foot.textContent = text;
+  }
+
+  drawTriad() {
+    const [right, up, towards] = this.orbit.axes();
+    const names = ["x", "y", "z"].map((name, i) => ({ name, at: [right[i], -up[i]], depth: towards[i] })).sort((a, b) => a.depth - b.depth);
+    const colours = { x: "var(--c1)", y: "var(--c2)", z: "var(--c0)" };
+    this.triad.replaceChildren(...names.flatMap(({ name, at: [x, y] }) => [
+      element("line", { x1: 0, y1: 0, x2: 18 * x, y2: 18 * y, style: `stroke:${colours[name]}`, "stroke-width": 2, "stroke-linecap": "round" }),
+      ...(Math.hypot(x, y) > 0.15 ? [element("text", { x: 25 * x, y: 25 * y, style: `fill:${colours[name]}`, "text-anchor": "middle", "dominant-baseline": "central" }, name)] : [])]));
+  }
+}
+
+// A factor that makes motions below a hundredth of the body visible: 1, 2 or 5 times a power of ten.
+function proposedFactor(largest, size) {
+  if (!(largest > 0) || largest > 0.01 * size) return 1;
+  const wanted = (0.06 * size) / largest;
+  const power = 10 ** Math.floor(Math.log10(wanted));
+  return power * (wanted / power >= 5 ? 5 : wanted / power >= 2 ? 2 : 1);
+}
+
+function isFlat(frames, box) {
+  return box.high[2] - box.low[2] < 1e-9 * box.size;
+}

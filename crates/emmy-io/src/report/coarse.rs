@@ -1,0 +1,92 @@
+//! A coarser surface: nodes of a grid's box become one of them (Rossignac and Borrel 1993, vertex clustering).
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::surface::Surface;
+
+/// The surface with at most `limit` nodes, each of them one that was there: of the nodes in a box the one nearest to their
+/// mean. `points`: of the mesh.
+pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> Surface {
+    if surface.nodes.len() <= limit {
+        return surface;
+    }
+    let at = |node: usize| points[surface.nodes[node] as usize];
+    let n = surface.nodes.len();
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for node in 0..n {
+        for i in 0..3 {
+            (low[i], high[i]) = (low[i].min(at(node)[i]), high[i].max(at(node)[i]));
+        }
+    }
+    let longest = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+    let boxes = |divisions: usize| -> HashMap<[u32; 3], Vec<u32>> {
+        let mut boxes: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
+        for node in 0..n {
+            let place = [0, 1, 2].map(|i| ((at(node)[i] - low[i]) / longest * divisions as f64) as u32);
+            boxes.entry(place).or_default().push(node as u32);
+        }
+        boxes
+    };
+    // The largest number of divisions with few enough boxes.
+    let (mut few, mut many) = (1, 2 * n);
+    while many - few > 1 {
+        let middle = few + (many - few) / 2;
+        if boxes(middle).len() <= limit { few = middle } else { many = middle }
+    }
+    let mut representative = vec![0; n];
+    for members in boxes(few).values() {
+        let mean =
+            [0, 1, 2].map(|i| members.iter().map(|&m| at(m as usize)[i]).sum::<f64>() / members.len() as f64);
+        let distance = |m: u32| (0..3).map(|i| (at(m as usize)[i] - mean[i]).powi(2)).sum::<f64>();
+        let nearest =
+            members.iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+        members.iter().for_each(|&member| representative[member as usize] = nearest);
+    }
+    replaced(&surface, &representative)
+}
+
+/// The surface with nodes replaced by others; what collapses is left out.
+fn replaced(surface: &Surface, representative: &[u32]) -> Surface {
+    let new = |node: u32| representative[node as usize];
+    let (mut seen, mut triangles, mut edges) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
+    for triangle in surface.triangles.iter().map(|triangle| triangle.map(new)) {
+        let [a, b, c] = triangle;
+        let mut key = triangle;
+        key.sort_unstable();
+        if a != b && b != c && c != a && seen.insert(key) {
+            triangles.push(triangle);
+            edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+        }
+    }
+    let links: BTreeSet<[u32; 2]> =
+        surface.links.iter().map(|link| link.map(new)).filter(|[a, b]| a != b).collect();
+    let used: BTreeSet<u32> = triangles.iter().flatten().chain(links.iter().flatten()).copied().collect();
+    let number: HashMap<u32, u32> = used.iter().enumerate().map(|(new, &old)| (old, new as u32)).collect();
+    Surface {
+        nodes: used.iter().map(|&node| surface.nodes[node as usize]).collect(),
+        triangles: triangles.into_iter().map(|triangle| triangle.map(|node| number[&node])).collect(),
+        edges: edges.into_iter().map(|edge| edge.map(|node| number[&node])).collect(),
+        links: links.into_iter().map(|link| link.map(|node| number[&node])).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use emmy::mesh::block;
+
+    use super::*;
+
+    #[test]
+    fn a_coarser_block_is_closed_and_as_large() {
+        let mesh = block([2.0, 1.0, 1.0], [32, 16, 16]).unwrap();
+        let cells: Vec<_> = mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect();
+        let fine = Surface::new(&cells);
+        let coarse = coarsened(fine.clone(), mesh.points(), 500);
+        assert!(coarse.nodes.len() <= 500 && coarse.nodes.len() > 200, "{}", coarse.nodes.len());
+        assert!(coarse.nodes.iter().all(|node| fine.nodes.contains(node)));
+        // Of a closed surface every edge has two triangles.
+        assert_eq!(2 * coarse.edges.len(), 3 * coarse.triangles.len());
+        assert_eq!(coarsened(fine.clone(), mesh.points(), 10_000), fine);
+    }
+}

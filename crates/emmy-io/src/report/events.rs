@@ -1,0 +1,59 @@
+//! `events.csv`: what happened beside the plan, `step,time,event,message`.
+
+use serde_json::{Value, json};
+
+/// Events of the file's text; rows that are damaged or still being written are left out.
+pub(super) fn events(text: &str) -> Vec<Value> {
+    let mut records = records(text).into_iter();
+    let head = records.next().unwrap_or_default();
+    let column = |name: &str| head.iter().position(|column| column == name);
+    let [Some(step), Some(time), Some(event)] = ["step", "time", "event"].map(column) else {
+        return Vec::new();
+    };
+    let message = column("message");
+    let row = |cells: Vec<String>| {
+        let number: usize = cells.get(step)?.parse().ok()?;
+        let time: f64 = cells.get(time)?.parse().ok()?;
+        let message = message.and_then(|at| cells.get(at).cloned()).unwrap_or_default();
+        Some(json!({ "step": number, "time": time, "event": cells.get(event)?, "message": message }))
+    };
+    records.filter_map(row).collect()
+}
+
+/// Records of comma-separated values, with cells in quotation marks where they hold commas, quotation marks or ends of lines.
+fn records(text: &str) -> Vec<Vec<String>> {
+    let (mut records, mut record, mut cell, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '"' if is_quoted && letters.peek() == Some(&'"') => cell.extend(letters.next()),
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => record.push(std::mem::take(&mut cell)),
+            '\r' if !is_quoted => {}
+            '\n' if !is_quoted => {
+                record.push(std::mem::take(&mut cell));
+                records.push(std::mem::take(&mut record));
+            }
+            letter => cell.push(letter),
+        }
+    }
+    records
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_may_hold_commas_and_quotation_marks() {
+        let text = "step,time,event,message\n3,0.5,cut,\"step cut, \"\"no\"\" convergence\"\n4,1,release,plain\nx,1,a,b\n5,0.";
+        assert_eq!(
+            events(text),
+            [
+                json!({ "step": 3, "time": 0.5, "event": "cut", "message": "step cut, \"no\" convergence" }),
+                json!({ "step": 4, "time": 1.0, "event": "release", "message": "plain" }),
+            ]
+        );
+        assert!(events("").is_empty() && events("a,b\n1,2\n").is_empty());
+    }
+}

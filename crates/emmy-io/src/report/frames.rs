@@ -1,0 +1,207 @@
+//! The frames of a run: its surface, and on it displacements and fields as whole numbers.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use super::coarse::coarsened;
+use super::collection::Listed;
+use super::pack::{Pack, quantised};
+use super::surface::Surface;
+use super::{MAX_NODES, ReportError};
+use crate::mesh::{MeshError, vtu};
+
+/// A number at every node that the page may colour by.
+struct Field {
+    name: &'static str,
+    label: &'static str,
+    /// Array of the frames, with its number of components.
+    array: (&'static str, usize),
+    value: fn(&[f64]) -> f64,
+    /// Whether zero is in the middle of its colours.
+    is_signed: bool,
+}
+
+/// What the page may colour by besides the displacement.
+const FIELDS: [Field; 6] = [
+    Field {
+        name: "von_mises_stress",
+        label: "von Mises stress",
+        array: ("von_mises_stress", 1),
+        value: |numbers| numbers[0],
+        is_signed: false,
+    },
+    Field {
+        name: "strain_energy_density",
+        label: "strain energy density",
+        array: ("strain_energy_density", 1),
+        value: |numbers| numbers[0],
+        is_signed: false,
+    },
+    Field { name: "speed", label: "speed |v|", array: ("velocity", 3), value: norm, is_signed: false },
+    Field {
+        name: "mean_stress",
+        label: "mean stress tr \u{3c3} / 3",
+        array: ("cauchy_stress", 6),
+        value: |numbers| (numbers[0] + numbers[1] + numbers[2]) / 3.0,
+        is_signed: true,
+    },
+    Field {
+        name: "largest_stretch",
+        label: "largest principal stretch",
+        array: ("principal_stretches", 3),
+        value: |numbers| numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        is_signed: false,
+    },
+    Field {
+        name: "smallest_stretch",
+        label: "smallest principal stretch",
+        array: ("principal_stretches", 3),
+        value: |numbers| numbers.iter().copied().fold(f64::INFINITY, f64::min),
+        is_signed: false,
+    },
+];
+
+fn norm(vector: &[f64]) -> f64 {
+    vector.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// Bytes of a node's displacement in a frame.
+const DISPLACEMENT: usize = 6;
+
+/// Packs mesh and frames, in so many bytes before compression; what the page needs to know of them, or `None` without a frame.
+pub(super) fn gather(listed: &[Listed], room: usize, pack: &mut Pack) -> Result<Option<Value>, ReportError> {
+    let Some(first) = listed.first() else { return Ok(None) };
+    let bytes = read(first)?;
+    let frame = vtu::frame(&first.path, &bytes)?;
+    let whole = Surface::new(&frame.cells);
+    let n_whole = whole.nodes.len();
+    // Frames may have other fields only: then there is no motion to see.
+    if n_whole == 0 || !frame.fields.contains(&("displacement".to_string(), 3)) {
+        return Ok(None);
+    }
+    let surface = coarsened(whole, &frame.points, MAX_NODES);
+    let fields = present(first, &bytes, &frame)?;
+    let kept = kept(listed.len(), room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
+    let kept: Vec<&Listed> = kept.into_iter().map(|index| &listed[index]).collect();
+    pack_mesh(&surface, &frame.points, pack);
+    pack_frames(&kept, &surface, frame.points.len(), &fields, pack)?;
+    let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false });
+    let of_field =
+        |field: &&Field| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
+    let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
+    Ok(Some(json!({
+        "written": listed.len(),
+        "kept": kept.len(),
+        "n_nodes": surface.nodes.len(),
+        "fields": offered,
+        "notes": notes(n_whole, surface.nodes.len(), listed.len(), kept.len()),
+    })))
+}
+
+fn read(frame: &Listed) -> Result<Vec<u8>, ReportError> {
+    let unreadable = |reason| MeshError::Unreadable { file: frame.path.clone(), reason };
+    Ok(fs::read(&frame.path).map_err(unreadable)?)
+}
+
+/// Fields that the frames have, with a number somewhere.
+fn present(first: &Listed, bytes: &[u8], frame: &vtu::Frame) -> Result<Vec<&'static Field>, ReportError> {
+    let has = |field: &&Field| {
+        frame.fields.iter().any(|(name, components)| (name.as_str(), *components) == field.array)
+    };
+    let mut fields: Vec<&Field> = FIELDS.iter().filter(has).collect();
+    let names: Vec<&str> = fields.iter().map(|field| field.array.0).collect();
+    let mut arrays = vtu::fields(&first.path, bytes, &names)?.into_iter();
+    fields.retain(|_| arrays.next().is_some_and(|array| array.iter().any(|number| number.is_finite())));
+    Ok(fields)
+}
+
+/// Indices of the frames that are kept: as many as there is room for, at equal distances, the first and the last among them.
+fn kept(n: usize, bytes: usize, bytes_of_frame: usize) -> Vec<usize> {
+    let room = (bytes / bytes_of_frame.max(1)).max(2);
+    if n <= room {
+        return (0..n).collect();
+    }
+    (0..room).map(|i| i * (n - 1) / (room - 1)).collect()
+}
+
+fn notes(n_whole: usize, n_nodes: usize, n_frames: usize, n_kept: usize) -> Vec<String> {
+    let mut notes = Vec::new();
+    if n_nodes < n_whole {
+        notes.push(format!(
+            "The surface is drawn coarser than it is: {n_nodes} of its {n_whole} nodes, each where it was computed."
+        ));
+    }
+    if n_kept < n_frames {
+        notes.push(format!("{n_kept} of {n_frames} frames are in this page, at equal distances."));
+    }
+    notes
+}
+
+fn pack_mesh(surface: &Surface, points: &[[f64; 3]], pack: &mut Pack) {
+    let at = |&node: &u32| points[node as usize].map(|x| x as f32);
+    let points: Vec<f32> = surface.nodes.iter().flat_map(at).collect();
+    pack.push("mesh/points", &points);
+    pack.push("mesh/triangles", surface.triangles.as_flattened());
+    pack.push("mesh/edges", surface.edges.as_flattened());
+    pack.push("mesh/links", surface.links.as_flattened());
+}
+
+fn pack_frames(
+    kept: &[&Listed],
+    surface: &Surface,
+    n_points: usize,
+    fields: &[&Field],
+    pack: &mut Pack,
+) -> Result<(), ReportError> {
+    let names: Vec<&str> =
+        ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
+    let (mut displacement, mut bounds) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let mut packed: Vec<(Vec<u8>, [Vec<f64>; 2])> = vec![Default::default(); fields.len()];
+    for frame in kept {
+        let arrays = vtu::fields(&frame.path, &read(frame)?, &names)?;
+        let at = |array: usize, components: usize| {
+            let numbers = arrays[array].chunks_exact(components);
+            let numbers: Vec<&[f64]> =
+                if arrays[array].len() == components * n_points { numbers.collect() } else { Vec::new() };
+            surface.nodes.iter().map(move |&node| numbers.get(node as usize).copied())
+        };
+        for axis in 0..3 {
+            let values: Vec<f64> = at(0, 3).map(|u| u.map_or(f64::NAN, |u| u[axis])).collect();
+            let of_axis = quantised(values.iter().copied(), |whole| whole as u16, &mut displacement);
+            bounds.iter_mut().zip(of_axis).for_each(|(bounds, bound)| bounds.push(bound));
+        }
+        for (index, (field, (numbers, bounds))) in fields.iter().zip(&mut packed).enumerate() {
+            let values = at(index + 1, field.array.1).map(|numbers| numbers.map_or(f64::NAN, field.value));
+            let values: Vec<f64> = values.collect();
+            let of_frame = quantised(values.iter().copied(), |whole| whole as u8, numbers);
+            bounds.iter_mut().zip(of_frame).for_each(|(bounds, bound)| bounds.push(bound));
+        }
+    }
+    pack.push("frames/time", &kept.iter().map(|frame| frame.time).collect::<Vec<_>>());
+    pack.push("frames/step", &kept.iter().map(|frame| frame.step).collect::<Vec<_>>());
+    pack.push("frames/displacement", &displacement);
+    pack.push("frames/displacement_min", &bounds[0]);
+    pack.push("frames/displacement_max", &bounds[1]);
+    for (field, (numbers, bounds)) in fields.iter().zip(&packed) {
+        pack.push(&format!("frames/{}", field.name), numbers);
+        pack.push(&format!("frames/{}_min", field.name), &bounds[0]);
+        pack.push(&format!("frames/{}_max", field.name), &bounds[1]);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_kept_as_far_as_there_is_room() {
+        assert_eq!(kept(3, 1000, 100), [0, 1, 2]);
+        assert_eq!(kept(1, 1000, 2000), [0]);
+        let some = kept(1001, 1100, 100);
+        assert_eq!((some.len(), some[0], some[5], some[10]), (11, 0, 500, 1000));
+        // A surface that fills the page by itself still moves.
+        assert_eq!(kept(50, 1000, 2000), [0, 49]);
+    }
+}

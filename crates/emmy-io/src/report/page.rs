@@ -1,0 +1,131 @@
+//! The template of the page, filled.
+
+use serde_json::{Value, json};
+
+use super::run::RunData;
+
+/// The page itself, with places such as `{{title}}`.
+const TEMPLATE: &str = include_str!("assets/report.html");
+
+/// What goes into the places that are the same in every page.
+const PARTS: [(&str, &str); 4] = [
+    ("vendor/uplot/uPlot.min.css", include_str!("assets/vendor/uplot/uPlot.min.css")),
+    ("vendor/uplot/uPlot.iife.min.js", include_str!("assets/vendor/uplot/uPlot.iife.min.js")),
+    ("vendor/ogl/ogl.iife.min.js", include_str!("assets/vendor/ogl/ogl.iife.min.js")),
+    ("report.css", include_str!("assets/report.css")),
+];
+
+/// The scripts of the page, in the order in which they use each other.
+const SCRIPTS: [&str; 16] = [
+    include_str!("assets/scripts/format.js"),
+    include_str!("assets/scripts/data.js"),
+    include_str!("assets/scripts/colours.js"),
+    include_str!("assets/scripts/clock.js"),
+    include_str!("assets/scripts/verdict.js"),
+    include_str!("assets/scripts/chart.js"),
+    include_str!("assets/scripts/charts.js"),
+    include_str!("assets/scripts/newton.js"),
+    include_str!("assets/scripts/frames.js"),
+    include_str!("assets/scripts/orbit.js"),
+    include_str!("assets/scripts/shaders.js"),
+    include_str!("assets/scripts/scene.js"),
+    include_str!("assets/scripts/viewer.js"),
+    include_str!("assets/scripts/transport.js"),
+    include_str!("assets/scripts/details.js"),
+    include_str!("assets/scripts/main.js"),
+];
+
+/// The page of some runs.
+pub(super) fn page(runs: &[RunData]) -> String {
+    let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+    let manifest = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "runs": runs.iter().map(|run| &run.manifest).collect::<Vec<_>>(),
+    });
+    let arrays = |(index, run): (usize, &RunData)| {
+        format!("<script type=\"text/plain\" id=\"run-{index}\">{}</script>\n", run.arrays)
+    };
+    filled(TEMPLATE, |place| match place {
+        "title" => escaped(&names.join(", ")),
+        "manifest" => inside_script(&manifest),
+        "data" => runs.iter().enumerate().map(arrays).collect(),
+        "scripts" => SCRIPTS.join("\n"),
+        place => {
+            PARTS.iter().find(|(name, _)| *name == place).map_or(String::new(), |(_, text)| text.to_string())
+        }
+    })
+}
+
+/// A template with the texts of its places; texts are not looked through for places.
+fn filled(template: &str, text: impl Fn(&str) -> String) -> String {
+    let mut pieces = template.split("{{");
+    let mut filled = pieces.next().unwrap_or_default().to_string();
+    for piece in pieces {
+        let (place, rest) = piece.split_once("}}").unwrap_or((piece, ""));
+        filled += &text(place);
+        filled += rest;
+    }
+    filled
+}
+
+/// Text of an HTML document.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// JSON that cannot end the script element that it stands in.
+fn inside_script(value: &Value) -> String {
+    value.to_string().replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(name: &str, input: &str) -> RunData {
+        RunData {
+            name: name.into(),
+            manifest: json!({ "name": name, "input": input }),
+            arrays: "abc=".into(),
+        }
+    }
+
+    #[test]
+    fn every_place_of_the_template_is_filled() {
+        let page = page(&[run("a", ""), run("b", "")]);
+        assert!(!page.contains("{{title}}") && page.contains("<title>a, b</title>"));
+        assert!(page.contains("id=\"run-1\">abc=</script>"));
+        let mut places = TEMPLATE.split("{{").skip(1).filter_map(|piece| Some(piece.split_once("}}")?.0));
+        let own = ["title", "manifest", "data", "scripts"];
+        assert!(places.all(|place| own.contains(&place) || PARTS.iter().any(|(name, _)| *name == place)));
+    }
+
+    #[test]
+    fn names_and_inputs_cannot_end_the_page() {
+        let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")]);
+        assert!(
+            page.contains("<title>&lt;b&gt;</title>")
+                && !page.contains("alert(1)\"</")
+                && !page.contains("</script><script>alert")
+        );
+    }
+
+    #[test]
+    fn nothing_is_loaded_from_elsewhere() {
+        let own = SCRIPTS.iter().chain([&TEMPLATE]).copied().chain(PARTS.iter().map(|(_, text)| *text));
+        for text in own {
+            assert!(!text.contains("</script><") && !text.contains("@import") && !text.contains("fetch("));
+            // Names of XML vocabularies are not addresses.
+            let rest = text.replace("http://www.w3.org/2000/svg", "");
+            let addresses = rest
+                .match_indices("http")
+                .filter(|(at, _)| rest[*at..].starts_with("http://") || rest[*at..].starts_with("https://"));
+            let addresses: Vec<&str> =
+                addresses.map(|(at, _)| &rest[at..(at + 60).min(rest.len())]).collect();
+            assert!(
+                addresses.iter().all(|address| address.starts_with("https://github.com/leeoniya")),
+                "{addresses:?}"
+            );
+        }
+    }
+}

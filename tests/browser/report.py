@@ -1,0 +1,272 @@
+"""Opens reports in a browser and checks what their users see.
+
+    apt-get install chromium
+    cargo build --release -p emmy-cli
+    python3 tests/browser/report.py target/release/emmy
+
+With `--picture FILE` it also writes the picture of the README.
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+from chromium import Chromium, colours
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+RUNS = {
+    "l-block": ["examples/l-block.toml", "--set", "time.scheme=DGM"],
+    "newmark": ["examples/l-block.toml", "--set", "time.scheme=Newmark(0.25,0.5)"],
+    "spring-network": ["examples/spring-network.toml"],
+    "charts-only": ["examples/plane-beam.toml", "--set", "output.every=0"],
+}
+
+
+def shown(text):
+    """A number as a page shows it, and half a unit of its last digit."""
+    text = re.sub(r"[\s\u202f]", "", text).removesuffix("s")
+    mantissa = text.lower().split("e")[0].lstrip("-").replace(".", "")
+    value = float(text)
+    digits = len(mantissa.lstrip("0")) or 1
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1) if value else 0.0
+    return value, 0.5 * unit
+
+
+def check_numbers(page, summaries):
+    """Every number that the page says is of a summary is that number, as far as it is shown."""
+    items = page.value("[...document.querySelectorAll('[data-key]')].map(e => [e.dataset.run, e.dataset.key, e.textContent])")
+    assert len(items) >= 10, items
+    for run, key, text in items:
+        expected = summaries[run][key]
+        if isinstance(expected, str):
+            assert text == expected, (key, text, expected)
+            continue
+        value, half = shown(text)
+        assert abs(value - expected) <= half * (1 + 1e-9), (run, key, text, expected)
+    parts = page.value("[...document.querySelectorAll('[data-part]')].map(e => [e.dataset.run ?? '', e.dataset.part, e.textContent])")
+    for run, key, text in parts:
+        summary = summaries[run or next(iter(summaries))]
+        largest = summary["largest_energy" if key == "energy" else f"largest_{key}"]
+        scale = summary.get(f"{key}_scale", 0.0)
+        size = scale if largest < 1e-9 * scale else largest
+        value, half = shown(text)
+        assert abs(value - summary[f"worst_{key}_residual"] / size) <= half * (1 + 1e-9), (run, key, text)
+    return len(items) + len(parts)
+
+
+def words(page):
+    return page.value("[...document.querySelectorAll('.balance .word')].map(e => e.textContent)")
+
+
+def time_shown(page):
+    return float(page.value("document.querySelector('#transport output b').textContent"))
+
+
+def check_motion(page):
+    """The body is there, moves with the cursor, and turns with the mouse."""
+    page.press("Home", "Home")
+    start = page.picture("#viewport")
+    assert colours(start) > 300, f"the scene has {colours(start)} colours"
+    assert page.value("document.getElementById('scene').dataset.frame") == "0"
+    for _ in range(5):
+        page.press("ArrowRight")
+    assert page.value("document.getElementById('scene').dataset.frame") == "5"
+    moved = page.picture("#viewport")
+    assert moved != start, "the scene does not change when the time does"
+    x, y, width, height = page.box("#viewport")
+    page.drag([(x + width / 2, y + height / 2), (x + width / 2 + 80, y + height / 2 + 30)])
+    page.settle()
+    assert page.picture("#viewport") != moved, "the scene does not turn"
+    # A click into a chart moves the time to where it was.
+    left, top, wide, high = page.box(".chart .u-over")
+    page.drag([(left + wide / 2, top + high / 2)])
+    now = page.value("(s => Number(s.value))(document.querySelector('#transport input'))")
+    assert abs(now - 5000) < 50, now
+
+
+def check_keyboard(page, end):
+    page.press("End")
+    assert abs(time_shown(page) - end) <= 1e-4 * end
+    page.press("ArrowLeft")
+    assert time_shown(page) < end
+    page.press("Home")
+    assert time_shown(page) == 0.0
+    label = "document.querySelector('#transport .play').getAttribute('aria-label')"
+    assert page.value(label).startswith("Play")
+    page.press(" ", "Space", " ")
+    page.wait(f"{label}.startsWith('Pause') && Number(document.querySelector('#transport output b').textContent) > 0", 10)
+    page.press(" ", "Space", " ")
+    page.wait(f"{label}.startsWith('Play')", 10)
+    stopped = time_shown(page)
+    time.sleep(0.3)
+    assert time_shown(page) == stopped, "it plays on after a pause"
+    page.press("Tab")
+    assert page.value("document.activeElement.matches(':focus-visible')"), "the focus is not to be seen"
+
+
+def check_names(page):
+    """Everything that can be worked has a name for those who do not see it."""
+    nameless = page.value(
+        "[...document.querySelectorAll('button, select, input, canvas[role], a')].filter(e => "
+        "!(e.getAttribute('aria-label') || e.textContent.trim() || e.labels?.length)).map(e => e.outerHTML.slice(0, 120))"
+    )
+    assert nameless == [], nameless
+
+
+def check_layout(page):
+    """Nothing stands out of the page to the right, and no chart is empty."""
+    wide = page.value("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0, f"{wide} pixels too wide"
+    heights = page.value("[...document.querySelectorAll('.plot .u-over')].map(e => e.clientHeight)")
+    assert heights and min(heights) > 40, heights
+
+
+def check_silence(page):
+    # Reading pixels back for a picture may be slow with a renderer in software; that is not of the page.
+    complaints = [text for text in page.complaints() if "GPU stall due to ReadPixels" not in text]
+    assert complaints == [], complaints
+
+
+def check_single(browser, directory, expects, has_motion=True):
+    summary = json.load(open(f"{directory}/summary.json"))
+    page = browser.page(f"{directory}/report.html")
+    n = check_numbers(page, {os.path.basename(directory): summary})
+    found = words(page)
+    assert len(found) == 3 and all(word in expects for word in found), found
+    assert page.value("document.querySelectorAll('.chart').length") >= 7
+    if has_motion:
+        check_motion(page)
+    else:
+        assert page.value("document.getElementById('viewer').hidden")
+    check_keyboard(page, summary["time"])
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+    for width in [400, 800, 1920]:
+        page = browser.page(f"{directory}/report.html", width=width, height=900)
+        check_layout(page)
+        check_silence(page)
+        page.close()
+    return n
+
+
+def check_schemes(browser, directory):
+    """Dark where the reader has it dark; it moves by itself unless the reader wants no motion."""
+    paper = "getComputedStyle(document.body).backgroundColor"
+    light = browser.page(f"{directory}/report.html")
+    dark = browser.page(f"{directory}/report.html", scheme="dark", motion="no-preference")
+    assert light.value(paper) != dark.value(paper)
+    dark.wait("Number(document.querySelector('#transport output b').textContent) > 0", 20)
+    time.sleep(0.3)
+    assert time_shown(light) == 0.0, "it moves although less motion is wanted"
+    for page in [light, dark]:
+        check_silence(page)
+        page.close()
+
+
+def check_comparison(browser, directory, runs):
+    page = browser.page(f"{directory}/report.html")
+    summaries = {run: json.load(open(f"{directory}/../{run}/summary.json")) for run in runs}
+    n = check_numbers(page, summaries)
+    keys = page.value("[...document.querySelector('.chart').querySelectorAll('.key')].map(e => e.textContent)")
+    assert len(keys) == len(runs) and all(key.startswith(run) for key, run in zip(keys, runs)), keys
+    links = page.value("[...document.querySelectorAll('.runs a')].map(e => e.href)")
+    assert len(links) == len(runs) and all(os.path.exists(link.removeprefix("file://")) for link in links), links
+    first = page.picture("#viewport")
+    page.value("(s => { s.value = 1; s.dispatchEvent(new Event('change')); })(document.querySelector('[aria-label=Run]'))")
+    page.press("End")
+    assert colours(page.picture("#viewport")) > 300 and page.picture("#viewport") != first
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+    return n
+
+
+def check_begun(browser, emmy, source, directory):
+    """A run that has just begun: no row of its history, then one."""
+    os.makedirs(directory)
+    lines = open(f"{source}/history.csv").read().splitlines(keepends=True)
+    for name in ["input.toml", "summary.json"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    for rows in [0, 1]:
+        open(f"{directory}/history.csv", "w").writelines(lines[:rows + 1])
+        subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+        page = browser.page(f"{directory}/report.html")
+        page.press("ArrowRight")
+        assert time_shown(page) == 0.0
+        check_silence(page)
+        page.close()
+
+
+def check_long(browser, emmy, source, directory):
+    """A history of 200,000 steps: the page is small, quick, and has the peak."""
+    os.makedirs(directory)
+    for name in ["input.toml", "summary.json"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    lines = open(f"{source}/history.csv").read().splitlines()
+    head, cells = lines[0].split(","), [line.split(",") for line in lines[1:]]
+    n, peak = 200_000, 123_457
+    with open(f"{directory}/history.csv", "w") as out:
+        out.write(lines[0] + "\n")
+        for step in range(n + 1):
+            row = list(cells[step % len(cells)])
+            row[0], row[1] = str(step), f"{step * 1e-3:.16e}"
+            if step == peak:
+                row[head.index("kinetic_energy")] = "9.9e9"
+            out.write(",".join(row) + "\n")
+    subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+    size = os.path.getsize(f"{directory}/report.html")
+    assert size < 4e6, f"{size} bytes"
+    began = time.time()
+    page = browser.page(f"{directory}/report.html", fragment=f"#t={peak * 1e-3}")
+    seconds = time.time() - began
+    assert seconds < 10, f"{seconds} s to open"
+    assert page.value("document.querySelector('.chart .key .value').textContent") == "9.90e9"
+    assert "200\u202f001 rows" in page.value("document.getElementById('foot').textContent")
+    page.press("ArrowRight")
+    check_silence(page)
+    page.close()
+    return size, seconds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("emmy", help="the program")
+    parser.add_argument("--picture", help="write the picture of the README to this file")
+    arguments = parser.parse_args()
+    emmy = os.path.abspath(arguments.emmy)
+    with tempfile.TemporaryDirectory() as place, Chromium() as browser:
+        for name, flags in RUNS.items():
+            run = [emmy, "run", *flags, "--output", f"{place}/{name}", "--quiet"]
+            subprocess.run(run, check=True, cwd=ROOT)
+        kept = ["closes to round-off"]
+        n = check_single(browser, f"{place}/l-block", kept)
+        n += check_single(browser, f"{place}/spring-network", kept)
+        n += check_single(browser, f"{place}/charts-only", kept, has_motion=False)
+        n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
+        check_schemes(browser, f"{place}/l-block")
+        compared = ["l-block", "newmark"]
+        compare = [emmy, "compare", *(f"{place}/{run}" for run in compared), "--output", f"{place}/compare", "--quiet"]
+        subprocess.run(compare, check=True, stdout=subprocess.DEVNULL)
+        n += check_comparison(browser, f"{place}/compare", compared)
+        check_begun(browser, emmy, f"{place}/charts-only", f"{place}/begun")
+        size, seconds = check_long(browser, emmy, f"{place}/charts-only", f"{place}/long")
+        sizes = {run: os.path.getsize(f"{place}/{run}/report.html") // 1000 for run in RUNS}
+        print(f"reports: {n} numbers as in the summaries; kB: {sizes}")
+        print(f"200,000 steps: {size / 1e6:.1f} MB, open after {seconds:.1f} s")
+        if arguments.picture:
+            page = browser.page(f"{place}/l-block/report.html", width=1360, height=880, fragment="#t=1.6")
+            page.settle()
+            open(arguments.picture, "wb").write(page.picture())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
