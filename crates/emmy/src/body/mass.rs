@@ -1,5 +1,7 @@
 //! Consistent mass: product and inverse.
 
+use rayon::prelude::*;
+
 use super::Body;
 use crate::error::Result;
 use crate::sparse::BlockCholesky;
@@ -65,14 +67,19 @@ impl MassSolver {
 impl Body {
     /// Product with the mass matrix, `p = M v`; `v`, `p`: `[n_nodes][3]`.
     pub fn mass_product(&self, v: &[f64], p: &mut [f64]) {
-        for row in 0..self.pattern().n_rows() {
-            let mut sum = [0.0; 3];
-            let range = self.pattern().range(row);
-            for (mass, &column) in self.mass()[range].iter().zip(self.pattern().row(row)) {
-                let v = &v[3 * column as usize..3 * column as usize + 3];
-                (0..3).for_each(|i| sum[i] += mass * v[i]);
+        p.par_chunks_mut(3 * ROWS).enumerate().for_each(|(task, p)| {
+            for (row, p) in (ROWS * task..).zip(p.chunks_exact_mut(3)) {
+                let mut sum = [0.0; 3];
+                let range = self.pattern().range(row);
+                for (mass, &column) in self.mass()[range].iter().zip(self.pattern().row(row)) {
+                    let v = &v[3 * column as usize..3 * column as usize + 3];
+                    (0..3).for_each(|i| sum[i] += mass * v[i]);
+                }
+                p.copy_from_slice(&sum);
             }
-            p[3 * row..3 * row + 3].copy_from_slice(&sum);
-        }
+        });
     }
 }
+
+/// Rows that one task works on.
+const ROWS: usize = 2048;

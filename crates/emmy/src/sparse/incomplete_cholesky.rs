@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use half::bf16;
+use rayon::prelude::*;
 
 use super::blocks::{Blocks, Row, Rows};
 use super::conjugate_gradients::Approximate;
 use super::kernel::{Entry, Kernel, Work};
 use super::real::Real;
+use super::shifted::CHUNK;
 use super::sweep::SweepOrder;
 
 /// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It only has
@@ -106,9 +108,9 @@ impl IncompleteCholesky {
         side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
             bf16::dispatch(Backward { part: self.part(sweep, rows, interface_done, n_interior), x });
         });
-        for (x, pivot) in x.iter_mut().zip(&self.pivots) {
-            *x = transposed_times(pivot, x);
-        }
+        x.par_chunks_mut(CHUNK).zip(self.pivots.par_chunks(CHUNK)).for_each(|(x, pivots)| {
+            x.iter_mut().zip(pivots).for_each(|(x, pivot)| *x = transposed_times(pivot, x));
+        });
     }
 
     fn part<'a, const C: usize>(
