@@ -47,6 +47,7 @@ class Clock {
 
   // To the next or the last one before of some times.
   step(times, count) {
+    if (!times.length) return;
     const now = lastBefore(times, this.time);
     const isBetween = Math.abs(times[now] - this.time) > 1e-9 * Math.abs(this.end - this.start);
     const to = now + count + (count < 0 && isBetween ? 1 : 0);
