@@ -24,8 +24,15 @@ pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
 pub(crate) const PART: &str = ".part";
 
 /// Endings of what a run that was killed may leave beside its files.
-const UNFINISHED: [&str; 6] =
-    [".vtkhdf.part", ".vtkhdf.copy", ".pvd.part", "history.csv.part", "summary.json.part", "input.toml.part"];
+const UNFINISHED: [&str; 7] = [
+    ".vtkhdf.part",
+    ".vtkhdf.copy",
+    ".pvd.part",
+    "history.csv.part",
+    "summary.json.part",
+    "input.toml.part",
+    "report.html.part",
+];
 /// What a run writes besides its input and its frames.
 pub const FILES: [&str; 5] = ["history.csv", "newton.csv", "events.csv", "summary.json", "report.html"];
 
