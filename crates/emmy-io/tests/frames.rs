@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use emmy::body::fields::{FieldName, Fields, Place};
+use emmy::body::fields::{FieldName, FieldValues, Fields, Place};
 use emmy::motion::{Motion, State};
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;
@@ -130,7 +130,7 @@ fn frames_have_the_fields_of_their_state_and_those_of_the_start_no_stress() {
         assert!(xml.contains(&format!("Name=\"{name}\" NumberOfComponents=\"{components}\"")));
         if name.contains("stress") || name.contains("energy") {
             assert!(floats(&start, name).iter().all(|&value| value == 0.0), "{name}");
-            assert!(field.numbers.iter().any(|&value| value.abs() > 1e-3), "{name}");
+            assert!(field.numbers.iter().any(|&value| value.abs() > 1e-6), "{name}");
         }
     }
     assert!(floats(&start, "principal_stretches").iter().all(|&stretch| stretch == 1.0));
@@ -160,7 +160,10 @@ fn one_file_holds_what_the_frames_hold() {
     run(&problem(frames.path(), &[&names_set, "output.every=1"]), true);
     let problem = problem(series.path(), &[&names_set, "output.every=1", ONE_FILE]);
     run(&problem, true);
-    assert_eq!(names(series.path()), ["history.csv", "input.toml", "out.vtkhdf", "summary.json"]);
+    assert_eq!(
+        names(series.path()),
+        ["history.csv", "input.toml", "newton.csv", "out.vtkhdf", "summary.json"]
+    );
     let series = SeriesReader::open(&series.path().join("out/out.vtkhdf")).unwrap();
     assert_eq!(series.mesh().unwrap(), *problem.body.mesh());
     assert_eq!(series.times(), [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5]);
@@ -189,7 +192,10 @@ fn a_run_that_is_given_up_leaves_a_whole_file() {
     assert!(last.iter().any(|v| v.abs() > 0.01));
     // The next run removes what this one left.
     run(&problem(temp.path(), &[]), true);
-    assert_eq!(names(temp.path()), ["frames", "history.csv", "input.toml", "out.pvd", "summary.json"]);
+    assert_eq!(
+        names(temp.path()),
+        ["frames", "history.csv", "input.toml", "newton.csv", "out.pvd", "summary.json"]
+    );
 }
 
 #[test]
@@ -212,27 +218,23 @@ fn single_precision_keeps_seven_digits_in_both_formats() {
 #[test]
 fn large_frames_are_divided_and_come_back() {
     let temp = tempfile::tempdir().unwrap();
-    let set = "mesh.box={ size = [1, 1, 1], cells = [40, 40, 30] }";
-    let problem = problem(temp.path(), &[set, ONE_FILE]);
-    let fields = Fields::new(&problem.body);
-    let n = problem.body.n_dofs();
-    let directory = temp.path().join("large");
-    let (mesh, region_of_cell) = (problem.body.mesh(), problem.body.region_of_cell());
-    let mut series = Series::create(&directory, Precision::Double, mesh, region_of_cell).unwrap();
-    let names: Vec<FieldName> = FieldName::ALL.into_iter().filter(|&name| fields.has(name)).collect();
-    let frame = |k: usize| {
-        let values: Vec<f64> = (0..n).map(|i| 1e-4 * ((i * (k + 1)) as f64).sin()).collect();
-        fields.at(&values, &values, &names)
+    let mesh = emmy::mesh::block([1.0; 3], [40, 40, 30]).unwrap();
+    let [n_nodes, n_cells] = [mesh.n_nodes(), mesh.n_cells()];
+    let field = |name: FieldName, k: usize| {
+        let n = if name.place() == Place::Nodes { n_nodes } else { n_cells };
+        let numbers = (0..n * name.components().len()).map(|i| ((i * (k + 1)) as f64).sin());
+        FieldValues { name, numbers: numbers.collect() }
     };
+    let frame = |k: usize| FieldName::ALL.map(|name| field(name, k));
+    let mut series = Series::create(temp.path(), Precision::Double, &mesh, &vec![0; n_cells]).unwrap();
     (0..3).for_each(|k| series.write(k, k as f64, &frame(k)).unwrap());
     let others = series.write(3, 3.0, &frame(3)[..2]).unwrap_err().to_string();
     assert!(others.contains("the same fields in every frame"), "{others}");
     series.finish().unwrap();
     let reader = SeriesReader::open(series.path()).unwrap();
+    assert_eq!(reader.times(), [0.0, 1.0, 2.0]);
     for k in 0..3 {
         for field in frame(k) {
-            let place = if field.name.place() == Place::Nodes { n / 3 } else { 48_000 };
-            assert_eq!(field.numbers.len(), place * field.name.components().len());
             assert!(reader.values(field.name, k).unwrap() == field.numbers, "{}", field.name);
         }
     }
