@@ -136,7 +136,8 @@ def series(emmy, directory, frames):
     fields = [*COMPONENTS, *CELLS]
     run(emmy, directory, SHEARED, "--set", f"output.fields={fields}", "--set", "output.format=vtkhdf", "--output", "one")
     path = directory / "one/one.vtkhdf"
-    assert sorted(p.name for p in path.parent.iterdir()) == ["history.csv", "input.toml", "one.vtkhdf", "summary.json"]
+    names = ["history.csv", "input.toml", "newton.csv", "one.vtkhdf", "report.html", "summary.json"]
+    assert sorted(p.name for p in path.parent.iterdir()) == names
     for (t, grid), frame in zip(steps(path), frames, strict=True):
         check(grid, t)
         assert_array_equal(grid.points, frame.points)
