@@ -173,7 +173,8 @@ def killed(emmy, directory):
             wanted = time.monotonic() + 60
             # A row for the start and each step: killed while a step is written, at one time or another.
             while not (path.exists() and len(history.read_text().splitlines()) > 2 + 5 * number):
-                assert process.poll() is None and time.monotonic() < wanted, "no frame"
+                assert process.poll() is None, f"the run ended with {process.poll()}"
+                assert time.monotonic() < wanted, f"no {file} and row {5 * number} in a minute"
                 time.sleep(0.003)
             time.sleep(0.001 * number)
             process.send_signal(signal.SIGKILL)
