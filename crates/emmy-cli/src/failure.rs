@@ -9,6 +9,9 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnosti
 /// Exit code of a program that has a fault of its own.
 pub const FAULT_OF_THE_PROGRAM: u8 = 101;
 
+/// Exit code of a run that was stopped from outside.
+pub const INTERRUPTED: u8 = 130;
+
 /// Why a verb ended early.
 #[derive(Debug)]
 pub enum Failure {
@@ -32,6 +35,13 @@ pub enum Failure {
     },
     /// A limit was exceeded.
     Limit(String),
+    /// A signal came.
+    Interrupted {
+        /// Where the run is.
+        message: String,
+        /// How to go on.
+        help: String,
+    },
     /// Anything else, such as a full disk.
     Other(String),
 }
@@ -43,6 +53,7 @@ impl Failure {
             Failure::Input(_) | Failure::Usage { .. } => 2,
             Failure::NoConvergence(_) | Failure::Study { .. } => 3,
             Failure::Limit(_) => 4,
+            Failure::Interrupted { .. } => INTERRUPTED,
             Failure::Other(_) => 1,
         }
     }
@@ -51,7 +62,9 @@ impl Failure {
     pub fn message(&self) -> String {
         match self {
             Failure::Input(error) => error.to_string(),
-            Failure::Usage { message, .. } | Failure::Study { message, .. } => message.clone(),
+            Failure::Usage { message, .. }
+            | Failure::Study { message, .. }
+            | Failure::Interrupted { message, .. } => message.clone(),
             Failure::NoConvergence(message) | Failure::Limit(message) | Failure::Other(message) => {
                 message.clone()
             }
@@ -68,7 +81,9 @@ impl Failure {
                 }
             }
             Failure::Usage { message, help } => plain(message, help.as_deref()),
-            Failure::Study { message, help } => plain(message, Some(help)),
+            Failure::Study { message, help } | Failure::Interrupted { message, help } => {
+                plain(message, Some(help));
+            }
             Failure::NoConvergence(message) => {
                 plain(message, Some("the results up to the step before are written"))
             }

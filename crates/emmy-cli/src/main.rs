@@ -3,6 +3,7 @@
 mod failure;
 mod print;
 mod progress;
+mod signals;
 mod verbs;
 
 use std::process::ExitCode;
@@ -18,7 +19,7 @@ struct Arguments {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
-                          1 anything else.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
+                          130 stopped from outside, with a checkpoint; 1 anything else.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|info| {

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, stderr};
 
-use emmy::motion::{Observer, Record, StepPlan, View};
+use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::print::number;
@@ -43,6 +43,13 @@ impl Progress {
             (false, true) => Form::Bar(bar(n_steps)),
         };
         Progress { form, what, first: None, n_steps, end: plan.end(), largest_energy: 0.0 }
+    }
+
+    /// Counts the steps of a run that goes on from a state.
+    pub fn start_at(&mut self, state: &State) {
+        if state.step > 0 {
+            self.first = Some(0);
+        }
     }
 
     /// Takes the bar away.
@@ -91,6 +98,17 @@ impl Observer for Progress {
                 eprintln!("{}step {done} of {n_steps}, {message} (end: t = {end})", self.what);
                 self.form = Form::Lines { shown: tenths };
             }
+        }
+        Ok(())
+    }
+
+    fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let is_seldom = event.kind != EventKind::Grown;
+        let text = format!("{}step {}: {}", self.what, event.step, event.message);
+        match &self.form {
+            Form::Bar(bar) if is_seldom => bar.println(text),
+            Form::Lines { .. } if is_seldom => eprintln!("{text}"),
+            _ => {}
         }
         Ok(())
     }

@@ -1,8 +1,8 @@
 //! The output directory: nothing of anybody else's is ever written over or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], the frames of its collections and its
-//! series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames of its
+//! collections and its series of frames (`.vtkhdf`) are removed, every other file stays. A directory with other content is refused.
 //!
 //! Studies and comparisons have directories of their own kind, told by one of their files ([`check_kind`]).
 
@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use rust_hdf5::H5File;
 
 use crate::vtk::CREATOR;
+use crate::{checkpoint, lock};
 
 /// First words of every `input.toml` that Emmy writes.
 pub const MARK: &str = "# Written by Emmy";
@@ -34,7 +35,11 @@ const UNFINISHED: [&str; 7] = [
     "report.html.part",
 ];
 /// What a run writes besides its input and its frames.
-pub const FILES: [&str; 5] = ["history.csv", "newton.csv", "events.csv", "summary.json", "report.html"];
+pub const FILES: [&str; 6] =
+    ["history.csv", "newton.csv", "events.csv", "run.log", "summary.json", "report.html"];
+
+/// What a run leaves that was killed before it could write its `input.toml`.
+const BEGINNINGS: [&str; 2] = [lock::FILE, "input.toml.part"];
 
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +75,14 @@ pub enum DirectoryError {
         witness: &'static str,
         /// One of the files.
         example: String,
+    },
+    /// Another run writes into it.
+    #[error(
+        "another run of Emmy is writing into {path}; wait for it, or name another directory with --output"
+    )]
+    Busy {
+        /// The path.
+        path: PathBuf,
     },
     /// The system refused.
     #[error("cannot write to {path}: {error}")]
@@ -125,9 +138,8 @@ fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
     if !path.is_dir() {
         return Err(DirectoryError::NotADirectory { path: path.to_path_buf() });
     }
-    let entry = fs::read_dir(path).map_err(|error| system(path, error))?.next();
-    let entry = entry.transpose().map_err(|error| system(path, error))?;
-    Ok(entry.map(|entry| entry.file_name().to_string_lossy().into_owned()))
+    let names = names(path).map_err(|error| system(path, error))?;
+    Ok(names.into_iter().find(|name| !BEGINNINGS.contains(&name.as_str())))
 }
 
 /// Makes a directory ready for a run: created, and without the files of an earlier run.
@@ -150,6 +162,8 @@ fn is_run(path: &Path) -> bool {
 }
 
 fn remove_run(path: &Path) -> io::Result<()> {
+    // Checkpoints first: without them nothing goes on from what is left, should it end here.
+    remove_checkpoints(&path.join(checkpoint::DIRECTORY))?;
     for name in FILES {
         remove(&path.join(name))?;
     }
@@ -177,20 +191,43 @@ fn is_series(path: &Path) -> bool {
     creator.is_ok_and(|creator| creator.starts_with("Emmy"))
 }
 
+/// Removes the checkpoints, and their directory if nothing is left in it.
+fn remove_checkpoints(folder: &Path) -> io::Result<()> {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    for name in checkpoint::FILES {
+        remove(&folder.join(name))?;
+        remove(&folder.join(format!("{name}.part")))?;
+    }
+    if names(folder)?.is_empty() { fs::remove_dir(folder) } else { Ok(()) }
+}
+
 /// Removes `frames/NAME_000000.vtu` and so on, and the directory if nothing is left in it.
 fn remove_frames(frames: &Path, name: &str) -> io::Result<()> {
     if !frames.is_dir() {
         return Ok(());
     }
+    remove_frames_where(frames, name, |_| true)?;
+    if names(frames)?.is_empty() { fs::remove_dir(frames) } else { Ok(()) }
+}
+
+/// Removes frames of some steps.
+pub(crate) fn remove_frames_where(
+    frames: &Path,
+    name: &str,
+    is_unwanted: impl Fn(usize) -> bool,
+) -> io::Result<()> {
     for file in names(frames)? {
         let whole = file.strip_suffix(PART).unwrap_or(&file);
         let number = whole.strip_prefix(name).and_then(|rest| rest.strip_prefix('_')?.strip_suffix(".vtu"));
-        if number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit()))
-        {
+        let is_number = |number: &&str| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit());
+        let step = number.filter(is_number).and_then(|number| number.parse().ok());
+        if step.is_some_and(&is_unwanted) {
             remove(&frames.join(file))?;
         }
     }
-    if names(frames)?.is_empty() { fs::remove_dir(frames) } else { Ok(()) }
+    Ok(())
 }
 
 fn names(path: &Path) -> io::Result<Vec<String>> {
@@ -204,14 +241,38 @@ fn remove(file: &Path) -> io::Result<()> {
     }
 }
 
+/// Puts the path of a file before what the system says of it.
+pub(crate) fn named(path: &Path) -> impl Fn(io::Error) -> io::Error + '_ {
+    move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
 /// Writes a file so that at every moment either the old or the new one is there, whole.
 pub(crate) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace_by(path, content, |_| Ok(())).map_err(named(path))
+}
+
+/// As [`replace`], also when the machine loses its power: the content is on the disk before the name is.
+pub(crate) fn replace_durably(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace_by(path, content, fs::File::sync_all).map_err(named(path))?;
+    // Directories are files on Unix only; elsewhere the system sees to it.
+    match path.parent().filter(|_| cfg!(unix)) {
+        Some(folder) => fs::File::open(folder).and_then(|folder| folder.sync_all()).map_err(named(folder)),
+        None => Ok(()),
+    }
+}
+
+fn replace_by(path: &Path, content: &[u8], finish: impl Fn(&fs::File) -> io::Result<()>) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(PART);
     let part = path.with_file_name(name);
     let mut file = fs::File::create(&part)?;
-    file.write_all(content)?;
+    let written = file.write_all(content).and_then(|()| finish(&file));
     drop(file);
+    if let Err(error) = written {
+        // The disk may be full: what is of no use goes, and if it cannot, the error is still that of the writing.
+        let _ = fs::remove_file(&part);
+        return Err(error);
+    }
     fs::rename(&part, path)
 }
 
@@ -270,6 +331,14 @@ mod tests {
             "other.pvd",
             "other.vtkhdf",
             "notes.part",
+            "run.log",
+            "events.csv",
+            "checkpoint/a.checkpoint",
+        ];
+        let foreign = [
+            "checkpoint/mine.txt",
+            "notes.txt",
+            "other.pvd",
             "frames/other_000000.vtu",
             "frames/old_final.vtu",
             "frames/old_1.vtu",

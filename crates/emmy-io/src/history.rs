@@ -1,12 +1,14 @@
 //! `history.csv`: one row for the start and one a step; written, and read back.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Record, View};
 
+use crate::directory::replace;
 use crate::input::Probe;
+use crate::rows::RowFile;
 
 /// Columns that every history has.
 pub const COLUMNS: [&str; 18] = [
@@ -84,7 +86,7 @@ fn own_columns(record: &Record, wall_seconds: f64) -> Vec<Number> {
 /// The file; every row is on disk once it is written.
 #[derive(Debug)]
 pub struct HistoryFile {
-    file: File,
+    rows: RowFile,
 }
 
 impl HistoryFile {
@@ -93,9 +95,42 @@ impl HistoryFile {
     /// # Errors
     /// What the system refuses.
     pub fn create(path: &Path, probes: &[Probe]) -> io::Result<Self> {
-        let mut file = File::create(path)?;
-        file.write_all((columns(probes).join(",") + "\n").as_bytes())?;
-        Ok(HistoryFile { file })
+        Ok(HistoryFile { rows: RowFile::create(path, &columns(probes).join(","))? })
+    }
+
+    /// The history of a run that goes on after a step; later rows are taken out. The time of the step's own row becomes that of its
+    /// state, which differs by rounding where the plan had ended there.
+    ///
+    /// # Errors
+    /// [`HistoryError`] if the file is damaged, has other columns, or ends before the step.
+    pub fn resume(path: &Path, probes: &[Probe], step: usize, time: f64) -> Result<Self, HistoryError> {
+        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
+        let history = History::read(path)?;
+        if history.columns != columns(probes) {
+            return Err(HistoryError::Columns { path: path.to_path_buf() });
+        }
+        let times = history.column("time").unwrap_or_default();
+        let Some(&written) = times.get(step) else {
+            return Err(HistoryError::Short { path: path.to_path_buf(), step });
+        };
+        if written != time {
+            let text = std::fs::read_to_string(path).map_err(system)?;
+            let row = |(i, line): (usize, &str)| match line.split(',').nth(1) {
+                Some(old) if i == step + 1 => line.replacen(old, &format!("{time:.16e}"), 1),
+                _ => line.to_string(),
+            };
+            let rows: String = text.split_inclusive('\n').enumerate().map(row).collect();
+            replace(path, rows.as_bytes()).map_err(system)?;
+        }
+        Ok(HistoryFile { rows: RowFile::resume(path, step).map_err(system)? })
+    }
+
+    /// Has the system put all rows on the disk itself.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn sync(&self) -> io::Result<()> {
+        self.rows.sync()
     }
 
     /// Writes a row with 17 significant digits, which is what it takes to read back the same numbers.
@@ -107,9 +142,7 @@ impl HistoryFile {
             Number::Whole(value) => value.to_string(),
             Number::Real(value) => format!("{value:.16e}"),
         };
-        let line = row.iter().map(text).collect::<Vec<_>>().join(",") + "\n";
-        self.file.write_all(line.as_bytes())?;
-        self.file.flush()
+        self.rows.write(&row.iter().map(text).collect::<Vec<_>>().join(","))
     }
 }
 
@@ -132,6 +165,24 @@ pub enum HistoryError {
         path: PathBuf,
         /// Name of the column.
         column: &'static str,
+    },
+    /// It has other columns than the run that is to go on.
+    #[error(
+        "{path}: its columns are not those of the probes now; `output.probes` cannot change when a run goes on"
+    )]
+    Columns {
+        /// The path.
+        path: PathBuf,
+    },
+    /// It ends before the checkpoint.
+    #[error(
+        "{path} has no row of step {step}, from which the checkpoint goes on; it is damaged, start again with `emmy run`"
+    )]
+    Short {
+        /// The path.
+        path: PathBuf,
+        /// Step of the checkpoint.
+        step: usize,
     },
     /// A row is damaged.
     #[error("{path}:{line}: {reason}")]

@@ -10,6 +10,10 @@
 //! | [`newton`] | `newton.csv` |
 //! | [`report`] | `report.html` |
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or one file of them all (`.vtkhdf`) |
+//! | [`checkpoint`] | `checkpoint/`: what a run needs to go on |
+//! | [`events`] | `events.csv` |
+//! | [`log`] | `run.log` |
+//! | [`lock`] | one run at a time in a directory |
 //! | [`summary`] | `summary.json` |
 //! | [`chart`] | charts as `.svg` and `.png` |
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
@@ -19,18 +23,23 @@
 //! | [`limits`] | `[limits]` |
 
 pub mod chart;
+pub mod checkpoint;
 pub mod comparison;
 pub mod convergence;
 pub mod directory;
 pub mod drawing;
+pub mod events;
 pub mod history;
 pub mod input;
 pub mod limits;
+pub mod lock;
+pub mod log;
 pub mod mesh;
 pub mod newton;
 mod picture;
 pub mod report;
 pub mod results;
+mod rows;
 pub mod summary;
 pub mod tally;
 pub mod vtk;

@@ -2,10 +2,12 @@
 
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
 use emmy::motion::View;
+
+use crate::rows::RowFile;
 
 /// Columns of the file.
 pub const COLUMNS: &str = "step,iteration,residual,target";
@@ -14,7 +16,7 @@ pub const COLUMNS: &str = "step,iteration,residual,target";
 /// Every step is on disk once it is written. Norms have four digits.
 #[derive(Debug)]
 pub struct NewtonFile {
-    file: File,
+    rows: RowFile,
 }
 
 impl NewtonFile {
@@ -23,9 +25,18 @@ impl NewtonFile {
     /// # Errors
     /// What the system refuses.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let mut file = File::create(path)?;
-        file.write_all(format!("{COLUMNS}\n").as_bytes())?;
-        Ok(NewtonFile { file })
+        Ok(NewtonFile { rows: RowFile::create(path, COLUMNS)? })
+    }
+
+    /// The file of a run that goes on after a step; later rows are taken out.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
+        if !path.exists() {
+            return NewtonFile::create(path);
+        }
+        Ok(NewtonFile { rows: RowFile::resume(path, step)? })
     }
 
     /// Writes the rows of a step.
@@ -41,8 +52,7 @@ impl NewtonFile {
         for (iteration, residual) in residuals.iter().enumerate() {
             let _ = writeln!(rows, "{step},{iteration},{residual:.3e},{target:.3e}");
         }
-        self.file.write_all(rows.as_bytes())?;
-        self.file.flush()
+        if rows.is_empty() { Ok(()) } else { self.rows.write(rows.trim_end()) }
     }
 }
 
@@ -91,6 +101,8 @@ fn row(line: &str) -> Option<(usize, f64, f64)> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use super::*;
 
     #[test]
@@ -103,7 +115,8 @@ mod tests {
         file.write_step(2, &[f64::NAN], 0.5).unwrap();
         file.write_step(3, &[1e300, 0.0], 0.5).unwrap();
         // Killed while it wrote a row.
-        file.file.write_all(b"4,0,1.0").unwrap();
+        let mut file = File::options().append(true).open(&path).unwrap();
+        file.write_all(b"4,0,1.0").unwrap();
         let steps = read(&path, |step| step != 2).unwrap();
         let expected = [(1, vec![2.0, 1.234e-5], 1e-8), (3, vec![1e300, 0.0], 0.5)];
         assert_eq!(steps, expected.map(|(step, residuals, target)| NewtonStep { step, residuals, target }));

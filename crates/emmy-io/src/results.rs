@@ -5,20 +5,36 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use emmy::body::fields::{FieldName, Fields};
-use emmy::motion::{Observer, State, View};
+use emmy::motion::{Event, Motion, Observer, State, View};
 use serde_json::Value;
 
+use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::directory::{self, DirectoryError, MARK, replace};
-use crate::history::{self, HistoryFile};
+use crate::events::EventsFile;
+use crate::history::{self, HistoryError, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
+use crate::lock::Lock;
+use crate::log::RunLog;
 use crate::newton::NewtonFile;
 use crate::report::{self, ReportError};
 use crate::summary::{self, Heading, Status};
 use crate::tally::Tally;
 use crate::vtk::FrameWriter;
 
-/// Writes `input.toml`, `history.csv`, `newton.csv`, the frames, `summary.json` and `report.html` into the output directory,
+/// Why results cannot be written on.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// The history cannot be continued.
+    #[error(transparent)]
+    History(#[from] HistoryError),
+    /// The system refused.
+    #[error("cannot write the results: {0}")]
+    System(#[from] io::Error),
+}
+
+/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, the frames, checkpoints, `summary.json` and `report.html` into
+/// the output directory,
 /// and watches the limits.
 #[derive(Debug)]
 pub struct Results {
@@ -29,9 +45,15 @@ pub struct Results {
     newton: NewtonFile,
     frames: Option<Frames>,
     tally: Tally,
+    events: EventsFile,
+    log: RunLog,
+    checkpoints: Option<Checkpoints>,
     started: Instant,
     /// Seconds after which the page is written anew.
     report_due: f64,
+    /// Seconds that the run took before it went on.
+    seconds_before: f64,
+    _lock: Lock,
 }
 
 /// Seconds between two pages of a run that is going on, at the least.
@@ -44,22 +66,59 @@ impl Results {
     /// Makes the directory ready and opens the files. The clock starts here.
     ///
     /// # Errors
-    /// [`DirectoryError`] if the directory is not for Emmy to write to; then nothing was changed.
+    /// [`DirectoryError`] if the directory is not for Emmy to write to, or another run writes there; then nothing was changed.
     pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
         let directory = &problem.output.directory;
+        let system = |error| DirectoryError::System { path: directory.clone(), error };
+        directory::check(directory)?;
+        std::fs::create_dir_all(directory).map_err(system)?;
+        let lock = Lock::take(directory)?;
         directory::prepare(directory)?;
-        Results::open(problem).map_err(|error| DirectoryError::System { path: directory.clone(), error })
+        replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
+        let history = HistoryFile::create(&directory.join("history.csv"), &problem.output.probes);
+        let history = history.map_err(system)?;
+        Results::open(problem, lock, history, None).map_err(system)
     }
 
-    fn open(problem: &Problem) -> io::Result<Self> {
-        let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
+    /// Takes the files of a run up where a checkpoint left them: what was written after it is taken out.
+    ///
+    /// # Errors
+    /// [`ResumeError`].
+    pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
+        let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
+        let path = directory.join("history.csv");
+        let history = HistoryFile::resume(&path, &problem.output.probes, state.step, state.time)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
-        let history = HistoryFile::create(&directory.join("history.csv"), &output.probes)?;
-        let newton = NewtonFile::create(&directory.join("newton.csv"))?;
-        let frames = || Frames::create(problem);
+        Ok(Results::open(problem, lock, history, Some(checkpoint))?)
+    }
+
+    fn open(
+        problem: &Problem,
+        lock: Lock,
+        history: HistoryFile,
+        after: Option<&Checkpoint>,
+    ) -> io::Result<Self> {
+        let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
+        let place = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
+        let events = directory.join("events.csv");
+        let events = match place {
+            Some((step, _)) => EventsFile::resume(&events, step)?,
+            None => EventsFile::create(&events)?,
+        };
+        let log = RunLog::open(&directory.join("run.log"), problem, place)?;
+        let newton = directory.join("newton.csv");
+        let newton = match place {
+            Some((step, _)) => NewtonFile::resume(&newton, step)?,
+            None => NewtonFile::create(&newton)?,
+        };
+        let frames = || Frames::open(problem, after);
         let frames = (output.every > 0).then(frames).transpose()?;
-        let (heading, tally) = (Heading::new(problem), Tally::default());
-        let summary = heading.summary(&tally, Status::Running, None, 0.0);
+        let checkpoints =
+            (output.checkpoint_every > 0).then(|| Checkpoints::new(problem, after)).transpose()?;
+        let heading = Heading::new(problem);
+        let tally = after.map_or(Tally::default(), |checkpoint| checkpoint.tally.clone());
+        let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
+        let summary = heading.summary(&tally, Status::Running, None, seconds_before);
         summary::write(&directory.join("summary.json"), &summary)?;
         Ok(Results {
             limits: problem.limits,
@@ -69,22 +128,39 @@ impl Results {
             newton,
             frames,
             tally,
+            events,
+            log,
+            checkpoints,
             started: Instant::now(),
-            report_due: BETWEEN_REPORTS,
+            report_due: seconds_before + BETWEEN_REPORTS,
+            seconds_before,
+            _lock: lock,
         })
     }
 
-    /// Ends the run: the last state is written as a frame if it is not there yet, then the summary, which is returned.
+    /// Ends the run: the last state is written as a frame and as a checkpoint if it is not there yet, then the summary, which is
+    /// returned.
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn finish(&mut self, state: &State, status: Status, message: Option<&str>) -> io::Result<Value> {
+    pub fn finish(
+        &mut self,
+        motion: &Motion<'_>,
+        status: Status,
+        message: Option<&str>,
+    ) -> io::Result<Value> {
         if let Some(frames) = &mut self.frames {
-            frames.write(state)?;
+            frames.write(motion.state())?;
             frames.files.finish()?;
         }
+        let end = format!("{} at step {}, t = {}", status.name(), self.tally.steps, self.tally.time);
+        self.log.line(&message.map_or(end.clone(), |message| format!("{end}: {message}")))?;
         let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
         summary::write(&self.directory().join("summary.json"), &summary)?;
+        // A step that could not be written is not one to go on from.
+        if status != Status::Failed {
+            self.write_checkpoint(motion)?;
+        }
         Ok(summary)
     }
 
@@ -125,9 +201,23 @@ impl Results {
         &self.tally
     }
 
-    /// Seconds since the start of the run.
+    /// Seconds since the start of the run, without the time in which it was not running.
     pub fn wall_seconds(&self) -> f64 {
-        self.started.elapsed().as_secs_f64()
+        self.seconds_before + self.started.elapsed().as_secs_f64()
+    }
+
+    /// Whether the run writes checkpoints.
+    pub fn has_checkpoints(&self) -> bool {
+        self.checkpoints.is_some()
+    }
+
+    fn write_checkpoint(&mut self, motion: &Motion<'_>) -> io::Result<()> {
+        let seconds = self.wall_seconds();
+        let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
+        let frames = self.frames.as_ref().map_or(&[][..], |frames| &frames.times);
+        // A checkpoint must not know of more steps than the history has.
+        self.history.sync()?;
+        checkpoints.write(motion, &self.tally, frames, seconds)
     }
 }
 
@@ -137,20 +227,28 @@ struct Frames {
     files: FrameWriter,
     fields: Fields,
     names: Vec<FieldName>,
+    /// Steps and times of the frames that were written.
+    times: Vec<(usize, f64)>,
 }
 
 impl Frames {
-    fn create(problem: &Problem) -> io::Result<Self> {
+    /// The frames of a run; of one that goes on, with those up to its checkpoint.
+    fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
         let (body, output) = (&problem.body, &problem.output);
         let fields = Fields::new(body);
         let names = output.fields.iter().copied().filter(|&name| fields.has(name)).collect();
-        let files = FrameWriter::create(
-            (output.format, output.precision),
-            &output.directory,
-            body.mesh(),
-            body.region_of_cell(),
-        )?;
-        Ok(Frames { files, fields, names })
+        let (form, directory) = ((output.format, output.precision), &output.directory);
+        let (mesh, regions) = (body.mesh(), body.region_of_cell());
+        let Some(checkpoint) = after else {
+            let files = FrameWriter::create(form, directory, mesh, regions)?;
+            return Ok(Frames { files, fields, names, times: Vec::new() });
+        };
+        // The last state of a run that ended is a frame out of turn.
+        let step = checkpoint.snapshot.state.step;
+        let is_kept = |own: usize| own != step || own.is_multiple_of(output.every);
+        let times: Vec<_> = checkpoint.frames.iter().copied().filter(|(own, _)| is_kept(*own)).collect();
+        let files = FrameWriter::resume(form, directory, mesh, regions, (&times, step))?;
+        Ok(Frames { files, fields, names, times })
     }
 
     /// Writes a state, unless its step has been written.
@@ -159,7 +257,9 @@ impl Frames {
             return Ok(());
         }
         let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
-        self.files.write(state.step, state.time, &fields)
+        self.files.write(state.step, state.time, &fields)?;
+        self.times.push((state.step, state.time));
+        Ok(())
     }
 }
 
@@ -174,8 +274,18 @@ impl Observer for Results {
             frames.write(view.state)?;
         }
         self.tally.add(view);
+        self.log.step(view.record)?;
+        let every = self.output.checkpoint_every;
+        if every > 0 && view.record.step.is_multiple_of(every) {
+            self.write_checkpoint(view.motion)?;
+        }
         self.report_progress()?;
         Ok(limits::check(&self.limits, &self.tally)?)
+    }
+
+    fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        self.log.event(event)?;
+        Ok(self.events.write(event)?)
     }
 }
 

@@ -20,6 +20,8 @@ pub enum Status {
     NoConvergence,
     /// A limit of `[limits]` was exceeded.
     LimitExceeded,
+    /// It was stopped from outside, with a checkpoint.
+    Interrupted,
     /// Something else failed.
     Failed,
 }
@@ -32,6 +34,7 @@ impl Status {
             Status::Done => "done",
             Status::NoConvergence => "no-convergence",
             Status::LimitExceeded => "limit-exceeded",
+            Status::Interrupted => "interrupted",
             Status::Failed => "failed",
         }
     }
@@ -82,6 +85,8 @@ impl Heading {
             "stiffness_renewals": tally.renewals,
             "steps_with_exact_tangent": tally.steps_with_exact_tangent,
             "steps_at_rounding_floor": tally.steps_at_rounding_floor,
+            "cuts": tally.cuts,
+            "releases": tally.releases,
             "wall_seconds": wall_seconds,
             "worst_energy_residual": tally.energy.value,
             "worst_energy_residual_step": tally.energy.step,

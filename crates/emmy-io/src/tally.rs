@@ -65,6 +65,10 @@ pub struct Tally {
     pub total_energy: f64,
     /// Work of the loads since the start \[energy\].
     pub external_work: f64,
+    /// How often a step was cut by two.
+    pub cuts: usize,
+    /// Supports that were released.
+    pub releases: usize,
     largest_kinetic_energy: f64,
 }
 
@@ -84,11 +88,74 @@ impl Tally {
         self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
         self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
+        self.cuts += record.cuts;
+        self.releases += record.releases;
         self.energy.see(record.energy_residual, record.step);
         self.linear_momentum.see(record.linear_momentum_residual, record.step);
         self.angular_momentum.see(record.angular_momentum_residual, record.step);
         (self.total_energy, self.external_work) = (record.total_energy, record.external_work);
         self.add_balances(record, view.body);
+    }
+
+    /// All but the solver, for a checkpoint.
+    pub(crate) fn numbers(&self) -> [f64; 25] {
+        [
+            self.steps as f64,
+            self.time,
+            self.newton_iterations as f64,
+            self.linear_iterations as f64,
+            self.renewals as f64,
+            self.steps_with_exact_tangent as f64,
+            self.steps_at_rounding_floor as f64,
+            self.energy.value,
+            self.energy.step as f64,
+            self.linear_momentum.value,
+            self.linear_momentum.step as f64,
+            self.angular_momentum.value,
+            self.angular_momentum.step as f64,
+            self.largest_energy,
+            self.largest_angular_momentum,
+            self.accumulated_energy,
+            self.accumulated_angular_momentum,
+            self.total_energy,
+            self.external_work,
+            self.cuts as f64,
+            self.releases as f64,
+            self.largest_kinetic_energy,
+            self.largest_linear_momentum,
+            self.linear_momentum_scale,
+            self.angular_momentum_scale,
+        ]
+    }
+
+    /// The tally of its numbers.
+    pub(crate) fn of(n: [f64; 25], solver: Option<SolverChoice>) -> Self {
+        let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
+        Tally {
+            steps: n[0] as usize,
+            time: n[1],
+            newton_iterations: n[2] as usize,
+            linear_iterations: n[3] as usize,
+            renewals: n[4] as usize,
+            steps_with_exact_tangent: n[5] as usize,
+            solver,
+            steps_at_rounding_floor: n[6] as usize,
+            energy: worst(7),
+            linear_momentum: worst(9),
+            angular_momentum: worst(11),
+            largest_energy: n[13],
+            largest_angular_momentum: n[14],
+            accumulated_energy: n[15],
+            accumulated_angular_momentum: n[16],
+            total_energy: n[17],
+            external_work: n[18],
+            cuts: n[19] as usize,
+            releases: n[20] as usize,
+            largest_kinetic_energy: n[21],
+            largest_linear_momentum: n[22],
+            linear_momentum_scale: n[23],
+            angular_momentum_scale: n[24],
+        }
     }
 
     fn add_balances(&mut self, record: &Record, body: &Body) {

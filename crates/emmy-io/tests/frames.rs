@@ -60,7 +60,7 @@ fn run(problem: &Problem, ends: bool) -> State {
     let mut results = Results::create(problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     if ends {
-        results.finish(motion.state(), Status::Done, None).unwrap();
+        results.finish(&motion, Status::Done, None).unwrap();
     }
     motion.state().clone()
 }

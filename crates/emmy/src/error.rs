@@ -244,6 +244,64 @@ pub enum Error {
         #[source]
         cause: Box<Error>,
     },
+    /// A step in which a cell is turned inside out.
+    #[error(
+        "step {step}, to t = {time}: cell {cell} ({kind}) near {position:.5?} is turned inside out, det F = {det:e}; try a smaller \
+         step, a finer mesh there, or a material that resists compression, and look at the loads there"
+    )]
+    CellInverted {
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// Index of the cell.
+        cell: usize,
+        /// Its kind.
+        kind: CellKind,
+        /// Its centre in the last good state.
+        position: [f64; 3],
+        /// Smallest determinant seen.
+        det: f64,
+    },
+    /// A step in which something is not a number.
+    #[error(
+        "step {step}, to t = {time}: the forces at node {node} near {position:.5?} are not numbers; look at the histories of the \
+         loads and at the material there"
+    )]
+    NotANumber {
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// First node at which it shows.
+        node: usize,
+        /// Its last good position.
+        position: [f64; 3],
+    },
+    /// A step that failed with every size down to the smallest one.
+    #[error(
+        "step {step} from t = {start} failed with every size down to {step_size:e}; try another scheme or material, a finer mesh, \
+         or a smaller `smallest_step`, and look at the loads at this time"
+    )]
+    SmallestStep {
+        /// Number of the step.
+        step: usize,
+        /// Time at its start.
+        start: f64,
+        /// The last size that was tried.
+        step_size: f64,
+        /// Why the last attempt failed.
+        #[source]
+        cause: Box<Error>,
+    },
+    /// A stepper's memory that is not of the same problem.
+    #[error("the memory of the stepper does not fit: `{name}` {reason}")]
+    Memory {
+        /// Name of the list.
+        name: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A mesh too large for the memory of the machine.
     #[error("not enough memory for {what} ({gigabytes:.1} GB); try a coarser mesh")]
     OutOfMemory {

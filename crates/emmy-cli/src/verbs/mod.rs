@@ -7,6 +7,7 @@ mod converge;
 mod list;
 mod new;
 mod report;
+mod resume;
 mod run;
 
 use std::path::PathBuf;
@@ -34,6 +35,12 @@ pub enum Verb {
     /// A run writes it by itself, at its end and from time to time before. The page opens from disk in a browser: the motion in
     /// three dimensions, energies, momenta, balances, and the verdict.
     Report(report::Arguments),
+    /// Go on with a run that was stopped, has failed, or is to go further
+    ///
+    /// The newest whole checkpoint in the directory is taken up, rows and frames after it are taken out, and the run writes on into
+    /// the same directory: its history is then that of a run that was never stopped. Step size, scheme, degree, end, output and
+    /// limits may change; body, loads and supports may not.
+    Resume(resume::Arguments),
     /// Show several runs side by side: a page, charts and a table
     Compare(compare::Arguments),
     /// Measure the error over the step size
@@ -56,6 +63,7 @@ impl Verb {
             Verb::Check(arguments) => check::run(&arguments),
             Verb::Run(arguments) => run::run(&arguments),
             Verb::Report(arguments) => report::run(&arguments),
+            Verb::Resume(arguments) => resume::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Converge(arguments) => converge::run(&arguments),
             Verb::List(arguments) => list::run(&arguments),
@@ -83,7 +91,12 @@ struct Input {
 impl Input {
     /// The problem; what its reader remarks goes to standard error.
     fn problem(&self) -> Result<emmy_io::input::Problem, Failure> {
-        let overrides = Overrides { set: self.set.clone(), until: self.until, output: self.output.clone() };
+        let overrides = Overrides {
+            set: self.set.clone(),
+            until: self.until,
+            output: self.output.clone(),
+            ..Overrides::default()
+        };
         let problem = emmy_io::input::read(&self.file, &overrides)?;
         problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
         Ok(problem)

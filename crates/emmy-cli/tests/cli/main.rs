@@ -10,6 +10,7 @@ mod messages;
 mod reference;
 mod report;
 mod results;
+mod resume;
 mod run;
 mod verbs;
 

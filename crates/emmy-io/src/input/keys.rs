@@ -84,7 +84,7 @@ pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
 pub(super) const ROTATE: Keys = keys("rotate", &["axis", "about", "angle"]);
 pub(super) const INITIAL: Keys =
     keys("[initial]", &["group", "velocity", "angular_velocity", "about", "gradient"]);
-pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps"]);
+pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps", "smallest_step"]);
 pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);

@@ -27,6 +27,8 @@ pub struct Overrides {
     pub until: Option<f64>,
     /// `--output DIR`.
     pub output: Option<PathBuf>,
+    /// `--step H` of a run that goes on: a time, and the size of the steps from then on.
+    pub step: Option<(f64, f64)>,
 }
 
 /// A problem, complete and checked: what the library needs to compute a motion, and what to write of it.
@@ -64,6 +66,8 @@ pub struct Problem {
     pub degree: usize,
     /// Step plan.
     pub plan: StepPlan,
+    /// Size down to which a step that fails is cut; `None`: 1/1024 of the planned one.
+    pub smallest_step: Option<f64>,
     /// When Newton's iteration ends.
     pub newton: NewtonSettings,
     /// What is written, and where.
@@ -128,7 +132,8 @@ impl Parts {
         let nodal = nodal::read(&root, &mut faults);
         faults.keep(root.get("mass").map_or(Ok(()), |item| item.one_or_more().map(|_| ())));
         let initial = optional(&root, "initial", initial::read, &mut faults);
-        let time = faults.keep(root.require("time").and_then(|item| time::read(item, overrides.until)));
+        let time = faults
+            .keep(root.require("time").and_then(|item| time::read(item, overrides.until, overrides.step)));
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
         let output = faults.keep(root.require("output").and_then(settings::output));
         let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
@@ -169,9 +174,6 @@ impl Parts {
         groups::check_regions(&mesh, &self.regions)?;
         support::check_together(&mesh, &self.supports, &self.time)?;
         probes::find(&mesh, &mut self.output.probes, &mut notes);
-        if self.output.checkpoint_every > 0 {
-            notes.push("`checkpoint_every`: this version writes no checkpoints".to_string());
-        }
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
         let nodal = self.nodal.values();
@@ -188,6 +190,7 @@ impl Parts {
             scheme: self.time.scheme,
             degree: self.time.degree,
             plan: self.time.plan,
+            smallest_step: self.time.smallest_step,
             newton: self.newton,
             output: self.output,
             limits: self.limits,

@@ -58,7 +58,7 @@ pub(super) const DEFAULTS: &str = "\
     fields = [\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
     \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
     \"strain_energy_density\", \"axial_force\"]\n\
-    checkpoint_every = 0\nprobes = []\n";
+    checkpoint_every = 50\nprobes = []\n";
 
 pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
     let table = item.table(keys::NEWTON)?;

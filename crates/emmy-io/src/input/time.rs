@@ -14,10 +14,12 @@ pub(super) struct Time {
     pub(super) scheme: Scheme,
     pub(super) degree: usize,
     pub(super) plan: StepPlan,
+    /// Size down to which a step that fails is cut.
+    pub(super) smallest_step: Option<f64>,
 }
 
-/// Reads the table; `until` is the end that the command line asks for.
-pub(super) fn read(item: Item<'_>, until: Option<f64>) -> Result<Time, Fault> {
+/// Reads the table; `until` is the end that the command line asks for, `step` a time and the step size that it asks for from then on.
+pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
     if let Some(place) = item.has_key("adaptive") {
         let help = "give `steps = [ { until = 1.0, size = 0.01 } ]`";
         return Err(Fault::at(place, "`adaptive` steps are not available yet", "not yet").help(help));
@@ -33,7 +35,9 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>) -> Result<Time, Fault> {
     })?;
     let plan = plan(table.require("steps")?)?;
     let plan = until.map_or(Ok(plan.clone()), |until| cut_or_extended(&plan, until))?;
-    Ok(Time { scheme, degree, plan })
+    let plan = step.map_or(Ok(plan.clone()), |(from, size)| with_size_from(&plan, from, size))?;
+    let smallest_step = table.get("smallest_step").map(|item| item.positive()).transpose()?;
+    Ok(Time { scheme, degree, plan, smallest_step })
 }
 
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
@@ -131,6 +135,14 @@ fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
         let flag = format!("--until {}", spelled(until));
         let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());
         Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time")
+    })
+}
+
+fn with_size_from(plan: &StepPlan, from: f64, size: f64) -> Result<StepPlan, Fault> {
+    plan.with_size_from(from, size).map_err(|error| {
+        let flag = format!("--step {}", spelled(size));
+        let place = Place::start_of("--step", &flag).at("--step ".len()..flag.len());
+        Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[size])), "this size")
     })
 }
 

@@ -9,7 +9,7 @@ use emmy::mesh::Mesh;
 
 use super::frame::Frame;
 use super::{Precision, escaped, name_of};
-use crate::directory::{COLLECTION_MARK, replace};
+use crate::directory::{COLLECTION_MARK, remove_frames_where, replace};
 
 /// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell data, cell
 /// data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
@@ -46,6 +46,17 @@ impl Frames {
             Frames { directory: directory.to_path_buf(), name, frame, times: Vec::new(), listed: 0 };
         frames.write_collection()?;
         Ok(frames)
+    }
+
+    /// Has the collection go on with some of the frames, steps and times, up to a step; the others are removed.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn go_on(&mut self, kept: &[(usize, f64)], step: usize) -> io::Result<()> {
+        let is_kept = |number: usize| number <= step && kept.iter().any(|(own, _)| *own == number);
+        self.times = kept.to_vec();
+        self.write_collection()?;
+        remove_frames_where(&self.directory.join("frames"), &self.name, |number| !is_kept(number))
     }
 
     /// Writes the fields of a step, unless it has been written.

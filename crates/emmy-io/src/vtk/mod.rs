@@ -107,6 +107,34 @@ impl FrameWriter {
         })
     }
 
+    /// Frames of a run that goes on after a step, with some of those that are there: steps and times. A series is written anew from
+    /// the one that is there, as far as that goes.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn resume(
+        form: (Format, Precision),
+        directory: &Path,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+        (kept, step): (&[(usize, f64)], usize),
+    ) -> io::Result<Self> {
+        // The new series takes the place of the old one later; until then that is open.
+        let old = directory.join(format!("{}.vtkhdf", name_of(directory)));
+        let old = SeriesReader::open(&old).ok().filter(|_| form.0 == Format::Vtkhdf);
+        let mut frames = FrameWriter::create(form, directory, mesh, region_of_cell)?;
+        if let FrameWriter::Vtu(frames) = &mut frames {
+            frames.go_on(kept, step)?;
+        }
+        for (old, &(step, time)) in old.iter().flat_map(|old| kept.iter().map(move |kept| (old, kept))) {
+            let Some(index) = old.times().iter().position(|own| *own == time) else { continue };
+            let values = |name| Ok(FieldValues { name, numbers: old.values(name, index)? });
+            let fields: io::Result<Vec<FieldValues>> = old.fields().into_iter().map(values).collect();
+            frames.write(step, time, &fields?)?;
+        }
+        Ok(frames)
+    }
+
     /// Writes the fields of a step, unless it has been written.
     ///
     /// # Errors

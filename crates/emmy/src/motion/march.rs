@@ -1,8 +1,10 @@
 //! The loop over the steps.
 
-use super::{MarchError, Observer, Record, State, StepPlan, View};
+use super::{
+    Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
+};
 use crate::body::{Body, sum};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
 use crate::time::{Scheme, StepOutcome, Stepper};
@@ -30,7 +32,29 @@ pub struct Motion<'a> {
     stepper: Box<dyn Stepper + 'a>,
     state: State,
     record: Record,
+    /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
+    smallest: Option<SmallestStep>,
+    division: Division,
+    releases: usize,
+    was_at_rounding_floor: bool,
+    /// Cuts and releases since the last good step.
+    cuts: usize,
+    released: usize,
+    /// Events that observers have not seen yet.
+    events: Vec<Event>,
 }
+
+/// How far a failing step may be cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum SmallestStep {
+    /// Down to a size \[time\].
+    Size(f64),
+    /// Down to this part of the planned step, given as the number of cuts.
+    Level(u32),
+}
+
+/// Cuts of a planned step by two, where no smallest size is given: down to 1/1024 of it.
+const MAX_CUTS: u32 = 10;
 
 /// Times that lie closer together than this part of a step are the same: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;
@@ -50,7 +74,67 @@ impl<'a> Motion<'a> {
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
         let record =
             Record { step: state.step, time: state.time, ..Record::default() }.with_invariants(body, &state);
-        Ok(Motion { body, scheme, degree, settings, stepper, state, record })
+        Ok(Motion {
+            body,
+            scheme,
+            degree,
+            settings,
+            stepper,
+            state,
+            record,
+            smallest: None,
+            division: Division::default(),
+            releases: 0,
+            was_at_rounding_floor: false,
+            cuts: 0,
+            released: 0,
+            events: Vec::new(),
+        })
+    }
+
+    /// A motion that goes on from a snapshot. With the stepper's memory, and the same scheme, degree and settings, every bit is that
+    /// of the motion that the snapshot was taken of.
+    ///
+    /// # Errors
+    /// Those of [`Scheme::stepper`] and [`Stepper::restore`].
+    pub fn resumed(
+        mut body: &'a Body,
+        scheme: Scheme,
+        degree: usize,
+        settings: NewtonSettings,
+        snapshot: Snapshot,
+    ) -> Result<Self> {
+        let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
+        for _ in 0..releases {
+            body = body.release().map_or(body, |(_, released)| released);
+        }
+        let mut motion = Motion::new(body, scheme, degree, settings, state.clone())?;
+        match &memory {
+            Some(memory) => {
+                motion.stepper.restore(memory)?;
+                (motion.state, motion.record) = (state, record);
+            }
+            // The new stepper may have set the momentum by a mass of its own.
+            None => motion.record = record.with_invariants(body, &motion.state),
+        }
+        Ok(Motion { division, releases, was_at_rounding_floor, ..motion })
+    }
+
+    /// All that the motion is now; see [`Motion::resumed`].
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.state.clone(),
+            record: self.record.clone(),
+            division: self.division,
+            releases: self.releases,
+            was_at_rounding_floor: self.was_at_rounding_floor,
+            memory: Some(self.stepper.memory()),
+        }
+    }
+
+    /// Has failing steps of a march cut by two (see [`Division`]), down to a size; without one, to 1/1024 of the planned step.
+    pub fn allow_cuts(&mut self, smallest_step: Option<f64>) {
+        self.smallest = Some(smallest_step.map_or(SmallestStep::Level(MAX_CUTS), SmallestStep::Size));
     }
 
     /// The state reached.
@@ -76,8 +160,17 @@ impl<'a> Motion<'a> {
             }
             self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
             self.body = body;
+            self.releases += 1;
+            self.released += 1;
+            let message = format!("a support was released (until = {time})");
+            self.note(EventKind::Release, self.state.step + 1, message);
         }
         Ok(())
+    }
+
+    /// Notes an event at the present time.
+    fn note(&mut self, kind: EventKind, step: usize, message: String) {
+        self.events.push(Event { step, time: self.state.time, kind, message });
     }
 
     /// Advances by one step of a size and records it. A support that is released holds until the first step that starts at the
@@ -88,10 +181,18 @@ impl<'a> Motion<'a> {
     /// good step.
     pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
         self.release(step_size)?;
-        let outcome = self.stepper.advance(&mut self.state, step_size)?;
+        let outcome = self.stepper.advance(&mut self.state, step_size);
+        let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
         self.state.time = end;
         self.state.step += 1;
         self.record = self.record.after(self.body, &self.state, step_size, &outcome);
+        (self.record.cuts, self.record.releases) = (self.cuts, self.released);
+        (self.cuts, self.released) = (0, 0);
+        if self.record.at_rounding_floor && !self.was_at_rounding_floor {
+            self.was_at_rounding_floor = true;
+            let message = "Newton's iteration ended at the rounding floor, above the tolerance: the body is too stiff for it";
+            self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
+        }
         Ok(&self.record)
     }
 
@@ -101,16 +202,99 @@ impl<'a> Motion<'a> {
     /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does.
     pub fn march(&mut self, plan: &StepPlan, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.notify(observers)?;
-        for step in plan.steps() {
-            self.step(step.size, step.end)?;
-            self.notify(observers)?;
+        plan.steps().try_for_each(|step| self.march_through(&step, observers))
+    }
+
+    /// Marches on through what is left of a plan. Observers see every step, but not the present state. The time may differ from
+    /// the plan's grid by rounding; one that lies inside a planned step goes to its end first.
+    ///
+    /// # Errors
+    /// As those of [`Motion::march`].
+    pub fn march_on(
+        &mut self,
+        plan: &StepPlan,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), MarchError> {
+        for mut step in plan.steps_from(self.state.time) {
+            let sliver = SAME_TIME * step.size;
+            if (self.division.start(&step) - self.state.time).abs() > sliver {
+                self.division = Division { part: 0, ..self.division };
+                let start = self.state.time;
+                if (step.start - start).abs() > sliver {
+                    step = PlannedStep { start, size: step.end - start, ..step };
+                }
+            }
+            self.march_through(&step, observers)?;
         }
         Ok(())
     }
 
-    fn notify(&self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+    /// Does what is left of a planned step, in parts where it fails.
+    fn march_through(
+        &mut self,
+        step: &PlannedStep,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), MarchError> {
+        loop {
+            let (size, end) = self.division.next(step);
+            if let Err(error) = self.step(size, end) {
+                let cut = self.cut(step, size, error);
+                self.tell(observers)?;
+                cut?;
+                continue;
+            }
+            let passed = self.division.pass();
+            if passed.has_grown {
+                self.note(EventKind::Grown, self.state.step, format!("step size back to {}", 2.0 * size));
+            }
+            self.notify(observers)?;
+            if passed.is_done {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Cuts a step that failed by two.
+    ///
+    /// # Errors
+    /// The error of the step, if it may not be cut; as [`Error::SmallestStep`], if it has been.
+    fn cut(&mut self, step: &PlannedStep, size: f64, error: Error) -> Result<(), MarchError> {
+        let may_be_cut = match self.smallest {
+            None => false,
+            Some(SmallestStep::Level(level)) => self.division.level < level,
+            Some(SmallestStep::Size(smallest)) => 0.5 * size >= smallest * (1.0 - SAME_TIME),
+        };
+        if !may_be_cut {
+            return Err(MarchError::Step(match size < step.size {
+                true => Error::SmallestStep {
+                    step: self.state.step + 1,
+                    start: self.state.time,
+                    step_size: size,
+                    cause: Box::new(error),
+                },
+                false => error,
+            }));
+        }
+        self.division.cut();
+        self.cuts += 1;
+        self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", 0.5 * size));
+        Ok(())
+    }
+
+    /// Tells observers of the events that they have not seen yet.
+    fn tell(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+        for event in self.events.drain(..) {
+            let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
+            told.map_err(MarchError::Observer)?;
+        }
+        Ok(())
+    }
+
+    fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+        self.tell(observers)?;
         let (body, state, record) = (self.body, &self.state, &self.record);
-        let view = View { body, state, record, newton_residuals: self.stepper.newton_history() };
+        let newton_residuals = self.stepper.newton_history();
+        let view = View { body, state, record, newton_residuals, motion: self };
         observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)
     }
 }
@@ -159,6 +343,29 @@ impl Record {
             ),
             ..record
         }
+    }
+}
+
+/// The error of a step, with the place of the cell if one was turned inside out.
+fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+    let inner = match &error {
+        Error::StepFailed { cause, .. } => cause,
+        error => error,
+    };
+    let Error::Inverted { cell, det } = *inner else { return error };
+    let Some(found) = body.mesh().cells().nth(cell) else { return error };
+    let position = |node: &u32| state.position(body, *node as usize);
+    let mut centre = [0.0; 3];
+    for corner in found.nodes.iter().map(position) {
+        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
+    }
+    Error::CellInverted {
+        step: state.step + 1,
+        time: state.time + step_size,
+        cell,
+        kind: found.kind,
+        position: centre,
+        det,
     }
 }
 

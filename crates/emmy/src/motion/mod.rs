@@ -1,11 +1,17 @@
 //! Marching: step plan, balances, records, observers.
 
+mod division;
+mod event;
 mod march;
 mod plan;
 mod record;
+mod snapshot;
 
 pub use crate::newton::NewtonSettings;
 pub use crate::time::State;
+pub use division::{Division, GOOD_STEPS};
+pub use event::{Event, EventKind};
 pub use march::Motion;
 pub use plan::{Phase, PlannedStep, StepPlan};
 pub use record::{MarchError, Observer, Record, View};
+pub use snapshot::Snapshot;

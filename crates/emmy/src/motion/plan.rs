@@ -124,6 +124,53 @@ impl StepPlan {
         })
     }
 
+    /// The steps that remain at a time: from the one that starts there, or in which it lies.
+    ///
+    /// ```
+    /// use emmy::motion::{Phase, StepPlan};
+    /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }])?;
+    /// let starts = |time| plan.steps_from(time).map(|step| step.start).collect::<Vec<f64>>();
+    /// assert_eq!((starts(0.5), starts(0.7), starts(1.0)), (vec![0.5, 0.75], vec![0.5, 0.75], vec![]));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn steps_from(&self, time: f64) -> impl Iterator<Item = PlannedStep> + '_ {
+        self.steps().skip_while(move |step| step.end - time <= SLIVER * step.size)
+    }
+
+    /// The time of the plan's grid that differs from a time by rounding only, else the time itself.
+    pub fn on_grid(&self, time: f64) -> f64 {
+        let next = self.steps_from(time).next();
+        next.filter(|step| (step.start - time).abs() <= SLIVER * step.size).map_or(time, |step| step.start)
+    }
+
+    /// The plan with steps of another size from a time on. What lies before stays, and so do the ends of the phases.
+    ///
+    /// ```
+    /// use emmy::motion::{Phase, StepPlan};
+    /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }])?.with_size_from(0.5, 0.3)?;
+    /// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
+    /// assert_eq!(ends, [0.25, 0.5, 0.8, 1.0]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`StepPlan::new`].
+    pub fn with_size_from(&self, time: f64, size: f64) -> Result<Self> {
+        let mut phases = Vec::new();
+        for (begin, phase) in self.begins() {
+            let sliver = SLIVER * phase.size;
+            if phase.until <= time + sliver {
+                phases.push(phase);
+                continue;
+            }
+            if begin < time - sliver {
+                phases.push(Phase { until: time, ..phase });
+            }
+            phases.push(Phase { size, ..phase });
+        }
+        StepPlan::new(self.start, phases)
+    }
+
     /// Every phase with the time at which it begins.
     fn begins(&self) -> impl Iterator<Item = (f64, Phase)> + '_ {
         let begins = std::iter::once(self.start).chain(self.phases.iter().map(|phase| phase.until));

@@ -1,6 +1,6 @@
 //! What is recorded of every step, and who may look on.
 
-use super::State;
+use super::{Event, Motion, State};
 use crate::body::Body;
 use crate::error::Error;
 use crate::sparse::SolverChoice;
@@ -54,6 +54,10 @@ pub struct Record {
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
+    /// How often the step was cut by two before it succeeded.
+    pub cuts: usize,
+    /// Number of releases of supports at the start of the step.
+    pub releases: usize,
 }
 
 /// What an observer sees after a step.
@@ -68,6 +72,8 @@ pub struct View<'a> {
     /// Norms of Newton's residuals in the step, one for each evaluation; of the second part where a step has two, empty at the
     /// start and for explicit steppers.
     pub newton_residuals: &'a [f64],
+    /// The motion itself, for a [`super::Snapshot`] of it.
+    pub motion: &'a Motion<'a>,
 }
 
 /// Looks on while a motion is computed: files, progress, plots hang on the loop through this trait.
@@ -77,6 +83,14 @@ pub trait Observer {
     /// # Errors
     /// An error of the observer ends the march as [`super::MarchError::Observer`].
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
+
+    /// Called when something out of the ordinary happens, before the step that it belongs to is observed.
+    ///
+    /// # Errors
+    /// As those of [`Observer::observe`].
+    fn notice(&mut self, _: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
 }
 
 /// What ended a march early.

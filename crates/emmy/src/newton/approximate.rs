@@ -14,7 +14,33 @@ pub struct Approximation {
     forcing: f64,
 }
 
+impl Approximation {
+    /// As plain numbers; a negative count stands for none.
+    fn numbers(&self) -> [f64; 3] {
+        [self.fresh.map_or(-1.0, |fresh| fresh as f64), self.excess as f64, self.forcing]
+    }
+
+    fn of([fresh, excess, forcing]: [f64; 3]) -> Self {
+        Approximation { fresh: (fresh >= 0.0).then_some(fresh as usize), excess: excess as usize, forcing }
+    }
+}
+
 impl Newton {
+    /// What is known of the approximate tangent, for [`Newton::restore`].
+    pub fn memory(&self) -> [f64; 3] {
+        self.approximation.numbers()
+    }
+
+    /// Takes over what was known of the approximate tangent.
+    pub fn restore(&mut self, memory: [f64; 3]) {
+        self.approximation = Approximation::of(memory);
+    }
+
+    /// Has the approximate tangent renewed with the next solution: that of a solution that failed is of no use.
+    pub fn forget(&mut self) {
+        self.approximation.fresh = None;
+    }
+
     /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
     ///
     /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::Memory;
 use super::decoupling::{Mode, modes};
 use super::prediction::rigid::RigidStep;
 use super::prediction::rotation::{UNIT, exp, product};
@@ -13,7 +14,7 @@ use crate::body::{Assembly, Body, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{Solver, SolverChoice, SweepOrder};
+use crate::sparse::{SOLVERS, Solver, SolverChoice, SweepOrder};
 use crate::tensor::Mat3;
 
 /// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric, whatever the scheme. It is
@@ -105,6 +106,55 @@ impl ApproximateTangent {
         self.set(body, time_scale)
     }
 
+    /// Keeps what the next steps depend on. The stiffness itself follows from displacement and rates.
+    pub fn keep(&self, memory: &mut Memory) {
+        let choice = self.choice.map(|choice| [f64::from(u8::from(choice.is_iterative)), choice.stiffness]);
+        let limit = self.choice.and_then(|choice| choice.limit);
+        memory.keep("tangent.displacement", &self.displacement);
+        memory.keep("tangent.rates", &self.rates);
+        memory.keep("tangent.orientation", self.orientation.as_flattened());
+        memory.keep("tangent.rotation", &self.rotation);
+        memory.keep("tangent.made_for", self.made_for.as_slice());
+        memory.keep("tangent.has_solvers", &[f64::from(u8::from(!self.solvers.is_empty()))]);
+        memory.keep("solver.wanted", &[f64::from(self.wanted as u8)]);
+        memory.keep("solver.choice", choice.as_slice().as_flattened());
+        memory.keep("solver.limit", limit.as_slice());
+    }
+
+    /// Takes over what [`ApproximateTangent::keep`] kept, and makes stiffness and factors of it again.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
+        memory.fill("tangent.displacement", &mut self.displacement)?;
+        memory.fill("tangent.rates", &mut self.rates)?;
+        memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
+        self.rotation = memory.array("tangent.rotation")?;
+        let [wanted] = memory.array("solver.wanted")?;
+        let all = SOLVERS.map(|(_, solver, _)| solver);
+        self.wanted =
+            all.into_iter().find(|solver| f64::from(*solver as u8) == wanted).unwrap_or(self.wanted);
+        let limit = memory.option("solver.limit")?;
+        self.choice = match *memory.list("solver.choice")? {
+            [is_iterative, stiffness] => {
+                Some(SolverChoice { is_iterative: is_iterative != 0.0, stiffness, limit })
+            }
+            _ => None,
+        };
+        self.solvers.clear();
+        self.made_for = None;
+        let [has_solvers] = memory.array("tangent.has_solvers")?;
+        if let Some(choice) = self.choice.filter(|_| has_solvers != 0.0) {
+            self.make_solvers(body, choice)?;
+        }
+        if let Some(time_scale) = memory.option("tangent.made_for")? {
+            self.assemble(body)?;
+            self.sum_rows(body);
+            self.set(body, time_scale)?;
+        }
+        Ok(())
+    }
+
     /// Sets displacement and rates to those from which the rule of K sees the middle of the step.
     fn place(&mut self, displacement: &[f64], rates: &[f64]) {
         let n = displacement.len();
@@ -185,6 +235,10 @@ impl ApproximateTangent {
             wanted => SolverChoice { is_iterative: wanted == Solver::Iterative, stiffness, limit: None },
         };
         self.choice = Some(choice);
+        self.make_solvers(body, choice)
+    }
+
+    fn make_solvers(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let sweep = (choice.is_iterative || has_pairs).then(|| Arc::new(SweepOrder::new(body.pattern())));
         let order = body.node_order();

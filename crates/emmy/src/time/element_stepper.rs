@@ -2,7 +2,7 @@
 
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
-use super::{Impulses, State, StepOutcome, Stepper, TimeElement};
+use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
 use crate::body::{Body, MassSolver};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
@@ -223,5 +223,17 @@ impl Stepper for TimeElementStepper<'_> {
 
     fn newton_history(&self) -> &[f64] {
         self.iteration.history()
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.iteration.keep(&mut memory);
+        self.system.keep(&mut memory);
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.iteration.restore(memory)?;
+        self.system.restore(memory)
     }
 }

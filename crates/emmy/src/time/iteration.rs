@@ -1,8 +1,8 @@
 //! Newton's iteration over the equations of a step: where it starts, and what is tried when it fails.
 
-use super::State;
 use super::prediction::{Carry, Prediction};
 use super::stage_system::{StageForm, StageSystem};
+use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome, System};
 
@@ -55,6 +55,22 @@ impl Iteration {
         }
     }
 
+    /// Keeps what the next steps depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        self.prediction.keep(memory);
+        memory.keep("newton", &self.newton.memory());
+    }
+
+    /// Takes over what [`Iteration::keep`] kept.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.prediction.restore(memory)?;
+        self.newton.restore(memory.array("newton")?);
+        Ok(())
+    }
+
     /// Norms of Newton's residuals in the last step.
     pub fn history(&self) -> &[f64] {
         self.newton.history()
@@ -78,6 +94,7 @@ impl Iteration {
                 Err(error) => cause = Some(Box::new(error)),
             }
         }
+        self.newton.forget();
         // An iteration that ran says more than one that could not start.
         let (step, time) = (state.step + 1, state.time + step_size);
         Err(failure
@@ -96,6 +113,9 @@ impl Iteration {
         let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
         let nodes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size).enumerate();
         let node = nodes.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node);
+        if failed.residual.is_nan() {
+            return not_a_number(self.newton.residual(), system, state, step_size);
+        }
         Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
@@ -156,5 +176,16 @@ impl Iteration {
         }
         system.drive(&mut self.rates);
         true
+    }
+}
+
+/// The error of an iteration whose residual is not a number, at the first such node.
+fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_size: f64) -> Error {
+    let dof = residual.iter().position(|r| !r.is_finite()).unwrap_or(0) % state.displacement.len();
+    Error::NotANumber {
+        step: state.step + 1,
+        time: state.time + step_size,
+        node: dof / 3,
+        position: state.position(system.body, dof / 3),
     }
 }

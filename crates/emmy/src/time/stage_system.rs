@@ -1,5 +1,6 @@
 //! The non-linear equations of a step, as Newton's iteration sees them.
 
+use super::Memory;
 use super::approximate_tangent::ApproximateTangent;
 use super::followers::Followers;
 use super::prediction::rigid::RigidStep;
@@ -166,6 +167,19 @@ impl<'a> StageSystem<'a> {
     /// Turns the approximate tangent with the body, in the step that was started.
     pub fn turn(&mut self, rotation: &RigidStep) {
         self.approximation.turn(rotation, &self.form.rule);
+    }
+
+    /// Keeps what the next steps depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        self.approximation.keep(memory);
+    }
+
+    /// Takes over what [`StageSystem::keep`] kept.
+    ///
+    /// # Errors
+    /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.approximation.restore(self.body, memory)
     }
 
     /// The linear solver, once there is one.

@@ -6,7 +6,7 @@ use crate::error::Result;
 /// State of a body in motion.
 ///
 /// Displacement instead of position keeps the digits of small strains; see ARCHITECTURE.md.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct State {
     /// Time \[time\].
     pub time: f64,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
-use super::{Scheme, State, TimeElement, TimeElementStepper};
+use super::{Memory, Scheme, State, TimeElement, TimeElementStepper};
 use crate::body::{Body, sum};
 use crate::error::{Error, Result};
 use crate::newton::{NewtonSettings, Outcome};
@@ -22,6 +22,16 @@ pub trait Stepper: fmt::Debug + Send {
 
     /// Norms of Newton's residuals in the last step; empty for an explicit stepper.
     fn newton_history(&self) -> &[f64];
+
+    /// What the steps to come depend on beside the state.
+    fn memory(&self) -> Memory;
+
+    /// Takes over the memory of a stepper of the same scheme, degree and body. The steps that follow are then those that the other
+    /// would have done, in every bit.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`] if the memory does not fit, [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    fn restore(&mut self, memory: &Memory) -> Result<()>;
 }
 
 /// How a step went.

@@ -4,8 +4,9 @@ mod closing;
 mod json_lines;
 
 use clap::Args;
-use emmy::motion::{MarchError, Motion, State};
+use emmy::motion::{MarchError, Motion, Observer, State, StepPlan};
 use emmy_io::directory;
+use emmy_io::input::Problem;
 use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -14,6 +15,7 @@ use super::{Input, with_threads};
 use crate::failure::{Failure, with_causes};
 use crate::print;
 use crate::progress::Progress;
+use crate::signals::{self, Interrupted, Stop};
 use json_lines::JsonLines;
 
 /// Arguments of the verb.
@@ -21,20 +23,27 @@ use json_lines::JsonLines;
 pub struct Arguments {
     #[command(flatten)]
     input: Input,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+/// How a run is done and shown.
+#[derive(Debug, Args)]
+pub struct Manner {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
+    pub threads: Option<u16>,
     /// No progress and no closing report on standard error
     #[arg(long)]
-    quiet: bool,
+    pub quiet: bool,
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// Runs the problem.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.threads, || run_here(arguments))?
+    with_threads(arguments.manner.threads, || run_here(arguments))?
 }
 
 /// Runs the problem in the thread that it is called in.
@@ -43,29 +52,52 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     directory::check(&problem.output.directory)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
     let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
+    motion.allow_cuts(problem.smallest_step);
     // Only now, with everything read and built, is anything written.
-    let mut results = Results::create(&problem)?;
-    let mut progress = Progress::new(&problem.plan, arguments.quiet);
-    let mut json = JsonLines::new(arguments.json, &problem.output.probes);
-    let outcome = motion.march(&problem.plan, &mut [&mut json, &mut progress, &mut results]);
+    let results = Results::create(&problem)?;
+    march(&problem, &mut motion, results, &arguments.manner, Motion::march)
+}
+
+/// Motion::march, or Motion::march_on.
+type March<'a> = fn(&mut Motion<'a>, &StepPlan, &mut [&mut dyn Observer]) -> Result<(), MarchError>;
+
+/// Marches with everything that looks on, to the end or to what ends it early.
+pub fn march<'a>(
+    problem: &Problem,
+    motion: &mut Motion<'a>,
+    mut results: Results,
+    manner: &Manner,
+    march: March<'a>,
+) -> Result<(), Failure> {
+    signals::listen()?;
+    let mut progress = Progress::new(&problem.plan, manner.quiet);
+    progress.start_at(motion.state());
+    let mut json = JsonLines::new(manner.json, &problem.output.probes);
+    let mut observers: [&mut dyn Observer; 4] = [&mut json, &mut progress, &mut results, &mut Stop];
+    let outcome = march(motion, &problem.plan, &mut observers);
     progress.end();
-    let (status, failure) = ending(outcome);
+    let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);
-    let summary = results.finish(motion.state(), status, message.as_deref());
-    let summary = summary.map_err(|error| Failure::Other(format!("cannot write the summary: {error}")))?;
-    if arguments.json {
+    let summary = results.finish(motion, status, message.as_deref());
+    let (summary, failure) = match (summary, failure) {
+        // What went wrong first says more.
+        (Err(_), Some(failure)) => return Err(failure),
+        (Err(error), None) => return Err(Failure::Other(format!("the results cannot be written: {error}"))),
+        (Ok(summary), failure) => (summary, failure),
+    };
+    if manner.json {
         print::result(&format!("{summary}\n"))?;
     }
     // The numbers are safe: a page that cannot be written does not make a run fail.
     let report = results.report().inspect_err(|error| eprintln!("note: no report was written: {error}")).ok();
-    if !arguments.quiet {
+    if !manner.quiet {
         closing::report(&results, status, report.as_deref());
     }
     failure.map_or(Ok(()), Err)
 }
 
 /// How the march ended, as it stands in the summary and as the program ends.
-fn ending(outcome: Result<(), MarchError>) -> (Status, Option<Failure>) {
+fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option<Failure>) {
     match outcome {
         Ok(()) => (Status::Done, None),
         Err(MarchError::Step(error)) => {
@@ -73,9 +105,21 @@ fn ending(outcome: Result<(), MarchError>) -> (Status, Option<Failure>) {
         }
         Err(MarchError::Observer(error)) => match error.downcast::<LimitExceeded>() {
             Ok(limit) => (Status::LimitExceeded, Some(Failure::Limit(limit.to_string()))),
-            Err(error) => {
-                (Status::Failed, Some(Failure::Other(format!("the results cannot be written: {error}"))))
-            }
+            Err(error) => match error.downcast::<Interrupted>() {
+                Ok(interrupted) => (Status::Interrupted, Some(stopped(&interrupted, results))),
+                Err(error) => {
+                    (Status::Failed, Some(Failure::Other(format!("the results cannot be written: {error}"))))
+                }
+            },
         },
     }
+}
+
+fn stopped(interrupted: &Interrupted, results: &Results) -> Failure {
+    let directory = results.directory().display();
+    let help = match results.has_checkpoints() {
+        true => format!("`emmy resume {directory}` goes on from here"),
+        false => "`checkpoint_every` is 0: there is no checkpoint to go on from".to_string(),
+    };
+    Failure::Interrupted { message: interrupted.to_string(), help }
 }

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::newton::{NewtonSettings, Outcome};
 use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
-use crate::time::{Impulses, State, StepOutcome, Stepper};
+use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
 /// Where the step is split: 2 - sqrt 2.
 const SPLIT: f64 = 2.0 - std::f64::consts::SQRT_2;
@@ -169,5 +169,23 @@ impl Stepper for BatheStepper<'_> {
     /// That of the second part.
     fn newton_history(&self) -> &[f64] {
         self.iteration.history()
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.iteration.keep(&mut memory);
+        self.system.keep(&mut memory);
+        memory.keep("acceleration", &self.acceleration);
+        memory.keep("inertia", &self.inertia);
+        self.points[0].keep(&mut memory);
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.iteration.restore(memory)?;
+        self.system.restore(memory)?;
+        memory.fill("acceleration", &mut self.acceleration)?;
+        memory.fill("inertia", &mut self.inertia)?;
+        self.points[0].restore(memory)
     }
 }

@@ -5,7 +5,7 @@ use crate::average::Want;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::Outcome;
-use crate::time::{Impulses, State, StepOutcome, Stepper};
+use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
 /// Steps up to this part of the critical one are accepted: the estimate comes from above, and the body may stiffen.
 const SAFETY: f64 = 0.98;
@@ -83,6 +83,7 @@ impl Stepper for CentralDifferences<'_> {
             self.end.displacement[dof] = state.displacement[dof] + *x;
         }
         self.end.evaluate(&mut self.forces, state.time + h)?;
+        check_finite(body, state, h, &self.end)?;
         self.limit.n_steps += 1;
         let add = |momentum: &mut [f64], inertia: &[f64]| {
             momentum.iter_mut().zip(inertia).for_each(|(p, ma)| *p += 0.5 * h * ma);
@@ -103,6 +104,38 @@ impl Stepper for CentralDifferences<'_> {
 
     fn newton_history(&self) -> &[f64] {
         &[]
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        memory.keep("inertia", &self.inertia);
+        self.start.keep(&mut memory);
+        memory.keep("stability.mode", &self.limit.mode);
+        memory.keep("stability", &[self.limit.critical_step, self.limit.n_steps as f64]);
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        memory.fill("inertia", &mut self.inertia)?;
+        self.start.restore(memory)?;
+        memory.fill("stability.mode", &mut self.limit.mode)?;
+        let [critical_step, n_steps] = memory.array("stability")?;
+        (self.limit.critical_step, self.limit.n_steps) = (critical_step, n_steps as usize);
+        Ok(())
+    }
+}
+
+/// Refuses a step that ends in forces which are not numbers: nothing else here would notice.
+fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
+    let numbers = end.force.iter().zip(&end.displacement);
+    match numbers.into_iter().position(|(force, u)| !(force.is_finite() && u.is_finite())) {
+        None => Ok(()),
+        Some(dof) => Err(Error::NotANumber {
+            step: state.step + 1,
+            time: state.time + h,
+            node: dof / 3,
+            position: state.position(body, dof / 3),
+        }),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, MassSolver, StepInput};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
-use crate::time::{Impulses, State};
+use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
 #[derive(Debug)]
@@ -99,6 +99,23 @@ impl TimePoint {
             force: vec![0.0; n],
             ground: vec![0.0; n],
         }
+    }
+
+    /// Keeps the forces of the point as those at the start of the next step.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep("start.displacement", &self.displacement);
+        memory.keep("start.external", &self.external);
+        memory.keep("start.force", &self.force);
+    }
+
+    /// Takes over what [`TimePoint::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        memory.fill("start.displacement", &mut self.displacement)?;
+        memory.fill("start.external", &mut self.external)?;
+        memory.fill("start.force", &mut self.force)
     }
 
     /// Evaluates the forces at the displacement of the point.

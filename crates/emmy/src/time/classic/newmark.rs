@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
-use crate::time::{Impulses, Scheme, State, StepOutcome, Stepper};
+use crate::time::{Impulses, Memory, Scheme, State, StepOutcome, Stepper};
 
 /// Parameters of the family.
 ///
@@ -180,5 +180,23 @@ impl Stepper for NewmarkStepper<'_> {
 
     fn newton_history(&self) -> &[f64] {
         self.iteration.history()
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        self.iteration.keep(&mut memory);
+        self.system.keep(&mut memory);
+        memory.keep("acceleration", &self.acceleration);
+        memory.keep("inertia", &self.inertia);
+        self.start.keep(&mut memory);
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.iteration.restore(memory)?;
+        self.system.restore(memory)?;
+        memory.fill("acceleration", &mut self.acceleration)?;
+        memory.fill("inertia", &mut self.inertia)?;
+        self.start.restore(memory)
     }
 }

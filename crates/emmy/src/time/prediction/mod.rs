@@ -5,9 +5,10 @@ pub(super) mod rotation;
 #[cfg(test)]
 mod tests;
 
-use super::State;
 use super::stage_system::{StageForm, StageSystem};
+use super::{Memory, State};
 use crate::body::{Body, sum};
+use crate::error::Result;
 use crate::tensor::Mat3;
 use rigid::RigidStep;
 use rotation::{exp, image};
@@ -66,6 +67,22 @@ impl Prediction {
             last_size: None,
             coefficients: vec![0.0; k * k],
         }
+    }
+
+    /// Keeps what the next steps depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep("prediction.deviation", &self.deviation);
+        memory.keep("prediction.last_size", self.last_size.as_slice());
+    }
+
+    /// Takes over what [`Prediction::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        memory.fill("prediction.deviation", &mut self.deviation)?;
+        self.last_size = memory.option("prediction.last_size")?;
+        Ok(())
     }
 
     /// Finds the rigid motion of a step whose known vectors and loads are set.

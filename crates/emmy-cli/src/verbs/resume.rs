@@ -1,0 +1,119 @@
+//! `emmy resume DIR`: a run goes on where its newest checkpoint is.
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::Args;
+use emmy::motion::Motion;
+use emmy_io::checkpoint::{self, Checkpoint, Identity};
+use emmy_io::input::{self, Overrides, Problem};
+use emmy_io::lock::Lock;
+use emmy_io::results::Results;
+use emmy_io::summary::Status;
+use serde_json::Value;
+
+use super::run::{Manner, march};
+use super::with_threads;
+use crate::failure::Failure;
+use crate::print::number;
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Output directory of the run
+    directory: PathBuf,
+    /// End of the run: later steps are left out, or the last ones go on
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    until: Option<f64>,
+    /// Size of the steps from here on
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Change a value of the input, such as time.scheme=DGM or newton.max_iterations=40 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+/// Takes the run up and goes on with it.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    with_threads(arguments.manner.threads, || run_here(arguments))?
+}
+
+/// Does it in the thread that it is called in.
+fn run_here(arguments: &Arguments) -> Result<(), Failure> {
+    if !arguments.directory.join("input.toml").is_file() {
+        return Err(usage(
+            format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
+            "name the output directory of a run",
+        ));
+    }
+    let lock = Lock::take(&arguments.directory)?;
+    let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
+        .map_err(|error| usage(error.to_string(), "`emmy run` on its input.toml starts it again"))?;
+    note.into_iter().for_each(|note| eprintln!("note: {note}; the other checkpoint is taken"));
+    let problem = problem(arguments, &checkpoint)?;
+    let identity = Identity::new(&problem);
+    let same = checkpoint.identity.check(&identity);
+    same.map_err(|mismatch| Failure::Usage { message: mismatch.to_string(), help: None })?;
+    check_end(&problem, &checkpoint)?;
+    settle(&problem, &mut checkpoint, &identity);
+    let snapshot = checkpoint.snapshot.clone();
+    let mut motion =
+        Motion::resumed(&problem.body, problem.scheme, problem.degree, problem.newton, snapshot)?;
+    motion.allow_cuts(problem.smallest_step);
+    let results = Results::resume(&problem, lock, &checkpoint);
+    let results = results.map_err(|error| usage(error.to_string(), "nothing but this was done"))?;
+    if !arguments.manner.quiet {
+        let state = motion.state();
+        eprintln!("going on after step {}, t = {}", state.step, number(state.time));
+    }
+    march(&problem, &mut motion, results, &arguments.manner, Motion::march_on)
+}
+
+fn usage(message: String, help: &str) -> Failure {
+    Failure::Usage { message, help: Some(help.to_string()) }
+}
+
+/// The problem of the directory's own input, with what the command line changes.
+fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Failure> {
+    let overrides = Overrides {
+        set: arguments.set.clone(),
+        until: arguments.until,
+        output: Some(arguments.directory.clone()),
+        step: arguments.step.map(|size| (checkpoint.snapshot.state.time, size)),
+    };
+    let problem = input::read(&arguments.directory.join("input.toml"), &overrides)?;
+    problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    Ok(problem)
+}
+
+/// Refuses a run that has nothing left to do, unless it was killed before it could say so.
+fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> {
+    let state = &checkpoint.snapshot.state;
+    let was_stopped = || {
+        let text = fs::read_to_string(problem.output.directory.join("summary.json")).unwrap_or_default();
+        let summary: Value = serde_json::from_str(&text).unwrap_or_default();
+        let stopped = [Status::Running, Status::Interrupted].map(Status::name);
+        let is_at_end = problem.plan.end() >= state.time;
+        is_at_end && summary["status"].as_str().is_some_and(|status| stopped.contains(&status))
+    };
+    if problem.plan.steps_from(state.time).next().is_some() || was_stopped() {
+        return Ok(());
+    }
+    let (time, end) = (number(state.time), number(problem.plan.end()));
+    let message =
+        format!("the run is at t = {time} (step {}) already; its plan ends at t = {end}", state.step);
+    Err(usage(message, "give a later end with --until T"))
+}
+
+/// Puts the time onto the plan's grid, and leaves the stepper's memory behind where it does not hold on.
+fn settle(problem: &Problem, checkpoint: &mut Checkpoint, identity: &Identity) {
+    let keeps_stepper = checkpoint.identity.has_same_stepper(identity);
+    let snapshot = &mut checkpoint.snapshot;
+    snapshot.state.time = problem.plan.on_grid(snapshot.state.time);
+    snapshot.record.time = snapshot.state.time;
+    if !keeps_stepper {
+        snapshot.memory = None;
+    }
+}

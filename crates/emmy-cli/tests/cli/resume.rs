@@ -1,0 +1,370 @@
+//! `emmy resume`: a run that was stopped, killed or has ended goes on as if it had never been.
+
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use emmy_io::history::History;
+
+use super::{BOX, Place};
+
+/// The box with steps of one size.
+fn even_box(until: f64, size: f64) -> String {
+    BOX.replace(
+        "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]",
+        &format!("steps = [{{ until = {until}, size = {size} }}]"),
+    )
+    .replace("energy = 1e-2", "energy = 1.0")
+}
+
+/// A box that takes some thousand steps, with few frames and many checkpoints.
+fn long_box() -> String {
+    even_box(4.0, 0.002).replace("every = 2", "every = 500\ncheckpoint_every = 20")
+}
+
+/// The rows of a history without the last of the columns that every history has, `wall_seconds`.
+fn rows(place: &Place, directory: &str) -> Vec<String> {
+    let text = place.read(&format!("{directory}/history.csv"));
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let wall = header.iter().position(|name| *name == "wall_seconds").unwrap();
+    let without = |line: &str| {
+        let cells = line.split(',').enumerate().filter(|(i, _)| *i != wall);
+        cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(",")
+    };
+    text.lines().map(without).collect()
+}
+
+fn assert_same_rows(place: &Place, own: &str, expected: &str) {
+    let (own, expected) = (rows(place, own), rows(place, expected));
+    let first = own.iter().zip(&expected).position(|(own, expected)| own != expected);
+    assert!(own == expected, "{} and {} rows, the first that differs: {first:?}", own.len(), expected.len());
+}
+
+fn frames(place: &Place, directory: &str) -> Vec<String> {
+    let text = place.read(&format!("{directory}/{directory}.pvd"));
+    text.lines()
+        .filter(|line| line.contains("<DataSet"))
+        .map(|line| line.replace(directory, "NAME"))
+        .collect()
+}
+
+#[test]
+fn a_run_in_two_parts_is_the_run_in_one() {
+    // 0.3 is not 3 times 0.1 in floating point: the plan that ends there has another time than the one that does not.
+    for (scheme, degree, size) in [("AS(2)", 1, 0.05), ("DGM", 2, 0.1), ("Newmark(0.25, 0.5)", 1, 0.05)] {
+        let input =
+            even_box(1.0, size).replace("AS(2)", scheme).replace("degree = 1", &format!("degree = {degree}"));
+        let place = Place::with(&input);
+        place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+        place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.3"]);
+        place.succeed(&["resume", "parts", "--quiet", "--until", "0.7"]);
+        place.succeed(&["resume", "parts", "--quiet", "--until", "1.0"]);
+        assert_same_rows(&place, "parts", "whole");
+        assert_eq!(frames(&place, "parts"), frames(&place, "whole"));
+        let (whole, parts) = (place.summary("whole"), place.summary("parts"));
+        for key in ["steps", "newton_iterations", "worst_energy_residual", "external_work", "status"] {
+            assert_eq!(whole[key], parts[key], "{key}");
+        }
+        assert!(place.read("parts/run.log").contains("resumed after step"));
+    }
+}
+
+#[test]
+fn step_scheme_degree_and_output_may_change() {
+    let place = Place::with(&even_box(0.3, 0.05));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let outcome =
+        place.succeed(&["resume", "out", "--until", "0.5", "--step", "0.1", "--set", "output.every=1"]);
+    assert!(outcome.stderr.contains("going on after step 6, t = 0.3"), "{}", outcome.stderr);
+    let sizes = place.history("out")["step_size"].clone();
+    assert_eq!((sizes.len(), sizes[6], sizes[7], sizes[8]), (9, 0.05, 0.1, 0.1));
+    let changes = ["--set", "time.scheme=DGM", "--set", "time.degree=2", "--set", "solver.kind=direct"];
+    place.succeed(&[&["resume", "out", "--quiet", "--until", "0.7"][..], &changes].concat());
+    let summary = place.summary("out");
+    assert_eq!((summary["scheme"].as_str(), summary["steps"].as_u64()), (Some("DGM"), Some(10)));
+    // The input that is left holds for what was done: the sizes of all parts.
+    let input = place.read("out/input.toml");
+    assert!(input.contains("{ until = 0.3, size = 0.05 }, { until = 0.7, size = 0.1 }"), "{input}");
+    // Without a load the energy of the state is kept, whatever comes next: here the balance of every step closes.
+    let history = place.history("out");
+    let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
+    assert!(history["energy_residual"][9..].iter().all(|residual| residual.abs() < 1e-12 * largest));
+}
+
+#[test]
+fn what_cannot_go_on_says_why() {
+    let place = Place::with(&even_box(0.3, 0.05));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let before = place.read("out/history.csv");
+    let cases: [(&[&str], &str); 8] = [
+        (&["resume", "out"], "the run is at t = 0.3 (step 6) already"),
+        (&["resume", "out", "--until", "0.2"], "give a later end with --until T"),
+        (&["resume", "nowhere", "--until", "1"], "holds no run of Emmy"),
+        (
+            &["resume", "out", "--until", "1", "--set", "mesh.box.cells=[2,2,1]"],
+            "`mesh.box.cells.0` is 2, but 1",
+        ),
+        (
+            &["resume", "out", "--until", "1", "--set", "region.0.density=3.0"],
+            "`region.0.density` is 3.0, but 2.0",
+        ),
+        (
+            &["resume", "out", "--until", "1", "--set", "load.0.traction.2=5.0"],
+            "`load.0.traction.2` is 5.0, but 10.0",
+        ),
+        (&["resume", "out", "--until", "1", "--set", "output.probes=[]"], "`output.probes` cannot change"),
+        (&["resume", "out", "--until", "1", "--step", "-0.1"], "--step -0.1"),
+    ];
+    for (arguments, part) in cases {
+        let outcome = place.emmy(arguments);
+        assert_eq!(outcome.code, 2, "{arguments:?}\n{}", outcome.stderr);
+        assert!(outcome.stderr.contains(part), "{arguments:?}\n{}", outcome.stderr);
+    }
+    assert_eq!(place.read("out/history.csv"), before);
+}
+
+#[test]
+fn damaged_checkpoints_are_not_taken() {
+    let place = Place::with(&even_box(0.3, 0.05).replace("every = 2", "every = 2\ncheckpoint_every = 2"));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole", "--until", "0.5"]);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert_eq!(place.names("out/checkpoint"), ["a.checkpoint", "b.checkpoint"]);
+    // Steps 0, 2, 4, 6: the newest one is in b. A bit of it falls over.
+    let newest = place.path("out/checkpoint/b.checkpoint");
+    let mut bytes = std::fs::read(&newest).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&newest, &bytes).unwrap();
+    let outcome = place.succeed(&["resume", "out", "--until", "0.5"]);
+    for part in ["b.checkpoint is damaged; the other checkpoint is taken", "going on after step 4, t = 0.2"] {
+        assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
+    }
+    assert_same_rows(&place, "out", "whole");
+    for name in ["a", "b"] {
+        std::fs::write(place.path(&format!("out/checkpoint/{name}.checkpoint")), &bytes[..middle]).unwrap();
+    }
+    let outcome = place.emmy(&["resume", "out", "--until", "0.6"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("no checkpoint can be read"), "{}", outcome.stderr);
+    place.succeed(&["run", "box.toml", "--quiet", "--set", "output.checkpoint_every=0"]);
+    assert!(!place.path("out/checkpoint").exists());
+    let outcome = place.emmy(&["resume", "out", "--until", "0.6"]);
+    assert!(outcome.code == 2 && outcome.stderr.contains("there is no checkpoint"), "{}", outcome.stderr);
+}
+
+#[test]
+fn another_mesh_under_the_same_name_is_refused() {
+    let mesh = |name: &str| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../emmy-io/tests/meshes");
+        std::fs::read(format!("{folder}/{name}")).unwrap()
+    };
+    let place = Place::new();
+    let input = "mesh.file = \"body.msh\"\nregion = { density = 2.0, material.neo-hooke = { lambda = 10.0, mu = 5.0 } }\n\
+                 initial.velocity = [1, 0, 0]\n[time]\nscheme = \"DGM\"\nsteps = [{ until = 0.2, size = 0.1 }]\n";
+    place.write("body.toml", input);
+    std::fs::write(place.path("body.msh"), mesh("hex8-41-ascii.msh")).unwrap();
+    place.succeed(&["run", "body.toml", "--quiet", "--output", "out"]);
+    std::fs::write(place.path("body.msh"), mesh("tet4-41-ascii.msh")).unwrap();
+    let outcome = place.emmy(&["resume", "out", "--until", "0.4"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("the mesh is not that of the checkpoint"), "{}", outcome.stderr);
+}
+
+/// Starts the binary without waiting for it.
+fn start(place: &Place, arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_emmy"))
+        .args(arguments)
+        .current_dir(place.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Waits until a history has some rows.
+fn wait_for_rows(place: &Place, directory: &str, n: usize) {
+    let path = place.path(&format!("{directory}/history.csv"));
+    for _ in 0..6000 {
+        if std::fs::read_to_string(&path).is_ok_and(|text| text.lines().count() > n) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("{path:?} does not grow");
+}
+
+#[test]
+fn two_runs_do_not_write_into_one_directory() {
+    let place = Place::with(&long_box());
+    let mut first = start(&place, &["run", "box.toml"]);
+    wait_for_rows(&place, "out", 2);
+    for arguments in [&["run", "box.toml"][..], &["resume", "out"]] {
+        let outcome = place.emmy(arguments);
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("another run of Emmy is writing into"), "{}", outcome.stderr);
+    }
+    first.kill().unwrap();
+    first.wait().unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn signals_stop_a_run_at_the_end_of_a_step() {
+    for signal in ["-INT", "-TERM"] {
+        let place = Place::with(&long_box().replace("until = 4.0", "until = 1.0"));
+        place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+        let mut run = start(&place, &["run", "box.toml"]);
+        wait_for_rows(&place, "out", 30);
+        assert!(Command::new("kill").args([signal, &run.id().to_string()]).status().unwrap().success());
+        assert_eq!(run.wait().unwrap().code(), Some(130), "{signal}");
+        let summary = place.summary("out");
+        assert_eq!(summary["status"], "interrupted");
+        let outcome = place.succeed(&["resume", "out"]);
+        let step = format!("going on after step {},", summary["steps"]);
+        assert!(outcome.stderr.contains(&step), "{step}\n{}", outcome.stderr);
+        assert_same_rows(&place, "out", "whole");
+    }
+}
+
+/// Kills a run, and what goes on with it, at moments that differ; after each the directory is readable and the run goes on to the
+/// history of one that was never killed. Returns how often it was killed before the first checkpoint, and after.
+fn kill_again_and_again(times: u64) -> [usize; 2] {
+    let place = Place::with(&long_box());
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    let milliseconds = (1e3 * place.summary("whole")["wall_seconds"].as_f64().unwrap()) as u64;
+    let (mut killed, mut seed) = ([0, 0], 1u64);
+    for _ in 0..times {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let wait = Duration::from_micros((seed >> 33) % (1000 * milliseconds.max(1)));
+        let has_checkpoint = place.path("out/checkpoint/a.checkpoint").exists();
+        let arguments: &[&str] = if has_checkpoint { &["resume", "out"] } else { &["run", "box.toml"] };
+        let mut run = start(&place, arguments);
+        std::thread::sleep(wait);
+        run.kill().unwrap();
+        run.wait().unwrap();
+        let has_checkpoint = place.path("out/checkpoint/a.checkpoint").exists();
+        killed[usize::from(has_checkpoint)] += 1;
+        if has_checkpoint {
+            // Nothing that a reader would trip over: the last row may be cut short, no other, and every frame is whole.
+            assert!(History::read(&place.path("out/history.csv")).unwrap().n_rows() > 0);
+            for frame in frames(&place, "out") {
+                let file = frame.split("file=\"").nth(1).unwrap().split('"').next().unwrap();
+                assert!(
+                    place
+                        .read(&format!("out/{}", file.replace("NAME", "out")))
+                        .trim_end()
+                        .ends_with("</VTKFile>")
+                );
+            }
+        }
+        let done = place.path("out/summary.json").exists() && place.summary("out")["status"] == "done";
+        if done {
+            assert_same_rows(&place, "out", "whole");
+            std::fs::remove_dir_all(place.path("out")).unwrap();
+        }
+    }
+    if place.path("out/checkpoint/a.checkpoint").exists() {
+        place.succeed(&["resume", "out", "--quiet"]);
+    } else {
+        place.succeed(&["run", "box.toml", "--quiet"]);
+    }
+    assert_same_rows(&place, "out", "whole");
+    killed
+}
+
+#[test]
+fn a_run_that_is_killed_goes_on() {
+    kill_again_and_again(10);
+}
+
+#[test]
+#[ignore = "minutes; run by name"]
+fn a_run_that_is_killed_two_hundred_times_goes_on() {
+    let [early, late] = kill_again_and_again(200);
+    println!(
+        "killed {early} times before the first checkpoint, {late} times after; every history was that of the whole run"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_disk_that_is_full_leaves_whole_rows() {
+    let place = Place::with(&long_box().replace("until = 4.0", "until = 1.0"));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    // A limit on the size of files is a full disk to a program that does not mind the signal of it.
+    let script =
+        format!("trap '' XFSZ; ulimit -f 100; exec '{}' run box.toml --quiet", env!("CARGO_BIN_EXE_emmy"));
+    let output = Command::new("sh").args(["-c", &script]).current_dir(place.path("")).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("the results cannot be written: ") && message.contains("out"), "{message}");
+    assert!(place.read("out/history.csv").ends_with('\n'));
+    let parts = walk(&place.path("out")).into_iter().filter(|name| name.ends_with(".part"));
+    assert_eq!(parts.count(), 0);
+    place.succeed(&["resume", "out", "--quiet"]);
+    assert_same_rows(&place, "out", "whole");
+}
+
+#[cfg(unix)]
+fn walk(directory: &std::path::Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
+    let below = |path: std::path::PathBuf| match path.is_dir() {
+        true => walk(&path),
+        false => vec![path.display().to_string()],
+    };
+    entries.flat_map(below).collect()
+}
+
+/// A soft box that starts with velocities so large that Newton's iteration fails at h = 0.5.
+const VIOLENT: &str = "mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }\n\
+    region = { density = 1.0, material.neo-hooke = { lambda = 10.0, mu = 5.0 } }\n\
+    initial = { gradient = [[0.0, 9.0, 0.0], [-3.0, -6.0, 0.0], [0.0, 0.0, 5.0]], about = [0.5, 1.0, 0.5] }\n\
+    newton.max_iterations = 8\n\
+    [time]\nscheme = \"FE(1)\"\nsteps = [{ until = 4.0, size = 0.5 }]\n";
+
+#[test]
+fn a_step_that_fails_is_cut_and_grows_back() {
+    let place = Place::with(VIOLENT);
+    let outcome = place.succeed(&["run", "box.toml"]);
+    assert!(outcome.stderr.contains("step cut to 0.25"), "{}", outcome.stderr);
+    let events = place.read("box/events.csv");
+    assert!(events.starts_with("step,time,event,message\n1,0.0,cut,\"step cut to 0.25: "), "{events}");
+    assert!(events.contains(",grown,"), "{events}");
+    let cuts = events.lines().filter(|line| line.contains(",cut,")).count();
+    assert_eq!(place.summary("box")["cuts"].as_u64(), Some(cuts as u64));
+    let times = place.history("box")["time"].clone();
+    assert!((0..=8).all(|step| times.contains(&(0.5 * step as f64))), "{times:?}");
+    for part in ["step cut to", "linear solver: ", "machine: ", "command: ", "done at step"] {
+        assert!(place.read("box/run.log").contains(part), "{part}");
+    }
+}
+
+#[test]
+fn cuts_end_at_the_smallest_step_with_3() {
+    let place = Place::with(VIOLENT);
+    let flags = [
+        "--set",
+        "time.smallest_step=0.1",
+        "--set",
+        "newton.max_iterations=1",
+        "--set",
+        "newton.tolerance=1e-15",
+    ];
+    let outcome = place.emmy(&[&["run", "box.toml"][..], &flags].concat());
+    assert_eq!(outcome.code, 3, "{}", outcome.stderr);
+    for part in
+        ["step 1 from t = 0 failed with every size down to 1.25e-1", "no convergence in step 1", "near ["]
+    {
+        assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
+    }
+    // What was reached is a state to go on from, with other settings.
+    place.succeed(&[
+        "resume",
+        "box",
+        "--quiet",
+        "--set",
+        "newton.max_iterations=20",
+        "--set",
+        "newton.tolerance=1e-10",
+    ]);
+    assert_eq!(place.summary("box")["status"], "done");
+}

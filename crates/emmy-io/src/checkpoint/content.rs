@@ -1,0 +1,160 @@
+//! What stands in a checkpoint, as texts and lists of numbers.
+
+use emmy::motion::{Division, Record, Snapshot, State};
+use emmy::sparse::SolverChoice;
+
+use super::file::Parts;
+use super::{Checkpoint, Identity};
+use crate::tally::Tally;
+
+/// Before the names of the stepper's lists.
+const STEPPER: &str = "stepper.";
+
+/// The bytes of the file of a checkpoint.
+pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
+    let Checkpoint { version, identity, snapshot, tally, frames, wall_seconds } = checkpoint;
+    let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
+    let texts = [("version", version), ("input", &identity.input), ("mesh", &identity.mesh)];
+    let place = [
+        state.time,
+        state.step as f64,
+        f64::from(division.level),
+        division.part as f64,
+        f64::from(division.good),
+        *releases as f64,
+        f64::from(u8::from(*was_at_rounding_floor)),
+        f64::from(u8::from(memory.is_some())),
+        *wall_seconds,
+    ];
+    let mut lists = vec![
+        ("place".to_string(), place.to_vec()),
+        ("displacement".to_string(), state.displacement.clone()),
+        ("momentum".to_string(), state.momentum.clone()),
+        ("velocity".to_string(), state.velocity.clone()),
+        ("record".to_string(), record_numbers(record).to_vec()),
+        ("record.solver".to_string(), solver_numbers(record.solver)),
+        ("tally".to_string(), tally.numbers().to_vec()),
+        ("tally.solver".to_string(), solver_numbers(tally.solver)),
+        ("frames.steps".to_string(), frames.iter().map(|(step, _)| *step as f64).collect()),
+        ("frames.times".to_string(), frames.iter().map(|(_, time)| *time).collect()),
+    ];
+    let of_stepper = memory.iter().flat_map(|memory| memory.lists());
+    lists.extend(of_stepper.map(|(name, list)| (format!("{STEPPER}{name}"), list.to_vec())));
+    let texts = texts.map(|(name, text)| (name.to_string(), text.clone())).to_vec();
+    Parts { texts, lists }.bytes()
+}
+
+/// Reads the bytes of a file; else why it cannot be used.
+pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
+    let parts = Parts::read(bytes)?;
+    let [time, step, level, part, good, releases, floor, has_memory, wall_seconds] = parts.array("place")?;
+    let state = State {
+        time,
+        step: step as usize,
+        displacement: parts.list("displacement")?.to_vec(),
+        momentum: parts.list("momentum")?.to_vec(),
+        velocity: parts.list("velocity")?.to_vec(),
+    };
+    // More would not fit into the counter of parts.
+    if level > 60.0 {
+        return Err("has a step that is divided too often".into());
+    }
+    let of_stepper = parts
+        .lists
+        .iter()
+        .filter_map(|(name, list)| name.strip_prefix(STEPPER).map(|name| (name.to_string(), list.clone())));
+    let snapshot = Snapshot {
+        state,
+        record: record(parts.array("record")?, solver(parts.list("record.solver")?)),
+        division: Division { level: level as u32, part: part as u64, good: good as u32 },
+        releases: releases as usize,
+        was_at_rounding_floor: floor != 0.0,
+        memory: (has_memory != 0.0).then(|| of_stepper.collect()),
+    };
+    let frames = parts.list("frames.steps")?.iter().zip(parts.list("frames.times")?);
+    Ok(Checkpoint {
+        version: parts.text("version")?.to_string(),
+        identity: Identity { input: parts.text("input")?.to_string(), mesh: parts.text("mesh")?.to_string() },
+        snapshot,
+        tally: Tally::of(parts.array("tally")?, solver(parts.list("tally.solver")?)),
+        frames: frames.map(|(step, time)| (*step as usize, *time)).collect(),
+        wall_seconds,
+    })
+}
+
+fn solver_numbers(choice: Option<SolverChoice>) -> Vec<f64> {
+    let numbers = |choice: SolverChoice| {
+        let own = [f64::from(u8::from(choice.is_iterative)), choice.stiffness];
+        own.into_iter().chain(choice.limit).collect()
+    };
+    choice.map_or(Vec::new(), numbers)
+}
+
+fn solver(numbers: &[f64]) -> Option<SolverChoice> {
+    let [is_iterative, stiffness, limit @ ..] = numbers else { return None };
+    Some(SolverChoice {
+        is_iterative: *is_iterative != 0.0,
+        stiffness: *stiffness,
+        limit: limit.first().copied(),
+    })
+}
+
+/// All of a record but its solver.
+fn record_numbers(record: &Record) -> [f64; 25] {
+    let [p, l] = [record.linear_momentum, record.angular_momentum];
+    [
+        record.step as f64,
+        record.time,
+        record.step_size,
+        record.kinetic_energy,
+        record.strain_energy,
+        record.external_work,
+        record.total_energy,
+        record.energy_residual,
+        p[0],
+        p[1],
+        p[2],
+        l[0],
+        l[1],
+        l[2],
+        record.linear_momentum_residual,
+        record.angular_momentum_residual,
+        record.newton_iterations as f64,
+        record.linear_iterations as f64,
+        record.renewals as f64,
+        f64::from(u8::from(record.took_exact_tangent)),
+        f64::from(u8::from(record.at_rounding_floor)),
+        record.cuts as f64,
+        record.releases as f64,
+        record.smallest_determinant,
+        record.newton_target,
+    ]
+}
+
+fn record(numbers: [f64; 25], solver: Option<SolverChoice>) -> Record {
+    let n = numbers;
+    Record {
+        step: n[0] as usize,
+        time: n[1],
+        step_size: n[2],
+        kinetic_energy: n[3],
+        strain_energy: n[4],
+        external_work: n[5],
+        total_energy: n[6],
+        energy_residual: n[7],
+        linear_momentum: [n[8], n[9], n[10]],
+        angular_momentum: [n[11], n[12], n[13]],
+        linear_momentum_residual: n[14],
+        angular_momentum_residual: n[15],
+        newton_iterations: n[16] as usize,
+        linear_iterations: n[17] as usize,
+        renewals: n[18] as usize,
+        took_exact_tangent: n[19] != 0.0,
+        at_rounding_floor: n[20] != 0.0,
+        cuts: n[21] as usize,
+        releases: n[22] as usize,
+        smallest_determinant: n[23],
+        newton_target: n[24],
+        solver,
+    }
+}

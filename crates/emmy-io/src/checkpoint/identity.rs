@@ -1,0 +1,154 @@
+//! Of what run a checkpoint is: what may not change when it goes on.
+
+use emmy::mesh::Mesh;
+
+use crate::input::Problem;
+
+/// Sections of the input that may not change: the body, what acts on it, and where it started from.
+const FIXED: [&str; 6] = ["mesh", "region", "mass", "load", "support", "initial"];
+
+/// Of what run a checkpoint is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Identity {
+    /// The input with all values that hold.
+    pub input: String,
+    /// Digest of the mesh: nodes, cells, groups.
+    pub mesh: String,
+}
+
+/// A checkpoint of another problem.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Mismatch {
+    /// A key of the input is another.
+    #[error(
+        "`{key}` is {now}, but {before} in the checkpoint: body, loads, supports and the start of a run cannot change on the way; \
+         start another run with `emmy run`"
+    )]
+    Key {
+        /// The key.
+        key: String,
+        /// Its value now.
+        now: String,
+        /// Its value in the checkpoint.
+        before: String,
+    },
+    /// The mesh is another, although the input names the same.
+    #[error(
+        "the mesh is not that of the checkpoint ({before}): it is {now}; the mesh file has changed since, bring it back"
+    )]
+    Mesh {
+        /// The mesh of the checkpoint.
+        before: String,
+        /// The mesh now.
+        now: String,
+    },
+}
+
+impl Identity {
+    /// The identity of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        Identity { input: problem.resolved.clone(), mesh: digest(problem.body.mesh()) }
+    }
+
+    /// Checks that a problem goes on with the same body, loads and supports.
+    ///
+    /// # Errors
+    /// [`Mismatch`] with the first key that differs.
+    pub fn check(&self, now: &Identity) -> Result<(), Mismatch> {
+        let table = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
+        let (mut before_input, mut now_input) = (table(&self.input), table(&now.input));
+        // The file may have moved; its content is in the digest.
+        let (old_file, new_file) = (take_file(&mut before_input), take_file(&mut now_input));
+        let of = |table: &toml::Table, key: &str| table.get(key).cloned();
+        for key in FIXED {
+            let found = difference(key, of(&before_input, key).as_ref(), of(&now_input, key).as_ref());
+            if let Some((key, before, now)) = found {
+                return Err(Mismatch::Key { key, before, now });
+            }
+        }
+        if old_file.is_some() != new_file.is_some() || self.mesh != now.mesh {
+            return Err(Mismatch::Mesh { before: self.mesh.clone(), now: now.mesh.clone() });
+        }
+        Ok(())
+    }
+
+    /// Whether the stepper's memory holds on: scheme, degree and linear solver are the same.
+    pub fn has_same_stepper(&self, now: &Identity) -> bool {
+        let of = |text: &str| {
+            let table = text.parse::<toml::Table>().unwrap_or_default();
+            let value = |section: &str, key: &str| Some(table.get(section)?.get(key)?.to_string());
+            let solver = value("solver", "kind").unwrap_or_else(|| "\"auto\"".into());
+            (value("time", "scheme"), value("time", "degree"), solver)
+        };
+        of(&self.input) == of(&now.input)
+    }
+}
+
+fn take_file(input: &mut toml::Table) -> Option<toml::Value> {
+    input.get_mut("mesh")?.as_table_mut()?.remove("file")
+}
+
+/// The first key at which two values differ, with both as text.
+fn difference(
+    key: &str,
+    before: Option<&toml::Value>,
+    now: Option<&toml::Value>,
+) -> Option<(String, String, String)> {
+    use toml::Value::{Array, Table};
+    match (before, now) {
+        (before, now) if before == now => None,
+        (Some(Table(before)), Some(Table(now))) => before
+            .keys()
+            .chain(now.keys())
+            .find_map(|name| difference(&format!("{key}.{name}"), before.get(name), now.get(name))),
+        (Some(Array(before)), Some(Array(now))) if before.len() == now.len() => {
+            let mut items = before.iter().zip(now).enumerate();
+            items.find_map(|(i, (a, b))| difference(&format!("{key}.{i}"), Some(a), Some(b)))
+        }
+        (before, now) => {
+            let text =
+                |value: Option<&toml::Value>| value.map_or("missing".to_string(), toml::Value::to_string);
+            Some((key.to_string(), text(before), text(now)))
+        }
+    }
+}
+
+/// Digest of nodes, cells and groups.
+fn digest(mesh: &Mesh) -> String {
+    let mut sum = crc32fast::Hasher::new();
+    mesh.points().as_flattened().iter().for_each(|x| sum.update(&x.to_le_bytes()));
+    for cell in mesh.cells() {
+        sum.update(cell.kind.name().as_bytes());
+        cell.nodes.iter().for_each(|node| sum.update(&node.to_le_bytes()));
+    }
+    sum.update(format!("{:?}", mesh.groups()).as_bytes());
+    format!("{} nodes, {} cells, checksum {:08x}", mesh.n_nodes(), mesh.n_cells(), sum.finalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity(input: &str) -> Identity {
+        Identity { input: input.to_string(), mesh: "8 nodes".to_string() }
+    }
+
+    #[test]
+    fn what_may_change_and_what_may_not() {
+        let old = "mesh = { file = '/a/m.msh', scale = 1.0 }\n[[load]]\ntraction = [1, 2, 3]\n[time]\nscheme = 'DGM'\ndegree = 1\n";
+        let check = |new: &str| identity(old).check(&identity(new)).map_err(|error| error.to_string());
+        assert_eq!(check(&old.replace("/a/", "/b/").replace("DGM", "AS(2)")), Ok(()));
+        for (from, to, key) in [
+            ("scale = 1.0", "scale = 2.0", "`mesh.scale` is 2.0, but 1.0"),
+            ("[1, 2, 3]", "[1, 2, 4]", "`load.0.traction.2` is 4, but 3"),
+            ("[1, 2, 3]", "[1, 2, 3]\n[[support]]\ngroup = 'a'", "`support` is [{"),
+        ] {
+            let error = check(&old.replace(from, to)).unwrap_err();
+            assert!(error.contains(key), "{error}");
+        }
+        let other = Identity { mesh: "9 nodes".into(), ..identity(old) };
+        assert!(matches!(identity(old).check(&other), Err(Mismatch::Mesh { .. })));
+        assert!(identity(old).has_same_stepper(&identity(&format!("{old}[solver]\nkind = 'auto'\n"))));
+        assert!(!identity(old).has_same_stepper(&identity(&old.replace("degree = 1", "degree = 2"))));
+    }
+}

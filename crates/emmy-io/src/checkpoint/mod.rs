@@ -1,0 +1,148 @@
+//! Checkpoints: all that a run needs to go on, in every bit.
+//!
+//! Two files take turns, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`, so that the older one stays whole while the newer one
+//! is written, which happens under another name first. [`newest`] takes the later one that is whole.
+
+mod content;
+mod file;
+mod identity;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use emmy::motion::{Motion, Snapshot};
+
+use crate::directory::{named, replace_durably};
+use crate::input::Problem;
+use crate::tally::Tally;
+pub use identity::{Identity, Mismatch};
+
+/// Directory of the checkpoints in that of a run.
+pub const DIRECTORY: &str = "checkpoint";
+
+/// The files that take turns.
+pub const FILES: [&str; 2] = ["a.checkpoint", "b.checkpoint"];
+
+/// All that a run needs to go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checkpoint {
+    /// Version of the program that wrote it.
+    pub version: String,
+    /// Of what run it is.
+    pub identity: Identity,
+    /// The motion.
+    pub snapshot: Snapshot,
+    /// What the run adds up to so far.
+    pub tally: Tally,
+    /// Frames that were written: step and time.
+    pub frames: Vec<(usize, f64)>,
+    /// Seconds that the run took so far.
+    pub wall_seconds: f64,
+}
+
+/// Why there is no checkpoint to go on from.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// There is none.
+    #[error(
+        "there is no checkpoint in {path}; `emmy run` writes them with `[output] checkpoint_every`, and when it is stopped"
+    )]
+    Missing {
+        /// Where it was looked for.
+        path: PathBuf,
+    },
+    /// There are some, but none is whole.
+    #[error("no checkpoint can be read: {reasons}; start again with `emmy run`")]
+    Damaged {
+        /// What is wrong with each.
+        reasons: String,
+    },
+}
+
+/// The newest whole checkpoint of a run, and what is wrong with the other one, if anything is.
+///
+/// # Errors
+/// [`CheckpointError`] if none is whole.
+pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), CheckpointError> {
+    let folder = directory.join(DIRECTORY);
+    let (mut whole, mut reasons): (Vec<Checkpoint>, Vec<String>) = (Vec::new(), Vec::new());
+    for path in FILES.map(|name| folder.join(name)) {
+        let bytes = match std::fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            Err(error) => Err(error.to_string()),
+            Ok(bytes) => Ok(bytes),
+        };
+        match bytes.and_then(|bytes| content::read(&bytes)) {
+            Ok(checkpoint) => whole.push(checkpoint),
+            Err(reason) => reasons.push(format!("{} {reason}", path.display())),
+        }
+    }
+    let reasons = (!reasons.is_empty()).then(|| reasons.join("; "));
+    match (whole.into_iter().max_by_key(|checkpoint| checkpoint.snapshot.state.step), reasons) {
+        (Some(checkpoint), reasons) => Ok((checkpoint, reasons)),
+        (None, Some(reasons)) => Err(CheckpointError::Damaged { reasons }),
+        (None, None) => Err(CheckpointError::Missing { path: folder }),
+    }
+}
+
+/// Writes the checkpoints of a run.
+#[derive(Debug)]
+pub struct Checkpoints {
+    folder: PathBuf,
+    identity: Identity,
+    /// Index of the file that is written next.
+    next: usize,
+    /// Step of the last one that was written.
+    last_step: Option<usize>,
+}
+
+impl Checkpoints {
+    /// Checkpoints of a problem in its directory, after one with which it goes on.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn new(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
+        let folder = problem.output.directory.join(DIRECTORY);
+        std::fs::create_dir_all(&folder).map_err(named(&folder))?;
+        let last_step = after.map(|checkpoint| checkpoint.snapshot.state.step);
+        let is_kept = |name: &&str| {
+            let step = std::fs::read(folder.join(name)).ok().and_then(|bytes| content::read(&bytes).ok());
+            step.map(|checkpoint| checkpoint.snapshot.state.step) == last_step
+        };
+        // The one that is gone on from stays until the other one is whole.
+        let next = match last_step {
+            Some(_) => FILES.iter().position(|name| !is_kept(name)).unwrap_or(0),
+            None => 0,
+        };
+        Ok(Checkpoints { identity: Identity::new(problem), folder, next, last_step })
+    }
+
+    /// Writes a checkpoint of a motion, unless there is one of this step.
+    ///
+    /// # Errors
+    /// What the system refuses; the one before is then still there.
+    pub fn write(
+        &mut self,
+        motion: &Motion<'_>,
+        tally: &Tally,
+        frames: &[(usize, f64)],
+        wall_seconds: f64,
+    ) -> io::Result<()> {
+        let step = motion.state().step;
+        if self.last_step == Some(step) {
+            return Ok(());
+        }
+        let checkpoint = Checkpoint {
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            identity: self.identity.clone(),
+            snapshot: motion.snapshot(),
+            tally: tally.clone(),
+            frames: frames.to_vec(),
+            wall_seconds,
+        };
+        replace_durably(&self.folder.join(FILES[self.next]), &content::bytes(&checkpoint))?;
+        self.next = 1 - self.next;
+        self.last_step = Some(step);
+        Ok(())
+    }
+}

@@ -1,0 +1,122 @@
+//! `run.log`: what ran, where, and how it went, for people. It only grows: a run that goes on adds to it.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use emmy::motion::{Event, Record};
+use emmy::sparse::SolverChoice;
+
+use crate::directory::named;
+use crate::input::Problem;
+
+/// The file; every line is on disk once it is written.
+#[derive(Debug)]
+pub struct RunLog {
+    file: File,
+    path: PathBuf,
+    /// The solver that was named last.
+    solver: Option<SolverChoice>,
+}
+
+impl RunLog {
+    /// The log of a run, opened with what runs and where; with a step, of one that goes on after it.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn open(path: &Path, problem: &Problem, after: Option<(usize, f64)>) -> io::Result<Self> {
+        let mut options = File::options();
+        let options = match after {
+            None => options.write(true).create(true).truncate(true),
+            Some(_) => options.append(true).create(true),
+        };
+        let file = options.open(path).map_err(named(path))?;
+        let mut log = RunLog { file, path: path.to_path_buf(), solver: None };
+        if let Some((step, time)) = after {
+            log.line(&format!("\nresumed after step {step}, t = {time}; later steps above are taken back"))?;
+        }
+        for line in heading(problem) {
+            log.line(&line)?;
+        }
+        Ok(log)
+    }
+
+    /// Writes a line.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn line(&mut self, text: &str) -> io::Result<()> {
+        self.file.write_all(format!("{text}\n").as_bytes()).map_err(named(&self.path))
+    }
+
+    /// Writes a step, and its linear solver where that is another than before.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn step(&mut self, record: &Record) -> io::Result<()> {
+        if let Some(solver) = record.solver.filter(|solver| self.solver != Some(*solver)) {
+            self.line(&format!("linear solver: {solver}"))?;
+            self.solver = Some(solver);
+        }
+        let Record { step, time, step_size, newton_iterations, linear_iterations, .. } = record;
+        self.line(&format!(
+            "step {step}  t = {time}  h = {step_size}  Newton {newton_iterations} (linear {linear_iterations})  \
+             E {:.6e}  balances: E {:.1e}, p {:.1e}, L {:.1e}",
+            record.total_energy,
+            record.energy_residual,
+            record.linear_momentum_residual,
+            record.angular_momentum_residual,
+        ))
+    }
+
+    /// Writes an event.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn event(&mut self, event: &Event) -> io::Result<()> {
+        self.line(&format!(
+            "{} (step {}, t = {}): {}",
+            event.kind.name(),
+            event.step,
+            event.time,
+            event.message
+        ))
+    }
+}
+
+fn heading(problem: &Problem) -> Vec<String> {
+    let command: Vec<String> = std::env::args().collect();
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mesh = problem.body.mesh();
+    let mut lines = vec![
+        format!("emmy {}", env!("CARGO_PKG_VERSION")),
+        format!("command: {}", command.join(" ")),
+        format!(
+            "machine: {} {}, {cores} cores, {} threads, {}",
+            std::env::consts::OS,
+            std::env::consts::ARCH,
+            rayon::current_num_threads(),
+            instruction_set()
+        ),
+        format!(
+            "mesh: {} nodes, {} cells; {} degrees of freedom",
+            mesh.n_nodes(),
+            mesh.n_cells(),
+            problem.body.n_dofs()
+        ),
+        format!("scheme: {} of degree {}, to t = {}", problem.scheme, problem.degree, problem.plan.end()),
+    ];
+    lines.extend(problem.notes.iter().map(|note| format!("note: {note}")));
+    lines
+}
+
+/// The vector instructions that the machine offers.
+fn instruction_set() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx512f") {
+        return "AVX-512";
+    } else if std::arch::is_x86_feature_detected!("avx2") {
+        return "AVX2";
+    }
+    if cfg!(target_arch = "aarch64") { "NEON" } else { "no vector instructions in use" }
+}

@@ -1,0 +1,39 @@
+//! What happens in a march besides steps that succeed.
+
+/// Something out of the ordinary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Number of the step that it belongs to.
+    pub step: usize,
+    /// Time of it \[time\].
+    pub time: f64,
+    /// Kind of it.
+    pub kind: EventKind,
+    /// What happened, in words.
+    pub message: String,
+}
+
+/// Kinds of events.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EventKind {
+    /// A step failed and is cut by two.
+    Cut,
+    /// Steps are twice as large again.
+    Grown,
+    /// A support is released.
+    Release,
+    /// Newton's iteration ended at its rounding floor, for the first time.
+    RoundingFloor,
+}
+
+impl EventKind {
+    /// Key word of the kind.
+    pub const fn name(self) -> &'static str {
+        match self {
+            EventKind::Cut => "cut",
+            EventKind::Grown => "grown",
+            EventKind::Release => "release",
+            EventKind::RoundingFloor => "rounding-floor",
+        }
+    }
+}
