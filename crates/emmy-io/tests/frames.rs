@@ -194,7 +194,18 @@ fn a_run_that_is_given_up_leaves_a_whole_file() {
     run(&problem(temp.path(), &[]), true);
     assert_eq!(
         names(temp.path()),
-        ["frames", "history.csv", "input.toml", "newton.csv", "out.pvd", "summary.json"]
+        [
+            ".lock",
+            "checkpoint",
+            "events.csv",
+            "frames",
+            "history.csv",
+            "input.toml",
+            "newton.csv",
+            "out.pvd",
+            "run.log",
+            "summary.json"
+        ]
     );
 }
 

@@ -10,8 +10,19 @@ const COLUMNS: &str = "step,time,step_size,kinetic_energy,strain_energy,external
 fn the_history_has_its_columns_and_a_row_a_step() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
-    let files =
-        ["frames", "history.csv", "input.toml", "newton.csv", "out.pvd", "report.html", "summary.json"];
+    let files = [
+        ".lock",
+        "checkpoint",
+        "events.csv",
+        "frames",
+        "history.csv",
+        "input.toml",
+        "newton.csv",
+        "out.pvd",
+        "report.html",
+        "run.log",
+        "summary.json",
+    ];
     assert_eq!(place.names("out"), files);
     assert_eq!(place.read("out/history.csv").lines().next(), Some(COLUMNS));
     let history = place.history("out");

@@ -97,7 +97,18 @@ fn an_earlier_run_is_replaced_and_foreign_files_stay() {
     assert_eq!(place.emmy(&["run", "box.toml", "--set", "time.scheme=FE(0)"]).code, 2);
     assert_eq!(place.read("out/history.csv"), before);
     place.succeed(&["run", "box.toml", "--quiet", "--set", "output.every=0"]);
-    let names = ["history.csv", "input.toml", "newton.csv", "notes.txt", "report.html", "summary.json"];
+    let names = [
+        ".lock",
+        "checkpoint",
+        "events.csv",
+        "history.csv",
+        "input.toml",
+        "newton.csv",
+        "notes.txt",
+        "report.html",
+        "run.log",
+        "summary.json",
+    ];
     assert_eq!(place.names("out"), names);
 }
 
