@@ -9,6 +9,7 @@ mod new;
 mod report;
 mod resume;
 mod run;
+mod schema;
 
 use std::path::PathBuf;
 
@@ -51,6 +52,11 @@ pub enum Verb {
     Converge(converge::Arguments),
     /// Say what there is: schemes, materials, elements, meshes, ...
     List(list::Arguments),
+    /// Print the JSON schema of the input, for completion and checks in an editor
+    ///
+    /// `emmy schema > emmy.schema.json`, and as first line of an input `#:schema ./emmy.schema.json`: editors with a TOML language
+    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark what is wrong.
+    Schema,
     /// Print completions for a shell
     Completions(completions::Arguments),
 }
@@ -67,6 +73,7 @@ impl Verb {
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Converge(arguments) => converge::run(&arguments),
             Verb::List(arguments) => list::run(&arguments),
+            Verb::Schema => schema::run(),
             Verb::Completions(arguments) => completions::run(&arguments),
         }
     }

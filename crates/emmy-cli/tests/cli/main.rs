@@ -7,11 +7,13 @@ mod converge;
 mod examples;
 mod links;
 mod messages;
+mod mistakes;
 mod reference;
 mod report;
 mod results;
 mod resume;
 mod run;
+mod unwritable;
 mod verbs;
 
 use std::collections::BTreeMap;

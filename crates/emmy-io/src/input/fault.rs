@@ -38,6 +38,11 @@ impl Place {
         }
     }
 
+    /// Bytes of the source.
+    pub(super) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// Text of the source.
     pub(super) fn text(&self) -> &str {
         self.source.inner()
@@ -105,6 +110,12 @@ impl Fault {
     /// The same fault with advice.
     pub(super) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// The same fault with words before its message.
+    pub(super) fn before(mut self, words: &str) -> Self {
+        self.message.insert_str(0, words);
         self
     }
 

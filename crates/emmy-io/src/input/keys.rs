@@ -1,4 +1,6 @@
 //! Every key of the input, by table. A key that is not here is an error.
+//!
+//! A new key is described in `docs/input.md` and in `schema`; tests of both name it until it is.
 
 /// Keys of a table, with the name by which messages speak of it.
 #[derive(Debug, Clone, Copy)]
@@ -93,7 +95,8 @@ pub(super) const OUTPUT: Keys =
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
-const TABLES: [Keys; 33] = [
+/// Every table. `schema` describes each of them.
+pub(super) const TABLES: [Keys; 33] = [
     ROOT,
     MESH,
     L_BLOCK,
@@ -205,6 +208,9 @@ const KIN: &[(&str, &str)] = &[
 impl Keys {
     /// The key of this table that is meant by a word which does not belong to it, or the table it belongs to.
     pub(super) fn advice(self, word: &str) -> Option<String> {
+        if word.split_once('.').is_some_and(|(first, _)| self.keys.contains(&first)) {
+            return Some(format!("without the quotes: {word}"));
+        }
         let mut kin = KIN.iter().filter(|(other, _)| *other == word).map(|(_, key)| *key);
         let first = kin.clone().next();
         let here = kin.find(|key| self.keys.contains(key)).map(|key| format!("did you mean `{key}`?"));

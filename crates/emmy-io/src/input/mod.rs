@@ -1,7 +1,8 @@
 //! The input: TOML, checked key by key, in which every fault knows its line.
 //!
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`); each
-//! section is read by a file of its own into the types of the library. A key that no section knows is an error.
+//! section is read by a file of its own into the types of the library. A key that no section knows is an error. The same keys
+//! make the JSON schema for editors (`schema`).
 
 mod complete;
 mod expression;
@@ -16,11 +17,13 @@ mod nodal;
 mod probes;
 mod problem;
 mod region;
+mod schema;
 mod set;
 mod settings;
 mod shape;
 mod suggest;
 mod support;
+mod syntax;
 mod table;
 mod time;
 mod tree;
@@ -28,4 +31,5 @@ mod write;
 
 pub use fault::{Fault, InputError, Place};
 pub use problem::{Overrides, Problem, read};
+pub use schema::schema;
 pub use settings::{Limits, Output, Probe};

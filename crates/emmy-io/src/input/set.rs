@@ -5,7 +5,7 @@ use super::suggest::listed;
 use super::tree::{self, Entry, Node, Value};
 
 /// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0; the value is TOML, or
-/// else a string.
+/// else a string; what begins like a list, a table or a quoted text must be TOML.
 pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     let start = Place::start_of("--set", flag);
     let Some((key, _)) = flag.split_once('=') else {
@@ -14,18 +14,18 @@ pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     };
     let path = path(&start, key)?;
     let value = value(&start, flag, key, path.len())?;
-    Ok(assign(tree, &path, value)?)
+    Ok(assign(tree, "the input", &path, value)?)
 }
 
 /// Parts of a dotted key with their places.
 fn path(start: &Place, key: &str) -> Result<Vec<(String, Place)>, Fault> {
-    let whole = start.at(0..key.len());
+    let whole = start.at(0..key.len().max(1));
     let bad = || Fault::at(&whole, format!("--set: `{key}` is not a dotted key"), "such as load.0.traction");
     let mut node = tree::parse("--set", &format!("{key}=0")).map_err(|_| bad())?;
     let mut path = Vec::new();
     while let Value::Table(mut entries) = node.value {
         let (Some(entry), true) = (entries.pop(), entries.is_empty()) else { return Err(bad()) };
-        path.push((entry.key, whole.clone()));
+        path.push((entry.key, start.at(entry.place.span())));
         node = entry.node;
     }
     Ok(path)
@@ -37,11 +37,15 @@ fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, Inp
     let place = start.at(key.len() + 1..flag.len());
     let as_string = || Node { value: Value::String(text.to_string()), place: place.clone() };
     if text.is_empty() {
-        return Err(
-            Fault::at(&start.at(0..flag.len()), format!("--set {flag}: there is no value"), "").into()
-        );
+        let message = format!("--set {flag}: there is no value");
+        let fault = Fault::at(&start.at(key.len()..flag.len()), message, "nothing after the `=`");
+        return Err(fault.help(format!("an empty text is --set '{key}=\"\"'")).into());
     }
-    let Ok(mut node) = tree::parse("--set", flag) else { return Ok(as_string()) };
+    let mut node = match tree::parse("--set", flag) {
+        Ok(node) => node,
+        Err(error) if text.starts_with(['[', '{', '"', '\'']) => return Err(as_flag(error, flag)),
+        Err(_) => return Ok(as_string()),
+    };
     for _ in 0..depth {
         match node.value {
             Value::Table(mut entries) if entries.len() == 1 => node = entries.remove(0).node,
@@ -51,19 +55,43 @@ fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, Inp
     Ok(node)
 }
 
-fn assign(node: &mut Node, path: &[(String, Place)], value: Node) -> Result<(), Fault> {
+/// The error of a value, in words of the flag.
+fn as_flag(error: InputError, flag: &str) -> InputError {
+    let Some(fault) = error.faults().first() else { return error };
+    let help = "lists, tables and quoted texts are TOML; put the whole flag in quotes of the shell: --set 'KEY=[1, 2, 3]'";
+    fault.clone().before(&format!("--set {flag}: ")).help(help).into()
+}
+
+/// Puts the value where the rest of the path leads from a node of the given name.
+fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) -> Result<(), Fault> {
     let [(name, place), rest @ ..] = path else {
         *node = value;
         return Ok(());
     };
     match &mut node.value {
-        Value::Table(entries) => assign(key_of(entries, name, place), rest, value),
-        Value::Array(items) => assign(item_of(items, name, place)?, rest, value),
+        Value::Table(entries) => {
+            not_a_list(entries, parent, name, place)?;
+            assign(key_of(entries, name, place), name, rest, value)
+        }
+        Value::Array(items) => assign(item_of(items, parent, path)?, name, rest, value),
         other => {
-            let message = format!("--set: `{name}` cannot be set inside {}", other.kind());
+            let message = format!("--set: `{parent}` is {}, in which there is nothing to set", other.kind());
             Err(Fault::at(place, message, "leads into a single value"))
         }
     }
+}
+
+/// Tables in which a key may be a number.
+const OF_ANY_KEYS: [&str; 2] = ["groups", "link_groups"];
+
+/// Refuses the number of an item where there is one table and no list.
+fn not_a_list(entries: &[Entry], parent: &str, name: &str, place: &Place) -> Result<(), Fault> {
+    let is_number = name.parse::<usize>().is_ok() && !entries.iter().any(|entry| entry.key == name);
+    if !is_number || entries.is_empty() || OF_ANY_KEYS.contains(&parent) {
+        return Ok(());
+    }
+    let message = format!("--set: `{parent}` is one table here, not a list of them");
+    Err(Fault::at(place, message, "leave this number out"))
 }
 
 fn key_of<'a>(entries: &'a mut Vec<Entry>, name: &str, place: &Place) -> &'a mut Node {
@@ -75,8 +103,13 @@ fn key_of<'a>(entries: &'a mut Vec<Entry>, name: &str, place: &Place) -> &'a mut
     &mut entries[at].node
 }
 
-fn item_of<'a>(items: &'a mut [Node], name: &str, place: &Place) -> Result<&'a mut Node, Fault> {
-    let n = items.len();
+fn item_of<'a>(items: &'a mut [Node], parent: &str, path: &[(String, Place)]) -> Result<&'a mut Node, Fault> {
+    let (n, (name, place)) = (items.len(), &path[0]);
+    if name.parse::<usize>().is_err() {
+        let keys: Vec<&str> = path.iter().map(|(key, _)| key.as_str()).collect();
+        let message = format!("--set: `{parent}` is a list; say which item of it, counted from 0");
+        return Err(Fault::at(place, message, format!("such as `{parent}.0.{}`", keys.join("."))));
+    }
     let index = name.parse::<usize>().ok().filter(|&index| index < n);
     let numbers: Vec<String> = (0..n.min(8)).map(|i| i.to_string()).collect();
     let missing = || {
@@ -112,8 +145,11 @@ mod tests {
         assert_eq!(set(text, "load.0.traction.1=7").unwrap(), "[[load]]\ntraction = [1, 7, 3]\n");
         for (flag, part) in [
             ("load.1.traction=[0,0,0]", "the list has 1"),
-            ("load.traction=[0,0,0]", "the list has 1"),
-            ("load.0.traction.0.x=1", "cannot be set inside a whole number"),
+            ("load.traction=[0,0,0]", "`load` is a list; say which item"),
+            ("load.0.0.traction=[0,0,0]", "`0` is one table here"),
+            ("load.0.traction.0.x=1", "`0` is a whole number, in which there is nothing to set"),
+            ("load.0.traction=[1, 2", "not valid TOML"),
+            ("title=\"draft", "not valid TOML"),
             ("load", "there is no `=`"),
             ("=1", "not a dotted key"),
             ("a=", "no value"),

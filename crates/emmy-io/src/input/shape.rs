@@ -6,6 +6,7 @@ use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::fault::{Fault, Place};
 use super::keys;
+use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
 
 /// Where the mesh comes from.
@@ -153,6 +154,21 @@ fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
     Err(item.fault(format!("this makes {count:.1e} cells; the most is {MAX_CELLS:.0e}"), "too many cells"))
 }
 
+/// The file in the folder of a path that is not there that was meant: one with nearly its name, or with its name and a suffix.
+fn neighbour(path: &Path) -> Option<String> {
+    if path.exists() {
+        return None;
+    }
+    let (folder, wanted) = (path.parent()?, path.file_name()?.to_str()?);
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names =
+        std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let names: Vec<String> = names.collect();
+    let with_suffix =
+        names.iter().find(|name| name.strip_prefix(wanted).is_some_and(|rest| rest.starts_with('.')));
+    with_suffix.cloned().or_else(|| nearest(wanted, names.iter().map(String::as_str)).map(str::to_string))
+}
+
 /// What to do about an inverted cell of a file.
 const INVERTED: &str = "cells count from 0 in the order of the file; check the orientation of this one (the order of its \
                         nodes) and its shape in the mesher";
@@ -173,7 +189,11 @@ impl Shape {
             }
             Source::Network(network) => (network.mesh().map_err(|e| at(&e))?, Vec::new()),
             Source::File(path) => {
-                let file = crate::mesh::read_with_links(path, links).map_err(|error| at(&error))?;
+                let file = crate::mesh::read_with_links(path, links);
+                let file = file.map_err(|error| match neighbour(path) {
+                    Some(name) => at(&error).help(format!("did you mean `{name}`?")),
+                    None => at(&error),
+                })?;
                 (file.mesh, file.notes)
             }
         };

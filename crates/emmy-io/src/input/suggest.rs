@@ -4,7 +4,9 @@
 pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = plain(word);
     let distance = |known: &&str| strsim::damerau_levenshtein(&plain, &self::plain(known));
-    let allowed = (plain.chars().count() / 3).max(1);
+    let length = plain.chars().count();
+    // One letter is as near to every other one.
+    let allowed = (length / 3).max(1).min(length.saturating_sub(1));
     known
         .into_iter()
         .map(|word| (distance(&word), word))
@@ -38,6 +40,8 @@ mod tests {
         assert_eq!(nearest("densty", ["group", "density"]), Some("density"));
         assert_eq!(nearest("Neo_Hooke", ["saint-venant-kirchhoff", "neo-hooke"]), Some("neo-hooke"));
         assert_eq!(nearest("banana", ["group", "density"]), None);
+        assert_eq!(nearest("w", ["x", "y", "z"]), None);
+        assert_eq!(nearest("X", ["x", "y", "z"]), Some("x"));
         assert_eq!(nearest("mv", ["lambda", "mu"]), Some("mu"));
     }
 }

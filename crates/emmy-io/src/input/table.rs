@@ -140,7 +140,13 @@ impl<'a> Item<'a> {
 
     /// The items of a list; `wanted` is what the value must be, in the message.
     pub(super) fn list_or(&self, wanted: &str) -> Result<Vec<Item<'a>>, Fault> {
-        let Value::Array(nodes) = &self.node.value else { return Err(self.mismatch(wanted)) };
+        let Value::Array(nodes) = &self.node.value else {
+            let fault = self.mismatch(wanted);
+            return Err(match self.node.value {
+                Value::Table(_) => fault.help("put square brackets around it"),
+                _ => fault,
+            });
+        };
         Ok(nodes.iter().map(|node| Item { node, ..*self }).collect())
     }
 
@@ -173,6 +179,9 @@ impl<'a> Item<'a> {
 
     /// One of the known words.
     pub(super) fn word(&self, what: &str, known: &[&str]) -> Result<&'a str, Fault> {
+        if self.text().is_none() {
+            return Err(self.mismatch(&format!("one of {}", listed(known.iter().copied()))));
+        }
         let text = self.string()?;
         if known.contains(&text) {
             return Ok(text);
@@ -190,7 +199,19 @@ impl<'a> Item<'a> {
             }
             Value::Float(value) => Ok(value),
             Value::Integer(value) => Ok(value as f64),
-            _ => Err(self.mismatch("a number")),
+            _ => Err(self.not_a_number("a number")),
+        }
+    }
+
+    /// The fault of a value that is no number; texts that hold one get advice.
+    fn not_a_number(&self, wanted: &str) -> Fault {
+        let fault = self.mismatch(wanted);
+        match self.text().map(str::trim) {
+            Some(text) if text.parse::<f64>().is_ok() => fault.help("numbers stand without quotes"),
+            Some(text) if text.starts_with(|c: char| c.is_ascii_digit() || ".+-".contains(c)) => fault.help(
+                "give the number alone: units are any consistent set, such as m, kg, s, and are not written",
+            ),
+            _ => fault,
         }
     }
 
@@ -213,7 +234,7 @@ impl<'a> Item<'a> {
                 let message = format!("`{}` must be a whole number, not {}", self.key, decimal(value));
                 return Err(self.fault(message, "not whole"));
             }
-            _ => return Err(self.mismatch("a whole number")),
+            _ => return Err(self.not_a_number("a whole number")),
         };
         let fits = usize::try_from(value).ok().filter(|&value| value >= least);
         fits.ok_or_else(|| {

@@ -124,6 +124,11 @@ fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
 
 /// The plan with another end: later phases are left out, or the last one goes on.
 fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
+    let flag = format!("--until {}", spelled(until));
+    let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());
+    if !until.is_finite() {
+        return Err(Fault::at(&place, format!("{flag}: the time must be a finite number"), "not finite"));
+    }
     let mut phases: Vec<Phase> = plan.phases().iter().copied().filter(|phase| phase.until < until).collect();
     let next = plan.phases().get(phases.len()).copied();
     match (next, phases.last_mut()) {
@@ -131,11 +136,8 @@ fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
         (None, Some(last)) => last.until = until,
         (None, None) => {}
     }
-    StepPlan::new(plan.start(), phases).map_err(|error| {
-        let flag = format!("--until {}", spelled(until));
-        let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());
-        Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time")
-    })
+    StepPlan::new(plan.start(), phases)
+        .map_err(|error| Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time"))
 }
 
 fn with_size_from(plan: &StepPlan, from: f64, size: f64) -> Result<StepPlan, Fault> {

@@ -6,6 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::{Fault, InputError, Place};
+use super::syntax;
 
 /// A value and where it stands.
 #[derive(Debug, Clone)]
@@ -80,8 +81,13 @@ pub(super) fn read(path: &Path) -> Result<Node, InputError> {
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        Fault::new(format!("{name}:{line}: the file is not UTF-8 text"))
-            .help("an input is a TOML text file; `emmy new l-block` writes an example")
+        Fault::new(format!("{name}:{line}: the file is not UTF-8 text")).help(match error.as_bytes() {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "it is UTF-16: save it as UTF-8",
+            bytes if bytes.contains(&0) => {
+                "an input is a TOML text file; `emmy new l-block` writes an example"
+            }
+            _ => "save it as UTF-8; an older encoding such as Latin-1 is not read",
+        })
     })?;
     parse(&name, &text)
 }
@@ -108,7 +114,11 @@ pub(super) fn parse(name: &str, text: &str) -> Result<Node, InputError> {
 fn syntax_fault(start: &Place, error: &toml::de::Error) -> Fault {
     let message = error.message();
     match error.span() {
-        Some(span) => Fault::at(&start.at(span), format!("not valid TOML: {message}"), "here"),
+        Some(span) => {
+            let advice = syntax::advice(message, start.text(), span.start);
+            let fault = Fault::at(&start.at(span), format!("not valid TOML: {message}"), "here");
+            advice.into_iter().fold(fault, Fault::help)
+        }
         None => Fault::new(format!("{}: not valid TOML: {message}", start.source_name())),
     }
 }

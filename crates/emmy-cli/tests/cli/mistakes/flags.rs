@@ -1,0 +1,36 @@
+//! Flags of the command line.
+
+use super::{BOX, Mistake, whole};
+
+fn flag(name: &str, flags: &'static [&'static str]) -> Mistake {
+    whole(name, BOX).with(flags).unseen()
+}
+
+pub(super) fn all() -> Vec<Mistake> {
+    vec![
+        flag("set-without-a-value", &["--set", "time.scheme"]),
+        flag("set-to-nothing", &["--set", "time.scheme="]),
+        flag("set-nothing", &["--set", "=DGM"]),
+        flag("set-a-key-that-is-none", &["--set", "time.shceme=DGM"]),
+        flag("set-in-a-section-that-is-none", &["--set", "tme.scheme=DGM"]),
+        flag("set-a-scheme-that-is-none", &["--set", "time.scheme=DGX"]),
+        flag("set-a-word-for-a-number", &["--set", "region.0.density=heavy"]),
+        flag("set-a-number-with-a-unit", &["--set", "region.0.density=7850kg"]),
+        flag("set-a-number-that-is-none", &["--set", "newton.tolerance=nan"]),
+        flag("set-a-list-left-open", &["--set", "load.0.traction=[1, 2"]),
+        flag("set-a-list-that-is-too-short", &["--set", "load.0.traction=[1, 2]"]),
+        flag("set-an-item-that-is-not-there", &["--set", "load.1.traction=[1, 2, 3]"]),
+        flag("set-a-list-without-a-number", &["--set", "region.density=3"]),
+        flag("set-an-item-of-one-table", &["--set", "initial.0.velocity=[1, 0, 0]"]),
+        flag("set-inside-a-text", &["--set", "title.text=box"]),
+        flag("set-with-spaces-in-the-key", &["--set", "time scheme=DGM"]),
+        flag("set-twice-and-the-second-is-wrong", &["--set", "time.degree=1", "--set", "time.degree=none"]),
+        flag("until-before-the-start", &["--until", "-1"]),
+        flag("until-the-start", &["--until", "0"]),
+        flag("until-never", &["--until", "inf"]),
+        flag("until-a-word", &["--until", "end"]),
+        flag("no-threads", &["--threads", "0"]),
+        flag("flag-misspelt", &["--ouput", "other"]),
+        flag("output-that-is-a-file", &["--output", "box.toml"]),
+    ]
+}

@@ -1,0 +1,119 @@
+//! Meshes, built in and from files.
+
+use super::{Mistake, changed};
+
+const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
+
+/// A change of the built-in mesh.
+fn built_in(name: &str, to: &str) -> Mistake {
+    changed(name, MESH, to)
+}
+
+/// A mesh file of the given text in place of the built-in mesh.
+fn file(name: &str, file: &'static str, text: impl Into<Vec<u8>>) -> Mistake {
+    changed(name, MESH, &format!("file = \"{file}\"")).beside(file, text).unseen()
+}
+
+const NODES: &str = "*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, -1\n";
+const GMSH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+const GMSH_NODES: &str = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
+
+fn abaqus(name: &str, elements: &str) -> Mistake {
+    file(name, "part.inp", format!("{NODES}{elements}"))
+}
+
+fn gmsh(name: &str, rest: &str) -> Mistake {
+    file(name, "part.msh", format!("{GMSH}{rest}"))
+}
+
+fn vtu(name: &str, text: &str) -> Mistake {
+    file(name, "part.vtu", text)
+}
+
+const NETWORK: &str = "network = { points = [[0, 0, 0], [0, 1, 0]], links = [[0, 1]] }";
+
+pub(super) fn all() -> Vec<Mistake> {
+    [built_ins(), formats(), contents()].into_iter().flatten().collect()
+}
+
+fn built_ins() -> Vec<Mistake> {
+    let network = |name: &str, from: &str, to: &str| built_in(name, &NETWORK.replacen(from, to, 1));
+    vec![
+        built_in("two-meshes", &format!("{MESH}\nl-block = {{ cell_size = 1 }}")),
+        built_in("no-mesh", ""),
+        built_in("mesh-misspelt", "bocks = { size = [1, 2, 1], cells = [1, 2, 1] }"),
+        built_in("negative-edge", "box = { size = [1, -2, 1], cells = [1, 2, 1] }"),
+        built_in("no-cells", "box = { size = [1, 2, 1], cells = [1, 0, 1] }"),
+        built_in("half-a-cell", "box = { size = [1, 2, 1], cells = [1, 2.5, 1] }"),
+        built_in("more-cells-than-memory", "box = { size = [1, 2, 1], cells = [100000, 100000, 1] }")
+            .unseen(),
+        built_in("box-in-the-plane", "box = { size = [1, 2], cells = [1, 2] }"),
+        built_in("cells-that-do-not-fit", "l-block = { cell_size = 0.3 }").unseen(),
+        built_in("scale-of-nothing", &format!("{MESH}\nscale = 0")),
+        network("link-to-nowhere", "[[0, 1]]", "[[0, 2]]").unseen(),
+        network("link-to-itself", "[[0, 1]]", "[[1, 1]]").unseen(),
+        network("no-links", "[[0, 1]]", "[]"),
+        network("group-of-points-that-are-not-there", "links =", "groups = { end = [7] }, links =").unseen(),
+        built_in("links-of-a-solid-material", NETWORK)
+            .with(&["--set", "region.0.group=links", "--set", "support=[]", "--set", "load=[]"])
+            .unseen(),
+    ]
+}
+
+/// Files that are missing, of another format, or cut off.
+fn formats() -> Vec<Mistake> {
+    vec![
+        built_in("mesh-file-missing", "file = \"prat.msh\"").beside("part.msh", "").unseen(),
+        built_in("mesh-file-without-its-suffix", "file = \"part\"").beside("part.msh", "").unseen(),
+        built_in("mesh-file-that-is-a-folder", "file = \".\"").unseen(),
+        file("mesh-of-another-format", "part.stl", "solid part\n"),
+        file("mesh-of-a-cad-program", "part.step", "ISO-10303-21;\n"),
+        file("mesh-file-empty", "part.msh", ""),
+        file("mesh-file-of-zeros", "part.msh", [0u8; 64]),
+        file("gmsh-script", "part.geo", "Point(1) = {0, 0, 0, 1};\n"),
+        file("gmsh-of-an-old-version", "part.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n"),
+        gmsh("gmsh-cut-off", "$Nodes\n4\n1 0 0 0\n2 1 0"),
+        gmsh("gmsh-with-a-count-that-lies", "$Nodes\n4000000000\n1 0 0 0\n$EndNodes\n"),
+        gmsh("gmsh-without-elements", GMSH_NODES),
+        vtu("vtu-cut-off", "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece "),
+        vtu("vtu-of-another-kind", "<VTKFile type=\"ImageData\"><ImageData/></VTKFile>"),
+        vtu(
+            "vtu-by-another-compressor",
+            "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkLZ4DataCompressor\">\
+            <UnstructuredGrid><Piece NumberOfPoints=\"1\" NumberOfCells=\"1\"/></UnstructuredGrid></VTKFile>",
+        ),
+    ]
+}
+
+/// Files with something wrong in them.
+fn contents() -> Vec<Mistake> {
+    let tet = "$Elements\n1\n1 4 2 1 1 1 2 3 9\n$EndElements\n";
+    vec![
+        abaqus("cell-inverted", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 5\n"),
+        abaqus("cell-twice", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 4\n"),
+        abaqus("element-number-twice", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n1, 1, 3, 2, 5\n"),
+        abaqus("element-with-too-few-nodes", "*Element, type=C3D4, elset=body\n1, 1, 2, 3\n"),
+        abaqus("element-of-a-shell", "*Element, type=S4R, elset=body\n1, 1, 2, 3, 4\n"),
+        abaqus(
+            "set-of-elements-that-are-not-there",
+            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Elset, elset=left\n7\n",
+        ),
+        abaqus("include-that-is-not-there", "*Include, input=elements.inp\n"),
+        abaqus("no-nodes-in-a-coordinate", "*Node\n6, 0, nan, 0\n"),
+        gmsh("node-that-is-not-there", &format!("{GMSH_NODES}{tet}")),
+        gmsh(
+            "elements-of-high-order",
+            &format!(
+                "{GMSH_NODES}$Elements\n1\n1 29 2 1 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4\n$EndElements\n"
+            ),
+        ),
+        gmsh(
+            "face-without-a-cell",
+            &format!(
+                "$PhysicalNames\n2\n2 2 \"y-max\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 5 5\n$EndNodes\n\
+             $Elements\n2\n1 4 2 1 1 1 2 3 4\n2 2 2 2 2 1 2 5\n$EndElements\n"
+            ),
+        ),
+        gmsh("groups-without-names", &format!("{GMSH_NODES}$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")),
+    ]
+}

@@ -1,0 +1,43 @@
+//! Groups, probes and directories.
+
+use super::{Mistake, changed};
+
+const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
+const SECOND: &str = "density = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
+
+pub(super) fn all() -> Vec<Mistake> {
+    vec![
+        changed("group-misspelt", "y-max", "y-mx").unseen(),
+        changed("group-in-capitals", "\"body\"", "\"Body\"").unseen(),
+        changed("group-that-is-nowhere", "y-min", "clamp").unseen(),
+        changed("group-of-cells-for-facets", "y-max", "body").unseen(),
+        changed("group-of-facets-for-cells", "\"body\"", "\"y-max\"").unseen(),
+        changed("group-by-number", "group = \"y-max\"", "group = 3"),
+        changed("group-without-a-name", "group = \"y-max\"", "group = \"\""),
+        changed("group-missing-of-a-load", "group = \"y-max\"\n", ""),
+        changed("group-missing-of-a-support", "group = \"y-min\"\n", ""),
+        changed("two-regions-of-one-group", "[[load]]", &format!("[[region]]\ngroup = \"body\"\n{SECOND}"))
+            .unseen(),
+        changed("two-regions-without-a-group", "[[load]]", &format!("[[region]]\n{SECOND}")).unseen(),
+        changed("initial-velocity-of-nothing", "[initial]", "[initial]\ngroup = \"tip\"").unseen(),
+        changed(
+            "probes-of-one-name",
+            PROBES,
+            "probes = [{ name = \"a\", point = [0, 0, 0] }, { name = \"a\", point = [0, 2, 0] }]",
+        )
+        .unseen(),
+        changed("probe-with-a-comma", PROBES, "probes = [{ name = \"a,b\", point = [0, 0, 0] }]"),
+        changed(
+            "probe-with-a-name-that-is-taken",
+            PROBES,
+            "probes = [{ name = \"angular_momentum\", point = [0, 0, 0] }]",
+        ),
+        changed("probe-in-the-plane", "point = [0, 2, 0]", "point = [0, 2]"),
+        changed("directory-without-a-name", "directory = \"out\"", "directory = \" \""),
+        changed("directory-that-is-a-file", "\"out\"", "\"notes.txt\"").beside("notes.txt", "mine").unseen(),
+        changed("directory-below-a-file", "\"out\"", "\"notes.txt/out\"")
+            .beside("notes.txt", "mine")
+            .unseen(),
+        changed("directory-of-somebody-else", "\"out\"", "\".\"").beside("notes.txt", "mine").unseen(),
+    ]
+}

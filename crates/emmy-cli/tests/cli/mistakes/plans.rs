@@ -1,0 +1,41 @@
+//! Schemes and steps.
+
+use super::{Mistake, changed};
+
+const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+
+fn scheme(name: &str, to: &str) -> Mistake {
+    changed(name, "\"AS(2)\"", &format!("\"{to}\""))
+}
+
+pub(super) fn all() -> Vec<Mistake> {
+    vec![
+        scheme("scheme-in-small-letters", "as2"),
+        scheme("scheme-misspelt", "DMG"),
+        scheme("scheme-by-its-other-name", "midpoint"),
+        scheme("scheme-that-is-none", "leapfrog"),
+        scheme("scheme-without-points", "AS(0)"),
+        scheme("scheme-with-half-its-numbers", "Newmark(0.25)"),
+        scheme("scheme-with-numbers-out-of-range", "HHT(0.9)").unseen(),
+        changed("scheme-with-too-few-points", "degree = 1", "degree = 3").unseen(),
+        scheme("scheme-of-degree-one", "trapezoidal").with(&["--set", "time.degree=2"]).unseen(),
+        scheme("scheme-that-cannot-move-supports", "Bathe")
+            .with(&["--set", "support.0={ group = 'y-min', move = { x = 't' } }"])
+            .unseen(),
+        changed("degree-too-high", "degree = 1", "degree = 9"),
+        changed("degree-of-nothing", "degree = 1", "degree = 0"),
+        changed("no-steps", STEPS, "steps = []"),
+        changed(
+            "plan-that-goes-back",
+            STEPS,
+            "steps = [{ until = 0.5, size = 0.1 }, { until = 0.2, size = 0.1 }]",
+        )
+        .unseen(),
+        changed("plan-that-stands-still", STEPS, "steps = [{ until = 0, size = 0.1 }]").unseen(),
+        changed("step-backwards", STEPS, "steps = [{ until = 0.5, size = -0.1 }]"),
+        changed("step-of-no-size", STEPS, "steps = [{ until = 0.5, size = 0 }]"),
+        changed("more-steps-than-anyone-waits-for", STEPS, "steps = [{ until = 1.0, size = 1e-300 }]")
+            .unseen(),
+        changed("adaptive-steps", STEPS, "adaptive = { tolerance = 1e-4 }"),
+    ]
+}
