@@ -96,6 +96,14 @@ impl Body {
         }
     }
 
+    /// Number of nodes, elements and members of sets and surfaces: what a copy costs.
+    pub(super) fn size(&self) -> usize {
+        let sets = self.node_sets.values().chain(self.element_sets.values());
+        let members: usize = sets.map(|set| set.members.len()).sum();
+        let rows: usize = self.surfaces.iter().map(|surface| surface.rows.len()).sum();
+        self.points.len() + self.elements.len() + members + rows
+    }
+
     /// The set of a name, made if it is new.
     pub(super) fn set_mut(&mut self, of: Of, name: &str) -> &mut Set {
         let sets = match of {

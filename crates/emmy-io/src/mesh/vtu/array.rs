@@ -92,8 +92,9 @@ pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Data of an array behind its header: a length, or the sizes of compressed blocks. More bytes may follow.
-pub(super) fn payload(encoding: Encoding, bytes: &[u8]) -> Outcome<Vec<u8>> {
+/// Data of an array behind its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed data of more
+/// than `most` bytes are refused before they are read: a small file can hold very many.
+pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<Vec<u8>> {
     let mut rest = bytes;
     let n = header_number(encoding, &mut rest)?;
     if !encoding.compressed {
@@ -106,6 +107,10 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8]) -> Outcome<Vec<u8>> {
     if n > rest.len() {
         return Err(cut_off(n, rest.len()));
     }
+    let wanted = (n - 1).saturating_mul(size).saturating_add(if last > 0 { last } else { size });
+    if wanted > most {
+        return Err(format!("{wanted} bytes are announced where {most} are needed"));
+    }
     let sizes = (0..n).map(|_| header_number(encoding, &mut rest)).collect::<Outcome<Vec<usize>>>()?;
     let mut data = Vec::new();
     for (block, compressed) in sizes.into_iter().enumerate() {
@@ -116,6 +121,16 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8]) -> Outcome<Vec<u8>> {
         rest = after;
     }
     Ok(data)
+}
+
+/// Bytes of a number of a type; the largest there are where it is not known.
+pub(super) fn size(numeric_type: &str) -> usize {
+    match numeric_type {
+        "Int8" | "UInt8" => 1,
+        "Int16" | "UInt16" => 2,
+        "Int32" | "UInt32" | "Float32" => 4,
+        _ => 8,
+    }
 }
 
 /// Adds a block of a known size. It grows as it is read, so that a lying size costs nothing.
@@ -158,7 +173,7 @@ mod tests {
         let apart = STANDARD.encode(header) + "\n  " + &STANDARD.encode(data);
         assert_ne!(together, apart);
         for text in [together, apart] {
-            let bytes = payload(PLAIN, &from_base64(text.as_bytes()).unwrap()).unwrap();
+            let bytes = payload(PLAIN, &from_base64(text.as_bytes()).unwrap(), 8).unwrap();
             assert_eq!(from_bytes("Float64", PLAIN, &bytes), Ok(Numbers::Real(vec![0.5])));
         }
     }
@@ -174,14 +189,28 @@ mod tests {
     fn the_largest_byte_may_come_first() {
         let encoding = Encoding { big_endian: true, ..PLAIN };
         let bytes = [0, 0, 0, 4, 0xff, 0xff, 1, 2];
-        let data = payload(encoding, &bytes).unwrap();
+        let data = payload(encoding, &bytes, 4).unwrap();
         assert_eq!(from_bytes("Int16", encoding, &data), Ok(Numbers::Whole(vec![-1, 258])));
     }
 
     #[test]
     fn sizes_that_lie_are_told() {
-        assert!(payload(PLAIN, &[9, 0, 0, 0, 1]).unwrap_err().contains("9 bytes are announced"));
+        assert!(payload(PLAIN, &[9, 0, 0, 0, 1], 9).unwrap_err().contains("9 bytes are announced"));
         let compressed = Encoding { compressed: true, header: 8, ..PLAIN };
-        assert!(payload(compressed, &[0xff; 48]).unwrap_err().contains("are announced"));
+        assert!(payload(compressed, &[0xff; 48], 9).unwrap_err().contains("are announced"));
+    }
+
+    #[test]
+    fn a_small_file_cannot_ask_for_all_the_memory() {
+        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        std::io::copy(&mut std::io::repeat(0).take(1 << 24), &mut encoder).unwrap();
+        let data = encoder.finish().unwrap();
+        let header = [1, 1 << 24, 0, data.len() as u32].map(u32::to_le_bytes).concat();
+        let bytes = [header, data].concat();
+        assert!(bytes.len() < 20_000);
+        let compressed = Encoding { compressed: true, ..PLAIN };
+        assert_eq!(payload(compressed, &bytes, 1 << 24).unwrap().len(), 1 << 24);
+        let refused = payload(compressed, &bytes, 24).unwrap_err();
+        assert_eq!(refused, "16777216 bytes are announced where 24 are needed");
     }
 }

@@ -6,7 +6,10 @@ use std::path::Path;
 use roxmltree::{Document, Node};
 
 use super::super::{MeshError, Place, Result};
-use super::array::{Encoding, Numbers, from_base64, from_bytes, from_text, payload};
+use super::array::{Encoding, Numbers, from_base64, from_bytes, from_text, payload, size};
+
+/// Most points and cells of a file: more do not fit into the memory of a machine, and compressed ones may be few bytes.
+const MOST: usize = 100_000_000;
 
 const DAMAGED: &str = "the file is damaged or cut off, write it again";
 
@@ -118,6 +121,11 @@ impl<'a, 'input> Grid<'a, 'input> {
         let missing =
             || malformed(at(piece), "<Piece> without its NumberOfPoints or NumberOfCells".to_string());
         let (n_points, n_cells) = n_points.zip(n_cells).ok_or_else(missing)?;
+        for (n, what) in [(n_points, "points"), (n_cells, "cells")] {
+            if n > MOST {
+                return Err(malformed(at(piece), format!("{n} {what}, more than the {MOST} that are read")));
+            }
+        }
         let encoding = encoding(root, at(root))?;
         Ok(Grid { file, parts, document, encoding, piece, n_points, n_cells })
     }
@@ -156,7 +164,7 @@ impl<'a, 'input> Grid<'a, 'input> {
         let wrong = |problem: String| {
             malformed(self.place(array.node), format!("array \"{}\": {problem}", array.name))
         };
-        let numbers = self.decoded(array).map_err(wrong)?;
+        let numbers = self.decoded(array, n).map_err(wrong)?;
         let found = match &numbers {
             Numbers::Whole(numbers) => numbers.len(),
             Numbers::Real(numbers) => numbers.len(),
@@ -167,30 +175,31 @@ impl<'a, 'input> Grid<'a, 'input> {
         }
     }
 
-    fn decoded(&self, array: &Array<'a, 'input>) -> Result<Numbers, String> {
+    fn decoded(&self, array: &Array<'a, 'input>, n: Option<usize>) -> Result<Numbers, String> {
+        let most = n.map_or(usize::MAX, |n| n.saturating_mul(size(array.numeric_type)));
         let text = || array.node.text().unwrap_or_default();
         let bytes = match array.node.attribute("format") {
             Some("ascii") => return from_text(array.numeric_type, text()),
-            Some("binary") => payload(self.encoding, &from_base64(text().as_bytes())?)?,
-            Some("appended") => self.appended(array.node)?,
+            Some("binary") => payload(self.encoding, &from_base64(text().as_bytes())?, most)?,
+            Some("appended") => self.appended(array.node, most)?,
             other => return Err(format!("format {other:?} is not ascii, binary or appended")),
         };
         from_bytes(array.numeric_type, self.encoding, &bytes)
     }
 
-    fn appended(&self, node: Node<'_, '_>) -> Result<Vec<u8>, String> {
+    fn appended(&self, node: Node<'_, '_>, most: usize) -> Result<Vec<u8>, String> {
         let offset = node.attribute("offset").and_then(|offset| offset.trim().parse::<usize>().ok());
         let bytes = offset.and_then(|offset| self.parts.appended.get(offset..));
         let bytes = bytes.ok_or("its offset lies beyond the appended data")?;
         if self.parts.appended_is_raw {
-            return payload(self.encoding, bytes);
+            return payload(self.encoding, bytes, most);
         }
         let next =
             self.document.descendants().filter_map(|node| node.attribute("offset")?.trim().parse().ok());
         let next = next.filter(|&next: &usize| Some(next) > offset).min();
         let length = next.unwrap_or(usize::MAX) - offset.unwrap_or_default();
         let end = bytes.iter().position(|&byte| byte == b'<').unwrap_or(bytes.len());
-        payload(self.encoding, &from_base64(&bytes[..length.min(end)])?)
+        payload(self.encoding, &from_base64(&bytes[..length.min(end)])?, most)
     }
 
     pub(super) fn malformed(&self, problem: String) -> MeshError {

@@ -7,6 +7,9 @@ use super::super::keyword::Keyword;
 use super::super::placement::Placement;
 use super::{Deck, Elements, Scope, Section, same};
 
+/// Most nodes, elements and members of sets in all instances together: a line makes as many as its part has.
+const MAX_COPIED: usize = 50_000_000;
+
 impl Deck {
     pub(super) fn keyword(&mut self, keyword: &Keyword, at: At) -> Result<()> {
         if keyword.name == "INCLUDE" {
@@ -87,7 +90,14 @@ impl Deck {
             let problem = format!("there is no part \"{part}\" above, only: {names}");
             return Err(self.malformed(at, problem, "correct the name, or write the part to the file"));
         };
+        let size = body.size();
+        if self.copied + size > MAX_COPIED {
+            let problem =
+                format!("the instances up to \"{name}\" have more than {MAX_COPIED} nodes and elements");
+            return Err(self.malformed(at, problem, "write fewer instances, or smaller parts"));
+        }
         let (name, body) = (name.to_string(), body.clone());
+        self.copied += size;
         self.instances.push(Instance { name, body, placement: Placement::default() });
         self.scope = Scope::Instance(self.instances.len() - 1);
         Ok(Section::Placement)
@@ -169,4 +179,21 @@ impl Deck {
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names = names.collect::<Vec<_>>().join(", ");
     if names.is_empty() { "none".to_string() } else { names }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instances_do_not_multiply_without_end() {
+        let deck = b"*Part, name=Arm\n*Node\n1, 0, 0, 0\n*End Part\n*Instance, name=Arm-1, part=Arm\n";
+        let read = |copied| Deck { copied, ..Deck::default() }.file("a.inp".as_ref(), deck);
+        assert!(read(MAX_COPIED - 1).is_ok());
+        let message = read(MAX_COPIED).unwrap_err().to_string();
+        assert!(
+            message.contains("a.inp, line 5: the instances up to \"Arm-1\" have more than 50000000"),
+            "{message}"
+        );
+    }
 }

@@ -23,6 +23,8 @@ pub(super) struct Deck {
     pub(super) notes: BTreeSet<String>,
     files: Vec<PathBuf>,
     depth: usize,
+    /// Nodes, elements and set members that the instances copied of their parts.
+    copied: usize,
     scope: Scope,
     section: Section,
 }
@@ -72,6 +74,9 @@ struct Elements {
 
 /// Includes in includes; more are taken for a circle.
 const MAX_DEPTH: usize = 16;
+
+/// Files of one input; few lines could ask for very many.
+const MAX_FILES: usize = 1000;
 
 impl Deck {
     /// Reads a file and what it includes.
@@ -198,7 +203,11 @@ impl Deck {
             let problem = format!("more than {MAX_DEPTH} files that include each other");
             return Err(self.malformed(at, problem, "does a file include itself?"));
         }
-        let bytes = std::fs::read(&path).map_err(|reason| {
+        if self.files.len() == MAX_FILES {
+            let problem = format!("more than {MAX_FILES} files are included");
+            return Err(self.malformed(at, problem, "join them, or include each of them once"));
+        }
+        let bytes = read_file(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths are relative to the file that includes")
         })?;
@@ -207,6 +216,14 @@ impl Deck {
         self.depth -= 1;
         Ok(())
     }
+}
+
+/// Bytes of an ordinary file: devices and pipes may never end.
+fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not an ordinary file"));
+    }
+    std::fs::read(path)
 }
 
 /// Names are the same whatever their case.

@@ -1,0 +1,47 @@
+//! Any bytes as an input file: a problem or faults with places inside the text, never a panic.
+
+#![no_main]
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use emmy_io::input::{self, Overrides};
+use libfuzzer_sys::fuzz_target;
+
+/// A folder in memory, where there is one.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+    folder.expect("a folder of its own")
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    if is_large(bytes) {
+        return;
+    }
+    let file = FOLDER.path().join("input.toml");
+    std::fs::write(&file, bytes).expect("a file of its own");
+    match input::read(&file, &Overrides::default()) {
+        Ok(problem) => assert!(problem.plan.n_steps() > 0 && !problem.resolved.is_empty()),
+        Err(error) => {
+            assert!(!error.faults().is_empty() && !error.to_string().is_empty());
+            for place in error.faults().iter().filter_map(|fault| fault.place()) {
+                assert!(place.line() <= bytes.len() + 1 && place.column() <= bytes.len() + 1);
+            }
+        }
+    }
+});
+
+/// Whether a built-in mesh would have more than some thousand cells: valid, but no work for a fuzzer.
+fn is_large(bytes: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(bytes) else { return false };
+    let Ok(input) = text.parse::<toml::Table>() else { return false };
+    let Some(mesh) = input.get("mesh") else { return false };
+    let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|value| value as f64));
+    let product = |shape: &str| {
+        let cells = mesh.get(shape)?.get("cells")?.as_array()?;
+        Some(cells.iter().filter_map(number).product::<f64>())
+    };
+    let cell_size = mesh.get("l-block").and_then(|shape| number(shape.get("cell_size")?));
+    cell_size.is_some_and(|size| size < 0.4) || ["box", "rectangle"].iter().any(|shape| product(shape) > Some(2000.0))
+}
