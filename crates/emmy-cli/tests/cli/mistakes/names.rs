@@ -33,6 +33,11 @@ pub(super) fn all() -> Vec<Mistake> {
             "probes = [{ name = \"angular_momentum\", point = [0, 0, 0] }]",
         ),
         changed("probe-in-the-plane", "point = [0, 2, 0]", "point = [0, 2]"),
+        changed("format-of-another-program", "every = 2", "every = 2\nformat = \"xdmf\""),
+        changed("precision-of-another-language", "every = 2", "every = 2\nprecision = \"float32\""),
+        changed("field-misspelt", "every = 2", "every = 2\nfields = [\"displacement\", \"von_mises\"]"),
+        changed("field-twice", "every = 2", "every = 2\nfields = [\"velocity\", \"velocity\"]"),
+        changed("fields-not-in-a-list", "every = 2", "every = 2\nfields = \"velocity\""),
         changed("directory-without-a-name", "directory = \"out\"", "directory = \" \""),
         changed("directory-that-is-a-file", "\"out\"", "\"notes.txt\"").beside("notes.txt", "mine").unseen(),
         changed("directory-below-a-file", "\"out\"", "\"notes.txt/out\"")

@@ -104,6 +104,10 @@ impl Validator {
             "maximum" => number(|x, bound| x <= bound),
             "exclusiveMinimum" => number(|x, bound| x > bound),
             "exclusiveMaximum" => number(|x, bound| x < bound),
+            "uniqueItems" => {
+                let items = items.map(Vec::as_slice).unwrap_or_default();
+                (1..items.len()).all(|index| !items[..index].contains(&items[index]))
+            }
             "minItems" => count(items.map(Vec::len), |n, least| n >= least),
             "maxItems" => count(items.map(Vec::len), |n, most| n <= most),
             "minProperties" => count(entries.map(|entries| entries.len()), |n, least| n >= least),

@@ -1,5 +1,6 @@
 //! The sections of an input.
 
+use emmy::body::fields::FieldName;
 use emmy::sparse::SOLVERS;
 use emmy::time::MAX_DEGREE;
 use serde_json::{Value, json};
@@ -7,6 +8,7 @@ use serde_json::{Value, json};
 use super::super::keys;
 use super::kinds::{Table, exactly, history, list, number, positive, text, vector, whole, words};
 use super::materials;
+use crate::vtk::{Format, Precision};
 
 /// The whole input.
 pub(super) fn root() -> Value {
@@ -247,9 +249,15 @@ fn solver() -> Value {
 
 fn output() -> Value {
     let directory = "Where results go, relative to the working directory; left out: the name of the input file without .toml";
+    let field = words(&FieldName::ALL.map(FieldName::name), "A field");
+    let mut fields = list(0, field, "Fields in the frames; `emmy list fields` explains them");
+    fields["uniqueItems"] = json!(true);
     Table::new(keys::OUTPUT, "What is written, and where")
         .may("directory", text(directory))
         .may("every", whole(0, "Steps between frames; 0: no frames"))
+        .may("format", words(&Format::ALL.map(Format::name), "Files of the frames: .vtu each, or one .vtkhdf"))
+        .may("precision", words(&Precision::ALL.map(Precision::name), "Precision of the fields in the frames"))
+        .may("fields", fields)
         .may("checkpoint_every", whole(0, "Steps between checkpoints; 0: none"))
         .may("probes", list(0, probe(), "Nodes whose path goes into the history"))
         .schema()
