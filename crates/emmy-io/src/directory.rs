@@ -325,12 +325,6 @@ mod tests {
             "frames/old_000020.vtu.part",
             "old.vtkhdf.part",
             "old.vtkhdf.copy",
-        ];
-        let foreign = [
-            "notes.txt",
-            "other.pvd",
-            "other.vtkhdf",
-            "notes.part",
             "run.log",
             "events.csv",
             "checkpoint/a.checkpoint",
@@ -338,7 +332,9 @@ mod tests {
         let foreign = [
             "checkpoint/mine.txt",
             "notes.txt",
+            "notes.part",
             "other.pvd",
+            "other.vtkhdf",
             "frames/other_000000.vtu",
             "frames/old_final.vtu",
             "frames/old_1.vtu",

@@ -162,7 +162,17 @@ fn one_file_holds_what_the_frames_hold() {
     run(&problem, true);
     assert_eq!(
         names(series.path()),
-        ["history.csv", "input.toml", "newton.csv", "out.vtkhdf", "summary.json"]
+        [
+            ".lock",
+            "checkpoint",
+            "events.csv",
+            "history.csv",
+            "input.toml",
+            "newton.csv",
+            "out.vtkhdf",
+            "run.log",
+            "summary.json"
+        ]
     );
     let series = SeriesReader::open(&series.path().join("out/out.vtkhdf")).unwrap();
     assert_eq!(series.mesh().unwrap(), *problem.body.mesh());

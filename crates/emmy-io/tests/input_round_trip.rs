@@ -85,7 +85,8 @@ fn rest() -> impl Strategy<Value = String> {
 
 fn valid_input() -> impl Strategy<Value = String> {
     let title = "[a-zA-Z0-9 \"\\\\#='{}äß∑\\t]{1,20}";
-    let mesh = (number(), number(), 1..3_usize)
+    let edge = || prop_oneof![1e-3..1e3, Just(1.0), Just(123456.125)];
+    let mesh = (edge(), edge(), 1..3_usize)
         .prop_map(|(a, b, n)| format!("[mesh]\nbox = {{ size = [{a:?}, {b:?}, 1], cells = [1, {n}, 1] }}\n"));
     let loads = prop::collection::vec(load(), 0..3).prop_map(|loads| loads.concat());
     (title, mesh, number(), material(), loads, support(), time(), rest()).prop_map(

@@ -280,7 +280,7 @@ pub enum Error {
     },
     /// A step that failed with every size down to the smallest one.
     #[error(
-        "step {step} from t = {start} failed with every size down to {step_size:e}; try another scheme or material, a finer mesh, \
+        "step {step} from t = {start} failed with every size down to {step_size}; try another scheme or material, a finer mesh, \
          or a smaller `smallest_step`, and look at the loads at this time"
     )]
     SmallestStep {

@@ -171,7 +171,7 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
     }
 }
 
-/// A body, started with velocities that turn it inside out within a large step of backward Euler-like quadrature.
+/// A body, started with velocities that turn its cells inside out within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());
     let body = Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![soft], &[], &[]).unwrap();

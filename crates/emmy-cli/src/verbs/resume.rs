@@ -113,6 +113,8 @@ fn settle(problem: &Problem, checkpoint: &mut Checkpoint, identity: &Identity) {
     let snapshot = &mut checkpoint.snapshot;
     snapshot.state.time = problem.plan.on_grid(snapshot.state.time);
     snapshot.record.time = snapshot.state.time;
+    let (step, time) = (snapshot.state.step, snapshot.state.time);
+    checkpoint.frames.iter_mut().filter(|(own, _)| *own == step).for_each(|frame| frame.1 = time);
     if !keeps_stepper {
         snapshot.memory = None;
     }

@@ -40,7 +40,7 @@ const CASES: &[(usize, &str, &str, &[&str])] = &[
     (10, "holzapfel-gasser-ogden", "hgo", &["did you mean `holzapfel-gasser-ogden`?"]),
     // Kinds of values.
     (4, "'miehe'", "'mihe'", &["`mihe` is not a law of volume", "did you mean `miehe`?", "`simo-taylor`"]),
-    (4, "'miehe'", "2", &["`volumetric` must be a string"]),
+    (4, "'miehe'", "2", &["`volumetric` must be one of `logarithmic`", "not a whole number"]),
     (5, "5.0", "nan", &["`c30` must be a finite number"]),
     (8, "[630.0, 1.2, -10.0]", "630.0", &["`mu` must be a list"]),
     (8, "[630.0, 1.2, -10.0]", "[]", &["`mu` is empty"]),

@@ -314,7 +314,7 @@ fn walk(directory: &std::path::Path) -> Vec<String> {
     entries.flat_map(below).collect()
 }
 
-/// A soft box that starts with velocities so large that Newton's iteration fails at h = 0.5.
+/// A soft box that starts with velocities so large that cells are turned inside out at h = 0.5.
 const VIOLENT: &str = "mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }\n\
     region = { density = 1.0, material.neo-hooke = { lambda = 10.0, mu = 5.0 } }\n\
     initial = { gradient = [[0.0, 9.0, 0.0], [-3.0, -6.0, 0.0], [0.0, 0.0, 5.0]], about = [0.5, 1.0, 0.5] }\n\
@@ -327,7 +327,8 @@ fn a_step_that_fails_is_cut_and_grows_back() {
     let outcome = place.succeed(&["run", "box.toml"]);
     assert!(outcome.stderr.contains("step cut to 0.25"), "{}", outcome.stderr);
     let events = place.read("box/events.csv");
-    assert!(events.starts_with("step,time,event,message\n1,0.0,cut,\"step cut to 0.25: "), "{events}");
+    assert!(events.starts_with("step,time,event,message\n"), "{events}");
+    assert!(events.contains(",cut,\"step cut to 0.25: step "), "{events}");
     assert!(events.contains(",grown,"), "{events}");
     let cuts = events.lines().filter(|line| line.contains(",cut,")).count();
     assert_eq!(place.summary("box")["cuts"].as_u64(), Some(cuts as u64));
@@ -352,7 +353,7 @@ fn cuts_end_at_the_smallest_step_with_3() {
     let outcome = place.emmy(&[&["run", "box.toml"][..], &flags].concat());
     assert_eq!(outcome.code, 3, "{}", outcome.stderr);
     for part in
-        ["step 1 from t = 0 failed with every size down to 1.25e-1", "no convergence in step 1", "near ["]
+        ["step 1 from t = 0 failed with every size down to 0.125", "no convergence in step 1", "near ["]
     {
         assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
     }
@@ -365,6 +366,8 @@ fn cuts_end_at_the_smallest_step_with_3() {
         "newton.max_iterations=20",
         "--set",
         "newton.tolerance=1e-10",
+        "--set",
+        "time.smallest_step=1e-3",
     ]);
     assert_eq!(place.summary("box")["status"], "done");
 }

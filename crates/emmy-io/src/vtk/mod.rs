@@ -127,7 +127,9 @@ impl FrameWriter {
             frames.go_on(kept, step)?;
         }
         for (old, &(step, time)) in old.iter().flat_map(|old| kept.iter().map(move |kept| (old, kept))) {
-            let Some(index) = old.times().iter().position(|own| *own == time) else { continue };
+            // The last time may be off by its rounding: the plan has changed.
+            let is_same = |own: &f64| (own - time).abs() <= 1e-9 * time.abs();
+            let Some(index) = old.times().iter().position(is_same) else { continue };
             let values = |name| Ok(FieldValues { name, numbers: old.values(name, index)? });
             let fields: io::Result<Vec<FieldValues>> = old.fields().into_iter().map(values).collect();
             frames.write(step, time, &fields?)?;

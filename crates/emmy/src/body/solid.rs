@@ -13,7 +13,7 @@ use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Batch, LANES, Lane, Packed, Register};
+use crate::tensor::{Batch, LANES, Packed, Register};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
@@ -167,8 +167,9 @@ impl<M: Material> SolidTerm<M> {
                     det.store(&mut dets, part);
                 }
             }
-            for lane in 0..cells.len() {
-                sum.smallest_determinant = Lane::min(sum.smallest_determinant, dets.0[lane]);
+            for (lane, cell) in cells.clone().enumerate() {
+                let (smallest_determinant, smallest_cell) = (dets.0[lane], self.cells.cells[cell] as usize);
+                sum = sum.with(Strained { strain_energy: 0.0, smallest_determinant, smallest_cell });
             }
             sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
         }

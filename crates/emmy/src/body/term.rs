@@ -7,13 +7,13 @@ use super::geometry::CellTable;
 use super::integral::Scratch;
 use super::solid::SolidTerm;
 use crate::average::{Rule, Want};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::material::{
     ArrudaBoyce, CiarletGeymonat, Gent, Hencky, HolzapfelGasserOgden, Link, Material, MooneyRivlin, NeoHooke,
     Ogden, Orthotropic, SaintVenantKirchhoff, Yeoh,
 };
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Lane, Sym};
+use crate::tensor::Sym;
 
 /// A step as the terms see it.
 #[derive(Debug, Clone, Copy)]
@@ -35,17 +35,32 @@ pub struct Strained {
     pub strain_energy: f64,
     /// Smallest det F at the quadrature points; infinite where there is no F that means something (links, springs).
     pub smallest_determinant: f64,
+    /// The cell that it belongs to.
+    pub smallest_cell: usize,
 }
 
 impl Strained {
     /// Nothing at all.
-    pub const NONE: Strained = Strained { strain_energy: 0.0, smallest_determinant: f64::INFINITY };
+    pub const NONE: Strained =
+        Strained { strain_energy: 0.0, smallest_determinant: f64::INFINITY, smallest_cell: 0 };
 
     /// Both together.
     pub fn with(self, other: Strained) -> Strained {
-        Strained {
-            strain_energy: self.strain_energy + other.strain_energy,
-            smallest_determinant: Lane::min(self.smallest_determinant, other.smallest_determinant),
+        let strain_energy = self.strain_energy + other.strain_energy;
+        // One that is not a number counts as the smallest.
+        let is_mine =
+            self.smallest_determinant <= other.smallest_determinant || self.smallest_determinant.is_nan();
+        Strained { strain_energy, ..if is_mine { self } else { other } }
+    }
+
+    /// The same, if no cell is turned inside out.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub fn upright(self) -> Result<Self> {
+        match self.smallest_determinant > 0.0 {
+            true => Ok(self),
+            false => Err(Error::Inverted { cell: self.smallest_cell, det: self.smallest_determinant }),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
 };
-use crate::body::{Body, sum};
+use crate::body::{Body, Strained, sum};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
@@ -72,8 +72,7 @@ impl<'a> Motion<'a> {
         mut state: State,
     ) -> Result<Self> {
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
-        let record =
-            Record { step: state.step, time: state.time, ..Record::default() }.with_invariants(body, &state);
+        let record = Record { step: state.step, time: state.time, ..Record::default() }.at(body, &state);
         Ok(Motion {
             body,
             scheme,
@@ -115,7 +114,7 @@ impl<'a> Motion<'a> {
                 (motion.state, motion.record) = (state, record);
             }
             // The new stepper may have set the momentum by a mass of its own.
-            None => motion.record = record.with_invariants(body, &motion.state),
+            None => motion.record = record.at(body, &motion.state),
         }
         Ok(Motion { division, releases, was_at_rounding_floor, ..motion })
     }
@@ -301,9 +300,13 @@ impl<'a> Motion<'a> {
 
 impl Record {
     /// The record with energies and momenta of a state.
-    fn with_invariants(mut self, body: &Body, state: &State) -> Record {
+    fn at(self, body: &Body, state: &State) -> Record {
+        self.with_invariants(body, state, body.strained(&state.displacement))
+    }
+
+    /// The same, with what the displacement does to the body.
+    fn with_invariants(mut self, body: &Body, state: &State, strained: Strained) -> Record {
         self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
-        let strained = body.strained(&state.displacement);
         self.strain_energy = strained.strain_energy;
         self.smallest_determinant = strained.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
@@ -329,7 +332,7 @@ impl Record {
             at_rounding_floor: outcome.newton.at_rounding_floor,
             ..Record::default()
         };
-        let record = record.with_invariants(body, state);
+        let record = record.with_invariants(body, state, outcome.strained);
         // Differences part by part: T and V may be large and cancel in their change.
         let kinetic = record.kinetic_energy - self.kinetic_energy;
         let strain = record.strain_energy - self.strain_energy;

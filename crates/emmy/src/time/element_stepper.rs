@@ -3,7 +3,7 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, MassSolver};
+use crate::body::{Body, MassSolver, Strained};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
@@ -116,20 +116,27 @@ impl<'a> TimeElementStepper<'a> {
         Ok(impulses)
     }
 
-    /// The state at the end of the step.
+    /// What the displacement at the end of the step does to the body; it is left in `position`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`]: a rule may see nothing of the end, and from such a state no step goes on.
+    fn strained_at_end(&mut self, displacement: &[f64]) -> Result<Strained> {
+        self.position.copy_from_slice(displacement);
+        let (n, weights) = (displacement.len(), self.system.form.rule.weights());
+        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(weights) {
+            self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
+        }
+        self.system.body.strained(&self.position).upright()
+    }
+
+    /// The state at the end of the step, whose displacement is in `position`.
     ///
     /// Velocity and momentum are taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`:
     /// then an error of the iteration enters the energy balance through `R_i . x_i` only. So taken, the velocity is that of the
     /// momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
-        let (body, n) = (self.system.body, state.displacement.len());
-        let rule = &self.system.form.rule;
-        let (k, b) = (rule.degree(), rule.weights());
-        for j in 0..k {
-            let rates = &self.iteration.rates[j * n..(j + 1) * n];
-            state.displacement.iter_mut().zip(rates).for_each(|(u, x)| *u += b[j] * x);
-        }
-        if body.is_driven() {
+        state.displacement.copy_from_slice(&self.position);
+        if self.system.body.is_driven() {
             self.update_momentum(state, h);
             self.arrive(state, h, impulses);
         } else {
@@ -216,9 +223,10 @@ impl Stepper for TimeElementStepper<'_> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size)?;
         let mut impulses = self.impulses(step_size)?;
+        let strained = self.strained_at_end(&state.displacement)?;
         self.update(state, step_size, &mut impulses);
         self.iteration.remember(&self.system.form, step_size);
-        Ok(StepOutcome { newton, impulses, solver: self.system.solver() })
+        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
     }
 
     fn newton_history(&self) -> &[f64] {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
 use super::{Memory, Scheme, State, TimeElement, TimeElementStepper};
-use crate::body::{Body, sum};
+use crate::body::{Body, Strained, sum};
 use crate::error::{Error, Result};
 use crate::newton::{NewtonSettings, Outcome};
 use crate::sparse::SolverChoice;
@@ -35,12 +35,14 @@ pub trait Stepper: fmt::Debug + Send {
 }
 
 /// How a step went.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOutcome {
     /// Newton's iteration.
     pub newton: Outcome,
     /// Impulses of loads and reactions.
     pub impulses: Impulses,
+    /// What the displacement at the end does to the body.
+    pub strained: Strained,
     /// The linear solver; `None` for an explicit stepper.
     pub solver: Option<SolverChoice>,
 }

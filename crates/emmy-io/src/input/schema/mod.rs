@@ -89,7 +89,9 @@ mod tests {
     #[test]
     fn every_key_is_described() {
         fn check(schema: &Value) {
-            for (key, value) in schema["properties"].as_object().into_iter().flatten() {
+            // A rule in `anyOf` names keys of the table that it belongs to: they are described there.
+            let own = schema["title"].as_str().and_then(|_| schema["properties"].as_object());
+            for (key, value) in own.into_iter().flatten() {
                 let described = value["description"].is_string() || value["$ref"].is_string();
                 assert!(described, "`{key}` of {} has no description", schema["title"]);
             }

@@ -190,6 +190,10 @@ fn time() -> Value {
         .must("scheme", scheme())
         .may("degree", degree)
         .must("steps", list(1, phase(), "Phases of steps, from t = 0 on"))
+        .may(
+            "smallest_step",
+            positive("Size down to which a step that fails is cut; left out: 1/1024 of the step"),
+        )
         .schema()
 }
 
@@ -255,8 +259,14 @@ fn output() -> Value {
     Table::new(keys::OUTPUT, "What is written, and where")
         .may("directory", text(directory))
         .may("every", whole(0, "Steps between frames; 0: no frames"))
-        .may("format", words(&Format::ALL.map(Format::name), "Files of the frames: .vtu each, or one .vtkhdf"))
-        .may("precision", words(&Precision::ALL.map(Precision::name), "Precision of the fields in the frames"))
+        .may(
+            "format",
+            words(&Format::ALL.map(Format::name), "Files of the frames: .vtu each, or one .vtkhdf"),
+        )
+        .may(
+            "precision",
+            words(&Precision::ALL.map(Precision::name), "Precision of the fields in the frames"),
+        )
         .may("fields", fields)
         .may("checkpoint_every", whole(0, "Steps between checkpoints; 0: none"))
         .may("probes", list(0, probe(), "Nodes whose path goes into the history"))

@@ -163,7 +163,8 @@ impl Stepper for BatheStepper<'_> {
             at_rounding_floor: first.at_rounding_floor || second.at_rounding_floor,
             ..second
         };
-        Ok(StepOutcome { newton, impulses, solver: self.system.solver() })
+        let strained = self.system.body.strained(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
     }
 
     /// That of the second part.

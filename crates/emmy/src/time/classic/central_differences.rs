@@ -99,7 +99,9 @@ impl Stepper for CentralDifferences<'_> {
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
         std::mem::swap(&mut self.start, &mut self.end);
-        Ok(StepOutcome { newton: Outcome { converged: true, ..Outcome::default() }, impulses, solver: None })
+        let newton = Outcome { converged: true, ..Outcome::default() };
+        let strained = self.forces.body.strained(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strained, solver: None })
     }
 
     fn newton_history(&self) -> &[f64] {
