@@ -43,5 +43,6 @@ fn is_large(bytes: &[u8]) -> bool {
         Some(cells.iter().filter_map(number).product::<f64>())
     };
     let cell_size = mesh.get("l-block").and_then(|shape| number(shape.get("cell_size")?));
-    cell_size.is_some_and(|size| size < 0.4) || ["box", "rectangle"].iter().any(|shape| product(shape) > Some(2000.0))
+    cell_size.is_some_and(|size| size < 0.4)
+        || ["box", "rectangle"].iter().any(|shape| product(shape) > Some(2000.0))
 }

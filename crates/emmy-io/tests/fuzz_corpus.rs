@@ -30,6 +30,21 @@ fn mesh_files() {
 }
 
 #[test]
+fn checkpoints() {
+    for file in corpus("checkpoint") {
+        // The corpus has no checksums: the fuzz target adds them.
+        let mut bytes = fs::read(&file).unwrap();
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        match emmy_io::checkpoint::parse(&bytes) {
+            Ok(checkpoint) => {
+                assert_eq!(checkpoint.snapshot.state.displacement.len(), 24, "{}", file.display())
+            }
+            Err(reason) => assert!(!reason.is_empty(), "{}", file.display()),
+        }
+    }
+}
+
+#[test]
 fn inputs() {
     for file in corpus("input") {
         if let Err(error) = input::read(&file, &Overrides::default()) {

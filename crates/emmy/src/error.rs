@@ -294,8 +294,8 @@ pub enum Error {
         #[source]
         cause: Box<Error>,
     },
-    /// A stepper's memory that is not of the same problem.
-    #[error("the memory of the stepper does not fit: `{name}` {reason}")]
+    /// A state or a stepper's memory that is not of the same problem.
+    #[error("the snapshot of the motion does not fit: `{name}` {reason}")]
     Memory {
         /// Name of the list.
         name: String,

@@ -85,6 +85,14 @@ pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), Checkpoi
     }
 }
 
+/// A checkpoint from the bytes of its file.
+///
+/// # Errors
+/// What is wrong with them, as what would follow the name of the file.
+pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
+    content::read(bytes)
+}
+
 /// Writes the checkpoints of a run.
 #[derive(Debug)]
 pub struct Checkpoints {

@@ -95,7 +95,7 @@ impl<'a> Motion<'a> {
     /// of the motion that the snapshot was taken of.
     ///
     /// # Errors
-    /// Those of [`Scheme::stepper`] and [`Stepper::restore`].
+    /// Those of [`Scheme::stepper`] and [`Stepper::restore`], [`Error::Memory`] for a state of another body.
     pub fn resumed(
         mut body: &'a Body,
         scheme: Scheme,
@@ -106,6 +106,16 @@ impl<'a> Motion<'a> {
         let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
         for _ in 0..releases {
             body = body.release().map_or(body, |(_, released)| released);
+        }
+        for (name, list) in [
+            ("displacement", &state.displacement),
+            ("momentum", &state.momentum),
+            ("velocity", &state.velocity),
+        ] {
+            if list.len() != body.n_dofs() {
+                let reason = format!("has {} numbers, not {}", list.len(), body.n_dofs());
+                return Err(Error::Memory { name: name.to_string(), reason });
+            }
         }
         let mut motion = Motion::new(body, scheme, degree, settings, state.clone())?;
         match &memory {

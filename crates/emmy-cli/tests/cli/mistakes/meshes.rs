@@ -109,10 +109,8 @@ fn contents() -> Vec<Mistake> {
         ),
         gmsh(
             "face-without-a-cell",
-            &format!(
-                "$PhysicalNames\n2\n2 2 \"y-max\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 5 5\n$EndNodes\n\
-             $Elements\n2\n1 4 2 1 1 1 2 3 4\n2 2 2 2 2 1 2 5\n$EndElements\n"
-            ),
+            "$PhysicalNames\n2\n2 2 \"y-max\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 5 5\n$EndNodes\n\
+             $Elements\n2\n1 4 2 1 1 1 2 3 4\n2 2 2 2 2 1 2 5\n$EndElements\n",
         ),
         gmsh("groups-without-names", &format!("{GMSH_NODES}$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")),
     ]

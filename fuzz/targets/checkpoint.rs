@@ -1,0 +1,33 @@
+//! Any bytes as a checkpoint: a motion that goes on or a reason why not, never a panic. The checksum is made right, since no fuzzer
+//! finds one; that a wrong one is seen is a test of its own.
+
+#![no_main]
+
+use std::sync::LazyLock;
+
+use emmy::body::{Body, Region};
+use emmy::material::NeoHooke;
+use emmy::mesh;
+use emmy::motion::Motion;
+use emmy::newton::NewtonSettings;
+use emmy::time::Scheme;
+use libfuzzer_sys::fuzz_target;
+
+/// The body of `corpus/checkpoint`: one cell.
+static BODY: LazyLock<Body> = LazyLock::new(|| {
+    let cell = mesh::block([1.0; 3], [1; 3]).expect("a cell");
+    let rubber = NeoHooke::new(1000.0, 500.0).expect("a material");
+    Body::new(cell, vec![Region::new(None, 2.0, rubber)], &[], &[]).expect("a body")
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut whole = bytes.to_vec();
+    whole.extend(crc32fast::hash(bytes).to_le_bytes());
+    let Ok(checkpoint) = emmy_io::checkpoint::parse(&whole) else { return };
+    let settings = NewtonSettings::default();
+    for scheme in [Scheme::DiscreteGradient, Scheme::Newmark { beta: 0.25, gamma: 0.5 }] {
+        if let Ok(mut motion) = Motion::resumed(&BODY, scheme, 1, settings, checkpoint.snapshot.clone()) {
+            let _ = motion.step(0.01, motion.state().time + 0.01);
+        }
+    }
+});
