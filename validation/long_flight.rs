@@ -3,12 +3,12 @@
 //!
 //! The quick form runs with the other tests; the full one, 10,000 steps, by `just validate`.
 
-use emmy::body::{Body, History, Load, LoadKind, Region};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 
 /// Relative drift of energy and angular momentum over a number of steps of free flight, after the loading until t = 1.
-fn drift(scheme: &str, steps: usize) -> (f64, f64) {
+fn drift_of_block(scheme: &str, steps: usize) -> (f64, f64) {
     let traction = [256.0, 512.0, 768.0].map(|t| t / 9.0);
     let loads = [("face-a", 1.0), ("face-b", -1.0)].map(|(group, sign)| Load {
         kind: LoadKind::Traction { group: group.into(), traction: traction.map(|t| sign * t) },
@@ -20,18 +20,40 @@ fn drift(scheme: &str, steps: usize) -> (f64, f64) {
     let mut motion =
         Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
     motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.01 }]).unwrap(), &mut []).unwrap();
+    drift(scheme, &mut motion, 0.04, steps)
+}
+
+/// Relative drift of energy and angular momentum of a small body, two cells of rubber that tumble and swing with strains of a
+/// fifth, at steps of half of the slowest period of stretching.
+fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(mesh, vec![rubber], &[], &[]).unwrap();
+    let gradient = [[0.0, -3.0, 2.0], [3.0, 5.0, -1.0], [-2.0, 1.0, 0.0]];
+    let start = InitialVelocity { gradient, about: [0.5, 1.0, 0.5], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[start]).unwrap();
+    let mut motion =
+        Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
+    drift(scheme, &mut motion, 0.05, steps)
+}
+
+fn drift(scheme: &str, motion: &mut Motion<'_>, h: f64, steps: usize) -> (f64, f64) {
+    let first = motion.state().time;
     let start = motion.record().clone();
     let momentum = norm(start.angular_momentum);
     let (mut energy_drift, mut momentum_drift) = (0f64, 0f64);
     for i in 1..=steps {
-        let record = motion.step(0.04, 1.0 + 0.04 * i as f64).unwrap();
+        let record = motion.step(h, first + h * i as f64).unwrap();
         let change = (0..3).map(|d| record.angular_momentum[d] - start.angular_momentum[d]);
         let change: Vec<f64> = change.collect();
         energy_drift =
             energy_drift.max((record.total_energy - start.total_energy).abs() / start.total_energy);
         momentum_drift = momentum_drift.max(norm([change[0], change[1], change[2]]) / momentum);
     }
-    println!("{scheme}: {steps} steps, drift of H {energy_drift:.1e}, of L {momentum_drift:.1e}");
+    let iterations = motion.record().newton_iterations;
+    println!(
+        "{scheme}: {steps} steps, drift of H {energy_drift:.1e}, of L {momentum_drift:.1e}; {iterations} Newton iterations in the last"
+    );
     (energy_drift, momentum_drift)
 }
 
@@ -40,7 +62,7 @@ fn norm(v: [f64; 3]) -> f64 {
 }
 
 fn assert_drift(scheme: &str, steps: usize, energy_bound: f64) {
-    let (energy, momentum) = drift(scheme, steps);
+    let (energy, momentum) = drift_of_block(scheme, steps);
     assert!(energy < energy_bound, "{scheme}: energy drifts by {energy:e}");
     assert!(momentum < 1e-9, "{scheme}: angular momentum drifts by {momentum:e}");
 }
@@ -67,4 +89,27 @@ fn ten_thousand_steps_as8() {
 #[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
 fn ten_thousand_steps_as5() {
     assert_drift("AS(5)", 10_000, 1e-6);
+}
+
+fn assert_small_drift(scheme: &str, steps: usize) {
+    let (energy, momentum) = drift_of_two_cells(scheme, steps);
+    assert!(energy < 1e-8 && momentum < 1e-8, "{scheme}: H drifts by {energy:e}, L by {momentum:e}");
+}
+
+#[test]
+fn ten_thousand_steps_of_two_cells() {
+    assert_small_drift("DGM", 10_000);
+    assert_small_drift("AS(8)", 10_000);
+}
+
+#[test]
+#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+fn a_million_steps_dgm() {
+    assert_small_drift("DGM", 1_000_000);
+}
+
+#[test]
+#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+fn a_million_steps_as8() {
+    assert_small_drift("AS(8)", 1_000_000);
 }

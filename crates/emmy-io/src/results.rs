@@ -159,7 +159,7 @@ impl Results {
         summary::write(&self.directory().join("summary.json"), &summary)?;
         // A step that could not be written is not one to go on from.
         if status != Status::Failed {
-            self.write_checkpoint(motion)?;
+            self.write_checkpoint(motion, true)?;
         }
         Ok(summary)
     }
@@ -211,13 +211,16 @@ impl Results {
         self.checkpoints.is_some()
     }
 
-    fn write_checkpoint(&mut self, motion: &Motion<'_>) -> io::Result<()> {
+    fn write_checkpoint(&mut self, motion: &Motion<'_>, is_last: bool) -> io::Result<()> {
         let seconds = self.wall_seconds();
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
         let frames = self.frames.as_ref().map_or(&[][..], |frames| &frames.times);
-        // A checkpoint must not know of more steps than the history has.
-        self.history.sync()?;
-        checkpoints.write(motion, &self.tally, frames, seconds)
+        let is_safe = is_last || checkpoints.is_sync_due();
+        if is_safe {
+            // A checkpoint must not know of more steps than the history has.
+            self.history.sync()?;
+        }
+        checkpoints.write(motion, &self.tally, frames, seconds, is_safe)
     }
 }
 
@@ -277,7 +280,7 @@ impl Observer for Results {
         self.log.step(view.record)?;
         let every = self.output.checkpoint_every;
         if every > 0 && view.record.step.is_multiple_of(every) {
-            self.write_checkpoint(view.motion)?;
+            self.write_checkpoint(view.motion, false)?;
         }
         self.report_progress()?;
         Ok(limits::check(&self.limits, &self.tally)?)

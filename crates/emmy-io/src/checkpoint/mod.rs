@@ -1,7 +1,9 @@
 //! Checkpoints: all that a run needs to go on, in every bit.
 //!
-//! Two files take turns, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`, so that the older one stays whole while the newer one
-//! is written, which happens under another name first. [`newest`] takes the later one that is whole.
+//! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One is on the disk for certain, whatever becomes of the
+//! machine; the next checkpoint goes to the other one, under another name first. Waiting for the disk costs as much as a hundred
+//! steps of a small body, so it is done once in [`BETWEEN_SYNCS`] at most; then the files change their roles. [`newest`] takes the later
+//! one that is whole.
 
 mod content;
 mod file;
@@ -9,10 +11,11 @@ mod identity;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use emmy::motion::{Motion, Snapshot};
 
-use crate::directory::{named, replace_durably};
+use crate::directory::{named, replace, replace_durably};
 use crate::input::Problem;
 use crate::tally::Tally;
 pub use identity::{Identity, Mismatch};
@@ -20,8 +23,11 @@ pub use identity::{Identity, Mismatch};
 /// Directory of the checkpoints in that of a run.
 pub const DIRECTORY: &str = "checkpoint";
 
-/// The files that take turns.
+/// The two files.
 pub const FILES: [&str; 2] = ["a.checkpoint", "b.checkpoint"];
+
+/// Time between two checkpoints whose writing is waited for until they are on the disk, at the least.
+const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
 /// All that a run needs to go on.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,8 +104,10 @@ pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
 pub struct Checkpoints {
     folder: PathBuf,
     identity: Identity,
-    /// Index of the file that is written next.
-    next: usize,
+    /// Index of the file that is on the disk; the other one is written next.
+    safe: usize,
+    /// When that was.
+    synced: Option<Instant>,
     /// Step of the last one that was written.
     last_step: Option<usize>,
 }
@@ -118,14 +126,19 @@ impl Checkpoints {
             step.map(|checkpoint| checkpoint.snapshot.state.step) == last_step
         };
         // The one that is gone on from stays until the other one is whole.
-        let next = match last_step {
-            Some(_) => FILES.iter().position(|name| !is_kept(name)).unwrap_or(0),
-            None => 0,
+        let safe = match last_step {
+            Some(_) => FILES.iter().position(is_kept).unwrap_or(1),
+            None => 1,
         };
-        Ok(Checkpoints { identity: Identity::new(problem), folder, next, last_step })
+        Ok(Checkpoints { identity: Identity::new(problem), folder, safe, synced: None, last_step })
     }
 
-    /// Writes a checkpoint of a motion, unless there is one of this step.
+    /// Whether the next checkpoint should wait for the disk. All that it builds on, such as the history, must be there before.
+    pub fn is_sync_due(&self) -> bool {
+        self.synced.is_none_or(|then| then.elapsed() >= BETWEEN_SYNCS)
+    }
+
+    /// Writes a checkpoint of a motion, unless there is one of this step; on the disk for certain if `is_safe`.
     ///
     /// # Errors
     /// What the system refuses; the one before is then still there.
@@ -135,6 +148,7 @@ impl Checkpoints {
         tally: &Tally,
         frames: &[(usize, f64)],
         wall_seconds: f64,
+        is_safe: bool,
     ) -> io::Result<()> {
         let step = motion.state().step;
         if self.last_step == Some(step) {
@@ -148,8 +162,14 @@ impl Checkpoints {
             frames: frames.to_vec(),
             wall_seconds,
         };
-        replace_durably(&self.folder.join(FILES[self.next]), &content::bytes(&checkpoint))?;
-        self.next = 1 - self.next;
+        let other = 1 - self.safe;
+        let (path, bytes) = (self.folder.join(FILES[other]), content::bytes(&checkpoint));
+        if is_safe {
+            replace_durably(&path, &bytes)?;
+            (self.safe, self.synced) = (other, Some(Instant::now()));
+        } else {
+            replace(&path, &bytes)?;
+        }
         self.last_step = Some(step);
         Ok(())
     }
