@@ -30,7 +30,7 @@ fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
     let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::new(mesh, vec![rubber], &[], &[]).unwrap();
     let gradient = [[0.0, -3.0, 2.0], [3.0, 5.0, -1.0], [-2.0, 1.0, 0.0]];
-    let start = InitialVelocity { gradient, about: [0.5, 1.0, 0.5], ..Default::default() };
+    let start = InitialVelocity { gradient, velocity: [2.0, -6.0, 0.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[start]).unwrap();
     let mut motion =
         Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();

@@ -39,6 +39,21 @@ fn a_page_is_made_anew_from_the_directory_alone() {
     assert_eq!(manifest(&place, "moved/report.html"), expected);
 }
 
+/// The surface, its motion and its colours are the same numbers, whatever the form of the frames.
+#[test]
+fn frames_in_one_file_are_seen_as_those_in_many() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "one", "--set", "output.format=vtkhdf"]);
+    let [many, one] =
+        ["out", "one"].map(|name| manifest(&place, &format!("{name}/report.html"))["runs"][0].clone());
+    assert!(one["files"].as_array().unwrap().contains(&"one.vtkhdf".into()));
+    assert_eq!(one["frames"], many["frames"]);
+    assert!(one["frames"]["fields"].as_array().unwrap().len() > 3, "{}", one["frames"]);
+    // Where the history ends and frames begin depends on nothing but their numbers.
+    assert_eq!(one["arrays"], many["arrays"]);
+}
+
 /// A run that was killed leaves a frame that is not listed, and half a row.
 #[test]
 fn a_run_that_is_going_on_has_a_page() {

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use emmy_io::checkpoint::parse;
 use emmy_io::history::History;
+use emmy_io::vtk::SeriesReader;
 
 use super::{BOX, Place};
 
@@ -66,6 +67,27 @@ fn a_run_in_two_parts_is_the_run_in_one() {
             assert_eq!(whole[key], parts[key], "{key}");
         }
         assert!(place.read("parts/run.log").contains("resumed after step"));
+    }
+}
+
+#[test]
+fn a_series_of_frames_goes_on() {
+    let place = Place::with(&even_box(0.4, 0.05).replace("every = 2", "every = 2\nformat = \"vtkhdf\""));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.15"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.4"]);
+    let open = |name: &str| SeriesReader::open(&place.path(&format!("{name}/{name}.vtkhdf"))).unwrap();
+    let (whole, parts) = (open("whole"), open("parts"));
+    // The last frame of the first part, of step 3, was out of turn.
+    assert_eq!((parts.times(), parts.times().len()), (whole.times(), 5));
+    assert_eq!(parts.fields(), whole.fields());
+    for (frame, field) in (0..5).flat_map(|frame| whole.fields().into_iter().map(move |field| (frame, field)))
+    {
+        assert_eq!(
+            parts.values(field, frame).unwrap(),
+            whole.values(field, frame).unwrap(),
+            "{field} {frame}"
+        );
     }
 }
 

@@ -1,11 +1,113 @@
-//! The frames that a run lists in its collection (`.pvd`).
+//! The frames of a run: files that its collection (`.pvd`) lists, or a series in one file (`.vtkhdf`).
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use emmy::body::fields::{FieldName, Place};
 use roxmltree::Document;
 
+use super::ReportError;
 use crate::directory::COLLECTION_MARK;
+use crate::history::History;
+use crate::mesh::{MeshError, vtu};
+use crate::vtk::SeriesReader;
+
+/// Frames that can be read one by one.
+#[derive(Debug)]
+pub(super) enum Frames {
+    /// One file each.
+    Files(Vec<Listed>),
+    /// All in one file, with the number of the step of each.
+    Series(SeriesReader, Vec<u32>),
+}
+
+impl Frames {
+    /// The frames in a directory with the name of their file: a collection before a series.
+    pub(super) fn find(directory: &Path, history: &History) -> Option<(String, Frames)> {
+        let files = collection(directory).map(|(name, listed)| (name, Frames::Files(listed)));
+        files.or_else(|| series(directory, history))
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Frames::Files(listed) => listed.len(),
+            Frames::Series(_, steps) => steps.len(),
+        }
+    }
+
+    /// Step and time of a frame.
+    pub(super) fn at(&self, frame: usize) -> (u32, f64) {
+        match self {
+            Frames::Files(listed) => (listed[frame].step, listed[frame].time),
+            Frames::Series(series, steps) => (steps[frame], series.times()[frame]),
+        }
+    }
+
+    /// What there is to see in the first frame.
+    pub(super) fn first(&self) -> Result<vtu::Frame, ReportError> {
+        match self {
+            Frames::Files(listed) => Ok(vtu::frame(&listed[0].path, &read(&listed[0])?)?),
+            Frames::Series(series, _) => {
+                let mesh = series.mesh().map_err(|error| refused(series, error))?;
+                let at_nodes = series.fields().into_iter().filter(|field| field.place() == Place::Nodes);
+                Ok(vtu::Frame {
+                    points: mesh.points().to_vec(),
+                    cells: mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect(),
+                    fields: at_nodes.map(|f| (f.name().to_string(), f.components().len())).collect(),
+                })
+            }
+        }
+    }
+
+    /// Arrays of a frame at its nodes, in the order of their names; one that is not there is empty.
+    pub(super) fn values(&self, frame: usize, names: &[&str]) -> Result<Vec<Vec<f64>>, ReportError> {
+        match self {
+            Frames::Files(listed) => Ok(vtu::fields(&listed[frame].path, &read(&listed[frame])?, names)?),
+            Frames::Series(series, _) => {
+                let there = series.fields();
+                let field = |name: &&str| match there.iter().find(|field| field.name() == *name) {
+                    Some(&field) => series.values(field, frame).map_err(|error| refused(series, error)),
+                    None => Ok(Vec::new()),
+                };
+                names.iter().map(field).collect()
+            }
+        }
+    }
+}
+
+fn read(frame: &Listed) -> Result<Vec<u8>, ReportError> {
+    let unreadable = |reason| MeshError::Unreadable { file: frame.path.clone(), reason };
+    Ok(fs::read(&frame.path).map_err(unreadable)?)
+}
+
+fn refused(series: &SeriesReader, error: std::io::Error) -> ReportError {
+    ReportError::System { path: series.path().to_path_buf(), error }
+}
+
+/// The series of a directory, if there is one that Emmy wrote.
+fn series(directory: &Path, history: &History) -> Option<(String, Frames)> {
+    let path = in_order(directory, "vtkhdf").into_iter().next()?;
+    let series =
+        SeriesReader::open(&path).ok().filter(|series| series.fields().contains(&FieldName::Displacement))?;
+    // The file knows times only; those of the history are the same numbers.
+    let (step, time) = (history.column("step")?, history.column("time")?);
+    let of_time = |own: &f64| {
+        let row = time.partition_point(|time| time < own);
+        step.get(row).or(step.last()).map_or(0, |step| *step as u32)
+    };
+    let steps = series.times().iter().map(of_time).collect();
+    Some((path.file_name()?.to_string_lossy().into_owned(), Frames::Series(series, steps)))
+}
+
+/// Files of a directory with an extension: that of the directory's own name before others.
+fn in_order(directory: &Path, extension: &str) -> Vec<PathBuf> {
+    let own = directory.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_os_string()));
+    let entries = fs::read_dir(directory).into_iter().flatten();
+    let mut names: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    names.retain(|path| path.extension().is_some_and(|own| own == extension));
+    names.sort_by_key(|path| (path.file_stem() != own.as_deref(), path.clone()));
+    names
+}
 
 /// A frame that a collection lists.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,13 +120,8 @@ pub(super) struct Listed {
 
 /// Name of the collection in a directory and its frames, if there is one that Emmy wrote: that of the directory's own name
 /// before others.
-pub(super) fn collection(directory: &Path) -> Option<(String, Vec<Listed>)> {
-    let own = directory.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_os_string()));
-    let mut names: Vec<PathBuf> =
-        fs::read_dir(directory).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    names.retain(|path| path.extension().is_some_and(|extension| extension == "pvd"));
-    names.sort_by_key(|path| (path.file_stem() != own.as_deref(), path.clone()));
-    names.into_iter().find_map(|path| {
+fn collection(directory: &Path) -> Option<(String, Vec<Listed>)> {
+    in_order(directory, "pvd").into_iter().find_map(|path| {
         let text = fs::read_to_string(&path).ok().filter(|text| text.contains(COLLECTION_MARK))?;
         Some((path.file_name()?.to_string_lossy().into_owned(), listed(directory, &text)?))
     })

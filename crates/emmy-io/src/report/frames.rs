@@ -1,15 +1,13 @@
 //! The frames of a run: its surface, and on it displacements and fields as whole numbers.
 
-use std::fs;
-
 use serde_json::{Value, json};
 
 use super::coarse::coarsened;
-use super::collection::Listed;
+use super::collection::Frames;
 use super::pack::{Pack, quantised};
 use super::surface::Surface;
 use super::{MAX_NODES, ReportError};
-use crate::mesh::{MeshError, vtu};
+use crate::mesh::vtu;
 
 /// A number at every node that the page may colour by.
 struct Field {
@@ -70,10 +68,12 @@ fn norm(vector: &[f64]) -> f64 {
 const DISPLACEMENT: usize = 6;
 
 /// Packs mesh and frames, in so many bytes before compression; what the page needs to know of them, or `None` without a frame.
-pub(super) fn gather(listed: &[Listed], room: usize, pack: &mut Pack) -> Result<Option<Value>, ReportError> {
-    let Some(first) = listed.first() else { return Ok(None) };
-    let bytes = read(first)?;
-    let frame = vtu::frame(&first.path, &bytes)?;
+pub(super) fn gather(frames: &Frames, room: usize, pack: &mut Pack) -> Result<Option<Value>, ReportError> {
+    let n_frames = frames.len();
+    if n_frames == 0 {
+        return Ok(None);
+    }
+    let frame = frames.first()?;
     let whole = Surface::new(&frame.cells);
     let n_whole = whole.nodes.len();
     // Frames may have other fields only: then there is no motion to see.
@@ -81,37 +81,31 @@ pub(super) fn gather(listed: &[Listed], room: usize, pack: &mut Pack) -> Result<
         return Ok(None);
     }
     let surface = coarsened(whole, &frame.points, MAX_NODES);
-    let fields = present(first, &bytes, &frame)?;
-    let kept = kept(listed.len(), room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
-    let kept: Vec<&Listed> = kept.into_iter().map(|index| &listed[index]).collect();
+    let fields = present(frames, &frame)?;
+    let kept = kept(n_frames, room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
     pack_mesh(&surface, &frame.points, pack);
-    pack_frames(&kept, &surface, frame.points.len(), &fields, pack)?;
+    pack_frames((frames, &kept), &surface, frame.points.len(), &fields, pack)?;
     let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false });
     let of_field =
         |field: &&Field| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
     let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
     Ok(Some(json!({
-        "written": listed.len(),
+        "written": n_frames,
         "kept": kept.len(),
         "n_nodes": surface.nodes.len(),
         "fields": offered,
-        "notes": notes(n_whole, surface.nodes.len(), listed.len(), kept.len()),
+        "notes": notes(n_whole, surface.nodes.len(), n_frames, kept.len()),
     })))
 }
 
-fn read(frame: &Listed) -> Result<Vec<u8>, ReportError> {
-    let unreadable = |reason| MeshError::Unreadable { file: frame.path.clone(), reason };
-    Ok(fs::read(&frame.path).map_err(unreadable)?)
-}
-
 /// Fields that the frames have, with a number somewhere.
-fn present(first: &Listed, bytes: &[u8], frame: &vtu::Frame) -> Result<Vec<&'static Field>, ReportError> {
+fn present(frames: &Frames, frame: &vtu::Frame) -> Result<Vec<&'static Field>, ReportError> {
     let has = |field: &&Field| {
         frame.fields.iter().any(|(name, components)| (name.as_str(), *components) == field.array)
     };
     let mut fields: Vec<&Field> = FIELDS.iter().filter(has).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.array.0).collect();
-    let mut arrays = vtu::fields(&first.path, bytes, &names)?.into_iter();
+    let mut arrays = frames.values(0, &names)?.into_iter();
     fields.retain(|_| arrays.next().is_some_and(|array| array.iter().any(|number| number.is_finite())));
     Ok(fields)
 }
@@ -148,7 +142,7 @@ fn pack_mesh(surface: &Surface, points: &[[f64; 3]], pack: &mut Pack) {
 }
 
 fn pack_frames(
-    kept: &[&Listed],
+    (frames, kept): (&Frames, &[usize]),
     surface: &Surface,
     n_points: usize,
     fields: &[&Field],
@@ -158,8 +152,8 @@ fn pack_frames(
         ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
     let (mut displacement, mut bounds) = (Vec::new(), [Vec::new(), Vec::new()]);
     let mut packed: Vec<(Vec<u8>, [Vec<f64>; 2])> = vec![Default::default(); fields.len()];
-    for frame in kept {
-        let arrays = vtu::fields(&frame.path, &read(frame)?, &names)?;
+    for &frame in kept {
+        let arrays = frames.values(frame, &names)?;
         let at = |array: usize, components: usize| {
             let numbers = arrays[array].chunks_exact(components);
             let numbers: Vec<&[f64]> =
@@ -178,8 +172,9 @@ fn pack_frames(
             bounds.iter_mut().zip(of_frame).for_each(|(bounds, bound)| bounds.push(bound));
         }
     }
-    pack.push("frames/time", &kept.iter().map(|frame| frame.time).collect::<Vec<_>>());
-    pack.push("frames/step", &kept.iter().map(|frame| frame.step).collect::<Vec<_>>());
+    let (steps, times): (Vec<u32>, Vec<f64>) = kept.iter().map(|&frame| frames.at(frame)).unzip();
+    pack.push("frames/time", &times);
+    pack.push("frames/step", &steps);
     pack.push("frames/displacement", &displacement);
     pack.push("frames/displacement_min", &bounds[0]);
     pack.push("frames/displacement_max", &bounds[1]);

@@ -9,7 +9,7 @@
 //! | `thinning` | chooses rows of a long history, so that every peak stays |
 //! | `loads` | when loads act |
 //! | `events` | `events.csv` |
-//! | `collection`, `frames` | frames, and what is kept of them |
+//! | `collection`, `frames` | frames, in one file each or all in one, and what is kept of them |
 //! | `surface`, `coarse` | what is seen of a mesh, and less of it where it is too much |
 //! | `pack` | typed arrays, compressed, as text |
 //! | `page` | the template and its parts |

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::collection::collection;
+use super::collection::Frames;
 use super::events::events;
 use super::loads::loads;
 use super::pack::Pack;
@@ -46,8 +46,9 @@ impl RunData {
         let mut pack = Pack::default();
         let (history, steps) = pack_history(&run.history, room.rows, &mut pack);
         pack_newton(&directory.join("newton.csv"), &run.history, &steps, &mut pack);
-        let (collection, listed) = collection(directory).unzip();
-        let frames = frames::gather(&listed.unwrap_or_default(), room.frame_bytes, &mut pack)?;
+        let (collection, frames) = Frames::find(directory, &run.history).unzip();
+        let frames =
+            frames.map(|frames| frames::gather(&frames, room.frame_bytes, &mut pack)).transpose()?.flatten();
         let (places, arrays) = pack.finish();
         let events = fs::read_to_string(directory.join("events.csv")).unwrap_or_default();
         let files = FILES.iter().chain(&["input.toml"]).map(|file| file.to_string()).chain(collection);

@@ -1,6 +1,6 @@
 //! The file read back.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
 use emmy::body::fields::{FieldName, Place};
@@ -31,6 +31,7 @@ use crate::vtk::{FACETS, GROUP, Precision, cell_type};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct SeriesReader {
+    path: PathBuf,
     file: H5File,
     times: Vec<f64>,
     n_nodes: usize,
@@ -56,7 +57,12 @@ impl SeriesReader {
         };
         let [n_nodes, n_cells] = [count("NumberOfPoints")?, count("NumberOfCells")?];
         let times = read(&file, "VTKHDF/Steps/Values")?;
-        Ok(SeriesReader { file, times, n_nodes, n_cells })
+        Ok(SeriesReader { path: path.to_path_buf(), file, times, n_nodes, n_cells })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Times of the frames.

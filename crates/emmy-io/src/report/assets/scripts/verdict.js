@@ -1,13 +1,13 @@
 // What a run kept, in words and numbers.
 
-// Defects up to these parts of the quantity's size count as round-off: of one step, and added up over the run.
-const ROUND_OFF = { step: 1e-11, run: 1e-9 };
+// Defects up to these parts of the quantity's size are those of a balance that closes: of one step, and added up over the run.
+const CLOSED = { step: 1e-11, run: 1e-9 };
 // Beyond this part, added up, a balance does not close.
 const DRIFT = 1e-4;
 
 const SIGNS = {
-  good: ["M1 8 l5 5 L15 2", "closes to round-off"],
-  fair: ["M1 10 q3.5 -7 7 -3 t7 -3", "closes nearly"],
+  good: ["M1 8 l5 5 L15 2", "closes to 11 digits"],
+  fair: ["M1 10 q3.5 -7 7 -3 t7 -3", "closes to 4 digits"],
   poor: ["M8 1 L15 14 H1 Z", "does not close"],
 };
 
@@ -43,7 +43,7 @@ function grade({ part, drift, of }) {
   if (of === null) return "fair";
   const sum = drift ?? part;
   if (part === null || Number.isNaN(part) || drift === undefined) return "poor";
-  if (part <= ROUND_OFF.step && sum <= ROUND_OFF.run) return "good";
+  if (part <= CLOSED.step && sum <= CLOSED.run) return "good";
   return Math.max(part, sum) <= DRIFT ? "fair" : "poor";
 }
 
