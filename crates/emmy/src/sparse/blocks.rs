@@ -1,6 +1,7 @@
 //! Matrix blocks for products with vectors.
 
 use super::kernel::{Entry, Kernel};
+use super::real::Real;
 use crate::tensor::inlined;
 
 /// A vector of a solver: three components a row, each with C columns, and a zero that makes a register full. One column is a
@@ -87,6 +88,38 @@ impl<'a, T, const C: usize> Rows<'a, T, C> {
             None => &self.others[number - self.first_other],
         }
     }
+}
+
+/// `A x`, A by columns.
+#[inline(always)]
+pub fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, C> {
+    let mut product = [[T::default(); C]; 4];
+    for a in 0..4 {
+        for c in 0..C {
+            product[a][c] = A[0][a] * x[0][c] + A[1][a] * x[1][c] + A[2][a] * x[2][c];
+        }
+    }
+    product
+}
+
+/// `A^T x`, A by columns.
+#[inline(always)]
+pub fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> Row<f32, C> {
+    let mut product = [[0.0; C]; 4];
+    for a in 0..3 {
+        for c in 0..C {
+            product[a][c] = A[a][0] * x[0][c] + A[a][1] * x[1][c] + A[a][2] * x[2][c];
+        }
+    }
+    product
+}
+
+/// `x - y`.
+#[inline(always)]
+pub fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
+    let mut difference = *x;
+    (0..4).for_each(|a| (0..C).for_each(|c| difference[a][c] -= y[a][c]));
+    difference
 }
 
 #[cfg(test)]

@@ -5,12 +5,12 @@ use std::ops::Range;
 use half::bf16;
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, Row, Rows};
+use super::blocks::{Blocks, Row, transposed_times};
 use super::conjugate_gradients::Approximate;
-use super::kernel::{Entry, Kernel, Work};
-use super::real::Real;
+use super::kernel::Entry;
 use super::shifted::CHUNK;
 use super::sweep::SweepOrder;
+use super::triangular::{Backward, Forward, Part};
 
 /// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It only has
 /// to be near: it is computed in single precision, and kept in half of that.
@@ -120,96 +120,8 @@ impl IncompleteCholesky {
         others: &'a [Row<f32, C>],
         first_other: usize,
     ) -> Part<'a, C> {
-        Part { inverse: self, sweep, rows, others, first_other }
+        Part { factor: &self.factor, pivots: &self.pivots, sweep, rows, others, first_other }
     }
-}
-
-/// Rows that a sweep goes through.
-struct Part<'a, const C: usize> {
-    inverse: &'a IncompleteCholesky,
-    sweep: &'a SweepOrder,
-    rows: Range<usize>,
-    /// What has been computed of other rows, from number `first_other` on.
-    others: &'a [Row<f32, C>],
-    first_other: usize,
-}
-
-/// `x = U^-1 D^-1 x`.
-struct Forward<'a, const C: usize> {
-    part: Part<'a, C>,
-    x: &'a mut [Row<f32, C>],
-}
-
-impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
-    type Output = ();
-    #[inline(always)]
-    fn run<K: Kernel<bf16, C>>(self, kernel: K) {
-        let Part { inverse, sweep, rows, others, first_other } = self.part;
-        let first = rows.start;
-        for row in rows {
-            let columns = sweep.row_begin[row]..sweep.diagonal[row];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
-            let x = Rows { own: &*self.x, first, others, first_other };
-            let known = inverse.factor.product::<C, false, K>(kernel, begin, columns, x);
-            // The product with the pivot does not wait for the rows before.
-            let x = &mut self.x[row - first];
-            *x = minus(&times(&inverse.pivots[row], x), &known);
-        }
-    }
-}
-
-/// `x = U^-T x`.
-struct Backward<'a, const C: usize> {
-    part: Part<'a, C>,
-    x: &'a mut [Row<f32, C>],
-}
-
-impl<const C: usize> Work<bf16, C> for Backward<'_, C> {
-    type Output = ();
-    #[inline(always)]
-    fn run<K: Kernel<bf16, C>>(self, kernel: K) {
-        let Part { inverse, sweep, rows, others, first_other } = self.part;
-        let first = rows.start;
-        for row in rows.rev() {
-            let columns = sweep.diagonal[row] + 1..sweep.row_begin[row + 1];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
-            let x = Rows { own: &*self.x, first, others, first_other };
-            let known = inverse.factor.product::<C, true, K>(kernel, begin, columns, x);
-            let x = &mut self.x[row - first];
-            *x = minus(x, &known);
-        }
-    }
-}
-
-/// `A x`, A by columns.
-#[inline(always)]
-pub fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, C> {
-    let mut product = [[T::default(); C]; 4];
-    for a in 0..4 {
-        for c in 0..C {
-            product[a][c] = A[0][a] * x[0][c] + A[1][a] * x[1][c] + A[2][a] * x[2][c];
-        }
-    }
-    product
-}
-
-/// `A^T x`, A by columns.
-#[inline(always)]
-fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> Row<f32, C> {
-    let mut product = [[0.0; C]; 4];
-    for a in 0..3 {
-        for c in 0..C {
-            product[a][c] = A[a][0] * x[0][c] + A[a][1] * x[1][c] + A[a][2] * x[2][c];
-        }
-    }
-    product
-}
-
-#[inline(always)]
-fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
-    let mut difference = *x;
-    (0..4).for_each(|a| (0..C).for_each(|c| difference[a][c] -= y[a][c]));
-    difference
 }
 
 /// A block, by columns.

@@ -19,6 +19,7 @@ mod shifted;
 mod solver;
 mod stages;
 mod sweep;
+mod triangular;
 
 pub use block_cholesky::BlockCholesky;
 pub(crate) use blocks::Row;

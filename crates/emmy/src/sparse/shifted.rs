@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, Row, Rows};
-use super::incomplete_cholesky::times;
+use super::blocks::{Blocks, Row, Rows, times};
 use super::kernel::{Entry, Kernel, Work};
 use super::real::Real;
 use super::sweep::SweepOrder;

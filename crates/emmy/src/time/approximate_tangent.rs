@@ -36,8 +36,8 @@ pub struct ApproximateTangent {
     rotation: [f64; 3],
     /// Rotations from the middle of the step to its Gauss points, `[k]`.
     stage_rotations: Vec<Mat3<f64>>,
-    /// Whether K acts on the rates that strain.
-    strains: bool,
+    /// Whether the body turns under a rule that takes strains from rates.
+    turns: bool,
     straining: Straining,
     turned: Vec<f64>,
     /// The time s of the stage equations that the solvers were made for.
@@ -73,7 +73,7 @@ impl ApproximateTangent {
             orientation: UNIT,
             rotation: [0.0; 3],
             stage_rotations: vec![UNIT; nodes.len()],
-            strains: false,
+            turns: false,
             straining: Straining::new(nodes.len(), n),
             turned: vec![0.0; n * nodes.len()],
             made_for: None,
@@ -176,15 +176,9 @@ impl ApproximateTangent {
         for (stage, c) in self.stage_rotations.iter_mut().zip(rule.nodes()) {
             *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
         }
-    }
-
-    /// Follows an iterate: the rates that strain the body are seen from the spins that it has.
-    pub fn follow(&mut self, body: &Body, rule: &Rule, displacement: &[f64], x: &[f64]) {
-        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
-        let is_direct = self.choice.is_some_and(|choice| !choice.is_iterative);
-        self.strains = is_direct && rule.is_energy_momentum() && self.rotation != [0.0; 3];
-        if self.strains {
-            self.straining.follow(body, rule, displacement, x);
+        self.turns = rule.is_energy_momentum() && step.rotation != [0.0; 3];
+        if self.turns {
+            self.straining.turn(rule, &step.spins);
         }
     }
 
@@ -316,7 +310,8 @@ impl ApproximateTangent {
         for (stage, R) in z.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, 1, &product(R, &self.orientation));
         }
-        if self.strains {
+        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
+        if self.turns && self.choice.is_some_and(|choice| !choice.is_iterative) {
             self.straining.undo(z);
         }
     }

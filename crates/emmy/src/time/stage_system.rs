@@ -254,7 +254,6 @@ impl System for StageSystem<'_> {
             self.renew(x)?;
         }
         self.approximation.fit(self.body, self.time_scale)?;
-        self.approximation.follow(self.body, &self.form.rule, &self.displacement, x);
         self.set_floor(x);
         match tangent {
             Tangent::Kept | Tangent::Renewed => self.solve_approximately(tolerance, dx),
