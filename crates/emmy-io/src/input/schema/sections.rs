@@ -220,10 +220,14 @@ fn scheme() -> Value {
         r"^({points}|DGM|trapezoidal|Bathe|central-differences|Newmark\({number},{number}\)|(HHT|generalized-alpha)\({number}\))$"
     );
     let listed = SCHEMES.into_iter().chain(["central-differences"]).collect::<Vec<_>>();
+    let what =
+        "Scheme in time; `emmy list schemes` explains them. Of n Gauss points: FE(n), AS(n), Lobatto(n)";
+    // An editor takes the word from the one branch and what to say of it from either.
+    let branch = |key: &str, value: Value| json!({ "description": what, "type": "string", key: value });
     json!({
-        "description": "Scheme in time; `emmy list schemes` explains them. Of n Gauss points: FE(n), AS(n), Lobatto(n)",
+        "description": what,
         "type": "string",
-        "anyOf": [{ "enum": listed }, { "pattern": pattern }],
+        "anyOf": [branch("enum", json!(listed)), branch("pattern", json!(pattern))],
     })
 }
 
