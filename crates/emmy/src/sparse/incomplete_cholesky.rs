@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::blocks::{Blocks, Row, transposed_times};
 use super::conjugate_gradients::Approximate;
 use super::kernel::Entry;
-use super::shifted::CHUNK;
+use super::shifted::{CHUNK, each_row};
 use super::sweep::SweepOrder;
 use super::triangular::{Backward, Forward, Part};
 
@@ -79,17 +79,23 @@ impl IncompleteCholesky {
 
     /// Makes U of L, and copies it to the right of the diagonal, transposed.
     fn finish(&mut self, sweep: &SweepOrder) {
-        let factor = self.factor.entries_mut();
-        for row in 0..sweep.n_rows() {
-            let inverse = block(&self.lower, sweep.diagonal[row]);
-            self.pivots[row] = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
-            for position in sweep.row_begin[row]..sweep.diagonal[row] {
-                let unit = lower_times(inverse, block(&self.lower, position)).map(bf16::from_f32);
-                let mirror = sweep.mirror[position] as usize;
-                factor[9 * position..][..9].copy_from_slice(&unit);
-                factor[9 * mirror..][..9].copy_from_slice(&transposed(&unit));
+        let rows = 0..sweep.n_rows();
+        each_row(sweep, rows.clone(), &mut self.lower, &mut self.pivots, &|own, pivot, row| {
+            let (left, diagonal) = own.split_at_mut(9 * (sweep.diagonal[row] - sweep.row_begin[row]));
+            let inverse = &diagonal[..9];
+            *pivot = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
+            left.as_chunks_mut().0.iter_mut().for_each(|block| *block = lower_times(inverse, block));
+        });
+        let (lower, nothing) = (&self.lower, &mut vec![(); sweep.n_rows()]);
+        each_row(sweep, rows, self.factor.entries_mut(), nothing, &|own, (), row| {
+            for (position, unit) in (sweep.row_begin[row]..).zip(own.as_chunks_mut().0) {
+                if position < sweep.diagonal[row] {
+                    *unit = to_half(block(lower, position));
+                } else if position > sweep.diagonal[row] {
+                    *unit = transposed(&to_half(block(lower, sweep.mirror[position] as usize)));
+                }
             }
-        }
+        });
     }
 
     /// `x = (L L^T)^-1 x`.
@@ -228,6 +234,10 @@ fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
     let i10 = -L[1][0] * i0 * i1;
     let i21 = -L[2][1] * i1 * i2;
     [i0, i10, -(L[2][0] * i0 + L[2][1] * i10) * i2, 0.0, i1, i21, 0.0, 0.0, i2]
+}
+
+fn to_half(A: &[f32]) -> [bf16; 9] {
+    std::array::from_fn(|at| bf16::from_f32(A[at]))
 }
 
 fn transposed(A: &[bf16; 9]) -> [bf16; 9] {

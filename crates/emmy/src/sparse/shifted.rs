@@ -158,8 +158,8 @@ fn shifted<E: Entry, const C: usize>(
     row
 }
 
-/// Works on the blocks and the remainder of each row, in halves side by side.
-fn each_row<E: Send, R: Send>(
+/// Works on the blocks of each row and something else of it, in halves side by side; `blocks`: those of `rows`.
+pub fn each_row<E: Send, R: Send>(
     sweep: &SweepOrder,
     rows: Range<usize>,
     blocks: &mut [E],

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::Memory;
 use super::decoupling::{Mode, modes};
 use super::prediction::rigid::RigidStep;
@@ -298,7 +300,7 @@ impl ApproximateTangent {
         let n = r.len() / self.passed.len();
         self.turned.copy_from_slice(r);
         for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, 1, &transposed(&product(R, &self.orientation)));
+            rotate(stage, &transposed(&product(R, &self.orientation)));
         }
         z.fill(0.0);
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
@@ -308,7 +310,7 @@ impl ApproximateTangent {
             mode.add_to(backward(mode), columns, z);
         }
         for (stage, R) in z.chunks_exact_mut(n).zip(&self.stage_rotations) {
-            rotate(stage, 1, &product(R, &self.orientation));
+            rotate(stage, &product(R, &self.orientation));
         }
         // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
         if self.turns && self.choice.is_some_and(|choice| !choice.is_iterative) {
@@ -326,14 +328,14 @@ impl ApproximateTangent {
     }
 
     fn sum_rows(&mut self, body: &Body) {
-        for row in 0..body.pattern().n_rows() {
-            let mut sums = [0.0; 3];
+        let matrix = &self.assembly.matrix;
+        self.row_sums.as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
+            *sums = [0.0; 3];
             for position in body.pattern().range(row) {
-                let block = self.assembly.matrix.block(position);
+                let block = matrix.block(position);
                 (0..9).for_each(|at| sums[at / 3] += block[at].abs());
             }
-            self.row_sums[3 * row..3 * row + 3].copy_from_slice(&sums);
-        }
+        });
     }
 
     /// Norm of `|s^2 K| |u|` over the free degrees of freedom, u being alike at neighbours: rounding of the forces is eps times
@@ -359,19 +361,19 @@ fn iterative_limit(body: &Body) -> f64 {
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 
-/// Turns the vectors of all nodes, `[n_nodes][3][columns]`.
-fn rotate(vectors: &mut [f64], n_columns: usize, R: &Mat3<f64>) {
+/// Nodes that one task works on.
+const NODES: usize = 2048;
+
+/// Turns the vectors of all nodes, `[n_nodes][3]`.
+fn rotate(vectors: &mut [f64], R: &Mat3<f64>) {
     if *R == UNIT {
         return;
     }
-    for node in vectors.chunks_exact_mut(3 * n_columns) {
-        for column in 0..n_columns {
-            let v = [0, 1, 2].map(|a| node[a * n_columns + column]);
-            (0..3).for_each(|a| {
-                node[a * n_columns + column] = R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2];
-            });
+    vectors.par_chunks_mut(3 * NODES).for_each(|vectors| {
+        for v in vectors.as_chunks_mut::<3>().0 {
+            *v = [0, 1, 2].map(|a| R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2]);
         }
-    }
+    });
 }
 
 fn transposed(A: &Mat3<f64>) -> Mat3<f64> {

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use half::bf16;
+use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::error::Result;
@@ -207,14 +208,17 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
+/// Rows that one task works on at the least.
+const ROWS: usize = 2048;
+
 /// `rows = factor x`, rows in the order of the sweep.
 fn gather<T: Real, const C: usize>(sweep: &SweepOrder, x: &[f64], factor: f64, rows: &mut [Row<T, C>]) {
-    for (row, &node) in rows.iter_mut().zip(&sweep.order) {
+    rows.par_iter_mut().with_min_len(ROWS).zip(&sweep.order).for_each(|(row, &node)| {
         let x = &x[3 * C * node as usize..][..3 * C];
         for a in 0..3 {
             (0..C).for_each(|c| row[a][c] = T::of(factor * x[a * C + c]));
         }
-    }
+    });
 }
 
 /// `x = factor rows`, back in the order of the nodes.

@@ -1,5 +1,7 @@
 //! The non-linear equations of a step, as Newton's iteration sees them.
 
+use rayon::prelude::*;
+
 use super::Memory;
 use super::approximate_tangent::ApproximateTangent;
 use super::followers::Followers;
@@ -50,11 +52,16 @@ pub struct StageSystem<'a> {
     force: Vec<f64>,
     /// M x_j of the last residual.
     mass_rates: Vec<f64>,
+    /// Squares of its parts, of each chunk of each stage.
+    squares: Vec<[f64; 3]>,
     approximation: ApproximateTangent,
     gmres: Gmres,
     negative: Vec<f64>,
     floor: f64,
 }
+
+/// Degrees of freedom that one task works on.
+const CHUNK: usize = 4096;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -76,6 +83,7 @@ impl<'a> StageSystem<'a> {
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
+            squares: vec![[0.0; 3]; k * n.div_ceil(CHUNK)],
             approximation: ApproximateTangent::new(body, &form, solver)?,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
@@ -116,21 +124,30 @@ impl<'a> StageSystem<'a> {
         for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
             self.body.mass_product(x, mass_rate);
         }
-        let (mass, mut squares) = (&self.form.mass, [0.0; 3]);
-        for i in 0..k {
-            for dof in 0..n {
-                let inertia: f64 = (0..k).map(|j| mass[i * k + j] * self.mass_rates[j * n + dof]).sum();
-                let internal = s * s * self.force[i * n + dof];
-                let external = s * s * self.external_force(i * n + dof);
-                residual[i * n + dof] = inertia - self.known[i * n + dof] + (internal - external);
-                if !self.body.fixed()[dof] {
-                    squares[0] += inertia * inertia;
-                    squares[1] += internal * internal;
-                    squares[2] += external * external;
+        let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
+        let (fixed, follower) = (body.fixed(), &followers.force);
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            let mass = &self.form.mass[i * k..(i + 1) * k];
+            let chunks =
+                residual.par_chunks_mut(CHUNK).zip(&mut squares[i * n.div_ceil(CHUNK)..]).enumerate();
+            chunks.for_each(|(chunk, (residual, squares))| {
+                *squares = [0.0; 3];
+                for (dof, residual) in (CHUNK * chunk..).zip(residual) {
+                    let at = i * n + dof;
+                    let inertia: f64 = (0..k).map(|j| mass[j] * mass_rates[j * n + dof]).sum();
+                    let internal = s * s * force[at];
+                    let external = s * s * (dead_load[at] + follower[at]);
+                    *residual = inertia - known[at] + (internal - external);
+                    if !fixed[dof] {
+                        squares[0] += inertia * inertia;
+                        squares[1] += internal * internal;
+                        squares[2] += external * external;
+                    }
                 }
-            }
+            });
         }
-        Ok(squares.map(f64::sqrt))
+        let total = |part: usize| squares.iter().map(|squares| squares[part]).sum::<f64>().sqrt();
+        Ok([0, 1, 2].map(total))
     }
 
     /// Stage averages of the force on the ground, on all degrees of freedom.
