@@ -69,6 +69,15 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// Second Piola-Kirchhoff stress S \[force/length^2\].
     fn stress<L: Lane>(&self, strain: &Sym<L>) -> Sym<L>;
 
+    /// Change of the energy `W(E + dE) - W(E)` to as many digits as the work of the stress along dE has, where there is a closed form
+    /// of it; a rule that needs it takes a quadrature of the stress otherwise. The difference of two energies is not one: it
+    /// has the rounding of the energies.
+    #[inline(always)]
+    fn energy_change<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>) -> Option<L> {
+        let _ = (strain, change);
+        None
+    }
+
     /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
 }

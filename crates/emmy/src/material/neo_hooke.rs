@@ -8,7 +8,8 @@ use super::invariants::{
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{
-    Elasticity, Lane, SYM_INDEX, Sym, inlined, minus_ln_1p, sym, sym_cofactor, sym_det, sym_scaled,
+    Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, minus_ln_1p, sym, sym_cofactor, sym_det,
+    sym_scaled,
 };
 
 /// Compressible neo-Hooke material.
@@ -87,6 +88,27 @@ impl Material for NeoHooke {
         // mu/2 (tr A - ln(1 + z)) with tr A = z - I_2(A) - det A.
         let isochoric = minus_ln_1p(z) - second_invariant(&A) - sym_det(&A);
         isochoric * (0.5 * self.mu) + ln_J * ln_J * (0.5 * self.lambda)
+    }
+
+    /// With `B = 2 dE` and `zeta = det(C + B)/det C - 1 = C^-1 : B + [C : adj B + det B]/det C`,
+    ///
+    /// ```math
+    /// dW = mu/2 [(I - C^-1) : B - [C : adj B + det B]/det C + zeta - ln(1 + zeta)] + lambda/8 ln(1 + zeta) [2 ln det C + ln(1 + zeta)]
+    /// ```
+    #[inline(always)]
+    fn energy_change<L: Lane>(&self, E: &Sym<L>, dE: &Sym<L>) -> Option<L> {
+        let two = E[0].splat(2.0);
+        let (A, B) = (sym_scaled(two, E), sym_scaled(two, dE));
+        let C = right_cauchy_green(&A);
+        let inverse_det = E[0].splat(1.0) / sym_det(&C);
+        let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
+        let curved = (double_dot(&C, &sym_cofactor(&B)) + sym_det(&B)) * inverse_det;
+        let zeta = double_dot(&C_inv, &B) + curved;
+        let bent = minus_ln_1p(zeta);
+        let ln = zeta - bent;
+        let isochoric = double_dot(&commuting_product(&C_inv, &A), &B) - curved + bent;
+        let pressure = ln * (volume_change(&A).ln_1p() * 2.0 + ln);
+        Some(isochoric * (0.5 * self.mu) + pressure * (0.125 * self.lambda))
     }
 
     #[inline(always)]

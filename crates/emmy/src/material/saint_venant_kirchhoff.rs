@@ -4,7 +4,7 @@
 
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_scaled, trace};
+use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
 
 /// St. Venant-Kirchhoff material: linear elasticity in the Green-Lagrange strain, for large rotation and small strain.
 ///
@@ -53,6 +53,13 @@ impl Material for SaintVenantKirchhoff {
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let tr = trace(E);
         tr * tr * (0.5 * self.lambda) + double_dot(E, E) * self.mu
+    }
+
+    /// The work of the mean stress, which is that of the mean strain.
+    #[inline(always)]
+    fn energy_change<L: Lane>(&self, E: &Sym<L>, dE: &Sym<L>) -> Option<L> {
+        let mean = sym_add_scaled(E, E[0].splat(0.5), dE);
+        Some(double_dot(&self.stress(&mean), dE))
     }
 
     #[inline(always)]

@@ -59,6 +59,7 @@ fn conforms_but_for_symmetry(
     for_some(24, direction(), |direction| keeps_its_digits(material, energy, &direction));
     for direction in SPECIAL_DIRECTIONS {
         keeps_its_digits(material, energy, &direction).unwrap();
+        keeps_the_digits_of_energy_changes(material, energy, &direction).unwrap();
         // Not the direction itself: what bears tension only has no elasticity where that sets in.
         let nearby = sym_add_scaled(&direction, 1e-7, &GENERAL_DIRECTION);
         keeps_the_digits_of_its_elasticity(material, energy, &nearby).unwrap();
@@ -262,6 +263,34 @@ fn is_deformation(E: &Sym<f64>) -> bool {
     let minor = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1);
     let C = [c(0, 0), c(1, 1), c(2, 2), c(0, 1), c(1, 2), c(0, 2)];
     c(0, 0) > 0.0 && minor > 0.0 && crate::tensor::sym_det(&C) > 0.0
+}
+
+/// Changes of the energy, if the material has them in closed form, against differences of the textbook form with 100 digits.
+fn keeps_the_digits_of_energy_changes(
+    material: &impl Material,
+    energy: &impl Fn(&Mat3<Big>) -> Big,
+    direction: &Sym<f64>,
+) -> Check {
+    for (size, part) in
+        [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
+    {
+        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let end = sym_add_scaled(&E, 1.0, &dE);
+        let Some(change) =
+            material.energy_change(&E, &dE).filter(|_| is_deformation(&E) && is_deformation(&end))
+        else {
+            continue;
+        };
+        let increments = [0, 1, 2, 3, 4, 5].map(|a| (a, big(dE[a])));
+        let exact = energy(&right_cauchy_green(&E, &increments)) - energy(&right_cauchy_green(&E, &[]));
+        let error = (big(change) - exact).to_f64().value();
+        let scale = (norm(&material.stress(&E)) + elasticity_norm(material, &E) * norm(&dE)) * norm(&dE);
+        prop_assert!(
+            error.abs() < 4e-15 * scale,
+            "change of energy: error {error:e} of {scale:e} at {E:?}, {dE:?}"
+        );
+    }
+    Ok(())
 }
 
 /// D against second differences of the textbook form, at a large strain and a small one.
