@@ -50,13 +50,13 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     let [time, step, level, part, good, releases, floor, has_memory, wall_seconds] = parts.array("place")?;
     let state = State {
         time,
-        step: step as usize,
+        step: whole(step)?,
         displacement: parts.list("displacement")?.to_vec(),
         momentum: parts.list("momentum")?.to_vec(),
         velocity: parts.list("velocity")?.to_vec(),
     };
     // More would not fit into the counter of parts.
-    if level > 60.0 {
+    if whole(level)? > 60 {
         return Err("has a step that is divided too often".into());
     }
     let of_stepper = parts
@@ -66,20 +66,31 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     let snapshot = Snapshot {
         state,
         record: record(parts.array("record")?, solver(parts.list("record.solver")?)),
-        division: Division { level: level as u32, part: part as u64, good: good as u32 },
-        releases: releases as usize,
+        division: Division {
+            level: whole(level)? as u32,
+            part: whole(part)? as u64,
+            good: whole(good)? as u32,
+        },
+        releases: whole(releases)?,
         was_at_rounding_floor: floor != 0.0,
         memory: (has_memory != 0.0).then(|| of_stepper.collect()),
     };
     let frames = parts.list("frames.steps")?.iter().zip(parts.list("frames.times")?);
+    let frames = frames.map(|(step, time)| Ok((whole(*step)?, *time))).collect::<Result<_, String>>()?;
     Ok(Checkpoint {
         version: parts.text("version")?.to_string(),
         identity: Identity { input: parts.text("input")?.to_string(), mesh: parts.text("mesh")?.to_string() },
         snapshot,
         tally: Tally::of(parts.array("tally")?, solver(parts.list("tally.solver")?)),
-        frames: frames.map(|(step, time)| (*step as usize, *time)).collect(),
+        frames,
         wall_seconds,
     })
+}
+
+/// A number that counts something; more than a million millions is none.
+fn whole(number: f64) -> Result<usize, String> {
+    let is_count = (0.0..=1e12).contains(&number) && number.fract() == 0.0;
+    if is_count { Ok(number as usize) } else { Err(format!("has {number} where a count should be")) }
 }
 
 fn solver_numbers(choice: Option<SolverChoice>) -> Vec<f64> {
@@ -156,5 +167,18 @@ fn record(numbers: [f64; 25], solver: Option<SolverChoice>) -> Record {
         smallest_determinant: n[23],
         newton_target: n[24],
         solver,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_whole_numbers_of_a_size_that_can_be() {
+        assert_eq!(whole(1e12), Ok(1_000_000_000_000));
+        for number in [-1.0, 0.5, 1e19, f64::NAN, f64::INFINITY] {
+            assert!(whole(number).is_err(), "{number}");
+        }
     }
 }

@@ -105,7 +105,8 @@ impl<'a> Motion<'a> {
     ) -> Result<Self> {
         let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
         for _ in 0..releases {
-            body = body.release().map_or(body, |(_, released)| released);
+            let Some((_, released)) = body.release() else { break };
+            body = released;
         }
         for (name, list) in [
             ("displacement", &state.displacement),
