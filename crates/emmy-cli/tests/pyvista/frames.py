@@ -136,8 +136,9 @@ def series(emmy, directory, frames):
     fields = [*COMPONENTS, *CELLS]
     run(emmy, directory, SHEARED, "--set", f"output.fields={fields}", "--set", "output.format=vtkhdf", "--output", "one")
     path = directory / "one/one.vtkhdf"
-    names = ["history.csv", "input.toml", "newton.csv", "one.vtkhdf", "report.html", "summary.json"]
-    assert sorted(p.name for p in path.parent.iterdir()) == names
+    # One file of frames, and nothing half-written.
+    names = [p.name for p in path.parent.iterdir()]
+    assert "one.vtkhdf" in names and "frames" not in names and not any(".part" in name for name in names), names
     for (t, grid), frame in zip(steps(path), frames, strict=True):
         check(grid, t)
         assert_array_equal(grid.points, frame.points)

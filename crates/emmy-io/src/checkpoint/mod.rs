@@ -2,8 +2,8 @@
 //!
 //! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One is on the disk for certain, whatever becomes of the
 //! machine; the next checkpoint goes to the other one, under another name first. Waiting for the disk costs as much as a hundred
-//! steps of a small body, so it is done once in [`BETWEEN_SYNCS`] at most; then the files change their roles. [`newest`] takes the later
-//! one that is whole.
+//! steps of a small body, so it is done once in a second at most; then the files change their roles. [`newest`] takes the later one that
+//! is whole.
 
 mod content;
 mod file;
