@@ -23,7 +23,7 @@ ci:
 paper:
     cargo run --release -p emmy-validation -- --quick
 
-# Long validation runs: the paper with its own reference step, and 10,000 steps of free flight (many minutes).
+# Long runs: the paper with its own reference step, 10,000 and a million steps of free flight, 200 kills (many minutes).
 validate:
     cargo run --release -p emmy-validation
     cargo test --release -p emmy --test long_flight -- --ignored --nocapture
