@@ -49,6 +49,26 @@ pub trait Lane:
     fn sqrt(self) -> Self;
     /// Logarithm of 1 + self, accurate for small self.
     fn ln_1p(self) -> Self;
+    /// `z - ln(1 + z)` without cancellation: a series where z is small.
+    ///
+    /// ```math
+    /// z - ln(1 + z) = z^2 / 2 - z^3 / 3 + z^4 / 4 - ...
+    /// ```
+    ///
+    /// ```
+    /// use emmy::tensor::Lane;
+    /// let z = 1e-9;
+    /// assert!((z.minus_ln_1p() - 0.5e-18 * (1.0 - 2e-9 / 3.0)).abs() < 1e-33);
+    /// ```
+    #[inline(always)]
+    fn minus_ln_1p(self) -> Self {
+        // 14 terms reach 1e-17 of the sum at |z| = 0.06; beyond, the direct form has lost less than two digits.
+        let mut sum = self.splat(1.0 / 15.0);
+        for n in (2..15).rev() {
+            sum = (-self).mul_add(sum, self.splat(1.0 / n as f64));
+        }
+        self.abs().select_below(self.splat(0.06), self * self * sum, self - self.ln_1p())
+    }
     /// Exponential less 1, accurate for small self.
     fn exp_m1(self) -> Self;
     /// Absolute value.
@@ -194,6 +214,29 @@ pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
     ]
 }
 
+/// What is bilinear in the cofactor of a sum: `cof(A + B) - cof A - cof B`.
+///
+/// ```
+/// use emmy::tensor::{mixed_cofactor, sym_cofactor};
+/// let A = [1.0, 2.0, 3.0, 0.5, -0.5, 0.25];
+/// assert_eq!(mixed_cofactor(&A, &A), sym_cofactor(&A).map(|a| 2.0 * a));
+/// ```
+#[inline(always)]
+pub fn mixed_cofactor<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> Sym<L> {
+    let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| {
+        let off = A[c].mul_add(B[d], A[d] * B[c]);
+        A[a].mul_add(B[b], A[b].mul_add(B[a], -off))
+    });
+    [
+        minor(1, 2, 4, 4),
+        minor(0, 2, 5, 5),
+        minor(0, 1, 3, 3),
+        minor(4, 5, 3, 2),
+        minor(3, 5, 4, 0),
+        minor(3, 4, 5, 1),
+    ]
+}
+
 /// Trace.
 #[inline(always)]
 pub fn trace<L: Lane>(A: &Sym<L>) -> L {
@@ -258,26 +301,6 @@ pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
         #[inline(always)]
         |i, j| G[i][2].mul_add(s(2, j), G[i][1].mul_add(s(1, j), G[i][0].mul_add(s(0, j), s(i, j)))),
     )
-}
-
-/// `z - ln(1 + z)` without cancellation: a series where z is small.
-///
-/// ```math
-/// z - ln(1 + z) = z^2 / 2 - z^3 / 3 + z^4 / 4 - ...
-/// ```
-///
-/// ```
-/// let z = 1e-9;
-/// assert!((emmy::tensor::minus_ln_1p(z) - 0.5e-18 * (1.0 - 2e-9 / 3.0)).abs() < 1e-33);
-/// ```
-#[inline(always)]
-pub fn minus_ln_1p<L: Lane>(z: L) -> L {
-    // 14 terms reach 1e-17 of the sum at |z| = 0.06; beyond, the direct form has lost less than two digits.
-    let mut sum = z.splat(1.0 / 15.0);
-    for n in (2..15).rev() {
-        sum = (-z).mul_add(sum, z.splat(1.0 / n as f64));
-    }
-    z.abs().select_below(z.splat(0.06), z * z * sum, z - z.ln_1p())
 }
 
 /// `e^x - 1 - x` without cancellation: a series where x is small.
@@ -369,7 +392,7 @@ mod tests {
         fn series_of_the_logarithm_joins_the_direct_form(z in 0.03..0.0599f64) {
             for z in [z, -z] {
                 let direct = z - z.ln_1p();
-                prop_assert!((minus_ln_1p(z) - direct).abs() < 4.0 * f64::EPSILON * z.abs());
+                prop_assert!((z.minus_ln_1p() - direct).abs() < 4.0 * f64::EPSILON * z.abs());
             }
         }
 

@@ -38,7 +38,7 @@ impl Rule {
             Kind::AssumedStrain | Kind::StrainingRates => {
                 self.assumed_strain_stress(material, &E_1, want, average)
             }
-            _ => self.discrete_gradient_stress(material, &E_1, &green_lagrange(&end), want, average),
+            _ => self.discrete_gradient_stress(material, &E_1, &end, want, average),
         }
         for i in 0..k {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
@@ -75,8 +75,18 @@ impl Rule {
     ) {
         let (k, zero) = (self.degree(), E_1[0].splat(0.0));
         average.stresses.fill([zero; 6]);
+        let is_straight = k == 1 && self.points.len() > 1;
+        if is_straight {
+            let points = self.points.iter().map(
+                #[inline(always)]
+                |point| [point.passed[0], point.share[0]],
+            );
+            average.stresses[0] = material.stress_along(E_1, &average.strain_rates[0], points);
+        }
         if want == Want::Tangent {
             average.stiffness.fill([[zero; 6]; 6]);
+        } else if is_straight {
+            return;
         }
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.passed, average);
@@ -87,8 +97,11 @@ impl Rule {
                     (S, Some(D))
                 }
             };
-            for i in 0..k {
-                average.stresses[i] = sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
+            if !is_straight {
+                for i in 0..k {
+                    average.stresses[i] =
+                        sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
+                }
             }
             let Some(D) = D else { continue };
             for i in 0..k {
@@ -110,15 +123,16 @@ impl Rule {
         &self,
         material: &M,
         E_1: &Sym<L>,
-        E_2: &Sym<L>,
+        end: &Mat3<L>,
         want: Want,
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), E_1[0].splat(0.0));
-        let (mut work, mut square) = (zero, zero);
+        let (mut work, mut square, mut change) = (zero, zero, [zero; 6]);
         for i in 0..k {
             let E = self.assumed_strain_at(E_1, &self.a[i * k..(i + 1) * k], average);
             let rate = average.strain_rates[i];
+            change = sym_add_scaled(&change, zero.splat(self.b[i]), &rate);
             if want == Want::Tangent {
                 (average.stresses[i], average.elasticities[i]) = material.stress_and_elasticity(&E);
             } else {
@@ -127,24 +141,29 @@ impl Rule {
             work += double_dot(&average.stresses[i], &rate) * self.b[i];
             square += double_dot(&rate, &rate) * self.b[i];
         }
-        let numerator = self.energy_difference(material, E_1, E_2, average) - work;
+        // Along the change E_2 - E_1 = sum_j b_j E'_j, which is exact.
+        let energy_change = match material.energy_change(E_1, &change) {
+            Some(energy_change) => energy_change,
+            None => self.energy_difference(material, E_1, &green_lagrange(end), average),
+        };
+        let numerator = energy_change - work;
         // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the one is
         // lost in the other. The constant only keeps the division from overflowing.
-        let strain_square = double_dot(E_1, E_1) + double_dot(E_2, E_2);
-        let resting = strain_square.sqrt() * 1e-18 + zero.splat(1e-200);
-        let inverse = square.select_below(resting, zero, zero.splat(1.0) / square);
+        let strain_square = double_dot(E_1, E_1) + double_dot(&change, &change);
+        let resting = strain_square * 1e-36 + zero.splat(1e-300);
+        let inverse = (square * square).select_below(resting, zero, zero.splat(1.0) / square);
         let r = numerator * inverse;
         if want == Want::Tangent {
-            self.discrete_gradient_stiffness::<L, M>(&material.stress(E_2), r, inverse, average);
+            let S_2 = material.stress(&green_lagrange(end));
+            self.discrete_gradient_stiffness::<L, M>(&S_2, r, inverse, average);
         }
         for i in 0..k {
             average.stresses[i] = sym_add_scaled(&average.stresses[i], r, &average.strain_rates[i]);
         }
     }
 
-    /// W_2 - W_1: by the material's own form, along `E_2 - E_1 = sum_j b_j E'_j`. Without one, the difference, or its Gauss quadrature
-    /// along the assumed strain where the two agree within the rounding of the difference: there the quadrature is the less
-    /// noisy one.
+    /// W_2 - W_1 of a material without a form of its own: the difference, or its Gauss quadrature along the assumed strain where the
+    /// two agree within the rounding of the difference: there the quadrature is the less noisy one.
     #[inline(always)]
     fn energy_difference<L: Lane, M: Material>(
         &self,
@@ -154,13 +173,6 @@ impl Rule {
         average: &mut Average<L>,
     ) -> L {
         let zero = E_1[0].splat(0.0);
-        let mut change = [zero; 6];
-        for (&b_j, rate) in self.b.iter().zip(&average.strain_rates) {
-            change = sym_add_scaled(&change, zero.splat(b_j), rate);
-        }
-        if let Some(difference) = material.energy_change(E_1, &change) {
-            return difference;
-        }
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
         let (mut integral, mut stress_norm) = (zero, zero);
         for point in &self.points {

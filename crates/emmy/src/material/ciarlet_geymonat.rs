@@ -7,7 +7,7 @@ use super::invariants::{
 };
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
-use crate::tensor::{Elasticity, Lane, Sym, minus_ln_1p, sym_cofactor, sym_det, sym_scaled};
+use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 
 /// Ciarlet-Geymonat material: neo-Hooke with a polyconvex law of volume, for large compression.
 ///
@@ -75,7 +75,7 @@ impl Material for CiarletGeymonat {
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let A = sym_scaled(E[0].splat(2.0), E);
-        let volume = minus_ln_1p(volume_change(&A));
+        let volume = volume_change(&A).minus_ln_1p();
         // mu/2 (tr A - ln(1 + z)) with tr A = z - I_2(A) - det A.
         let shape = volume - second_invariant(&A) - sym_det(&A);
         shape * (0.5 * self.mu) + volume * (0.25 * self.lambda)

@@ -41,7 +41,7 @@ pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;
 
 use crate::error::{Error, Result};
-use crate::tensor::{Elasticity, Lane, Sym};
+use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
 
 /// A hyperelastic material: stored energy, stress and elasticity as functions of the Green-Lagrange strain.
 ///
@@ -76,6 +76,28 @@ pub trait Material: Clone + Send + Sync + 'static {
     fn energy_change<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>) -> Option<L> {
         let _ = (strain, change);
         None
+    }
+
+    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`: materials override it whose stresses
+    /// along a path share work.
+    ///
+    /// ```math
+    /// sum_m w_m S(E + alpha_m dE)
+    /// ```
+    #[inline(always)]
+    fn stress_along<L: Lane>(
+        &self,
+        strain: &Sym<L>,
+        change: &Sym<L>,
+        points: impl Iterator<Item = [f64; 2]>,
+    ) -> Sym<L> {
+        let zero = strain[0].splat(0.0);
+        let mut sum = [zero; 6];
+        for [alpha, weight] in points {
+            let stress = self.stress(&sym_add_scaled(strain, zero.splat(alpha), change));
+            sum = sym_add_scaled(&sum, zero.splat(weight), &stress);
+        }
+        sum
     }
 
     /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.

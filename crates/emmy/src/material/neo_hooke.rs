@@ -8,8 +8,8 @@ use super::invariants::{
 use super::{Material, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{
-    Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, minus_ln_1p, sym, sym_cofactor, sym_det,
-    sym_scaled,
+    Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, mixed_cofactor, sym, sym_cofactor, sym_det,
+    sym_scaled, trace,
 };
 
 /// Compressible neo-Hooke material.
@@ -86,7 +86,7 @@ impl Material for NeoHooke {
         let z = volume_change(&A);
         let ln_J = z.ln_1p() * 0.5;
         // mu/2 (tr A - ln(1 + z)) with tr A = z - I_2(A) - det A.
-        let isochoric = minus_ln_1p(z) - second_invariant(&A) - sym_det(&A);
+        let isochoric = z.minus_ln_1p() - second_invariant(&A) - sym_det(&A);
         isochoric * (0.5 * self.mu) + ln_J * ln_J * (0.5 * self.lambda)
     }
 
@@ -104,7 +104,7 @@ impl Material for NeoHooke {
         let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
         let curved = (double_dot(&C, &sym_cofactor(&B)) + sym_det(&B)) * inverse_det;
         let zeta = double_dot(&C_inv, &B) + curved;
-        let bent = minus_ln_1p(zeta);
+        let bent = zeta.minus_ln_1p();
         let ln = zeta - bent;
         let isochoric = double_dot(&commuting_product(&C_inv, &A), &B) - curved + bent;
         let pressure = ln * (volume_change(&A).ln_1p() * 2.0 + ln);
@@ -114,6 +114,58 @@ impl Material for NeoHooke {
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
         self.state(E).2
+    }
+
+    /// With `A = C - I`, whose trace, cofactor and determinant are polynomials along the path, what a point costs is a logarithm:
+    ///
+    /// ```math
+    /// S = [mu (A + (II_A + det A) I - cof A) + lambda ln J ((1 + tr A) I - A + cof A)] / det C
+    /// ```
+    #[inline(always)]
+    fn stress_along<L: Lane>(
+        &self,
+        E: &Sym<L>,
+        dE: &Sym<L>,
+        points: impl Iterator<Item = [f64; 2]>,
+    ) -> Sym<L> {
+        let constant = inlined!(|value| E[0].splat(value));
+        let (A, B) = (sym_scaled(constant(2.0), E), sym_scaled(constant(2.0), dE));
+        let cofactors = [sym_cofactor(&A), mixed_cofactor(&A, &B), sym_cofactor(&B)];
+        let [t_0, t_1] = [trace(&A), trace(&B)];
+        // II_A + det A, by powers of alpha.
+        let v_0 = trace(&cofactors[0]) + sym_det(&A);
+        let v_1 = trace(&cofactors[1]) + double_dot(&cofactors[0], &B);
+        let v_2 = trace(&cofactors[2]) + double_dot(&A, &cofactors[2]);
+        let v_3 = sym_det(&B);
+        let one = constant(1.0);
+        let (mut moments, mut pressure) = ([constant(0.0); 3], constant(0.0));
+        for [alpha, weight] in points {
+            let a = constant(alpha);
+            let t = t_1.mul_add(a, t_0);
+            let v = v_3.mul_add(a, v_2).mul_add(a, v_1).mul_add(a, v_0);
+            let z = t + v;
+            let factor = constant(weight) / (one + z);
+            let (p, q) = (factor * self.mu, factor * (z.ln_1p() * (0.5 * self.lambda)));
+            let r = p - q;
+            for (power, moment) in moments.iter_mut().enumerate() {
+                *moment = r.mul_add(constant(alpha.powi(power as i32)), *moment);
+            }
+            pressure = p.mul_add(v, q.mul_add(one + t, pressure));
+        }
+        let [r_0, r_1, r_2] = moments;
+        let component = inlined!(|a: usize| {
+            let strain = r_0.mul_add(A[a], r_1 * B[a]);
+            let cofactor = cofactors[2][a];
+            strain - r_0.mul_add(cofactors[0][a], r_1.mul_add(cofactors[1][a], r_2 * cofactor))
+        });
+        [
+            component(0) + pressure,
+            component(1) + pressure,
+            component(2) + pressure,
+            component(3),
+            component(4),
+            component(5),
+        ]
     }
 
     #[inline(always)]

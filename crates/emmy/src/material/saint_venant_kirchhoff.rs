@@ -72,6 +72,22 @@ impl Material for SaintVenantKirchhoff {
         S
     }
 
+    /// The stress of the mean strain.
+    #[inline(always)]
+    fn stress_along<L: Lane>(
+        &self,
+        E: &Sym<L>,
+        dE: &Sym<L>,
+        points: impl Iterator<Item = [f64; 2]>,
+    ) -> Sym<L> {
+        let (mut weight, mut moment) = (0.0, 0.0);
+        for [alpha, w] in points {
+            (weight, moment) = (weight + w, moment + w * alpha);
+        }
+        let constant = inlined!(|value| E[0].splat(value));
+        self.stress(&sym_add_scaled(&sym_scaled(constant(weight), E), constant(moment), dE))
+    }
+
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
         let constant = inlined!(|value| E[0].splat(value));

@@ -57,6 +57,13 @@ impl RowPart {
         &mut self.blocks.as_chunks_mut().0[at]
     }
 
+    /// Blocks of all stages, `[block][i k + j]`, and the number of the first block: those of a position of the pattern start at
+    /// `(position - first) k k`.
+    #[inline(always)]
+    pub fn blocks_mut(&mut self) -> (&mut [[f64; 9]], usize) {
+        (self.blocks.as_chunks_mut().0, self.first_block)
+    }
+
     /// Sets the forces to zero.
     pub fn clear_force(&mut self) {
         self.force.fill(0.0);

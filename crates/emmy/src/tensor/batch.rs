@@ -155,12 +155,17 @@ impl<S: Simd> Batch<S> {
     /// ```
     #[inline(always)]
     fn ln_1p_of_small(self) -> Self {
+        let (s, rest) = self.artanh();
+        rest.mul_add(s, s + s)
+    }
+
+    /// s and what follows the first term of the series, over s.
+    #[inline(always)]
+    fn artanh(self) -> (Self, Self) {
         // |s| <= 0.172: what is left out is below 1e-18 of the sum.
         let s = self / (self + self.splat(2.0));
         let square = s * s;
-        let sum = square.polynomial(&ARTANH);
-        let twice = s + s;
-        (twice * square).mul_add(sum, twice)
+        (s, (square + square) * square.polynomial(&ARTANH))
     }
 }
 
@@ -262,6 +267,16 @@ impl<S: Simd> Lane for Batch<S> {
         let is_far = self.outside(LN_BOUNDS[0], LN_BOUNDS[1]);
         // Lane by lane, so that no point depends on its neighbours.
         if self.is_any(is_far) { self.select(is_far, self.ln_1p_of_any(), near) } else { near }
+    }
+    /// ```math
+    /// z - ln(1 + z) = s (z - 2 (s^2/3 + s^4/5 + ...)),    s = z / (2 + z)
+    /// ```
+    #[inline(always)]
+    fn minus_ln_1p(self) -> Self {
+        let (s, rest) = self.artanh();
+        let near = s * (self - rest);
+        let is_far = self.outside(LN_BOUNDS[0], LN_BOUNDS[1]);
+        if self.is_any(is_far) { self.select(is_far, self - self.ln_1p_of_any(), near) } else { near }
     }
     /// ```math
     /// e^2x - 1 = (e^x - 1) (2 + (e^x - 1))

@@ -60,6 +60,7 @@ fn conforms_but_for_symmetry(
     for direction in SPECIAL_DIRECTIONS {
         keeps_its_digits(material, energy, &direction).unwrap();
         keeps_the_digits_of_energy_changes(material, energy, &direction).unwrap();
+        sums_its_stress_along_a_path(material, &direction).unwrap();
         // Not the direction itself: what bears tension only has no elasticity where that sets in.
         let nearby = sym_add_scaled(&direction, 1e-7, &GENERAL_DIRECTION);
         keeps_the_digits_of_its_elasticity(material, energy, &nearby).unwrap();
@@ -288,6 +289,33 @@ fn keeps_the_digits_of_energy_changes(
         prop_assert!(
             error.abs() < 4e-15 * scale,
             "change of energy: error {error:e} of {scale:e} at {E:?}, {dE:?}"
+        );
+    }
+    Ok(())
+}
+
+/// The stress along a path against that of its points, with weights of both signs.
+fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) -> Check {
+    let points = [[0.0, 0.3], [0.25, -0.2], [0.7, 0.8], [1.0, 0.1]];
+    for (size, part) in
+        [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
+    {
+        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let strains = points.map(|[alpha, _]| sym_add_scaled(&E, alpha, &dE));
+        if !strains.iter().all(is_deformation) {
+            continue;
+        }
+        let (mut sum, mut scale) = ([0.0; 6], 0.0);
+        for (strain, [_, weight]) in strains.iter().zip(points) {
+            let stress = material.stress(strain);
+            sum = sym_add_scaled(&sum, weight, &stress);
+            scale += norm(&stress);
+        }
+        let along = material.stress_along(&E, &dE, points.into_iter());
+        let error = norm(&sym_add_scaled(&sum, -1.0, &along));
+        prop_assert!(
+            error < 1e-14 * scale,
+            "stress along a path: error {error:e} of {scale:e} at {E:?}, {dE:?}"
         );
     }
     Ok(())
