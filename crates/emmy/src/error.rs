@@ -185,6 +185,22 @@ pub enum Error {
         /// What is wrong.
         reason: String,
     },
+    /// A step whose error is above the tolerance of adaptive steps.
+    #[error("its error {error:.1e} is above the tolerance {tolerance:e}")]
+    Tolerance {
+        /// Error of the step, relative to the scales.
+        error: f64,
+        /// Tolerance.
+        tolerance: f64,
+    },
+    /// A setting of adaptive steps that cannot be, or that contradicts another.
+    #[error("adaptive steps: {setting} {reason}")]
+    Adaptivity {
+        /// Name of the setting, as it stands in an input.
+        setting: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// A body whose determinant of the deformation gradient became zero or negative, or NaN.
     #[error("cell {cell} is turned inside out: det F = {det:e}; try a smaller step")]
     Inverted {

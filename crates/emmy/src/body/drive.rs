@@ -65,7 +65,7 @@ impl Drive {
         })
     }
 
-    fn histories(&self) -> impl Iterator<Item = &History> + '_ {
+    pub(super) fn histories(&self) -> impl Iterator<Item = &History> + '_ {
         self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
     }
 

@@ -52,7 +52,7 @@ pub struct FieldLoad {
     /// Number of the load.
     pub(super) load: usize,
     field: Field,
-    history: History,
+    pub(super) history: History,
     /// Reference positions.
     points: Vec<[f64; 3]>,
     /// End of each point's part of `shares`.

@@ -133,6 +133,16 @@ impl Body {
         acts
     }
 
+    /// The first time after another at which the history of a load or of a support that moves has a kink or a jump.
+    pub fn next_kink(&self, after: f64) -> Option<f64> {
+        let loads = self.loads.iter().map(|load| &load.history);
+        let fields = self.fields.iter().map(|field| &field.history);
+        let pressures = self.pressures.iter().map(|pressure| &pressure.history);
+        let drives = self.drives.iter().flat_map(|drive| drive.histories());
+        let all = loads.chain(fields).chain(pressures).chain(drives);
+        all.filter_map(|history| history.next_kink(after)).min_by(f64::total_cmp)
+    }
+
     /// Dead loads at a time (after a jump of a history that falls on it), `force: [n_nodes][3]`. Returns whether any
     /// load acts.
     pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {

@@ -13,7 +13,7 @@ pub struct Pressure {
     /// Number of the load.
     pub(super) load: usize,
     pressure: f64,
-    history: History,
+    pub(super) history: History,
     tables: Vec<FacetTable>,
 }
 

@@ -18,6 +18,8 @@ pub struct Event {
 pub enum EventKind {
     /// A step failed and is cut by two.
     Cut,
+    /// A step with too large an error is done again with a smaller size.
+    Refused,
     /// Steps are twice as large again.
     Grown,
     /// A support is released.
@@ -31,6 +33,7 @@ impl EventKind {
     pub const fn name(self) -> &'static str {
         match self {
             EventKind::Cut => "cut",
+            EventKind::Refused => "refused",
             EventKind::Grown => "grown",
             EventKind::Release => "release",
             EventKind::RoundingFloor => "rounding-floor",

@@ -1,5 +1,6 @@
 //! The loop over the steps.
 
+use super::adaptive::Control;
 use super::{
     Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
 };
@@ -7,7 +8,7 @@ use crate::body::{Body, Strained, sum};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
-use crate::time::{Scheme, StepOutcome, Stepper};
+use crate::time::{Memory, Scheme, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
 ///
@@ -25,20 +26,24 @@ use crate::time::{Scheme, StepOutcome, Stepper};
 /// ```
 #[derive(Debug)]
 pub struct Motion<'a> {
-    body: &'a Body,
-    scheme: Scheme,
-    degree: usize,
-    settings: NewtonSettings,
-    stepper: Box<dyn Stepper + 'a>,
-    state: State,
-    record: Record,
+    pub(super) body: &'a Body,
+    pub(super) scheme: Scheme,
+    pub(super) degree: usize,
+    pub(super) settings: NewtonSettings,
+    pub(super) stepper: Box<dyn Stepper + 'a>,
+    pub(super) state: State,
+    pub(super) record: Record,
     /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
     smallest: Option<SmallestStep>,
     division: Division,
-    releases: usize,
+    /// What chooses the step sizes by the error, or its memory, of which it is to be made.
+    pub(super) control: Option<Control<'a>>,
+    pub(super) control_memory: Option<Memory>,
+    pub(super) releases: usize,
     was_at_rounding_floor: bool,
-    /// Cuts and releases since the last good step.
-    cuts: usize,
+    /// Cuts, refusals and releases since the last good step.
+    pub(super) cuts: usize,
+    pub(super) refusals: usize,
     released: usize,
     /// Events that observers have not seen yet.
     events: Vec<Event>,
@@ -57,7 +62,7 @@ enum SmallestStep {
 const MAX_CUTS: u32 = 10;
 
 /// Times that lie closer together than this part of a step are the same: they differ by rounding.
-const SAME_TIME: f64 = 1e-6;
+pub(super) const SAME_TIME: f64 = 1e-6;
 
 impl<'a> Motion<'a> {
     /// A motion that starts from a state.
@@ -83,9 +88,12 @@ impl<'a> Motion<'a> {
             record,
             smallest: None,
             division: Division::default(),
+            control: None,
+            control_memory: None,
             releases: 0,
             was_at_rounding_floor: false,
             cuts: 0,
+            refusals: 0,
             released: 0,
             events: Vec::new(),
         })
@@ -103,7 +111,7 @@ impl<'a> Motion<'a> {
         settings: NewtonSettings,
         snapshot: Snapshot,
     ) -> Result<Self> {
-        let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
+        let Snapshot { state, record, division, control, releases, was_at_rounding_floor, memory } = snapshot;
         for _ in 0..releases {
             let Some((_, released)) = body.release() else { break };
             body = released;
@@ -127,7 +135,7 @@ impl<'a> Motion<'a> {
             // The new stepper may have set the momentum by a mass of its own.
             None => motion.record = record.at(body, &motion.state),
         }
-        Ok(Motion { division, releases, was_at_rounding_floor, ..motion })
+        Ok(Motion { division, control_memory: control, releases, was_at_rounding_floor, ..motion })
     }
 
     /// All that the motion is now; see [`Motion::resumed`].
@@ -136,6 +144,7 @@ impl<'a> Motion<'a> {
             state: self.state.clone(),
             record: self.record.clone(),
             division: self.division,
+            control: self.control.as_ref().map(|control| control.memory()).or(self.control_memory.clone()),
             releases: self.releases,
             was_at_rounding_floor: self.was_at_rounding_floor,
             memory: Some(self.stepper.memory()),
@@ -163,7 +172,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Goes over to the body without the supports that are released by now. The state goes on as it is.
-    fn release(&mut self, step_size: f64) -> Result<()> {
+    pub(super) fn release(&mut self, step_size: f64) -> Result<()> {
         while let Some((time, body)) = self.body.release() {
             if self.state.time < time - SAME_TIME * step_size {
                 break;
@@ -179,7 +188,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Notes an event at the present time.
-    fn note(&mut self, kind: EventKind, step: usize, message: String) {
+    pub(super) fn note(&mut self, kind: EventKind, step: usize, message: String) {
         self.events.push(Event { step, time: self.state.time, kind, message });
     }
 
@@ -193,17 +202,23 @@ impl<'a> Motion<'a> {
         self.release(step_size)?;
         let outcome = self.stepper.advance(&mut self.state, step_size);
         let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
+        self.conclude(step_size, end, &outcome);
+        Ok(&self.record)
+    }
+
+    /// Records a step that the state has done.
+    pub(super) fn conclude(&mut self, step_size: f64, end: f64, outcome: &StepOutcome) {
         self.state.time = end;
         self.state.step += 1;
-        self.record = self.record.after(self.body, &self.state, step_size, &outcome);
-        (self.record.cuts, self.record.releases) = (self.cuts, self.released);
-        (self.cuts, self.released) = (0, 0);
+        self.record = self.record.after(self.body, &self.state, step_size, outcome);
+        (self.record.cuts, self.record.refusals) = (self.cuts, self.refusals);
+        self.record.releases = self.released;
+        (self.cuts, self.refusals, self.released) = (0, 0, 0);
         if self.record.at_rounding_floor && !self.was_at_rounding_floor {
             self.was_at_rounding_floor = true;
             let message = "Newton's iteration ended at the rounding floor, above the tolerance: the body is too stiff for it";
             self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
         }
-        Ok(&self.record)
     }
 
     /// Marches through a plan. Observers see the start and every step.
@@ -212,6 +227,9 @@ impl<'a> Motion<'a> {
     /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does.
     pub fn march(&mut self, plan: &StepPlan, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.notify(observers)?;
+        if let Some(adaptivity) = plan.adaptivity() {
+            return self.march_adaptively(plan, adaptivity, observers);
+        }
         plan.steps().try_for_each(|step| self.march_through(&step, observers))
     }
 
@@ -225,6 +243,9 @@ impl<'a> Motion<'a> {
         plan: &StepPlan,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), MarchError> {
+        if let Some(adaptivity) = plan.adaptivity() {
+            return self.march_adaptively(plan, adaptivity, observers);
+        }
         for mut step in plan.steps_from(self.state.time) {
             let sliver = SAME_TIME * step.size;
             if (self.division.start(&step) - self.state.time).abs() > sliver {
@@ -292,7 +313,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Tells observers of the events that they have not seen yet.
-    fn tell(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+    pub(super) fn tell(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         for event in self.events.drain(..) {
             let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
             told.map_err(MarchError::Observer)?;
@@ -300,7 +321,7 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
+    pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
         let (body, state, record) = (self.body, &self.state, &self.record);
         let newton_residuals = self.stepper.newton_history();
@@ -361,7 +382,7 @@ impl Record {
 }
 
 /// The error of a step, with the place of the cell if one was turned inside out.
-fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
     let inner = match &error {
         Error::StepFailed { cause, .. } => cause,
         error => error,

@@ -1,5 +1,7 @@
 //! Marching: step plan, balances, records, observers.
 
+mod adaptive;
+mod adaptivity;
 mod division;
 mod event;
 mod march;
@@ -9,6 +11,7 @@ mod snapshot;
 
 pub use crate::newton::NewtonSettings;
 pub use crate::time::State;
+pub use adaptivity::{Adaptivity, Controller};
 pub use division::{Division, GOOD_STEPS};
 pub use event::{Event, EventKind};
 pub use march::Motion;

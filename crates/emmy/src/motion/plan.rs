@@ -1,5 +1,6 @@
 //! The step plan: which step sizes, until when.
 
+use super::Adaptivity;
 use crate::error::{Error, Result};
 
 /// Phase of a plan: steps of one size until a time.
@@ -38,6 +39,7 @@ pub struct PlannedStep {
 pub struct StepPlan {
     start: f64,
     phases: Vec<Phase>,
+    adaptivity: Option<Adaptivity>,
 }
 
 /// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
@@ -66,7 +68,40 @@ impl StepPlan {
             }
             begin = until;
         }
-        Ok(StepPlan { start, phases })
+        Ok(StepPlan { start, phases, adaptivity: None })
+    }
+
+    /// A plan of steps whose sizes are chosen by the error. Its phases say which times are to be met, their size is the largest.
+    ///
+    /// ```
+    /// use emmy::motion::{Adaptivity, StepPlan};
+    /// let plan = StepPlan::adaptive(0.0, 2.0, Adaptivity::new(1e-4))?.with_end_at(0.5);
+    /// let ends: Vec<f64> = plan.phases().iter().map(|phase| phase.until).collect();
+    /// assert_eq!(ends, [0.5, 2.0]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`StepPlan::new`] and [`Adaptivity::check`].
+    pub fn adaptive(start: f64, until: f64, adaptivity: Adaptivity) -> Result<Self> {
+        adaptivity.check()?;
+        let largest = adaptivity.largest.min(until - start);
+        let size = if largest > 0.0 { largest } else { 1.0 };
+        let plan = StepPlan::new(start, vec![Phase { until, size }])?;
+        Ok(StepPlan { adaptivity: Some(adaptivity), ..plan })
+    }
+
+    /// The plan with other phases, its steps being chosen as they were.
+    ///
+    /// # Errors
+    /// Those of [`StepPlan::new`].
+    pub fn with_phases(&self, phases: Vec<Phase>) -> Result<Self> {
+        Ok(StepPlan { adaptivity: self.adaptivity, ..StepPlan::new(self.start, phases)? })
+    }
+
+    /// How step sizes are chosen by the error; `None` if the phases say the sizes.
+    pub fn adaptivity(&self) -> Option<&Adaptivity> {
+        self.adaptivity.as_ref()
     }
 
     /// The plan with a step that ends at a time: the phase around it becomes two. A time outside the plan changes nothing.
@@ -104,7 +139,7 @@ impl StepPlan {
         &self.phases
     }
 
-    /// Number of steps.
+    /// Number of steps; the smallest one, where sizes are chosen by the error.
     pub fn n_steps(&self) -> usize {
         self.begins().map(|(begin, phase)| n_steps(begin, phase)).sum()
     }
@@ -137,8 +172,12 @@ impl StepPlan {
         self.steps().skip_while(move |step| step.end - time <= SLIVER * step.size)
     }
 
-    /// The time of the plan's grid that differs from a time by rounding only, else the time itself.
+    /// The time of the plan's grid that differs from a time by rounding only, else the time itself; so it is where sizes are
+    /// chosen by the error.
     pub fn on_grid(&self, time: f64) -> f64 {
+        if self.adaptivity.is_some() {
+            return time;
+        }
         let next = self.steps_from(time).next();
         next.filter(|step| (step.start - time).abs() <= SLIVER * step.size).map_or(time, |step| step.start)
     }
@@ -154,8 +193,12 @@ impl StepPlan {
     /// ```
     ///
     /// # Errors
-    /// Those of [`StepPlan::new`].
+    /// Those of [`StepPlan::new`]; [`Error::Plan`] if sizes are chosen by the error.
     pub fn with_size_from(&self, time: f64, size: f64) -> Result<Self> {
+        if self.adaptivity.is_some() {
+            let reason = "the sizes of adaptive steps are chosen by the error".to_string();
+            return Err(Error::Plan { phase: 0, reason });
+        }
         let mut phases = Vec::new();
         for (begin, phase) in self.begins() {
             let sliver = SLIVER * phase.size;

@@ -58,6 +58,10 @@ pub struct Record {
     pub cuts: usize,
     /// Number of releases of supports at the start of the step.
     pub releases: usize,
+    /// Estimated error of the step, relative to the scales of [`super::Adaptivity`]; 0 where sizes are not chosen by it.
+    pub local_error: f64,
+    /// How often the step was done again because of its error.
+    pub refusals: usize,
 }
 
 /// What an observer sees after a step.

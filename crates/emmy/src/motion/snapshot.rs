@@ -12,6 +12,8 @@ pub struct Snapshot {
     pub record: Record,
     /// Where in the plan's steps the motion is.
     pub division: Division,
+    /// What the choice of the next size depends on, where sizes are chosen by the error.
+    pub control: Option<Memory>,
     /// Number of supports that are released by now.
     pub releases: usize,
     /// Whether Newton's iteration has ended at its rounding floor before.

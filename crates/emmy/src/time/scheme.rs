@@ -124,6 +124,23 @@ impl Scheme {
         }
     }
 
+    /// The scheme with as many more points as another degree needs.
+    ///
+    /// ```
+    /// use emmy::time::Scheme;
+    /// assert_eq!(Scheme::MID_POINT.of_degree(2), Scheme::Standard(2));
+    /// assert_eq!(Scheme::Trapezoidal.of_degree(2), Scheme::Lobatto(3));
+    /// ```
+    pub fn of_degree(self, degree: usize) -> Scheme {
+        match self {
+            Scheme::Standard(n) => Scheme::Standard(n.max(degree)),
+            Scheme::AssumedStrain(n) => Scheme::AssumedStrain(n.max(degree)),
+            Scheme::Lobatto(n) => Scheme::Lobatto(n.max(degree + 1)),
+            Scheme::Trapezoidal if degree > 1 => Scheme::Lobatto(degree + 1),
+            scheme => scheme,
+        }
+    }
+
     /// Whether the scheme is a rule of a time element.
     pub fn is_time_element(self) -> bool {
         match self {

@@ -31,6 +31,14 @@ impl State {
         Ok(State { time, step: 0, displacement: vec![0.0; body.n_dofs()], momentum, velocity })
     }
 
+    /// Takes over another state of the same body, in the memory that there is.
+    pub fn copy_from(&mut self, other: &State) {
+        (self.time, self.step) = (other.time, other.step);
+        self.displacement.copy_from_slice(&other.displacement);
+        self.momentum.copy_from_slice(&other.momentum);
+        self.velocity.copy_from_slice(&other.velocity);
+    }
+
     /// Current position of a node.
     pub fn position(&self, body: &Body, node: usize) -> [f64; 3] {
         [0, 1, 2].map(|i| body.mesh().points()[node][i] + self.displacement[3 * node + i])

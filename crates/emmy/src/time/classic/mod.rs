@@ -12,6 +12,7 @@ mod newmark;
 
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
+pub(super) use forces::{Forces, Start};
 pub use newmark::{NewmarkParameters, NewmarkStepper};
 
 use super::stage_system::StageForm;

@@ -1,0 +1,247 @@
+//! Marching with step sizes that are chosen by the error.
+
+#![allow(non_snake_case)]
+
+use super::march::{SAME_TIME, placed};
+use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::time::{LocalError, Memory, StepOutcome};
+
+/// What chooses the step sizes of a motion.
+#[derive(Debug)]
+pub struct Control<'a> {
+    adaptivity: Adaptivity,
+    controller: Controller,
+    estimator: LocalError<'a>,
+    length: f64,
+    /// Duration of the plan.
+    duration: f64,
+    /// The state at the start of the step.
+    start: State,
+}
+
+/// Refusals of one step after the other: a step that small does not help.
+const MOST_REFUSALS: usize = 60;
+
+/// Part of the allowed number of Newton iterations from which on a step counts as hard.
+const HARD: f64 = 0.75;
+
+/// The first step is this part of the time in which the body moves by its own size.
+const FIRST_PART: f64 = 0.01;
+
+/// A time that is to be met.
+#[derive(Debug, Clone, Copy)]
+struct Stop {
+    time: f64,
+    is_kink: bool,
+}
+
+impl<'a> Control<'a> {
+    /// What the choice of the next size depends on.
+    pub fn memory(&self) -> Memory {
+        let mut memory = self.estimator.memory();
+        memory.keep("controller", &self.controller.memory());
+        memory
+    }
+
+    /// A size with which to begin: a part of the time in which the body moves by its own length.
+    fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
+        let acceleration = LocalError::acceleration(body, state)?;
+        let by_velocity = self.length / mean(body, &state.velocity);
+        let by_acceleration = (2.0 * self.length / mean(body, &acceleration)).sqrt();
+        Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
+    }
+
+    /// Error of the last step: the larger one of those of positions and velocities, in their scales.
+    fn error(&self, body: &Body) -> f64 {
+        let position = mean(body, self.estimator.displacement()) / self.length;
+        match self.adaptivity.velocity {
+            Some(scale) => larger(position, mean(body, self.estimator.velocity()) / scale),
+            None => position,
+        }
+    }
+}
+
+impl<'a> Motion<'a> {
+    /// Marches to the end of a plan with steps that are chosen by the error; every end of a phase and every kink of a load is met.
+    pub(super) fn march_adaptively(
+        &mut self,
+        plan: &StepPlan,
+        adaptivity: &Adaptivity,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), MarchError> {
+        self.control = Some(self.control(plan, adaptivity)?);
+        for phase in plan.phases() {
+            // Back in its place whenever observers look on: a snapshot has it.
+            while let Some(mut control) = self.control.take() {
+                let stop = self.next_stop(&control, phase.until);
+                let outcome = match stop {
+                    Some(stop) => self.step_towards(&mut control, stop, observers),
+                    None => Ok(()),
+                };
+                self.control = Some(control);
+                outcome?;
+                if stop.is_none() {
+                    break;
+                }
+                self.notify(observers)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached.
+    fn next_stop(&self, control: &Control<'_>, until: f64) -> Option<Stop> {
+        let same = SAME_TIME * control.controller.size().min(until - self.state.time);
+        if until - self.state.time <= SAME_TIME * control.controller.size() {
+            return None;
+        }
+        let kink = self.body.next_kink(self.state.time + same).unwrap_or(f64::INFINITY);
+        let time = if kink < until - same { kink } else { until };
+        Some(Stop { time, is_kink: kink <= time + same })
+    }
+
+    /// Does the next step, as often as it takes to be accepted; it does not go beyond a time.
+    fn step_towards(
+        &mut self,
+        control: &mut Control<'a>,
+        stop: Stop,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(), MarchError> {
+        self.release_under(control)?;
+        control.start.copy_from(&self.state);
+        for _ in 0..MOST_REFUSALS {
+            let left = stop.time - self.state.time;
+            let size = control.controller.size_within(left);
+            match self.attempt(control, size) {
+                Ok((outcome, error)) if control.controller.accepts(error) => {
+                    let limit = HARD * self.settings.max_iterations as f64;
+                    control.controller.accept(size, error, outcome.newton.iterations as f64 > limit);
+                    control.estimator.accept(size);
+                    let is_met = size == left;
+                    self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
+                    self.record.local_error = error;
+                    if is_met && stop.is_kink {
+                        control.estimator.restart(&self.state)?;
+                        control.controller.restart(control.first_size(self.body, &self.state)?);
+                    }
+                    return Ok(());
+                }
+                attempt => self.refuse(control, size, attempt.map(|(_, error)| error))?,
+            }
+            self.tell(observers)?;
+        }
+        let (error, tolerance) = (f64::NAN, control.adaptivity.tolerance);
+        Err(MarchError::Step(self.smallest(control.controller.size(), Error::Tolerance { error, tolerance })))
+    }
+
+    /// Advances the state and estimates the error.
+    fn attempt(&mut self, control: &mut Control<'a>, size: f64) -> Result<(StepOutcome, f64)> {
+        let outcome = self.stepper.advance(&mut self.state, size)?;
+        control.estimator.estimate(&control.start, &self.state, size)?;
+        Ok((outcome, control.error(self.body)))
+    }
+
+    /// Goes back to the start of the step, the next attempt at which will be smaller.
+    fn refuse(&mut self, control: &mut Control<'a>, size: f64, error: Result<f64>) -> Result<(), MarchError> {
+        self.state.copy_from(&control.start);
+        let tolerance = control.adaptivity.tolerance;
+        let error = match error {
+            Ok(error) => Error::Tolerance { error, tolerance },
+            Err(error) => placed(error, self.body, &self.state, size),
+        };
+        if !control.controller.can_shrink(size) {
+            return Err(MarchError::Step(self.smallest(size, error)));
+        }
+        let kind = match &error {
+            Error::Tolerance { error, .. } => {
+                control.controller.refuse(size, *error);
+                self.refusals += 1;
+                EventKind::Refused
+            }
+            _ => {
+                control.controller.fail(size);
+                self.cuts += 1;
+                EventKind::Cut
+            }
+        };
+        let message = format!("step of {size:e} done again with {:e}: {error}", control.controller.size());
+        self.note(kind, self.state.step + 1, message);
+        Ok(())
+    }
+
+    fn smallest(&self, step_size: f64, cause: Error) -> Error {
+        let (step, start) = (self.state.step + 1, self.state.time);
+        Error::SmallestStep { step, start, step_size, cause: Box::new(cause) }
+    }
+
+    /// Goes over to the body without the supports that are released by now, and the estimator with it.
+    fn release_under(&mut self, control: &mut Control<'a>) -> Result<()> {
+        let before = self.releases;
+        self.release(control.controller.size())?;
+        if self.releases > before {
+            control.estimator =
+                LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?;
+        }
+        Ok(())
+    }
+
+    /// The control of a plan: that of the march before, that of the snapshot, or a new one.
+    fn control(&mut self, plan: &StepPlan, adaptivity: &Adaptivity) -> Result<Control<'a>> {
+        if let Some(control) = self.control.take().filter(|control| control.adaptivity == *adaptivity) {
+            return Ok(control);
+        }
+        if !self.scheme.is_time_element() {
+            let reason = "adaptive steps go with time elements only".to_string();
+            return Err(Error::Scheme { scheme: self.scheme.to_string(), reason });
+        }
+        let length = adaptivity.length.unwrap_or_else(|| radius_of_gyration(self.body));
+        if length == 0.0 {
+            let reason = "must be given: the body is a point".to_string();
+            return Err(Error::Adaptivity { setting: "length", reason });
+        }
+        let order = LocalError::order(self.degree);
+        let mut control = Control {
+            adaptivity: *adaptivity,
+            controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),
+            estimator: LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?,
+            length,
+            duration: plan.end() - plan.start(),
+            start: self.state.clone(),
+        };
+        if adaptivity.first.is_none() {
+            control.controller.restart(control.first_size(self.body, &self.state)?);
+        }
+        if let Some(memory) = self.control_memory.take() {
+            control.estimator.restore(&memory)?;
+            control.controller.restore(memory.array("controller")?);
+        }
+        Ok(control)
+    }
+}
+
+/// Mean of a nodal field over the mass, `sqrt(sum_a m_a |u_a|^2 / m)`.
+fn mean(body: &Body, field: &[f64]) -> f64 {
+    let masses = body.lumped_mass();
+    let squares = field.as_chunks::<3>().0.iter().zip(masses);
+    let sum: f64 = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum();
+    (sum / masses.iter().sum::<f64>()).sqrt()
+}
+
+/// Radius of gyration about the centre of mass, in the reference configuration.
+fn radius_of_gyration(body: &Body) -> f64 {
+    let (points, masses) = (body.mesh().points(), body.lumped_mass());
+    let mass: f64 = masses.iter().sum();
+    let mut centre = [0.0; 3];
+    for (X, m) in points.iter().zip(masses) {
+        (0..3).for_each(|d| centre[d] += m * X[d] / mass);
+    }
+    let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
+    mean(body, &arms)
+}
+
+/// The larger one of two errors; NaN if one of them is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}

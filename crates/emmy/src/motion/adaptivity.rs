@@ -1,0 +1,312 @@
+//! How step sizes are chosen by the error: settings and controller.
+
+use crate::error::{Error, Result};
+
+/// Steps whose sizes are chosen by the error that each of them makes.
+///
+/// The error of a step is measured as a length, in the mean over the mass,
+///
+/// ```math
+/// e = |du|_M / l,    |du|_M^2 = sum_a m_a |du_a|^2 / m
+/// ```
+///
+/// with the error du of the positions at its end, the lumped masses m_a, their sum m and a length l of the body; with a scale of velocities it is the larger one of
+/// this and of the same mean of the error of the velocities. A step is accepted if e is not above the tolerance.
+///
+/// ```
+/// use emmy::motion::Adaptivity;
+/// let adaptivity = Adaptivity { largest: 0.1, ..Adaptivity::new(1e-4) };
+/// assert!(adaptivity.check().is_ok());
+/// assert!(Adaptivity { smallest: 0.2, ..adaptivity }.check().is_err());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adaptivity {
+    /// Largest error of a step that is accepted, relative to the scales.
+    pub tolerance: f64,
+    /// Smallest step \[time\]; a smaller one is done only to land on a time.
+    pub smallest: f64,
+    /// Largest step \[time\].
+    pub largest: f64,
+    /// Size of the first step; `None`: chosen from velocity and acceleration at the start.
+    pub first: Option<f64>,
+    /// Scale l of positions \[length\]; `None`: the radius of gyration of the body in its reference configuration.
+    pub length: Option<f64>,
+    /// Scale of velocities \[length/time\]; `None`: errors of velocities do not count.
+    pub velocity: Option<f64>,
+}
+
+impl Adaptivity {
+    /// Steps of any size.
+    pub fn new(tolerance: f64) -> Self {
+        Adaptivity {
+            tolerance,
+            smallest: 0.0,
+            largest: f64::INFINITY,
+            first: None,
+            length: None,
+            velocity: None,
+        }
+    }
+
+    /// Checks that the settings go together.
+    ///
+    /// # Errors
+    /// [`Error::Adaptivity`].
+    pub fn check(&self) -> Result<()> {
+        let fail = |setting, reason: String| Err(Error::Adaptivity { setting, reason });
+        let is_positive = |value: f64| value > 0.0 && value.is_finite();
+        if !(is_positive(self.tolerance) && self.tolerance < 1.0) {
+            return fail("tolerance", format!("must be between 0 and 1, not {}", self.tolerance));
+        }
+        if !(self.smallest >= 0.0 && self.smallest.is_finite()) {
+            return fail("min_size", format!("must not be negative, and finite, not {}", self.smallest));
+        }
+        if self.largest.is_nan() || self.largest <= 0.0 {
+            return fail("max_size", format!("must be positive, not {}", self.largest));
+        }
+        if self.smallest > self.largest {
+            let reason = format!("{} is larger than max_size = {}", self.smallest, self.largest);
+            return fail("min_size", reason);
+        }
+        for (setting, value) in
+            [("first_size", self.first), ("length", self.length), ("velocity", self.velocity)]
+        {
+            if let Some(value) = value.filter(|value| !is_positive(*value)) {
+                return fail(setting, format!("must be positive and finite, not {value}"));
+            }
+        }
+        match self.first {
+            Some(first) if first > self.largest || first < self.smallest => {
+                fail("first_size", format!("{first} is not between min_size and max_size"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Chooses step sizes from errors: the digital filter H211b of Soederlind (2003, Digital filters in adaptive time-stepping, ACM
+/// Transactions on Mathematical Software 29, table 4) with b = 4,
+///
+/// ```math
+/// h_(n+1) = h_n (c/e_n)^(1/(4q)) (c/e_(n-1))^(1/(4q)) (h_n/h_(n-1))^(-1/4)
+/// ```
+///
+/// for errors that grow like h^q, with c a part of the tolerance, and its factor limited smoothly (Soederlind and Wang 2006), so that sizes
+/// vary smoothly. A size that would change little stays, because a new one needs new factors of the linear solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Controller {
+    tolerance: f64,
+    smallest: f64,
+    largest: f64,
+    /// Power q of the step size with which errors grow.
+    order: f64,
+    /// Size that the next step should have.
+    size: f64,
+    /// Error of the last accepted step over the tolerance, and its size.
+    last: Option<(f64, f64)>,
+    /// Whether the last attempt was refused: the step that follows does not grow.
+    was_refused: bool,
+}
+
+/// Part of the tolerance that is aimed at.
+const AIM: f64 = 0.6;
+
+/// Errors below this part of the tolerance are taken for it: a step without error says nothing about larger ones.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Changes of the size within these factors are not made.
+const STAYS: [f64; 2] = [0.95, 1.2];
+
+/// Largest part of the size that is left after a step was refused.
+const REFUSED: f64 = 0.9;
+
+/// Smallest part of the size that is left after a step was refused.
+const SHARPEST_CUT: f64 = 0.1;
+
+impl Controller {
+    /// A controller of errors that grow like `h^order`.
+    pub fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
+        let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
+        let size = first.clamp(smallest, largest);
+        Controller { tolerance, smallest, largest, order: order as f64, size, last: None, was_refused: false }
+    }
+
+    /// Size that the next step should have.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Size of the next step, if so much time is left to one that must be met: it is met exactly, and not by a sliver of a step.
+    pub fn size_within(&self, left: f64) -> f64 {
+        if self.size >= left * (1.0 - 1e-9) {
+            left
+        } else if self.size > 0.5 * left {
+            0.5 * left
+        } else {
+            self.size
+        }
+    }
+
+    /// Whether an error is within the tolerance; NaN is not.
+    pub fn accepts(&self, error: f64) -> bool {
+        error <= self.tolerance
+    }
+
+    /// Whether a step may be made smaller.
+    pub fn can_shrink(&self, size: f64) -> bool {
+        size > self.smallest && size > 0.0
+    }
+
+    /// Notes a step that was accepted. `is_hard`: Newton's iteration had difficulties, the size does not grow.
+    pub fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
+        let error = (error / self.tolerance / AIM).max(LEAST_ERROR);
+        let (last_error, last_size) = self.last.unwrap_or((error, size));
+        let power = 0.25 / self.order;
+        let factor = (error * last_error).powf(-power) * (size / last_size).powf(-0.25);
+        let mut factor = 1.0 + (factor - 1.0).atan();
+        if is_hard || self.was_refused {
+            factor = factor.min(1.0);
+        }
+        self.last = Some((error, size));
+        self.was_refused = false;
+        // A step that was made smaller only to meet a time does not take back what was to come.
+        let was_limited = size < self.size * (1.0 - 1e-9);
+        let proposed =
+            if was_limited && factor >= 1.0 { self.size.max(factor * size) } else { factor * size };
+        let change = proposed / self.size;
+        if !(STAYS[0]..=STAYS[1]).contains(&change) {
+            self.size = proposed.clamp(self.smallest, self.largest);
+        }
+    }
+
+    /// Makes the next attempt smaller after a step with too large an error.
+    pub fn refuse(&mut self, size: f64, error: f64) {
+        let factor = (AIM * self.tolerance / error).powf(1.0 / self.order);
+        let factor = if factor.is_nan() { SHARPEST_CUT } else { factor.clamp(SHARPEST_CUT, REFUSED) };
+        self.cut(factor * size);
+    }
+
+    /// Makes the next attempt half as large after a step that failed.
+    pub fn fail(&mut self, size: f64) {
+        self.cut(0.5 * size);
+    }
+
+    fn cut(&mut self, size: f64) {
+        self.size = size.max(self.smallest);
+        self.was_refused = true;
+    }
+
+    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has this size at most.
+    pub fn restart(&mut self, size: f64) {
+        self.size = self.size.min(size).max(self.smallest);
+        self.last = None;
+    }
+
+    /// As plain numbers, for [`Controller::restore`].
+    pub fn memory(&self) -> [f64; 5] {
+        let (error, size) = self.last.unwrap_or((-1.0, 0.0));
+        [self.size, error, size, f64::from(u8::from(self.was_refused)), self.order]
+    }
+
+    /// Takes over what another controller had noted.
+    pub fn restore(&mut self, [size, error, last_size, was_refused, order]: [f64; 5]) {
+        self.size = size.clamp(self.smallest, self.largest);
+        self.last = (error >= 0.0 && order == self.order).then_some((error, last_size));
+        self.was_refused = was_refused != 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn controller() -> Controller {
+        Controller::new(&Adaptivity::new(1e-4), 3, 0.1)
+    }
+
+    #[test]
+    fn sizes_settle_where_the_error_is_the_aim() {
+        // e = 2 h^3: the aim is met at h = (0.6e-4 / 2)^(1/3), within what is left alone.
+        let (mut controller, mut refused) = (controller(), 0);
+        for _ in 0..60 {
+            let size = controller.size_within(f64::INFINITY);
+            let error = 2.0 * size.powi(3);
+            match controller.accepts(error) {
+                true => controller.accept(size, error, false),
+                false => {
+                    controller.refuse(size, error);
+                    refused += 1;
+                }
+            }
+        }
+        let ideal = (0.6e-4f64 / 2.0).cbrt();
+        let size = controller.size_within(f64::INFINITY);
+        assert!((0.85..1.15).contains(&(size / ideal)), "{size} is not {ideal}");
+        assert!(refused <= 2, "{refused}");
+    }
+
+    #[test]
+    fn times_are_met_without_slivers() {
+        let controller = controller();
+        assert_eq!(controller.size_within(0.05), 0.05);
+        assert_eq!(controller.size_within(0.1 + 1e-12), 0.1 + 1e-12);
+        assert_eq!(controller.size_within(0.13), 0.065);
+        assert_eq!(controller.size_within(0.5), 0.1);
+    }
+
+    #[test]
+    fn a_step_that_meets_a_time_does_not_take_back_the_size() {
+        let mut controller = controller();
+        controller.accept(1e-3, 1e-12, false);
+        assert!(controller.size_within(f64::INFINITY) >= 0.1);
+        // Where even the short step had a large error, it does.
+        let mut controller = self::controller();
+        controller.accept(0.01, 1e-4, false);
+        assert!(controller.size_within(f64::INFINITY) < 0.0101);
+    }
+
+    #[test]
+    fn limits_hold_and_hard_steps_do_not_grow() {
+        let adaptivity = Adaptivity { smallest: 0.01, largest: 0.2, ..Adaptivity::new(1e-4) };
+        let mut controller = Controller::new(&adaptivity, 3, 0.1);
+        controller.accept(0.1, 0.0, true);
+        assert_eq!(controller.size_within(9.0), 0.1);
+        (0..9).for_each(|_| controller.accept(controller.size, 0.0, false));
+        assert_eq!(controller.size_within(9.0), 0.2);
+        (0..9).for_each(|_| controller.refuse(controller.size, f64::NAN));
+        assert_eq!(controller.size_within(9.0), 0.01);
+        assert!(!controller.can_shrink(0.01) && controller.can_shrink(0.02));
+    }
+
+    #[test]
+    fn settings_that_contradict_each_other_are_named() {
+        let good = Adaptivity::new(1e-4);
+        for (setting, bad) in [
+            ("tolerance", Adaptivity { tolerance: 0.0, ..good }),
+            ("tolerance", Adaptivity { tolerance: -1e-3, ..good }),
+            ("tolerance", Adaptivity { tolerance: f64::NAN, ..good }),
+            ("tolerance", Adaptivity { tolerance: 2.0, ..good }),
+            ("min_size", Adaptivity { smallest: -1.0, ..good }),
+            ("max_size", Adaptivity { largest: 0.0, ..good }),
+            ("min_size", Adaptivity { smallest: 0.2, largest: 0.1, ..good }),
+            ("first_size", Adaptivity { first: Some(0.5), largest: 0.1, ..good }),
+            ("length", Adaptivity { length: Some(0.0), ..good }),
+            ("velocity", Adaptivity { velocity: Some(f64::INFINITY), ..good }),
+        ] {
+            match bad.check() {
+                Err(Error::Adaptivity { setting: named, .. }) => assert_eq!(named, setting),
+                other => panic!("{setting}: {other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn memory_is_all_that_the_next_steps_depend_on() {
+        let mut first = controller();
+        first.accept(0.1, 3e-5, false);
+        first.refuse(0.1, 3e-4);
+        let mut second = controller();
+        second.restore(first.memory());
+        assert_eq!(first, second);
+    }
+}
