@@ -15,7 +15,9 @@ pub struct Progress {
     /// Number of the step that the state to start from has.
     first: Option<usize>,
     n_steps: usize,
-    end: f64,
+    is_adaptive: bool,
+    /// Times at which the plan starts and ends.
+    span: [f64; 2],
     largest_energy: f64,
 }
 
@@ -25,6 +27,11 @@ enum Form {
     Lines { shown: usize },
     Bar(ProgressBar),
 }
+
+/// Parts of the time of a run whose number of steps nobody knows.
+const PARTS: f64 = 1000.0;
+
+const ADAPTIVE_STYLE: &str = "{bar:24} {percent:>3} %  {msg}  {eta} left";
 
 const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
 
@@ -40,9 +47,12 @@ impl Progress {
         let form = match (quiet, stderr().is_terminal()) {
             (true, _) => Form::Nothing,
             (false, false) => Form::Lines { shown: 0 },
-            (false, true) => Form::Bar(bar(n_steps)),
+            (false, true) if plan.adaptivity().is_some() => Form::Bar(bar(PARTS as usize, ADAPTIVE_STYLE)),
+            (false, true) => Form::Bar(bar(n_steps, STYLE)),
         };
-        Progress { form, what, first: None, n_steps, end: plan.end(), largest_energy: 0.0 }
+        let is_adaptive = plan.adaptivity().is_some();
+        let span = [plan.start(), plan.end()];
+        Progress { form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0 }
     }
 
     /// Counts the steps of a run that goes on from a state.
@@ -69,9 +79,9 @@ impl Progress {
     }
 }
 
-fn bar(n_steps: usize) -> ProgressBar {
+fn bar(n_steps: usize, style: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(n_steps as u64), ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template(STYLE) {
+    match ProgressStyle::with_template(style) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
@@ -82,7 +92,14 @@ impl Observer for Progress {
         let record = view.record;
         self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         let done = record.step - *self.first.get_or_insert(record.step);
-        let tenths = 10 * done / self.n_steps.max(1);
+        // Parts of the time where nobody knows the number of steps.
+        let (position, whole) = match (self.is_adaptive, self.span) {
+            (true, [start, end]) => {
+                ((PARTS * (record.time - start) / (end - start)) as usize, PARTS as usize)
+            }
+            (false, _) => (done, self.n_steps),
+        };
+        let tenths = 10 * position / whole.max(1);
         let message = match self.form {
             Form::Nothing => return Ok(()),
             Form::Lines { shown } if tenths <= shown => return Ok(()),
@@ -91,11 +108,12 @@ impl Observer for Progress {
         match &mut self.form {
             Form::Bar(bar) => {
                 bar.set_message(message);
-                bar.set_position(done as u64);
+                bar.set_position(position as u64);
             }
             _ => {
-                let (n_steps, end) = (self.n_steps, number(self.end));
-                eprintln!("{}step {done} of {n_steps}, {message} (end: t = {end})", self.what);
+                let end = number(self.span[1]);
+                let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
+                eprintln!("{}step {done}{of}, {message} (end: t = {end})", self.what);
                 self.form = Form::Lines { shown: tenths };
             }
         }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use emmy::motion::{Record, View};
 
 use crate::directory::replace;
-use crate::input::Probe;
+use crate::input::{Probe, Problem};
 use crate::rows::RowFile;
 
 /// Columns that every history has.
@@ -35,6 +35,25 @@ pub const COLUMNS: [&str; 18] = [
 /// Column after [`COLUMNS`]: smallest det F at the quadrature points; `inf` for a body of links.
 const SMALLEST_DETERMINANT: &str = "smallest_determinant";
 
+/// Column of a run with adaptive steps: estimated error of the step, relative to the scales.
+const LOCAL_ERROR: &str = "local_error";
+
+/// Which columns a history has beside [`COLUMNS`] and `smallest_determinant`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    /// Whether step sizes are chosen by the error: a column `local_error`.
+    pub is_adaptive: bool,
+    /// Probes: three columns each.
+    pub probes: Vec<Probe>,
+}
+
+impl Extent {
+    /// That of the history of a problem.
+    pub fn of(problem: &Problem) -> Self {
+        Extent { is_adaptive: problem.plan.adaptivity().is_some(), probes: problem.output.probes.clone() }
+    }
+}
+
 /// A number of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
@@ -44,17 +63,19 @@ pub enum Number {
     Real(f64),
 }
 
-/// Names of all columns: [`COLUMNS`], `smallest_determinant`, then the current position of each probe.
-pub fn columns(probes: &[Probe]) -> Vec<String> {
-    let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]).map(str::to_string);
+/// Names of all columns: [`COLUMNS`], `smallest_determinant`, `local_error` of adaptive steps, then the current position of each probe.
+pub fn columns(extent: &Extent) -> Vec<String> {
+    let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]);
+    let own = own.chain(extent.is_adaptive.then_some(LOCAL_ERROR)).map(str::to_string);
     let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
-    own.chain(probes.iter().flat_map(of_probe)).collect()
+    own.chain(extent.probes.iter().flat_map(of_probe)).collect()
 }
 
 /// The numbers of a row, in the order of [`columns`]. `wall_seconds`: since the start of the run.
-pub fn row(view: View<'_>, probes: &[Probe], wall_seconds: f64) -> Vec<Number> {
+pub fn row(view: View<'_>, extent: &Extent, wall_seconds: f64) -> Vec<Number> {
     let mut row = own_columns(view.record, wall_seconds);
-    for probe in probes {
+    row.extend(extent.is_adaptive.then_some(Number::Real(view.record.local_error)));
+    for probe in &extent.probes {
         let point = view.body.mesh().points()[probe.node];
         row.extend((0..3).map(|i| Number::Real(point[i] + view.state.displacement[3 * probe.node + i])));
     }
@@ -94,8 +115,8 @@ impl HistoryFile {
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn create(path: &Path, probes: &[Probe]) -> io::Result<Self> {
-        Ok(HistoryFile { rows: RowFile::create(path, &columns(probes).join(","))? })
+    pub fn create(path: &Path, extent: &Extent) -> io::Result<Self> {
+        Ok(HistoryFile { rows: RowFile::create(path, &columns(extent).join(","))? })
     }
 
     /// The history of a run that goes on after a step; later rows are taken out. The time of the step's own row becomes that of its
@@ -103,10 +124,10 @@ impl HistoryFile {
     ///
     /// # Errors
     /// [`HistoryError`] if the file is damaged, has other columns, or ends before the step.
-    pub fn resume(path: &Path, probes: &[Probe], step: usize, time: f64) -> Result<Self, HistoryError> {
+    pub fn resume(path: &Path, extent: &Extent, step: usize, time: f64) -> Result<Self, HistoryError> {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
         let history = History::read(path)?;
-        if history.columns != columns(probes) {
+        if history.columns != columns(extent) {
             return Err(HistoryError::Columns { path: path.to_path_buf() });
         }
         let times = history.column("time").unwrap_or_default();
@@ -168,7 +189,7 @@ pub enum HistoryError {
     },
     /// It has other columns than the run that is to go on.
     #[error(
-        "{path}: its columns are not those of the probes now; `output.probes` cannot change when a run goes on"
+        "{path}: its columns are not those of the input now; `output.probes` and `time.adaptive` cannot come or go when a run goes on"
     )]
     Columns {
         /// The path.
@@ -286,7 +307,8 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("history.csv");
         let record = Record { step: 3, time: 0.1 + 0.2, kinetic_energy: 1e-300, ..Default::default() };
-        HistoryFile::create(&path, &[]).unwrap().write(&own_columns(&record, 0.5)).unwrap();
+        let extent = Extent { is_adaptive: false, probes: Vec::new() };
+        HistoryFile::create(&path, &extent).unwrap().write(&own_columns(&record, 0.5)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
         assert_eq!(lines[0][..COLUMNS.len()], COLUMNS);

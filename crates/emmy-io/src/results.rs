@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::directory::{self, DirectoryError, MARK, replace};
 use crate::events::EventsFile;
-use crate::history::{self, HistoryError, HistoryFile};
+use crate::history::{self, Extent, HistoryError, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::lock::Lock;
@@ -39,6 +39,7 @@ pub enum ResumeError {
 #[derive(Debug)]
 pub struct Results {
     output: Output,
+    extent: Extent,
     limits: Limits,
     heading: Heading,
     history: HistoryFile,
@@ -75,7 +76,7 @@ impl Results {
         let lock = Lock::take(directory)?;
         directory::prepare(directory)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
-        let history = HistoryFile::create(&directory.join("history.csv"), &problem.output.probes);
+        let history = HistoryFile::create(&directory.join("history.csv"), &Extent::of(problem));
         let history = history.map_err(system)?;
         Results::open(problem, lock, history, None).map_err(system)
     }
@@ -87,7 +88,7 @@ impl Results {
     pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
         let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
         let path = directory.join("history.csv");
-        let history = HistoryFile::resume(&path, &problem.output.probes, state.step, state.time)?;
+        let history = HistoryFile::resume(&path, &Extent::of(problem), state.step, state.time)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         Ok(Results::open(problem, lock, history, Some(checkpoint))?)
     }
@@ -122,6 +123,7 @@ impl Results {
         summary::write(&directory.join("summary.json"), &summary)?;
         Ok(Results {
             limits: problem.limits,
+            extent: Extent::of(problem),
             output,
             heading,
             history,
@@ -268,7 +270,7 @@ impl Frames {
 
 impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let row = history::row(view, &self.output.probes, self.wall_seconds());
+        let row = history::row(view, &self.extent, self.wall_seconds());
         self.history.write(&row)?;
         self.newton.write(view)?;
         if let Some(frames) =

@@ -49,7 +49,8 @@ pub struct Heading {
     dofs: usize,
     nodes: usize,
     cells: usize,
-    planned_steps: usize,
+    /// `None`: sizes are chosen by the error.
+    planned_steps: Option<usize>,
 }
 
 impl Heading {
@@ -62,7 +63,7 @@ impl Heading {
             dofs: problem.body.n_dofs(),
             nodes: problem.body.mesh().n_nodes(),
             cells: problem.body.mesh().n_cells(),
-            planned_steps: problem.plan.n_steps(),
+            planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
         }
     }
 
@@ -86,6 +87,7 @@ impl Heading {
             "steps_with_exact_tangent": tally.steps_with_exact_tangent,
             "steps_at_rounding_floor": tally.steps_at_rounding_floor,
             "cuts": tally.cuts,
+            "refusals": tally.refusals,
             "releases": tally.releases,
             "wall_seconds": wall_seconds,
             "worst_energy_residual": tally.energy.value,

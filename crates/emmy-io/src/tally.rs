@@ -67,6 +67,8 @@ pub struct Tally {
     pub external_work: f64,
     /// How often a step was cut by two.
     pub cuts: usize,
+    /// How often a step was done again because of its error.
+    pub refusals: usize,
     /// Supports that were released.
     pub releases: usize,
     largest_kinetic_energy: f64,
@@ -89,6 +91,7 @@ impl Tally {
         self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
         self.cuts += record.cuts;
+        self.refusals += record.refusals;
         self.releases += record.releases;
         self.energy.see(record.energy_residual, record.step);
         self.linear_momentum.see(record.linear_momentum_residual, record.step);
@@ -98,7 +101,7 @@ impl Tally {
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 25] {
+    pub(crate) fn numbers(&self) -> [f64; 26] {
         [
             self.steps as f64,
             self.time,
@@ -125,11 +128,12 @@ impl Tally {
             self.largest_linear_momentum,
             self.linear_momentum_scale,
             self.angular_momentum_scale,
+            self.refusals as f64,
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 25], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 26], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -155,6 +159,7 @@ impl Tally {
             largest_linear_momentum: n[22],
             linear_momentum_scale: n[23],
             angular_momentum_scale: n[24],
+            refusals: n[25] as usize,
         }
     }
 

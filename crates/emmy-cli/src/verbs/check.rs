@@ -8,7 +8,7 @@ use emmy::body::{
 };
 use emmy::element::{Worst, quality};
 use emmy::mesh::Mesh;
-use emmy::motion::State;
+use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 
 use super::Input;
@@ -235,19 +235,40 @@ impl Report {
         let plan = &problem.plan;
         self.line("scheme", &format!("{}, degree {}", problem.scheme, problem.degree));
         let (steps, start, end) = (plan.n_steps(), number(plan.start()), number(plan.end()));
-        self.line("plan", &format!("{steps} steps from t = {start} to t = {end}"));
-        for phase in plan.phases() {
-            self.line("", &format!("steps of {} until {}", number(phase.size), number(phase.until)));
+        match plan.adaptivity() {
+            Some(adaptivity) => self.adaptivity(adaptivity, problem),
+            None => {
+                self.line("plan", &format!("{steps} steps from t = {start} to t = {end}"));
+                for phase in plan.phases() {
+                    self.line("", &format!("steps of {} until {}", number(phase.size), number(phase.until)));
+                }
+            }
         }
         let newton = &problem.newton;
         let (tolerance, most) = (number(newton.tolerance), newton.max_iterations);
         self.line("newton", &format!("tolerance {tolerance}, at most {most} iterations a step"));
     }
 
+    fn adaptivity(&mut self, adaptivity: &Adaptivity, problem: &Problem) {
+        let (start, end) = (number(problem.plan.start()), number(problem.plan.end()));
+        let tolerance = number(adaptivity.tolerance);
+        self.line(
+            "plan",
+            &format!("steps with an error of at most {tolerance} each, from t = {start} to t = {end}"),
+        );
+        let length = adaptivity.length.unwrap_or_else(|| problem.body.radius_of_gyration());
+        let velocity =
+            adaptivity.velocity.map_or(String::new(), |v| format!(", of velocities {}", number(v)));
+        self.line("", &format!("scale of positions {}{velocity}", number(length)));
+        let largest = if adaptivity.largest.is_finite() { number(adaptivity.largest) } else { "any".into() };
+        self.line("", &format!("sizes from {} to {largest}", number(adaptivity.smallest)));
+    }
+
     fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
         let frames = match output.every {
             0 => "no frames".to_string(),
+            every if problem.plan.adaptivity().is_some() => format!("a frame every {every} steps"),
             every => format!("{} frames", problem.plan.n_steps().div_ceil(every) + 1),
         };
         self.line("output", &format!("{}, {frames}", output.directory.display()));

@@ -36,13 +36,14 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 9] = [
+pub const TEMPLATES: [Template; 10] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
     template!("spinning-block"),
     template!("plane-beam"),
     template!("two-body"),
+    template!("comet"),
     template!("spring-network"),
     template!("driven-beam"),
     template!("balloon"),

@@ -116,6 +116,6 @@ fn settle(problem: &Problem, checkpoint: &mut Checkpoint, identity: &Identity) {
     let (step, time) = (snapshot.state.step, snapshot.state.time);
     checkpoint.frames.iter_mut().filter(|(own, _)| *own == step).for_each(|frame| frame.1 = time);
     if !keeps_stepper {
-        snapshot.memory = None;
+        (snapshot.memory, snapshot.control) = (None, None);
     }
 }

@@ -98,6 +98,30 @@ fn two_body() {
 }
 
 #[test]
+fn comet() {
+    let (_, history) = run("comet");
+    // a = 1.5/1.9, T = tau sqrt(a^3 mu/g): the nearest distance is a (1 - e), and after each period the comet is where it started.
+    let a = 1.5 / 1.9;
+    let period = std::f64::consts::TAU * f64::sqrt(a * a * a / 9.0);
+    let sizes = &history["step_size"][1..];
+    let (least, most) =
+        (sizes.iter().copied().fold(f64::INFINITY, f64::min), sizes.iter().copied().fold(0.0, f64::max));
+    assert!(most > 15.0 * least, "{least} {most}");
+    let radius = |i: usize| 1.5 * history["comet_x"][i].hypot(history["comet_y"][i]);
+    let nearest = (0..history["time"].len()).map(radius).fold(f64::INFINITY, f64::min);
+    assert!((nearest / (0.1 * a) - 1.0).abs() < 0.02, "{nearest}");
+    let energy = history["total_energy"][0];
+    assert!(history["total_energy"].iter().all(|e| (e - energy).abs() < 1e-10 * energy.abs()));
+    let returns = (20.0 / period).floor();
+    let at = |t: f64| {
+        let i = history["time"].iter().position(|time| *time > t).unwrap();
+        let part = (t - history["time"][i - 1]) / (history["time"][i] - history["time"][i - 1]);
+        history["comet_x"][i - 1] + part * (history["comet_x"][i] - history["comet_x"][i - 1])
+    };
+    assert!((at(returns * period) + 1.0).abs() < 0.01, "{}", at(returns * period));
+}
+
+#[test]
 fn spring_network() {
     let (_, history) = run("spring-network");
     // Twelve springs of length sqrt 2 with k = 20 and 1.2 at rest; masses 0.5 and 0.75 at the ends, bars of mass 0.02.

@@ -1,5 +1,6 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
+mod adaptive;
 mod bad_input;
 mod bad_material;
 mod compare;

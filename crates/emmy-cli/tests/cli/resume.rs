@@ -35,7 +35,7 @@ fn rows(place: &Place, directory: &str) -> Vec<String> {
     text.lines().map(without).collect()
 }
 
-fn assert_same_rows(place: &Place, own: &str, expected: &str) {
+pub fn assert_same_rows(place: &Place, own: &str, expected: &str) {
     let (own, expected) = (rows(place, own), rows(place, expected));
     let first = own.iter().zip(&expected).position(|(own, expected)| own != expected);
     assert!(own == expected, "{} and {} rows, the first that differs: {first:?}", own.len(), expected.len());
@@ -199,7 +199,7 @@ fn another_mesh_under_the_same_name_is_refused() {
 }
 
 /// Starts the binary without waiting for it.
-fn start(place: &Place, arguments: &[&str]) -> Child {
+pub fn start(place: &Place, arguments: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_emmy"))
         .args(arguments)
         .current_dir(place.path(""))
@@ -210,7 +210,7 @@ fn start(place: &Place, arguments: &[&str]) -> Child {
 }
 
 /// Waits until a history has some rows.
-fn wait_for_rows(place: &Place, directory: &str, n: usize) {
+pub fn wait_for_rows(place: &Place, directory: &str, n: usize) {
     let path = place.path(&format!("{directory}/history.csv"));
     for _ in 0..6000 {
         if std::fs::read_to_string(&path).is_ok_and(|text| text.lines().count() > n) {

@@ -10,10 +10,13 @@ use crate::tally::Tally;
 /// Before the names of the stepper's lists.
 const STEPPER: &str = "stepper.";
 
+/// Before the names of the lists of what chooses the step sizes.
+const CONTROL: &str = "control.";
+
 /// The bytes of the file of a checkpoint.
 pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { version, identity, snapshot, tally, frames, wall_seconds } = checkpoint;
-    let Snapshot { state, record, division, releases, was_at_rounding_floor, memory } = snapshot;
+    let Snapshot { state, record, division, control, releases, was_at_rounding_floor, memory } = snapshot;
     let texts = [("version", version), ("input", &identity.input), ("mesh", &identity.mesh)];
     let place = [
         state.time,
@@ -24,6 +27,7 @@ pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         *releases as f64,
         f64::from(u8::from(*was_at_rounding_floor)),
         f64::from(u8::from(memory.is_some())),
+        f64::from(u8::from(control.is_some())),
         *wall_seconds,
     ];
     let mut lists = vec![
@@ -38,8 +42,10 @@ pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         ("frames.steps".to_string(), frames.iter().map(|(step, _)| *step as f64).collect()),
         ("frames.times".to_string(), frames.iter().map(|(_, time)| *time).collect()),
     ];
-    let of_stepper = memory.iter().flat_map(|memory| memory.lists());
-    lists.extend(of_stepper.map(|(name, list)| (format!("{STEPPER}{name}"), list.to_vec())));
+    for (prefix, memory) in [(STEPPER, memory), (CONTROL, control)] {
+        let own = memory.iter().flat_map(|memory| memory.lists());
+        lists.extend(own.map(|(name, list)| (format!("{prefix}{name}"), list.to_vec())));
+    }
     let texts = texts.map(|(name, text)| (name.to_string(), text.clone())).to_vec();
     Parts { texts, lists }.bytes()
 }
@@ -47,7 +53,8 @@ pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
 /// Reads the bytes of a file; else why it cannot be used.
 pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     let parts = Parts::read(bytes)?;
-    let [time, step, level, part, good, releases, floor, has_memory, wall_seconds] = parts.array("place")?;
+    let [time, step, level, part, good, releases, floor, has_memory, has_control, wall_seconds] =
+        parts.array("place")?;
     let state = State {
         time,
         step: whole(step)?,
@@ -59,10 +66,12 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     if whole(level)? > 60 {
         return Err("has a step that is divided too often".into());
     }
-    let of_stepper = parts
-        .lists
-        .iter()
-        .filter_map(|(name, list)| name.strip_prefix(STEPPER).map(|name| (name.to_string(), list.clone())));
+    let memory = |prefix: &str| {
+        let own = |(name, list): &(String, Vec<f64>)| {
+            name.strip_prefix(prefix).map(|name| (name.to_string(), list.clone()))
+        };
+        parts.lists.iter().filter_map(own).collect()
+    };
     let snapshot = Snapshot {
         state,
         record: record(parts.array("record")?, solver(parts.list("record.solver")?)),
@@ -71,9 +80,10 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
             part: whole(part)? as u64,
             good: whole(good)? as u32,
         },
+        control: (has_control != 0.0).then(|| memory(CONTROL)),
         releases: whole(releases)?,
         was_at_rounding_floor: floor != 0.0,
-        memory: (has_memory != 0.0).then(|| of_stepper.collect()),
+        memory: (has_memory != 0.0).then(|| memory(STEPPER)),
     };
     let frames = parts.list("frames.steps")?.iter().zip(parts.list("frames.times")?);
     let frames = frames.map(|(step, time)| Ok((whole(*step)?, *time))).collect::<Result<_, String>>()?;
@@ -111,7 +121,7 @@ fn solver(numbers: &[f64]) -> Option<SolverChoice> {
 }
 
 /// All of a record but its solver.
-fn record_numbers(record: &Record) -> [f64; 25] {
+fn record_numbers(record: &Record) -> [f64; 27] {
     let [p, l] = [record.linear_momentum, record.angular_momentum];
     [
         record.step as f64,
@@ -139,10 +149,12 @@ fn record_numbers(record: &Record) -> [f64; 25] {
         record.releases as f64,
         record.smallest_determinant,
         record.newton_target,
+        record.local_error,
+        record.refusals as f64,
     ]
 }
 
-fn record(numbers: [f64; 25], solver: Option<SolverChoice>) -> Record {
+fn record(numbers: [f64; 27], solver: Option<SolverChoice>) -> Record {
     let n = numbers;
     Record {
         step: n[0] as usize,
@@ -166,6 +178,8 @@ fn record(numbers: [f64; 25], solver: Option<SolverChoice>) -> Record {
         releases: n[22] as usize,
         smallest_determinant: n[23],
         newton_target: n[24],
+        local_error: n[25],
+        refusals: n[26] as usize,
         solver,
     }
 }

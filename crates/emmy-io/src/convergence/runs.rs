@@ -34,7 +34,7 @@ pub fn until(plan: &StepPlan, time: f64) -> emmy::Result<StepPlan> {
             break;
         }
     }
-    StepPlan::new(plan.start(), phases)
+    plan.with_phases(phases)
 }
 
 /// The reference at some times.

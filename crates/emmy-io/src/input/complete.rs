@@ -74,6 +74,13 @@ pub(super) fn resolve(
     if let (Some(file), Some(mesh)) = (mesh_file, tree.get_mut("mesh")) {
         mesh.put("file", string(&file.to_string_lossy(), &place));
     }
+    if plan.adaptivity().is_some() {
+        let end = tree::parse("until", &format!("until = {:?}", plan.end()))?;
+        if let (Value::Table(entries), Some(time)) = (end.value, tree.get_mut("time")) {
+            entries.into_iter().for_each(|entry| time.put(&entry.key, entry.node));
+        }
+        return Ok(());
+    }
     let phase = |phase: &Phase| format!("{{ until = {:?}, size = {:?} }}", phase.until, phase.size);
     let phases: Vec<String> = plan.phases().iter().map(phase).collect();
     let mut steps = tree::parse("steps", &format!("steps = [{}]", phases.join(", ")))?;

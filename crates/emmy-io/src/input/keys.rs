@@ -86,7 +86,10 @@ pub(super) const MOVE: Keys = keys("move", &["x", "y", "z"]);
 pub(super) const ROTATE: Keys = keys("rotate", &["axis", "about", "angle"]);
 pub(super) const INITIAL: Keys =
     keys("[initial]", &["group", "velocity", "angular_velocity", "about", "gradient"]);
-pub(super) const TIME: Keys = keys("[time]", &["scheme", "degree", "steps", "smallest_step"]);
+pub(super) const TIME: Keys =
+    keys("[time]", &["scheme", "degree", "steps", "smallest_step", "adaptive", "until"]);
+pub(super) const ADAPTIVE: Keys =
+    keys("`adaptive`", &["tolerance", "min_size", "max_size", "first_size", "length", "velocity"]);
 pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
@@ -96,7 +99,7 @@ pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
 /// Every table. `schema` describes each of them.
-pub(super) const TABLES: [Keys; 33] = [
+pub(super) const TABLES: [Keys; 34] = [
     ROOT,
     MESH,
     L_BLOCK,
@@ -124,6 +127,7 @@ pub(super) const TABLES: [Keys; 33] = [
     ROTATE,
     INITIAL,
     TIME,
+    ADAPTIVE,
     PHASE,
     NEWTON,
     SOLVER,
@@ -135,6 +139,9 @@ pub(super) const TABLES: [Keys; 33] = [
 /// Words that people bring from elsewhere, and the keys they stand for.
 const KIN: &[(&str, &str)] = &[
     ("E", "youngs_modulus"),
+    ("tol", "tolerance"),
+    ("dt_min", "min_size"),
+    ("dt_max", "max_size"),
     ("nu", "poissons_ratio"),
     ("rho", "density"),
     ("young", "youngs_modulus"),

@@ -4,6 +4,7 @@
 //! section is read by a file of its own into the types of the library. A key that no section knows is an error. The same keys
 //! make the JSON schema for editors (`schema`).
 
+mod adaptive;
 mod complete;
 mod expression;
 mod fault;

@@ -14,8 +14,8 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape, support,
-    time, write,
+    adaptive, complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape,
+    support, time, write,
 };
 
 /// What the command line says about an input.
@@ -180,6 +180,7 @@ impl Parts {
         let body = Body::with_nodal(mesh, values(self.regions), &nodal, &supports, &loads);
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
+        adaptive::check_scale(&body, &self.time)?;
         Ok(Problem {
             title: self.title,
             body,

@@ -4,26 +4,24 @@ use emmy::motion::{Phase, StepPlan};
 use emmy::time::Scheme;
 
 use super::fault::{Fault, Place};
-use super::keys;
 use super::suggest::nearest;
 use super::table::{Item, spelled};
+use super::{adaptive, keys};
 
 /// Scheme, degree and plan.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Time {
     pub(super) scheme: Scheme,
     pub(super) degree: usize,
     pub(super) plan: StepPlan,
+    /// Place of `adaptive`.
+    pub(super) adaptive: Option<Place>,
     /// Size down to which a step that fails is cut.
     pub(super) smallest_step: Option<f64>,
 }
 
 /// Reads the table; `until` is the end that the command line asks for, `step` a time and the step size that it asks for from then on.
 pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
-    if let Some(place) = item.has_key("adaptive") {
-        let help = "give `steps = [ { until = 1.0, size = 0.01 } ]`";
-        return Err(Fault::at(place, "`adaptive` steps are not available yet", "not yet").help(help));
-    }
     let table = item.table(keys::TIME)?;
     let scheme_item = table.require("scheme")?;
     let scheme = scheme(&scheme_item)?;
@@ -33,11 +31,20 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
         let fault = scheme_item.fault(reason(&error), "this scheme");
         fault.label(degree_item.place(), "with this degree")
     })?;
-    let plan = plan(table.require("steps")?)?;
+    let plan = match table.get("adaptive") {
+        Some(adaptive) => {
+            adaptive::plan(&table, &adaptive, (&scheme_item, scheme), (&degree_item, degree), until)?
+        }
+        None => {
+            adaptive::check_until(&table)?;
+            plan(table.require("steps")?)?
+        }
+    };
     let plan = until.map_or(Ok(plan.clone()), |until| cut_or_extended(&plan, until))?;
     let plan = step.map_or(Ok(plan.clone()), |(from, size)| with_size_from(&plan, from, size))?;
     let smallest_step = table.get("smallest_step").map(|item| item.positive()).transpose()?;
-    Ok(Time { scheme, degree, plan, smallest_step })
+    let adaptive = table.get("adaptive").map(|item| item.place().clone());
+    Ok(Time { scheme, degree, plan, adaptive, smallest_step })
 }
 
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
@@ -136,7 +143,7 @@ fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
         (None, Some(last)) => last.until = until,
         (None, None) => {}
     }
-    StepPlan::new(plan.start(), phases)
+    plan.with_phases(phases)
         .map_err(|error| Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time"))
 }
 

@@ -12,6 +12,38 @@ pub fn sum(vector: &[f64]) -> [f64; 3] {
 }
 
 impl Body {
+    /// Mean of a nodal field over the lumped mass, `[n_nodes][3]`.
+    ///
+    /// ```math
+    /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
+    /// ```
+    pub fn mean(&self, field: &[f64]) -> f64 {
+        let masses = self.lumped_mass();
+        let squares = field.as_chunks::<3>().0.iter().zip(masses);
+        let sum: f64 = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum();
+        (sum / masses.iter().sum::<f64>()).sqrt()
+    }
+
+    /// Radius of gyration about the centre of mass, in the reference configuration \[length\].
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?);
+    /// let body = Body::new(mesh::block([1.0, 2.0, 2.0], [1; 3])?, vec![rubber], &[], &[])?;
+    /// assert!((body.radius_of_gyration() - 1.5).abs() < 1e-14); // all mass in the corners
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn radius_of_gyration(&self) -> f64 {
+        let (points, masses) = (self.mesh().points(), self.lumped_mass());
+        let mass: f64 = masses.iter().sum();
+        let mut centre = [0.0; 3];
+        for (X, m) in points.iter().zip(masses) {
+            (0..3).for_each(|d| centre[d] += m * X[d] / mass);
+        }
+        let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
+        self.mean(&arms)
+    }
+
     /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
     pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
         let mut moment = [0.0; 3];

@@ -1,7 +1,5 @@
 //! Marching with step sizes that are chosen by the error.
 
-#![allow(non_snake_case)]
-
 use super::march::{SAME_TIME, placed};
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
 use crate::body::Body;
@@ -48,16 +46,16 @@ impl<'a> Control<'a> {
     /// A size with which to begin: a part of the time in which the body moves by its own length.
     fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
         let acceleration = LocalError::acceleration(body, state)?;
-        let by_velocity = self.length / mean(body, &state.velocity);
-        let by_acceleration = (2.0 * self.length / mean(body, &acceleration)).sqrt();
+        let by_velocity = self.length / body.mean(&state.velocity);
+        let by_acceleration = (2.0 * self.length / body.mean(&acceleration)).sqrt();
         Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
     }
 
     /// Error of the last step: the larger one of those of positions and velocities, in their scales.
     fn error(&self, body: &Body) -> f64 {
-        let position = mean(body, self.estimator.displacement()) / self.length;
+        let position = body.mean(self.estimator.displacement()) / self.length;
         match self.adaptivity.velocity {
-            Some(scale) => larger(position, mean(body, self.estimator.velocity()) / scale),
+            Some(scale) => larger(position, body.mean(self.estimator.velocity()) / scale),
             None => position,
         }
     }
@@ -196,7 +194,7 @@ impl<'a> Motion<'a> {
             let reason = "adaptive steps go with time elements only".to_string();
             return Err(Error::Scheme { scheme: self.scheme.to_string(), reason });
         }
-        let length = adaptivity.length.unwrap_or_else(|| radius_of_gyration(self.body));
+        let length = adaptivity.length.unwrap_or_else(|| self.body.radius_of_gyration());
         if length == 0.0 {
             let reason = "must be given: the body is a point".to_string();
             return Err(Error::Adaptivity { setting: "length", reason });
@@ -219,26 +217,6 @@ impl<'a> Motion<'a> {
         }
         Ok(control)
     }
-}
-
-/// Mean of a nodal field over the mass, `sqrt(sum_a m_a |u_a|^2 / m)`.
-fn mean(body: &Body, field: &[f64]) -> f64 {
-    let masses = body.lumped_mass();
-    let squares = field.as_chunks::<3>().0.iter().zip(masses);
-    let sum: f64 = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum();
-    (sum / masses.iter().sum::<f64>()).sqrt()
-}
-
-/// Radius of gyration about the centre of mass, in the reference configuration.
-fn radius_of_gyration(body: &Body) -> f64 {
-    let (points, masses) = (body.mesh().points(), body.lumped_mass());
-    let mass: f64 = masses.iter().sum();
-    let mut centre = [0.0; 3];
-    for (X, m) in points.iter().zip(masses) {
-        (0..3).for_each(|d| centre[d] += m * X[d] / mass);
-    }
-    let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
-    mean(body, &arms)
 }
 
 /// The larger one of two errors; NaN if one of them is.

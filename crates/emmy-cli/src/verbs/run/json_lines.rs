@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use emmy::motion::{Observer, View};
-use emmy_io::history::{self, Number};
-use emmy_io::input::Probe;
+use emmy_io::history::{self, Extent, Number};
+use emmy_io::input::Problem;
 use serde_json::{Map, Value};
 
 use crate::print;
@@ -13,15 +13,16 @@ use crate::print;
 #[derive(Debug)]
 pub struct JsonLines {
     on: bool,
-    probes: Vec<Probe>,
+    extent: Extent,
     columns: Vec<String>,
     started: Instant,
 }
 
 impl JsonLines {
     /// The observer; the clock starts here.
-    pub fn new(on: bool, probes: &[Probe]) -> Self {
-        JsonLines { on, probes: probes.to_vec(), columns: history::columns(probes), started: Instant::now() }
+    pub fn new(on: bool, problem: &Problem) -> Self {
+        let extent = Extent::of(problem);
+        JsonLines { on, columns: history::columns(&extent), extent, started: Instant::now() }
     }
 }
 
@@ -30,7 +31,7 @@ impl Observer for JsonLines {
         if !self.on {
             return Ok(());
         }
-        let row = history::row(view, &self.probes, self.started.elapsed().as_secs_f64());
+        let row = history::row(view, &self.extent, self.started.elapsed().as_secs_f64());
         let value = |number: &Number| match *number {
             Number::Whole(value) => Value::from(value),
             Number::Real(value) => Value::from(value),

@@ -72,7 +72,7 @@ pub fn march<'a>(
     signals::listen()?;
     let mut progress = Progress::new(&problem.plan, manner.quiet);
     progress.start_at(motion.state());
-    let mut json = JsonLines::new(manner.json, &problem.output.probes);
+    let mut json = JsonLines::new(manner.json, problem);
     let mut observers: [&mut dyn Observer; 4] = [&mut json, &mut progress, &mut results, &mut Stop];
     let outcome = march(motion, &problem.plan, &mut observers);
     progress.end();

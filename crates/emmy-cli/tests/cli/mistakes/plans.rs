@@ -8,6 +8,10 @@ fn scheme(name: &str, to: &str) -> Mistake {
     changed(name, "\"AS(2)\"", &format!("\"{to}\""))
 }
 
+fn adaptive(name: &str, settings: &str) -> Mistake {
+    changed(name, STEPS, &format!("adaptive = {{ {settings} }}\nuntil = 0.5"))
+}
+
 pub(super) fn all() -> Vec<Mistake> {
     vec![
         scheme("scheme-in-small-letters", "as2"),
@@ -36,6 +40,23 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("step-of-no-size", STEPS, "steps = [{ until = 0.5, size = 0 }]"),
         changed("more-steps-than-anyone-waits-for", STEPS, "steps = [{ until = 1.0, size = 1e-300 }]")
             .unseen(),
-        changed("adaptive-steps", STEPS, "adaptive = { tolerance = 1e-4 }"),
+        changed("adaptive-steps-without-an-end", STEPS, "adaptive = { tolerance = 1e-4 }").unseen(),
+        changed("adaptive-steps-without-a-tolerance", STEPS, "adaptive = { max_size = 0.1 }\nuntil = 0.5"),
+        adaptive("adaptive-tolerance-of-nothing", "tolerance = 0"),
+        adaptive("adaptive-tolerance-misspelt", "tol = 1e-4"),
+        adaptive("adaptive-sizes-that-contradict", "tolerance = 1e-4, min_size = 0.2, max_size = 0.1")
+            .unseen(),
+        adaptive("adaptive-first-size-too-large", "tolerance = 1e-4, first_size = 0.2, max_size = 0.1")
+            .unseen(),
+        adaptive("adaptive-steps-of-another-method", "tolerance = 1e-4")
+            .with(&["--set", "time.scheme=Bathe"])
+            .unseen(),
+        adaptive("adaptive-steps-beside-a-plan", "tolerance = 1e-4")
+            .with(&["--set", "time.steps=[{ until = 1, size = 0.1 }]"])
+            .unseen(),
+        adaptive("adaptive-steps-with-a-smallest-step", "tolerance = 1e-4")
+            .with(&["--set", "time.smallest_step=0.1"])
+            .unseen(),
+        changed("end-of-a-plan-with-ends", STEPS, &format!("{STEPS}\nuntil = 1.0")).unseen(),
     ]
 }

@@ -186,15 +186,19 @@ fn time() -> Value {
         "description": "Degree k of the time elements; of order 2k at the ends of the steps",
         "type": "integer", "minimum": 1, "maximum": MAX_DEGREE,
     });
-    Table::new(keys::TIME, "Scheme, degree and steps")
+    let mut time = Table::new(keys::TIME, "Scheme, degree and steps")
         .must("scheme", scheme())
         .may("degree", degree)
-        .must("steps", list(1, phase(), "Phases of steps, from t = 0 on"))
+        .may("steps", list(1, phase(), "Phases of steps, from t = 0 on"))
+        .may("adaptive", adaptive())
+        .may("until", number("End of a run with adaptive steps"))
         .may(
             "smallest_step",
             positive("Size down to which a step that fails is cut; left out: 1/1024 of the step"),
         )
-        .schema()
+        .schema();
+    time["anyOf"] = json!([{ "required": ["steps"] }, { "required": ["adaptive"] }]);
+    time
 }
 
 /// Schemes that an editor offers; the numbers in them may be others.
@@ -229,6 +233,23 @@ fn scheme() -> Value {
         "type": "string",
         "anyOf": [branch("enum", json!(listed)), branch("pattern", json!(pattern))],
     })
+}
+
+fn adaptive() -> Value {
+    let what = "Largest error of a step, relative to the scales, below 1";
+    let tolerance =
+        json!({ "description": what, "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 });
+    Table::new(keys::ADAPTIVE, "Steps whose sizes are chosen by the error, in place of `steps`")
+        .must("tolerance", tolerance)
+        .may("min_size", positive("Smallest step; a step that is too inaccurate even then ends the run"))
+        .may("max_size", positive("Largest step"))
+        .may("first_size", positive("First step; left out: chosen from velocity and acceleration"))
+        .may("length", positive("Scale of positions [length]; left out: the body's radius of gyration"))
+        .may(
+            "velocity",
+            positive("Scale of velocities [length/time]; left out: errors of velocities do not count"),
+        )
+        .schema()
 }
 
 fn phase() -> Value {

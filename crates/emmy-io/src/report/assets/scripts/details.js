@@ -17,7 +17,7 @@ function statusText(summary) {
   const strong = (text, mark = "") => element("strong", { class: mark }, text);
   switch (summary.status) {
     case "done": return [strong("Done"), `: ${grouped(summary.steps)} steps in `, duration(summary.wall_seconds)];
-    case "running": return [strong("Running"), `: ${grouped(summary.steps)} of ${grouped(summary.planned_steps)} steps when this page was written; load it again for more`];
+    case "running": return [strong("Running"), `: ${grouped(summary.steps)}${summary.planned_steps === null ? "" : ` of ${grouped(summary.planned_steps)}`} steps when this page was written; load it again for more`];
     default: return [strong(summary.status.replaceAll("-", " "), "poor"), `: ${summary.message ?? `after ${summary.steps} steps`}`];
   }
 }

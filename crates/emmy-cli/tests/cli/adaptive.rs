@@ -1,0 +1,98 @@
+//! Adaptive steps from outside: input, columns, events, going on.
+
+use std::process::Command;
+
+use super::resume::{assert_same_rows, start, wait_for_rows};
+use super::{BOX, Place};
+
+const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+
+/// The box under a load with a jump, in adaptive steps.
+fn adaptive_box(settings: &str) -> String {
+    BOX.replace(STEPS, &format!("adaptive = {{ {settings} }}\nuntil = 0.5"))
+        .replace(
+            "history = [[0.0, 0.0], [0.5, 1.0]]",
+            "history = [[0.0, 0.0], [0.1, 1.0], [0.25, 1.0], [0.25, 0.0]]",
+        )
+        .replace("AS(2)", "DGM")
+}
+
+#[test]
+fn sizes_follow_the_error_and_times_are_met() {
+    let place = Place::with(&adaptive_box("tolerance = 1e-4"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    for time in [0.1, 0.25, 0.5] {
+        assert!(history["time"].contains(&time), "{time}: {:?}", history["time"]);
+    }
+    assert!(history["local_error"].iter().all(|error| *error <= 1e-4));
+    assert!(history["local_error"][1..].iter().all(|error| *error > 0.0));
+    // The work of the load is the energy that the body has, to the end.
+    let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
+    }
+    let summary = place.summary("out");
+    assert!(summary["planned_steps"].is_null() && summary["refusals"].is_u64(), "{summary}");
+    // The resolved input is an input that gives the same run.
+    let input = place.read("out/input.toml");
+    place.write("again.toml", &input);
+    place.succeed(&["run", "again.toml", "--quiet", "--output", "again"]);
+    assert_eq!(place.history("again")["time"], history["time"]);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("steps with an error of at most 0.0001 each, from t = 0 to t = 0.5"), "{check}");
+}
+
+#[test]
+fn smaller_tolerances_take_more_steps() {
+    let place = Place::with(&adaptive_box("tolerance = 1e-3, max_size = 0.1"));
+    let steps = ["1e-3", "1e-4", "1e-5"].map(|tolerance| {
+        let set = format!("time.adaptive.tolerance={tolerance}");
+        place.succeed(&["run", "box.toml", "--quiet", "--set", &set]);
+        place.summary("out")["steps"].as_f64().unwrap()
+    });
+    // n ~ tolerance^(-1/3)
+    let power = (steps[2] / steps[0]).log10() / 2.0;
+    assert!((0.2..0.45).contains(&power), "{steps:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_stopped_and_goes_on_is_the_run_in_one() {
+    for (degree, tolerance) in [("1", "1e-8"), ("2", "1e-12")] {
+        let input = adaptive_box(&format!("tolerance = {tolerance}")).replace("every = 2", "every = 200");
+        let place = Place::with(&input.replace("degree = 1", &format!("degree = {degree}")));
+        place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+        let mut run = start(&place, &["run", "box.toml"]);
+        wait_for_rows(&place, "out", 30);
+        assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+        assert_eq!(run.wait().unwrap().code(), Some(130));
+        assert!(place.summary("out")["steps"].as_u64() < place.summary("whole")["steps"].as_u64());
+        place.succeed(&["resume", "out", "--quiet"]);
+        assert_same_rows(&place, "out", "whole");
+    }
+}
+
+#[test]
+fn a_tolerance_that_the_smallest_step_does_not_meet_ends_the_run() {
+    let place = Place::with(&adaptive_box("tolerance = 1e-9, min_size = 0.02"));
+    let outcome = place.emmy(&["run", "box.toml", "--quiet"]);
+    assert_eq!(outcome.code, 3, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("is above the tolerance 1e-9"), "{}", outcome.stderr);
+    assert_eq!(place.summary("out")["status"], "no-convergence");
+}
+
+#[test]
+fn a_body_that_is_a_point_needs_a_length() {
+    let place = Place::new();
+    // A pendulum: all its mass is in the bob.
+    let input = "mesh.network = { points = [[0, 0, 0], [1, 0, 0]], links = [[0, 1]], groups = { top = [0], bob = [1] } }\n\
+                 mass = [{ group = 'bob', mass = 1 }]\nsupport = [{ group = 'top', fix = ['x', 'y', 'z'] }]\n\
+                 region = { group = 'links', material.spring = { stiffness = 1.0 } }\n\
+                 [time]\nscheme = \"DGM\"\nadaptive = { tolerance = 1e-4 }\nuntil = 1.0\n";
+    place.write("point.toml", input);
+    let outcome = place.emmy(&["check", "point.toml"]);
+    assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("`adaptive` needs a `length`"), "{}", outcome.stderr);
+    place.succeed(&["check", "point.toml", "--set", "time.adaptive.length=1"]);
+}

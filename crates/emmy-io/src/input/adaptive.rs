@@ -1,0 +1,116 @@
+//! `time.adaptive`: steps whose sizes are chosen by the error.
+
+use emmy::body::Body;
+use emmy::motion::{Adaptivity, StepPlan};
+use emmy::time::{MAX_DEGREE, Scheme};
+
+use super::fault::{Fault, Place};
+use super::keys;
+use super::table::{Item, Table, spelled};
+use super::time::Time;
+
+/// The plan of a `[time]` with `adaptive` in place of `steps`; `until` is the end that the command line asks for.
+pub(super) fn plan(
+    time: &Table<'_>,
+    adaptive: &Item<'_>,
+    scheme: (&Item<'_>, Scheme),
+    degree: (&Item<'_>, usize),
+    until: Option<f64>,
+) -> Result<StepPlan, Fault> {
+    check_beside(time, adaptive)?;
+    let (scheme_item, scheme) = scheme;
+    if !scheme.is_time_element() {
+        let fault = scheme_item.fault("`adaptive` goes with time elements only", "not a time element");
+        return Err(fault.help("`emmy list schemes` explains them"));
+    }
+    let (degree_item, degree) = degree;
+    if degree >= MAX_DEGREE {
+        let message =
+            format!("`adaptive` goes up to degree {}: its error is that over the next one", MAX_DEGREE - 1);
+        return Err(degree_item.fault(message, "too high"));
+    }
+    let table = adaptive.table(keys::ADAPTIVE)?;
+    let adaptivity = read(&table)?;
+    if let Err(emmy::Error::Adaptivity { setting, reason }) = adaptivity.check() {
+        let item = table.require(setting)?;
+        return Err(item.fault(format!("`{setting}` {reason}"), "here"));
+    }
+    let (end, place) = match until {
+        Some(until) => flag(until),
+        None => {
+            let item = time.require("until")?;
+            (item.number()?, item.place().clone())
+        }
+    };
+    let plan = StepPlan::adaptive(0.0, end, adaptivity);
+    plan.map_err(|_| {
+        let message = format!(
+            "the run must end after t = 0 and within 1e12 steps of `max_size`, not at {}",
+            spelled(end)
+        );
+        Fault::at(&place, message, "this end")
+    })
+}
+
+/// The end on the command line, and its place.
+fn flag(until: f64) -> (f64, Place) {
+    let flag = format!("--until {}", spelled(until));
+    (until, Place::start_of("--until", &flag).at("--until ".len()..flag.len()))
+}
+
+/// Checks that nothing stands beside it which it takes the place of.
+fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
+    let beside = |key: &str, message: &str, help: &str| match time.get(key) {
+        Some(item) => {
+            let fault = Fault::at(item.key_place, message, "this one");
+            Err(fault.label(adaptive.key_place, "and this one").help(help.to_string()))
+        }
+        None => Ok(()),
+    };
+    beside(
+        "steps",
+        "`adaptive` takes the place of `steps`: give one of them",
+        "the end of adaptive steps is `until = T`",
+    )?;
+    beside(
+        "smallest_step",
+        "`smallest_step` goes with `steps`",
+        "the smallest adaptive step is `adaptive.min_size`",
+    )
+}
+
+fn read(table: &Table<'_>) -> Result<Adaptivity, Fault> {
+    let positive = |key: &str| table.get(key).map(|item| item.positive()).transpose();
+    let adaptivity = Adaptivity::new(table.require("tolerance")?.number()?);
+    Ok(Adaptivity {
+        smallest: positive("min_size")?.unwrap_or(adaptivity.smallest),
+        largest: positive("max_size")?.unwrap_or(adaptivity.largest),
+        first: positive("first_size")?,
+        length: positive("length")?,
+        velocity: positive("velocity")?,
+        ..adaptivity
+    })
+}
+
+/// Checks that there is a scale of positions.
+pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
+    let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());
+    match &time.adaptive {
+        Some(place) if !has_scale && body.radius_of_gyration() == 0.0 => {
+            let message = "`adaptive` needs a `length`: the body is a point and has none";
+            Err(Fault::at(place, message, "needs `length`"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `until` without `adaptive`.
+pub(super) fn check_until(time: &Table<'_>) -> Result<(), Fault> {
+    match time.get("until") {
+        Some(item) => {
+            let fault = Fault::at(item.key_place, "`until` of [time] goes with `adaptive`", "not here");
+            Err(fault.help("every phase of `steps` has its own `until`"))
+        }
+        None => Ok(()),
+    }
+}
