@@ -189,7 +189,7 @@ pub enum HistoryError {
     },
     /// It has other columns than the run that is to go on.
     #[error(
-        "{path}: its columns are not those of the input now; `output.probes` and `time.adaptive` cannot come or go when a run goes on"
+        "{path}: its columns are not those of the input now; `output.probes` cannot change when a run goes on, nor adaptive steps come or go"
     )]
     Columns {
         /// The path.

@@ -5,8 +5,8 @@ use std::error::Error as StdError;
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Support};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
-use emmy::motion::{Adaptivity, Event, EventKind, MarchError, Motion, NewtonSettings, Observer};
-use emmy::motion::{Record, Snapshot, State, StepPlan, View};
+use emmy::motion::{Adaptivity, Event, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
+use emmy::motion::{Observer, Phase, Record, Snapshot, State, StepPlan, View};
 use emmy::time::{LocalError, Scheme};
 use emmy::{Error, sparse::Solver};
 
@@ -158,6 +158,69 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
                 );
             }
         }
+    }
+}
+
+/// Estimated over true error of the displacement at the end of a march.
+fn effectivity((body, start): &(Body, State), degree: usize, plan: &StepPlan, exact: &State) -> f64 {
+    let mut estimate = GlobalError::new(body, DGM, degree, settings(), start).unwrap();
+    let mut motion = Motion::new(body, DGM, degree, settings(), start.clone()).unwrap();
+    motion.march(plan, &mut [&mut estimate]).unwrap();
+    let pairs = motion.state().displacement.iter().zip(&exact.displacement);
+    let error: Vec<f64> = pairs.map(|(own, exact)| own - exact).collect();
+    mean(body, estimate.displacement()) / mean(body, &error)
+}
+
+/// The state at the end of equal steps of FE(k).
+fn reference((body, start): &(Body, State), degree: usize, until: f64, size: f64) -> State {
+    let mut motion = Motion::new(body, Scheme::Standard(degree), degree, settings(), start.clone()).unwrap();
+    motion.march(&equal(until, size), &mut []).unwrap();
+    motion.state().clone()
+}
+
+fn equal(until: f64, size: f64) -> StepPlan {
+    StepPlan::new(0.0, vec![Phase { until, size }]).unwrap()
+}
+
+#[test]
+fn the_error_at_the_end_is_estimated_with_equal_steps_and_others() {
+    let problems = [
+        ("orbit", orbit(0.5), 2.0, 0.02, 1e-5),
+        ("springs", springs(), 2.0, 0.02, 1e-5),
+        ("soft block", soft_block(), 1.0, 0.01, 1e-5),
+    ];
+    for (name, problem, end, size, tolerance) in &problems {
+        let exact = reference(problem, 5, *end, 0.5 * size);
+        for degree in [1, 2, 3] {
+            let plans = [equal(*end, size * [1.0, 3.0, 5.0][degree - 1]), adaptive(*end, *tolerance)];
+            let ratios = plans.map(|plan| effectivity(problem, degree, &plan, &exact));
+            println!("{name}, k = {degree}: equal steps {:.4}, adaptive ones {:.4}", ratios[0], ratios[1]);
+            assert!(
+                ratios.iter().all(|ratio| (0.5..2.0).contains(ratio)),
+                "{name}, k = {degree}: {ratios:?}"
+            );
+        }
+    }
+}
+
+/// The highest modes of the paper's block are not resolved by its steps: what is left of the estimate then.
+#[test]
+fn what_no_step_resolves_is_estimated_in_size() {
+    let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap());
+    let body = Body::new(mesh::l_block(1.0).unwrap(), vec![rubber], &[], &[]).unwrap();
+    let field = InitialVelocity {
+        angular_velocity: [0.3, 0.5, 0.8],
+        gradient: [[0.2, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, 0.0, 0.02]],
+        ..Default::default()
+    };
+    let state = State::initial(&body, 0.0, &[field]).unwrap();
+    let problem = (body, state);
+    let exact = reference(&problem, 3, 0.2, 0.001);
+    for h in [0.02, 0.01] {
+        let ratios = [1, 2, 3].map(|degree| effectivity(&problem, degree, &equal(0.2, h), &exact));
+        println!("L-block, h = {h}: {ratios:.3?}");
+        // As large as the error, within a factor of three.
+        assert!(ratios.iter().all(|ratio| (0.33..3.0).contains(ratio)), "h = {h}: {ratios:?}");
     }
 }
 
