@@ -54,6 +54,8 @@ pub struct Results {
     report_due: f64,
     /// Seconds that the run took before it went on.
     seconds_before: f64,
+    /// Estimated error of the positions, if it was asked for.
+    estimated_error: Option<f64>,
     _lock: Lock,
 }
 
@@ -136,6 +138,7 @@ impl Results {
             started: Instant::now(),
             report_due: seconds_before + BETWEEN_REPORTS,
             seconds_before,
+            estimated_error: None,
             _lock: lock,
         })
     }
@@ -157,13 +160,19 @@ impl Results {
         }
         let end = format!("{} at step {}, t = {}", status.name(), self.tally.steps, self.tally.time);
         self.log.line(&message.map_or(end.clone(), |message| format!("{end}: {message}")))?;
-        let summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
+        let mut summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
+        summary["estimated_error"] = self.estimated_error.into();
         summary::write(&self.directory().join("summary.json"), &summary)?;
         // A step that could not be written is not one to go on from.
         if status != Status::Failed {
             self.write_checkpoint(motion, true)?;
         }
         Ok(summary)
+    }
+
+    /// Notes the estimated error of the positions at the end, a mean over the mass \[length\], for the summary.
+    pub fn note_error(&mut self, error: f64) {
+        self.estimated_error = Some(error);
     }
 
     /// Writes `report.html`, of the run as far as it is.

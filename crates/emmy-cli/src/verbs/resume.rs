@@ -12,7 +12,7 @@ use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use serde_json::Value;
 
-use super::run::{Manner, march};
+use super::run::{self, Manner, march};
 use super::with_threads;
 use crate::failure::Failure;
 use crate::print::number;
@@ -53,6 +53,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| usage(error.to_string(), "`emmy run` on its input.toml starts it again"))?;
     note.into_iter().for_each(|note| eprintln!("note: {note}; the other checkpoint is taken"));
     let problem = problem(arguments, &checkpoint)?;
+    run::check(&problem, &arguments.manner)?;
     let identity = Identity::new(&problem);
     let same = checkpoint.identity.check(&identity);
     same.map_err(|mismatch| Failure::Usage { message: mismatch.to_string(), help: None })?;

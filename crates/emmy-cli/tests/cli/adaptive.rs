@@ -82,6 +82,26 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_ends_the_run() {
     assert_eq!(place.summary("out")["status"], "no-convergence");
 }
 
+/// Steps of a tenth and their halves: the errors go like h^2, and so do the estimates.
+#[test]
+fn the_error_at_the_end_is_estimated() {
+    let place = Place::with(&BOX.replace("energy = 1e-2", "energy = 1"));
+    let tip = |size: f64| {
+        let steps = format!("time.steps=[{{ until = 0.5, size = {size} }}]");
+        let outcome = place.succeed(&["run", "box.toml", "--estimate-error", "--set", &steps]);
+        assert!(outcome.stderr.contains("estimated error of the positions at the end"), "{}", outcome.stderr);
+        place.summary("out")["estimated_error"].as_f64().unwrap()
+    };
+    let order = (tip(0.005) / tip(0.0025)).log2();
+    assert!((order - 2.0).abs() < 0.1, "{order}");
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert!(place.summary("out")["estimated_error"].is_null());
+    let outcome = place.emmy(&["run", "box.toml", "--estimate-error", "--set", "time.scheme=Bathe"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("there is no next degree of Bathe"), "{}", outcome.stderr);
+    assert_eq!(place.summary("out")["scheme"], "AS(2)", "nothing was written");
+}
+
 #[test]
 fn a_body_that_is_a_point_needs_a_length() {
     let place = Place::new();

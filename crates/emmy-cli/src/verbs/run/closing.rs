@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use emmy::body::Body;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use emmy_io::tally::Worst;
@@ -41,6 +42,14 @@ pub fn report(results: &Results, status: Status, page: Option<&Path>) {
     if let Some(page) = page {
         eprintln!("to look at: {}", page.display());
     }
+}
+
+/// Prints the estimated error of the positions.
+pub fn error(body: &Body, error: f64) {
+    let part = error / body.radius_of_gyration();
+    let part =
+        if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
+    eprintln!("estimated error of the positions at the end: {error:.1e} in the mean{part}");
 }
 
 fn worst(name: &str, worst: Worst, relative: Option<(f64, &str)>) {

@@ -4,7 +4,8 @@ mod closing;
 mod json_lines;
 
 use clap::Args;
-use emmy::motion::{MarchError, Motion, Observer, State, StepPlan};
+use emmy::motion::{GlobalError, MarchError, Motion, Observer, State, StepPlan};
+use emmy::time::MAX_DEGREE;
 use emmy_io::directory;
 use emmy_io::input::Problem;
 use emmy_io::limits::LimitExceeded;
@@ -39,6 +40,9 @@ pub struct Manner {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
+    /// Estimate the error of the positions at the end, by a motion of the next degree beside this one; twice to three times the time
+    #[arg(long)]
+    pub estimate_error: bool,
 }
 
 /// Runs the problem.
@@ -49,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Runs the problem in the thread that it is called in.
 fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
+    check(&problem, &arguments.manner)?;
     directory::check(&problem.output.directory)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
     let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
@@ -73,9 +78,15 @@ pub fn march<'a>(
     let mut progress = Progress::new(&problem.plan, manner.quiet);
     progress.start_at(motion.state());
     let mut json = JsonLines::new(manner.json, problem);
-    let mut observers: [&mut dyn Observer; 4] = [&mut json, &mut progress, &mut results, &mut Stop];
+    let mut error = if manner.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
+    let mut stop = Stop;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
+    observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
+    observers.push(&mut stop);
     let outcome = march(motion, &problem.plan, &mut observers);
     progress.end();
+    let error = error.map(|error| problem.body.mean(error.displacement()));
+    error.into_iter().for_each(|error| results.note_error(error));
     let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);
     let summary = results.finish(motion, status, message.as_deref());
@@ -92,8 +103,25 @@ pub fn march<'a>(
     let report = results.report().inspect_err(|error| eprintln!("note: no report was written: {error}")).ok();
     if !manner.quiet {
         closing::report(&results, status, report.as_deref());
+        error.into_iter().for_each(|error| closing::error(&problem.body, error));
     }
     failure.map_or(Ok(()), Err)
+}
+
+/// Checks that what is asked for can be done, before anything is written.
+pub fn check(problem: &Problem, manner: &Manner) -> Result<(), Failure> {
+    let (scheme, degree) = (problem.scheme, problem.degree);
+    if !manner.estimate_error || scheme.is_time_element() && degree < MAX_DEGREE {
+        return Ok(());
+    }
+    let message = format!("--estimate-error: there is no next degree of {scheme}, degree {degree}");
+    let help = format!("it goes with time elements up to degree {}", MAX_DEGREE - 1);
+    Err(Failure::Usage { message, help: Some(help) })
+}
+
+/// The estimator of the error since a state.
+fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'a>, Failure> {
+    Ok(GlobalError::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?)
 }
 
 /// How the march ended, as it stands in the summary and as the program ends.
