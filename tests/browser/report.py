@@ -24,6 +24,7 @@ RUNS = {
     "l-block": ["examples/l-block.toml", "--set", "time.scheme=DGM"],
     "newmark": ["examples/l-block.toml", "--set", "time.scheme=Newmark(0.25,0.5)"],
     "spring-network": ["examples/spring-network.toml", "--set", "output.format=vtkhdf"],
+    "comet": ["examples/comet.toml"],
     "charts-only": ["examples/plane-beam.toml", "--set", "output.every=0"],
 }
 
@@ -190,6 +191,15 @@ def check_comparison(browser, directory, runs):
     return n
 
 
+def check_adaptive(browser, adaptive, planned):
+    """Adaptive steps have a chart of their errors, planned ones have none."""
+    for directory, expected in [(adaptive, True), (planned, False)]:
+        page = browser.page(f"{directory}/report.html")
+        charts = page.value("[...document.querySelectorAll('section.chart')].map(e => e.getAttribute('aria-label'))")
+        assert ("Error of each step" in charts) == expected, (directory, charts)
+        page.close()
+
+
 def check_begun(browser, emmy, source, directory):
     """A run that has just begun: no row of its history, then one."""
     os.makedirs(directory)
@@ -251,6 +261,8 @@ def main():
         n = check_single(browser, f"{place}/l-block", kept)
         n += check_single(browser, f"{place}/spring-network", kept)
         n += check_single(browser, f"{place}/charts-only", kept, has_motion=False)
+        n += check_single(browser, f"{place}/comet", kept)
+        check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
         check_schemes(browser, f"{place}/l-block")
         compared = ["l-block", "newmark"]

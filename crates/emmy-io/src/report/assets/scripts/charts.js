@@ -39,6 +39,11 @@ function chartsOfRun(run, clock) {
     ofRun(run, { title: "Step size", height: 150, range: fromZero, lines: [
       { ...line("h", fromFirstStep(column("step_size")), "--c0"), stairs: true }] }),
   ];
+  const error = column("local_error");
+  if (error) {
+    specs.push(ofRun(run, { title: "Error of each step", unit: "estimated, relative to the scales of the input", log: true, height: 150,
+      lines: [line("local error", sizes(error, 1), "--c0")] }));
+  }
   const determinant = column("smallest_determinant");
   if (determinant?.some(Number.isFinite)) {
     specs.push(ofRun(run, { title: "Smallest det F", unit: "over all quadrature points; 1: volume unchanged", height: 150,
@@ -109,6 +114,11 @@ function chartsOfRuns(runs, clock) {
     ofRuns({ title: "Newton iterations", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),
     ofRuns({ title: "Step size", range: fromZero, lines: stairs("step_size") }),
   ];
+  const errors = each((run) => run.column("local_error")).filter((line) => line.values);
+  if (errors.length) {
+    specs.push(ofRuns({ title: "Error of each step", unit: "estimated", log: true,
+      lines: errors.map((line) => ({ ...line, values: sizes(line.values, 1) })) }));
+  }
   if (runs.every((run) => run.column("smallest_determinant")?.some(Number.isFinite))) {
     specs.push(ofRuns({ title: "Smallest det F", lines: each((run) => nulled(run.column("smallest_determinant"))) }));
   }
