@@ -164,7 +164,8 @@ impl<'a> Motion<'a> {
                 EventKind::Cut
             }
         };
-        let message = format!("step of {size:e} done again with {:e}: {error}", control.controller.size());
+        let message =
+            format!("step of {size:.3e} done again with {:.3e}: {error}", control.controller.size());
         self.note(kind, self.state.step + 1, message);
         Ok(())
     }
