@@ -84,15 +84,17 @@ impl Adaptivity {
     }
 }
 
-/// Chooses step sizes from errors: the digital filter H211b of Soederlind (2003, Digital filters in adaptive time-stepping, ACM
-/// Transactions on Mathematical Software 29, table 4) with b = 4,
+/// Chooses step sizes from errors: the predictive controller of Gustafsson (1994, Control-theoretic techniques for stepsize selection
+/// in implicit Runge-Kutta methods, ACM Transactions on Mathematical Software 20),
 ///
 /// ```math
-/// h_(n+1) = h_n (c/e_n)^(1/(4q)) (c/e_(n-1))^(1/(4q)) (h_n/h_(n-1))^(-1/4)
+/// h_(n+1) = h_n (c/e_n)^(1/q) (e_(n-1)/e_n)^(1/q) (h_n/h_(n-1))
 /// ```
 ///
-/// for errors that grow like h^q, with c a part of the tolerance, and its factor limited smoothly (Soederlind and Wang 2006), so that sizes
-/// vary smoothly. A size that would change little stays, because a new one needs new factors of the linear solver.
+/// for errors that grow like h^q, with c a part of the tolerance: the trend of the motion from the last step to this one is taken to go on, so that a body that
+/// comes near another meets smaller steps in time. The factor is limited smoothly (Soederlind and Wang 2006, Adaptive time-stepping and computational
+/// stability, Journal of Computational and Applied Mathematics 185). A size that would change little stays, because a new one needs new factors of the
+/// linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller {
     tolerance: f64,
@@ -161,8 +163,7 @@ impl Controller {
     pub fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
         let error = (error / self.tolerance / AIM).max(LEAST_ERROR);
         let (last_error, last_size) = self.last.unwrap_or((error, size));
-        let power = 0.25 / self.order;
-        let factor = (error * last_error).powf(-power) * (size / last_size).powf(-0.25);
+        let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
         let mut factor = 1.0 + (factor - 1.0).atan();
         if is_hard || self.was_refused {
             factor = factor.min(1.0);
