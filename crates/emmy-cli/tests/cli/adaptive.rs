@@ -43,6 +43,26 @@ fn sizes_follow_the_error_and_times_are_met() {
     assert!(check.contains("steps with an error of at most 0.0001 each, from t = 0 to t = 0.5"), "{check}");
 }
 
+/// Its load has kinks, and no step resolves its highest modes: sizes follow the motion all the same.
+#[test]
+fn the_papers_block_does_no_step_twice() {
+    let place = Place::new();
+    place.succeed(&["new", "l-block"]);
+    let input = place.read("l-block.toml");
+    let (head, rest) = input.split_once("steps = [").unwrap();
+    let (_, tail) = rest.split_once(']').unwrap();
+    place.write("l-block.toml", &format!("{head}adaptive = {{ tolerance = 1e-4 }}\nuntil = 2.0{tail}"));
+    place.succeed(&["run", "l-block.toml", "--quiet", "--set", "time.scheme=DGM", "--set", "output.every=0"]);
+    let (summary, history) = (place.summary("l-block"), place.history("l-block"));
+    assert_eq!(summary["refusals"], 0);
+    let sizes = history["step_size"][1..].iter().copied();
+    let (least, most) = (sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max));
+    assert!(most > 8.0 * least, "{least} {most}");
+    assert!(
+        summary["worst_energy_residual"].as_f64() < Some(1e-12 * summary["largest_energy"].as_f64().unwrap())
+    );
+}
+
 #[test]
 fn smaller_tolerances_take_more_steps() {
     let place = Place::with(&adaptive_box("tolerance = 1e-3, max_size = 0.1"));
