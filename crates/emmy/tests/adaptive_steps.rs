@@ -415,6 +415,18 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
     assert_eq!(*motion.state(), before);
 }
 
+/// A body at rest takes steps as large as they may be; what is short beside them is not passed over.
+#[test]
+fn a_short_phase_after_a_long_one_is_done() {
+    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let body = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[], &[]).unwrap();
+    let state = State::initial(&body, 0.0, &[]).unwrap();
+    let plan = adaptive(1e8 + 2.0, 1e-4).with_end_at(1e8).with_end_at(1e8 + 1.0);
+    let (watch, end) = march(&body, &state, 1, &plan);
+    assert!(watch.records.iter().any(|record| record.time == 1e8 + 1.0));
+    assert_eq!(end.time, 1e8 + 2.0);
+}
+
 #[test]
 fn what_has_no_scale_or_no_estimate_is_refused() {
     let (body, state) = orbit(0.5);

@@ -1,6 +1,6 @@
 //! Marching with step sizes that are chosen by the error.
 
-use super::march::{SAME_TIME, placed};
+use super::march::placed;
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -15,6 +15,8 @@ pub struct Control<'a> {
     length: f64,
     /// Duration of the plan.
     duration: f64,
+    /// Times that lie closer together are the same.
+    same_time: f64,
     /// The state at the start of the step.
     start: State,
 }
@@ -91,8 +93,8 @@ impl<'a> Motion<'a> {
 
     /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached.
     fn next_stop(&self, control: &Control<'_>, until: f64) -> Option<Stop> {
-        let same = SAME_TIME * control.controller.size().min(until - self.state.time);
-        if until - self.state.time <= SAME_TIME * control.controller.size() {
+        let same = control.same_time;
+        if until - self.state.time <= same {
             return None;
         }
         let kink = self.body.next_kink(self.state.time + same).unwrap_or(f64::INFINITY);
@@ -109,7 +111,8 @@ impl<'a> Motion<'a> {
     ) -> Result<(), MarchError> {
         self.release_under(control)?;
         control.start.copy_from(&self.state);
-        for _ in 0..MOST_REFUSALS {
+        let mut refusals = 0;
+        loop {
             let left = stop.time - self.state.time;
             let size = control.controller.size_within(left);
             match self.attempt(control, size) {
@@ -126,12 +129,14 @@ impl<'a> Motion<'a> {
                     }
                     return Ok(());
                 }
-                attempt => self.refuse(control, size, attempt.map(|(_, error)| error))?,
+                attempt => {
+                    let error = attempt.map(|(_, error)| error);
+                    self.refuse(control, size, error, refusals < MOST_REFUSALS)?;
+                }
             }
+            refusals += 1;
             self.tell(observers)?;
         }
-        let (error, tolerance) = (f64::NAN, control.adaptivity.tolerance);
-        Err(MarchError::Step(self.smallest(control.controller.size(), Error::Tolerance { error, tolerance })))
     }
 
     /// Advances the state and estimates the error.
@@ -142,14 +147,20 @@ impl<'a> Motion<'a> {
     }
 
     /// Goes back to the start of the step, the next attempt at which will be smaller.
-    fn refuse(&mut self, control: &mut Control<'a>, size: f64, error: Result<f64>) -> Result<(), MarchError> {
+    fn refuse(
+        &mut self,
+        control: &mut Control<'a>,
+        size: f64,
+        error: Result<f64>,
+        may_shrink: bool,
+    ) -> Result<(), MarchError> {
         self.state.copy_from(&control.start);
         let tolerance = control.adaptivity.tolerance;
         let error = match error {
             Ok(error) => Error::Tolerance { error, tolerance },
             Err(error) => placed(error, self.body, &self.state, size),
         };
-        if !control.controller.can_shrink(size) {
+        if !(may_shrink && control.controller.can_shrink(size)) {
             return Err(MarchError::Step(self.smallest(size, error)));
         }
         let kind = match &error {
@@ -178,7 +189,7 @@ impl<'a> Motion<'a> {
     /// Goes over to the body without the supports that are released by now, and the estimator with it.
     fn release_under(&mut self, control: &mut Control<'a>) -> Result<()> {
         let before = self.releases;
-        self.release(control.controller.size())?;
+        self.release(control.same_time)?;
         if self.releases > before {
             control.estimator =
                 LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?;
@@ -207,6 +218,7 @@ impl<'a> Motion<'a> {
             estimator: LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?,
             length,
             duration: plan.end() - plan.start(),
+            same_time: plan.same_time(0.0),
             start: self.state.clone(),
         };
         if adaptivity.first.is_none() {

@@ -1,6 +1,6 @@
 //! The error of a motion since its start, by a motion of a higher degree beside it.
 
-use super::march::SAME_TIME;
+use super::march::{SAME_TIME, due_release};
 use super::{Observer, State, View};
 use crate::body::Body;
 use crate::error::Result;
@@ -89,10 +89,7 @@ impl<'a> GlobalError<'a> {
 
     /// Does the step that led to a state.
     fn follow(&mut self, state: &State, step_size: f64) -> Result<()> {
-        while let Some((time, body)) = self.body.release() {
-            if self.state.time < time - SAME_TIME * step_size {
-                break;
-            }
+        while let Some((_, body)) = due_release(self.body, self.state.time, SAME_TIME * step_size) {
             self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
             self.body = body;
         }

@@ -4,10 +4,9 @@ use super::adaptive::Control;
 use super::{
     Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
 };
-use crate::body::{Body, Strained, sum};
+use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
-use crate::sparse::reduce::dot;
 use crate::time::{Memory, Scheme, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
@@ -171,12 +170,10 @@ impl<'a> Motion<'a> {
         &*self.stepper
     }
 
-    /// Goes over to the body without the supports that are released by now. The state goes on as it is.
-    pub(super) fn release(&mut self, step_size: f64) -> Result<()> {
-        while let Some((time, body)) = self.body.release() {
-            if self.state.time < time - SAME_TIME * step_size {
-                break;
-            }
+    /// Goes over to the body without the supports that are released by now; times that lie closer together than `same_time` are the
+    /// same. The state goes on as it is.
+    pub(super) fn release(&mut self, same_time: f64) -> Result<()> {
+        while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
             self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
             self.body = body;
             self.releases += 1;
@@ -199,7 +196,7 @@ impl<'a> Motion<'a> {
     /// Those of [`Stepper::advance`], after a release those of [`Scheme::stepper`]; state and record are then those of the last
     /// good step.
     pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
-        self.release(step_size)?;
+        self.release(SAME_TIME * step_size)?;
         let outcome = self.stepper.advance(&mut self.state, step_size);
         let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
         self.conclude(step_size, end, &outcome);
@@ -330,55 +327,10 @@ impl<'a> Motion<'a> {
     }
 }
 
-impl Record {
-    /// The record with energies and momenta of a state.
-    fn at(self, body: &Body, state: &State) -> Record {
-        self.with_invariants(body, state, body.strained(&state.displacement))
-    }
-
-    /// The same, with what the displacement does to the body.
-    fn with_invariants(mut self, body: &Body, state: &State, strained: Strained) -> Record {
-        self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
-        self.strain_energy = strained.strain_energy;
-        self.smallest_determinant = strained.smallest_determinant;
-        self.total_energy = self.kinetic_energy + self.strain_energy;
-        self.linear_momentum = sum(&state.momentum);
-        self.angular_momentum = body.moment(&state.displacement, &state.momentum);
-        self
-    }
-
-    /// The record of a step that ended in a state; `self` is that of the step before.
-    fn after(&self, body: &Body, state: &State, step_size: f64, outcome: &StepOutcome) -> Record {
-        let impulses = &outcome.impulses;
-        let record = Record {
-            step: state.step,
-            time: state.time,
-            step_size,
-            external_work: self.external_work + impulses.work,
-            newton_iterations: outcome.newton.iterations,
-            newton_target: outcome.newton.target,
-            linear_iterations: outcome.newton.linear_iterations,
-            renewals: outcome.newton.renewals,
-            took_exact_tangent: outcome.newton.took_exact_tangent,
-            solver: outcome.solver,
-            at_rounding_floor: outcome.newton.at_rounding_floor,
-            ..Record::default()
-        };
-        let record = record.with_invariants(body, state, outcome.strained);
-        // Differences part by part: T and V may be large and cancel in their change.
-        let kinetic = record.kinetic_energy - self.kinetic_energy;
-        let strain = record.strain_energy - self.strain_energy;
-        Record {
-            energy_residual: kinetic + strain - impulses.work,
-            linear_momentum_residual: defect(record.linear_momentum, self.linear_momentum, impulses.linear),
-            angular_momentum_residual: defect(
-                record.angular_momentum,
-                self.angular_momentum,
-                impulses.angular,
-            ),
-            ..record
-        }
-    }
+/// The time of the next release of supports and the body from then on, if a motion has come there; times that lie closer together than
+/// `same_time` are the same.
+pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
+    body.release().filter(|(time, _)| now >= time - same_time)
 }
 
 /// The error of a step, with the place of the cell if one was turned inside out.
@@ -402,9 +354,4 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
         position: centre,
         det,
     }
-}
-
-/// Norm of `now - before - impulse`.
-fn defect(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> f64 {
-    (0..3).map(|i| (now[i] - before[i] - impulse[i]).powi(2)).sum::<f64>().sqrt()
 }

@@ -45,6 +45,10 @@ pub struct StepPlan {
 /// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
 const SLIVER: f64 = 1e-6;
 
+/// Times that lie closer together than this part of an adaptive plan differ by rounding. Its largest size says nothing about
+/// that: it may be larger than what lies between two times that are to be met.
+const ROUNDING: f64 = 1e-12;
+
 impl StepPlan {
     /// The plan, checked.
     ///
@@ -115,7 +119,7 @@ impl StepPlan {
     /// ```
     pub fn with_end_at(mut self, time: f64) -> Self {
         let around = self.begins().position(|(begin, phase)| {
-            let sliver = SLIVER * phase.size;
+            let sliver = self.same_time(phase.size);
             begin + sliver < time && time < phase.until - sliver
         });
         if let Some(index) = around {
@@ -169,7 +173,7 @@ impl StepPlan {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn steps_from(&self, time: f64) -> impl Iterator<Item = PlannedStep> + '_ {
-        self.steps().skip_while(move |step| step.end - time <= SLIVER * step.size)
+        self.steps().skip_while(move |step| step.end - time <= self.same_time(step.size))
     }
 
     /// The time of the plan's grid that differs from a time by rounding only, else the time itself; so it is where sizes are
@@ -212,6 +216,14 @@ impl StepPlan {
             phases.push(Phase { size, ..phase });
         }
         StepPlan::new(self.start, phases)
+    }
+
+    /// Times that lie closer together than this, among steps of a size, are the same.
+    pub(super) fn same_time(&self, size: f64) -> f64 {
+        match self.adaptivity {
+            Some(_) => ROUNDING * (self.end() - self.start),
+            None => SLIVER * size,
+        }
     }
 
     /// Every phase with the time at which it begins.

@@ -1,9 +1,11 @@
 //! What is recorded of every step, and who may look on.
 
 use super::{Event, Motion, State};
-use crate::body::Body;
+use crate::body::{Body, Strained, sum};
 use crate::error::Error;
 use crate::sparse::SolverChoice;
+use crate::sparse::reduce::dot;
+use crate::time::StepOutcome;
 
 /// Energies, momenta and balances after a step (or at the start, with zero step size and residuals).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -62,6 +64,62 @@ pub struct Record {
     pub local_error: f64,
     /// How often the step was done again because of its error.
     pub refusals: usize,
+}
+
+impl Record {
+    /// The record with energies and momenta of a state.
+    pub(super) fn at(self, body: &Body, state: &State) -> Record {
+        self.with_invariants(body, state, body.strained(&state.displacement))
+    }
+
+    /// The same, with what the displacement does to the body.
+    fn with_invariants(mut self, body: &Body, state: &State, strained: Strained) -> Record {
+        self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
+        self.strain_energy = strained.strain_energy;
+        self.smallest_determinant = strained.smallest_determinant;
+        self.total_energy = self.kinetic_energy + self.strain_energy;
+        self.linear_momentum = sum(&state.momentum);
+        self.angular_momentum = body.moment(&state.displacement, &state.momentum);
+        self
+    }
+
+    /// The record of a step that ended in a state; `self` is that of the step before.
+    pub(super) fn after(&self, body: &Body, state: &State, step_size: f64, outcome: &StepOutcome) -> Record {
+        let impulses = &outcome.impulses;
+        let record = Record {
+            step: state.step,
+            time: state.time,
+            step_size,
+            external_work: self.external_work + impulses.work,
+            newton_iterations: outcome.newton.iterations,
+            newton_target: outcome.newton.target,
+            linear_iterations: outcome.newton.linear_iterations,
+            renewals: outcome.newton.renewals,
+            took_exact_tangent: outcome.newton.took_exact_tangent,
+            solver: outcome.solver,
+            at_rounding_floor: outcome.newton.at_rounding_floor,
+            ..Record::default()
+        };
+        let record = record.with_invariants(body, state, outcome.strained);
+        // Differences part by part: T and V may be large and cancel in their change.
+        let kinetic = record.kinetic_energy - self.kinetic_energy;
+        let strain = record.strain_energy - self.strain_energy;
+        Record {
+            energy_residual: kinetic + strain - impulses.work,
+            linear_momentum_residual: defect(record.linear_momentum, self.linear_momentum, impulses.linear),
+            angular_momentum_residual: defect(
+                record.angular_momentum,
+                self.angular_momentum,
+                impulses.angular,
+            ),
+            ..record
+        }
+    }
+}
+
+/// Norm of `now - before - impulse`.
+fn defect(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> f64 {
+    (0..3).map(|i| (now[i] - before[i] - impulse[i]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// What an observer sees after a step.
