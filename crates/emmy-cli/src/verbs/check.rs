@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use clap::Args;
 use emmy::body::{
-    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, Nodal, RegionSummary, Support,
+    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, Nodal, RegionSummary, Support, Viscosity,
 };
 use emmy::element::{Worst, quality};
 use emmy::mesh::Mesh;
@@ -102,6 +102,20 @@ impl Report {
         }
         problem.supports.iter().for_each(|support| self.support(support, body.mesh()));
         self.ground(&problem.nodal);
+        self.damping(body);
+    }
+
+    /// What takes energy out of the body.
+    fn damping(&mut self, body: &Body) {
+        if body.drag() > 0.0 {
+            self.line("load", &format!("drag on all masses: rate {}", number(body.drag())));
+        }
+        for (viscosity, region) in body.viscosities().zip(body.regions()).filter(|(v, _)| !v.is_zero()) {
+            let group = region.group.as_deref().unwrap_or("all cells");
+            let Viscosity { time, shear, bulk } = *viscosity;
+            let (time, shear, bulk) = (number(time), number(shear), number(bulk));
+            self.line("viscosity", &format!("{group}: time {time}, shear {shear}, bulk {bulk}"));
+        }
     }
 
     fn start(&mut self, problem: &Problem) -> Result<(), Failure> {

@@ -36,7 +36,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 10] = [
+pub const TEMPLATES: [Template; 11] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -44,6 +44,7 @@ pub const TEMPLATES: [Template; 10] = [
     template!("plane-beam"),
     template!("two-body"),
     template!("comet"),
+    template!("struck-block"),
     template!("spring-network"),
     template!("driven-beam"),
     template!("balloon"),

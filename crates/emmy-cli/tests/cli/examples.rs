@@ -125,6 +125,27 @@ fn comet() {
 }
 
 #[test]
+fn struck_block() {
+    let (_, history) = run("struck-block");
+    let last = history["time"].len() - 1;
+    // The pulse has the impulse 100 * 0.02, along y 20 * 0.02; its drag lets the momentum decay like exp(-t/2), with F a triangle about t = 0.02:
+    // P(t) = I exp(-(t - 0.02)/2) (sinh(x)/x)^2, x = 0.02/4, which is 1 + 8e-6.
+    for (axis, impulse) in [("x", 2.0), ("y", 0.4)] {
+        let momentum = history[&format!("linear_momentum_{axis}")][last];
+        close(momentum, impulse * (-0.5f64 * (history["time"][last] - 0.02)).exp(), 3e-5);
+    }
+    let work = history["external_work"][last];
+    for i in 0..=last {
+        let left = history["total_energy"][i] + history["dissipated_energy"][i] - history["external_work"][i];
+        assert!(left.abs() < 1e-11 * work, "{left:e}");
+    }
+    // In the end what is left is the motion of the whole, T = P^2/(2 m) and a turn that has nothing to brake it but the drag.
+    assert!(history["dissipated_energy"][last] > 0.9 * work);
+    let sizes = &history["step_size"];
+    assert!(sizes[last / 2] > 3.0 * sizes[2]);
+}
+
+#[test]
 fn spring_network() {
     let (_, history) = run("spring-network");
     // Twelve springs of length sqrt 2 with k = 20 and 1.2 at rest; masses 0.5 and 0.75 at the ends, bars of mass 0.02.

@@ -1,11 +1,12 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attraction and drag of `[[load]]`.
 
-use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass};
+use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass, Region};
 
 use super::fault::{Fault, Faults, Place};
 use super::keys;
 use super::region::{Placed, group};
 use super::table::{Item, Table};
+use super::time::Time;
 
 /// What is read, with the places of the groups.
 #[derive(Debug, Default)]
@@ -13,7 +14,7 @@ pub(super) struct PlacedNodal {
     masses: Vec<Placed<PointMass>>,
     springs: Vec<Placed<GroundSpring>>,
     attractions: Vec<Placed<GroundAttraction>>,
-    drags: Vec<f64>,
+    drags: Vec<Placed<f64>>,
 }
 
 /// Reads all of them; what fails leaves its fault.
@@ -22,7 +23,7 @@ pub(super) fn read(root: &Table<'_>, faults: &mut Faults) -> PlacedNodal {
         masses: each(root, "mass", None, mass, faults),
         springs: each(root, "support", Some("spring"), spring, faults),
         attractions: each(root, "load", Some("attraction"), attraction, faults),
-        drags: each(root, "load", Some("drag"), drag, faults).into_iter().map(|drag| drag.value).collect(),
+        drags: each(root, "load", Some("drag"), drag, faults),
     }
 }
 
@@ -36,7 +37,22 @@ impl PlacedNodal {
 
     /// Rate of the drag, that of all of them together.
     pub(super) fn drag(&self) -> f64 {
-        self.drags.iter().sum()
+        self.drags.iter().map(|drag| drag.value).sum()
+    }
+
+    /// Checks that the scheme goes with what takes energy out of the body.
+    pub(super) fn check_damping(&self, regions: &[Placed<Region>], time: &Time) -> Result<(), Fault> {
+        if time.scheme.is_time_element() {
+            return Ok(());
+        }
+        let viscous = regions.iter().filter(|region| !region.value.viscosity.is_zero());
+        let places = viscous.map(|region| (&region.place, "has a `viscosity`"));
+        let Some((place, label)) = places.chain(self.drags.iter().map(|drag| (&drag.place, "a drag"))).next()
+        else {
+            return Ok(());
+        };
+        let message = format!("the scheme {} has no damping: that goes with time elements only", time.scheme);
+        Err(Fault::at(place, message, label).help("such as scheme = \"DGM\""))
     }
 
     /// The values alone.

@@ -173,6 +173,7 @@ impl Parts {
         self.faults.finish()?;
         groups::check_regions(&mesh, &self.regions)?;
         support::check_together(&mesh, &self.supports, &self.time)?;
+        self.nodal.check_damping(&self.regions, &self.time)?;
         probes::find(&mesh, &mut self.output.probes, &mut notes);
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));

@@ -122,6 +122,14 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
             format!("the scheme {} cannot move a support: that goes with time elements only", time.scheme);
         return Err(Fault::at(&driven.place, message, "moves").help("such as scheme = \"DGM\""));
     }
+    if time.scheme.dissipation().is_some() {
+        let message = format!(
+            "the scheme {} cannot move a support: that goes with schemes that do not dissipate",
+            time.scheme
+        );
+        let help = format!("such as scheme = \"{}\"", time.scheme.conserving());
+        return Err(Fault::at(&driven.place, message, "moves").help(help));
+    }
     let mut by = vec![None; mesh.n_dofs()];
     for (index, support) in supports.iter().enumerate() {
         let Ok(nodes) = mesh.group_nodes(&support.value.group) else { continue };

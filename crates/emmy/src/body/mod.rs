@@ -80,6 +80,7 @@ pub struct Body {
     mass: Arc<Vec<f64>>,
     /// Rate of the mass-proportional damping.
     drag: f64,
+    viscous_time: f64,
     lumped_mass: Vec<f64>,
     fixed: Vec<bool>,
     drives: Vec<Drive>,
@@ -146,6 +147,7 @@ impl Body {
             pressures: Arc::new(pressures),
             release: None,
             drag: 0.0,
+            viscous_time: term::viscous_time(&terms),
             fixed: given.fixed,
             drives: given.drives,
             mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
@@ -305,7 +307,17 @@ impl Body {
 
     /// Whether any region has a viscosity.
     pub fn is_viscous(&self) -> bool {
-        self.made_of.iter().any(|region| !region.viscosity.is_zero())
+        self.viscosities().any(|viscosity| !viscosity.is_zero())
+    }
+
+    /// Time by which the stiffness at rest would have to be multiplied to be the viscosity, on the average over the cells \[time\].
+    pub fn viscous_time(&self) -> f64 {
+        self.viscous_time
+    }
+
+    /// Viscosity of each region.
+    pub fn viscosities(&self) -> impl Iterator<Item = &Viscosity> {
+        self.made_of.iter().map(|region| &region.viscosity)
     }
 
     /// What viscosity and a scheme's dissipation take out of the body in a step, by the strains \[energy\].

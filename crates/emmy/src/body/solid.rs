@@ -391,6 +391,12 @@ impl<M: Material> Term for SolidTerm<M> {
         self.viscosity = *viscosity;
     }
 
+    fn viscosity_and_stiffness(&self) -> [f64; 2] {
+        let trace =
+            |D: &Elasticity<f64>| (0..6).map(|a| D[a][a]).sum::<f64>() * self.cells.cells.len() as f64;
+        [trace(&self.viscosity.tensor(&self.at_rest)), trace(&self.at_rest)]
+    }
+
     fn dissipated(&self, step: &StepInput<'_>, scratch: &mut Scratch) -> f64 {
         if !self.damps(step) {
             return 0.0;

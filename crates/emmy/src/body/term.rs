@@ -104,6 +104,11 @@ pub trait Term: fmt::Debug + Send + Sync {
     /// Gives the term a viscosity.
     fn set_viscosity(&mut self, _: &Viscosity) {}
 
+    /// Traces of viscosity and elasticity at rest, times the number of cells.
+    fn viscosity_and_stiffness(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// What viscosity and dissipation take out of the term in a step \[energy\].
     fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
         0.0
@@ -111,6 +116,14 @@ pub trait Term: fmt::Debug + Send + Sync {
 
     /// What a displacement does to the term.
     fn strained(&self, displacement: &[f64]) -> Strained;
+}
+
+/// Mean viscosity of all cells over their mean stiffness at rest \[time\].
+pub(super) fn viscous_time(terms: &[Box<dyn Term>]) -> f64 {
+    let traces = terms.iter().map(|term| term.viscosity_and_stiffness());
+    let [viscosity, stiffness] =
+        traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]]);
+    if viscosity > 0.0 && stiffness > 0.0 { viscosity / stiffness } else { 0.0 }
 }
 
 /// What a region can be made of: it makes the term of a table of cells.

@@ -214,24 +214,33 @@ impl ApproximateTangent {
         if self.made_for == Some(time_scale) { Ok(()) } else { self.set(body, time_scale) }
     }
 
-    /// Factor on viscosities with which `w_ij K` has `delta_ij K_v/s` in it: exact for k = 1, for the others by the size of w.
+    /// Factor on viscosities in the stiffness: by the size of w they have there the weight that they have in the stage equations.
     fn rate(&self, time_scale: f64) -> f64 {
         0.5 / (time_scale * self.response_size)
     }
 
-    /// Sets the modes of a body in a medium; `drag`: its rate times s.
-    fn set_modes(&mut self, drag: f64) -> Result<()> {
-        let (k, mut mass) = (self.passed.len(), self.mass.clone());
-        (0..k).for_each(|i| mass[i * k + i] += drag);
-        self.modes = modes(&inverse(&mass), &self.response)?;
+    /// Sets the modes of a body with viscosity or drag. Viscosities are taken as a time t_v by which the stiffness is multiplied.
+    ///
+    /// ```math
+    /// m_ij + s alpha delta_ij,    w_ij + t_v/s delta_ij
+    /// ```
+    fn set_modes(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+        let with_diagonal = |matrix: &[f64], value: f64| {
+            let (k, mut matrix) = (matrix.len().isqrt(), matrix.to_vec());
+            (0..k).for_each(|i| matrix[i * k + i] += value);
+            matrix
+        };
+        let mass = with_diagonal(&self.mass, time_scale * body.drag());
+        let response = with_diagonal(&self.response, body.viscous_time() / time_scale);
+        self.modes = modes(&inverse(&mass), &response)?;
         Ok(())
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
-        // dP/dF' is half of dP/dF in the middle.
+        // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2` where they are those of the modes.
         let step = StepInput {
             rule: &self.rule,
-            tangent_factor: 2.0,
+            tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
             displacement: &self.displacement,
             rates: &self.rates,
             damping: StepDamping { rate: self.viscous_rate, excess: 0.0 },
@@ -241,8 +250,8 @@ impl ApproximateTangent {
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         self.made_for = None;
-        if body.drag() > 0.0 {
-            self.set_modes(time_scale * body.drag())?;
+        if body.drag() > 0.0 || body.is_viscous() {
+            self.set_modes(body, time_scale)?;
         }
         if self.solvers.is_empty() {
             self.choose(body, time_scale)?;

@@ -30,7 +30,7 @@ pub struct Mode {
 /// An eigenvalue counts as real when its imaginary part is below this.
 const PAIRED: f64 = 1e-12;
 
-/// The modes of the equations of a step, by their coefficients `m^-1` and w, `[i k + j]`.
+/// The modes of the equations of a step, by their coefficients `m^-1` and w, `[i k + j]`; real ones first.
 ///
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
@@ -40,7 +40,9 @@ pub fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
         (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
     let eigen = eigenpairs(&product)?;
     let first_of_pair = (0..k).filter(|&m| eigen.values[m].1 > -PAIRED);
-    Ok(first_of_pair.map(|m| Mode::new(a, &eigen, m)).collect())
+    let mut modes: Vec<Mode> = first_of_pair.map(|m| Mode::new(a, &eigen, m)).collect();
+    modes.sort_by_key(Mode::n_columns);
+    Ok(modes)
 }
 
 impl Mode {

@@ -21,6 +21,9 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("parameter-from-textbooks", "lambda = 1000.0, mu = 500.0", "E = 1000.0, nu = 0.3"),
         changed("parameter-of-another-model", "lambda = 1000.0", "c10 = 1000.0"),
         changed("probe-with-another-key", "point = [0, 2, 0]", "at = [0, 2, 0]"),
+        changed("viscosity-of-nothing", "density = 2.0", "density = 2.0\nviscosity = {}"),
+        changed("viscosity-that-drives", "density = 2.0", "density = 2.0\nviscosity = { time = -1e-3 }"),
+        changed("viscosity-with-a-number-alone", "density = 2.0", "density = 2.0\nviscosity = 0.1"),
         changed("density-missing", "density = 2.0\n", ""),
         changed("size-missing", ", size = 0.1", ""),
         changed(

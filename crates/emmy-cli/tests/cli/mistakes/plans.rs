@@ -21,6 +21,14 @@ pub(super) fn all() -> Vec<Mistake> {
         scheme("scheme-without-points", "AS(0)"),
         scheme("scheme-with-half-its-numbers", "Newmark(0.25)"),
         scheme("scheme-with-numbers-out-of-range", "HHT(0.9)").unseen(),
+        scheme("scheme-with-a-radius-out-of-range", "DGM(1.2)").unseen(),
+        scheme("scheme-that-dissipates-by-nothing", "AS(5,)"),
+        scheme("scheme-that-dissipates-beside-motion", "DGM(0.5)")
+            .with(&["--set", "support.0={ group = 'y-min', move = { x = 't' } }"])
+            .unseen(),
+        scheme("scheme-without-damping", "Bathe")
+            .with(&["--set", "region.0.viscosity={ time = 0.1 }"])
+            .unseen(),
         changed("scheme-with-too-few-points", "degree = 1", "degree = 3").unseen(),
         scheme("scheme-of-degree-one", "trapezoidal").with(&["--set", "time.degree=2"]).unseen(),
         scheme("scheme-that-cannot-move-supports", "Bathe")

@@ -22,6 +22,8 @@ pub(super) fn all() -> Vec<Mistake> {
             &format!("{TRACTION}\n{HISTORY}"),
             "attraction = { strength = 1 }",
         ),
+        changed("drag-on-a-group", TRACTION, "drag = 0.5").unseen(),
+        changed("drag-that-pushes", &format!("group = \"y-max\"\n{TRACTION}\n{HISTORY}"), "drag = -0.5"),
         changed("history-that-goes-back", HISTORY, "history = [[0.5, 0.0], [0.0, 1.0]]").unseen(),
         changed("history-without-entries", HISTORY, "history = []"),
         changed("history-of-an-unknown-function", HISTORY, "history = \"2*sine(t)\"").unseen(),
