@@ -217,6 +217,28 @@ fn schemes_that_dissipate_never_add_energy_and_keep_the_momenta() {
 }
 
 #[test]
+fn a_body_in_plane_strain_keeps_its_angular_momentum_and_one_on_rollers_its_energy_balance() {
+    let rubber = || Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let field = InitialVelocity {
+        angular_velocity: [0.0, 0.0, 1.5],
+        gradient: [[0.0, 1.3, 0.0], [0.2, 0.8, 0.0], [0.0; 3]],
+        ..InitialVelocity::default()
+    };
+    let plane = Body::new(mesh::rectangle([2.0, 1.0], [4, 2]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let state = State::initial(&plane, 0.0, std::slice::from_ref(&field)).unwrap();
+    let records = records(&plane, scheme("DGM(0.4)"), 1, state, 0.1, 40);
+    let [energy, linear, angular] = worst(&records);
+    assert!(energy < 1e-12 && linear < 1e-12 && angular < 1e-12, "{energy:e} {linear:e} {angular:e}");
+    assert!(records[39].dissipated_energy > 1e-2 * records[0].total_energy);
+    let rollers = Support { group: "y-min".into(), fix: [false, true, false], ..Support::default() };
+    let body = block(Viscosity::default(), &[rollers], &[]);
+    let records = self::records(&body, scheme("DGM(0.4)"), 1, tumbling(&body), 0.1, 40);
+    let [energy, linear, _] = worst(&records);
+    assert!(energy < 1e-12 && linear < 1e-12, "{energy:e} {linear:e}");
+    assert!(records.windows(2).all(|pair| pair[1].total_energy < pair[0].total_energy));
+}
+
+#[test]
 fn fast_oscillations_decay_by_the_spectral_radius_and_slow_ones_hardly() {
     for (degree, radius) in [(1, 0.0), (1, 0.5), (1, 0.8), (2, 0.0), (2, 0.5), (3, 0.4)] {
         let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
