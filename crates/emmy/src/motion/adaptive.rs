@@ -4,7 +4,7 @@ use super::march::placed;
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
 use crate::body::Body;
 use crate::error::{Error, Result};
-use crate::time::{LocalError, Memory, StepOutcome};
+use crate::time::{Estimator, LocalError, Memory, StepOutcome};
 
 /// What chooses the step sizes of a motion.
 #[derive(Debug)]
@@ -75,7 +75,8 @@ impl<'a> Motion<'a> {
         for phase in plan.phases() {
             // Back in its place whenever observers look on: a snapshot has it.
             while let Some(mut control) = self.control.take() {
-                let stop = self.next_stop(&control, phase.until);
+                let output = plan.next_output(self.state.time);
+                let stop = self.next_stop(&control, phase.until, output);
                 let outcome = match stop {
                     Some(stop) => self.step_towards(&mut control, stop, observers),
                     None => Ok(()),
@@ -91,14 +92,16 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached.
-    fn next_stop(&self, control: &Control<'_>, until: f64) -> Option<Stop> {
+    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached. `output`: the next
+    /// time for output.
+    fn next_stop(&self, control: &Control<'_>, until: f64, output: Option<f64>) -> Option<Stop> {
         let same = control.same_time;
         if until - self.state.time <= same {
             return None;
         }
         let kink = self.body.next_kink(self.state.time + same).unwrap_or(f64::INFINITY);
-        let time = if kink < until - same { kink } else { until };
+        let before = |time: f64, limit: f64| if time < limit - same { time } else { limit };
+        let time = before(kink, before(output.unwrap_or(f64::INFINITY), until));
         Some(Stop { time, is_kink: kink <= time + same })
     }
 
@@ -142,7 +145,8 @@ impl<'a> Motion<'a> {
     /// Advances the state and estimates the error.
     fn attempt(&mut self, control: &mut Control<'a>, size: f64) -> Result<(StepOutcome, f64)> {
         let outcome = self.stepper.advance(&mut self.state, size)?;
-        control.estimator.estimate(&control.start, &self.state, size)?;
+        let rates = self.stepper.rates();
+        control.estimator.estimate(&control.start, &self.state, rates, size)?;
         Ok((outcome, control.error(self.body)))
     }
 
@@ -191,10 +195,14 @@ impl<'a> Motion<'a> {
         let before = self.releases;
         self.release(control.same_time)?;
         if self.releases > before {
-            control.estimator =
-                LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?;
+            control.estimator = self.estimator(&control.adaptivity)?;
         }
         Ok(())
+    }
+
+    fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
+        let estimator = adaptivity.estimator.unwrap_or(Estimator::of_degree(self.degree));
+        LocalError::new(self.body, (self.scheme, self.degree), estimator, self.settings, &self.state)
     }
 
     /// The control of a plan: that of the march before, that of the snapshot, or a new one.
@@ -215,7 +223,7 @@ impl<'a> Motion<'a> {
         let mut control = Control {
             adaptivity: *adaptivity,
             controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),
-            estimator: LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?,
+            estimator: self.estimator(adaptivity)?,
             length,
             duration: plan.end() - plan.start(),
             same_time: plan.same_time(0.0),

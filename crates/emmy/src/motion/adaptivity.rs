@@ -1,6 +1,7 @@
 //! How step sizes are chosen by the error: settings and controller.
 
 use crate::error::{Error, Result};
+use crate::time::Estimator;
 
 /// Steps whose sizes are chosen by the error that each of them makes.
 ///
@@ -33,6 +34,8 @@ pub struct Adaptivity {
     pub length: Option<f64>,
     /// Scale of velocities \[length/time\]; `None`: errors of velocities do not count.
     pub velocity: Option<f64>,
+    /// How the error is estimated; `None`: as [`Estimator::of_degree`] says.
+    pub estimator: Option<Estimator>,
 }
 
 impl Adaptivity {
@@ -45,6 +48,7 @@ impl Adaptivity {
             first: None,
             length: None,
             velocity: None,
+            estimator: None,
         }
     }
 
