@@ -266,7 +266,13 @@ impl Report {
 
     fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
+        let duration = problem.plan.end() - problem.plan.start();
         let frames = match output.every {
+            _ if let Some(interval) = output.interval => {
+                // The last one may lie on the end, or differ from it by rounding.
+                let n = (duration / interval * (1.0 - 1e-12)).ceil() as usize + 1;
+                format!("{n} frames, one every {} of time", number(interval))
+            }
             0 => "no frames".to_string(),
             every if problem.plan.adaptivity().is_some() => format!("a frame every {every} steps"),
             every => format!("{} frames", problem.plan.n_steps().div_ceil(every) + 1),

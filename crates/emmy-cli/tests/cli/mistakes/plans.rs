@@ -48,6 +48,13 @@ pub(super) fn all() -> Vec<Mistake> {
             .unseen(),
         adaptive("adaptive-first-size-too-large", "tolerance = 1e-4, first_size = 0.2, max_size = 0.1")
             .unseen(),
+        adaptive("estimator-misspelt", "tolerance = 1e-4, estimator = 'residuals'"),
+        adaptive("estimator-of-degree-one", "tolerance = 1e-4, estimator = 'difference'")
+            .with(&["--set", "time.degree=2"])
+            .unseen(),
+        changed("frames-by-steps-and-by-time", "every = 2", "every = 2\ninterval = 0.1").unseen(),
+        changed("frames-between-steps", "every = 2", "interval = 0.03").unseen(),
+        changed("frames-at-no-interval", "every = 2", "interval = 0"),
         adaptive("adaptive-steps-of-another-method", "tolerance = 1e-4")
             .with(&["--set", "time.scheme=Bathe"])
             .unseen(),

@@ -2,7 +2,7 @@
 
 use emmy::body::fields::FieldName;
 use emmy::sparse::SOLVERS;
-use emmy::time::MAX_DEGREE;
+use emmy::time::{ESTIMATORS, MAX_DEGREE};
 use serde_json::{Value, json};
 
 use super::super::keys;
@@ -249,6 +249,13 @@ fn adaptive() -> Value {
             "velocity",
             positive("Scale of velocities [length/time]; left out: errors of velocities do not count"),
         )
+        .may(
+            "estimator",
+            words(
+                &ESTIMATORS.map(|(name, ..)| name),
+                "How the error is estimated; left out: difference for degree 1, else element",
+            ),
+        )
         .schema()
 }
 
@@ -284,6 +291,7 @@ fn output() -> Value {
     Table::new(keys::OUTPUT, "What is written, and where")
         .may("directory", text(directory))
         .may("every", whole(0, "Steps between frames; 0: no frames"))
+        .may("interval", positive("Time between frames, in place of `every`; these times are met exactly"))
         .may(
             "format",
             words(&Format::ALL.map(Format::name), "Files of the frames: .vtu each, or one .vtkhdf"),
