@@ -260,6 +260,9 @@ impl Report {
         let velocity =
             adaptivity.velocity.map_or(String::new(), |v| format!(", of velocities {}", number(v)));
         self.line("", &format!("scale of positions {}{velocity}", number(length)));
+        if let Some([lowest, highest]) = adaptivity.degrees {
+            self.line("", &format!("degrees from {lowest} to {highest}, the one that costs least"));
+        }
         let largest = if adaptivity.largest.is_finite() { number(adaptivity.largest) } else { "any".into() };
         self.line("", &format!("sizes from {} to {largest}", number(adaptivity.smallest)));
     }

@@ -43,6 +43,38 @@ fn sizes_follow_the_error_and_times_are_met() {
     assert!(check.contains("steps with an error of at most 0.0001 each, from t = 0 to t = 0.5"), "{check}");
 }
 
+#[test]
+fn degrees_are_chosen_and_told() {
+    let place = Place::with(&adaptive_box("tolerance = 1e-8, max_degree = 3"));
+    place.succeed(&["run", "box.toml", "--quiet", "--estimate-error"]);
+    let (history, summary) = (place.history("out"), place.summary("out"));
+    let degrees = &history["degree"];
+    let changes = degrees.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes > 0 && degrees[0] == 1.0 && *degrees.last().unwrap() == 3.0, "{degrees:?}");
+    assert_eq!(summary["degree_changes"].as_u64(), Some(changes as u64));
+    assert_eq!(place.read("out/events.csv").matches("degree,").count(), changes);
+    // The work of the load is the energy that the body has, to the end.
+    let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
+    }
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("degrees from 1 to 3, the one that costs least"), "{check}");
+    // Less work than with the degree it starts from, in stages of steps.
+    place.succeed(&[
+        "run",
+        "box.toml",
+        "--quiet",
+        "--output",
+        "one",
+        "--set",
+        "time.adaptive={ tolerance = 1e-8 }",
+    ]);
+    let stages: f64 = degrees[1..].iter().sum();
+    assert!(stages < 0.5 * place.summary("one")["steps"].as_f64().unwrap(), "{stages}");
+    assert!(place.history("one").get("degree").is_none());
+}
+
 /// Times of the frames, as the collection has them.
 fn frame_times(place: &Place, directory: &str) -> Vec<f64> {
     let text = place.read(&format!("{directory}/{directory}.pvd"));
@@ -127,6 +159,7 @@ fn smaller_tolerances_take_more_steps() {
 #[test]
 fn a_run_that_is_stopped_and_goes_on_is_the_run_in_one() {
     for (degree, tolerance, frames) in [
+        ("1", "1e-12, max_degree = 3", "every = 200"),
         ("1", "1e-8", "every = 200"),
         ("2", "1e-12", "every = 200"),
         ("2", "1e-12, estimator = 'residual'", "interval = 0.01"),

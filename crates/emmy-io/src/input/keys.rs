@@ -90,7 +90,17 @@ pub(super) const TIME: Keys =
     keys("[time]", &["scheme", "degree", "steps", "smallest_step", "adaptive", "until"]);
 pub(super) const ADAPTIVE: Keys = keys(
     "`adaptive`",
-    &["tolerance", "min_size", "max_size", "first_size", "length", "velocity", "estimator"],
+    &[
+        "tolerance",
+        "min_size",
+        "max_size",
+        "first_size",
+        "length",
+        "velocity",
+        "estimator",
+        "min_degree",
+        "max_degree",
+    ],
 );
 pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);

@@ -7,7 +7,8 @@ use crate::newton::{STAGNATION, System, Tangent};
 
 /// A few corrections with a kept stiffness.
 ///
-/// Each leaves a part of order h^2 of the defect, of order h^3 if the stiffness is new, since M stands in the tangent as it is. The end of the step depends on
+/// Each leaves a part of order h^2 of the defect, of order h^3 if the stiffness is new, since M stands in the tangent as it is (but for the 16 bits of the matrix that
+/// conjugate gradients read, which leave less than a hundredth). The end of the step depends on
 /// a part of the rates that is small by orthogonality: what is left of that is seen from what the last correction changes there.
 #[derive(Debug, Default)]
 pub struct DefectCorrection {

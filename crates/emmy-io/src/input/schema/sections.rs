@@ -256,6 +256,8 @@ fn adaptive() -> Value {
                 "How the error is estimated; left out: difference for degree 1, else element",
             ),
         )
+        .may("min_degree", whole(1, "Lowest degree to choose from; left out: 1"))
+        .may("max_degree", whole(1, "Highest degree to choose from; left out: `degree` stays as it is"))
         .schema()
 }
 
