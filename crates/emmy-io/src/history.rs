@@ -40,6 +40,8 @@ const LOCAL_ERROR: &str = "local_error";
 
 /// Column of a run in which something takes energy out of the body: what it has lost so far.
 const DISSIPATED_ENERGY: &str = "dissipated_energy";
+/// Column of a run whose degree is chosen: degree of the step's element.
+const DEGREE: &str = "degree";
 
 /// Which columns a history has beside [`COLUMNS`] and `smallest_determinant`.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +50,8 @@ pub struct Extent {
     pub is_adaptive: bool,
     /// Whether viscosity, drag or the scheme dissipate: a column `dissipated_energy`.
     pub dissipates: bool,
+    /// Whether degrees are chosen too: a column `degree`.
+    pub has_degrees: bool,
     /// Probes: three columns each.
     pub probes: Vec<Probe>,
 }
@@ -56,9 +60,11 @@ impl Extent {
     /// That of the history of a problem.
     pub fn of(problem: &Problem) -> Self {
         let Problem { body, scheme, .. } = problem;
+        let adaptivity = problem.plan.adaptivity();
         Extent {
-            is_adaptive: problem.plan.adaptivity().is_some(),
             dissipates: body.is_viscous() || body.drag() > 0.0 || scheme.dissipation().is_some(),
+            is_adaptive: adaptivity.is_some(),
+            has_degrees: adaptivity.is_some_and(|adaptivity| adaptivity.degrees.is_some()),
             probes: problem.output.probes.clone(),
         }
     }
@@ -73,11 +79,13 @@ pub enum Number {
     Real(f64),
 }
 
-/// Names of all columns: [`COLUMNS`], `smallest_determinant`, `local_error` of adaptive steps, `dissipated_energy` where there is any, then the current position of each probe.
+/// Names of all columns: [`COLUMNS`], `smallest_determinant`, `local_error` of adaptive steps, `dissipated_energy` where there is any, `degree` where it is
+/// chosen, then the current position of each probe.
 pub fn columns(extent: &Extent) -> Vec<String> {
     let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]);
     let own = own.chain(extent.is_adaptive.then_some(LOCAL_ERROR));
-    let own = own.chain(extent.dissipates.then_some(DISSIPATED_ENERGY)).map(str::to_string);
+    let own = own.chain(extent.dissipates.then_some(DISSIPATED_ENERGY));
+    let own = own.chain(extent.has_degrees.then_some(DEGREE)).map(str::to_string);
     let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
     own.chain(extent.probes.iter().flat_map(of_probe)).collect()
 }
@@ -87,6 +95,7 @@ pub fn row(view: View<'_>, extent: &Extent, wall_seconds: f64) -> Vec<Number> {
     let mut row = own_columns(view.record, wall_seconds);
     row.extend(extent.is_adaptive.then_some(Number::Real(view.record.local_error)));
     row.extend(extent.dissipates.then_some(Number::Real(view.record.dissipated_energy)));
+    row.extend(extent.has_degrees.then_some(Number::Whole(view.record.degree)));
     for probe in &extent.probes {
         let point = view.body.mesh().points()[probe.node];
         row.extend((0..3).map(|i| Number::Real(point[i] + view.state.displacement[3 * probe.node + i])));
@@ -319,7 +328,7 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("history.csv");
         let record = Record { step: 3, time: 0.1 + 0.2, kinetic_energy: 1e-300, ..Default::default() };
-        let extent = Extent { is_adaptive: false, dissipates: false, probes: Vec::new() };
+        let extent = Extent { is_adaptive: false, dissipates: false, has_degrees: false, probes: Vec::new() };
         HistoryFile::create(&path, &extent).unwrap().write(&own_columns(&record, 0.5)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use emmy::body::fields::{FieldName, Fields};
-use emmy::motion::{Event, Motion, Observer, State, View};
+use emmy::motion::{Event, Motion, Observer, State, StepPlan, View};
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints};
@@ -39,6 +39,7 @@ pub enum ResumeError {
 #[derive(Debug)]
 pub struct Results {
     output: Output,
+    plan: StepPlan,
     extent: Extent,
     limits: Limits,
     heading: Heading,
@@ -115,7 +116,7 @@ impl Results {
             None => NewtonFile::create(&newton)?,
         };
         let frames = || Frames::open(problem, after);
-        let frames = (output.every > 0).then(frames).transpose()?;
+        let frames = output.has_frames().then(frames).transpose()?;
         let checkpoints =
             (output.checkpoint_every > 0).then(|| Checkpoints::new(problem, after)).transpose()?;
         let heading = Heading::new(problem);
@@ -127,6 +128,7 @@ impl Results {
             limits: problem.limits,
             extent: Extent::of(problem),
             output,
+            plan: problem.plan.clone(),
             heading,
             history,
             newton,
@@ -259,8 +261,9 @@ impl Frames {
         };
         // The last state of a run that ended is a frame out of turn.
         let step = checkpoint.snapshot.state.step;
-        let is_kept = |own: usize| own != step || own.is_multiple_of(output.every);
-        let times: Vec<_> = checkpoint.frames.iter().copied().filter(|(own, _)| is_kept(*own)).collect();
+        let is_kept = |own: usize, time| own != step || output.is_frame(&problem.plan, own, time);
+        let written = checkpoint.frames.iter().copied();
+        let times: Vec<_> = written.filter(|(own, time)| is_kept(*own, *time)).collect();
         let files = FrameWriter::resume(form, directory, mesh, regions, (&times, step))?;
         Ok(Frames { files, fields, names, times })
     }
@@ -282,9 +285,8 @@ impl Observer for Results {
         let row = history::row(view, &self.extent, self.wall_seconds());
         self.history.write(&row)?;
         self.newton.write(view)?;
-        if let Some(frames) =
-            self.frames.as_mut().filter(|_| view.record.step.is_multiple_of(self.output.every))
-        {
+        let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
+        if let Some(frames) = self.frames.as_mut().filter(|_| is_frame) {
             frames.write(view.state)?;
         }
         self.tally.add(view);

@@ -88,6 +88,7 @@ impl Heading {
             "steps_at_rounding_floor": tally.steps_at_rounding_floor,
             "cuts": tally.cuts,
             "refusals": tally.refusals,
+            "degree_changes": tally.degree_changes,
             "releases": tally.releases,
             "wall_seconds": wall_seconds,
             "worst_energy_residual": tally.energy.value,

@@ -73,6 +73,10 @@ pub struct Tally {
     pub refusals: usize,
     /// Supports that were released.
     pub releases: usize,
+    /// Steps whose degree is not that of the step before.
+    pub degree_changes: usize,
+    /// Degree of the last step; 0 before there is one.
+    degree: usize,
     largest_kinetic_energy: f64,
 }
 
@@ -95,6 +99,8 @@ impl Tally {
         self.cuts += record.cuts;
         self.refusals += record.refusals;
         self.releases += record.releases;
+        self.degree_changes += usize::from(self.degree != 0 && self.degree != record.degree);
+        self.degree = record.degree;
         self.energy.see(record.energy_residual, record.step);
         self.linear_momentum.see(record.linear_momentum_residual, record.step);
         self.angular_momentum.see(record.angular_momentum_residual, record.step);
@@ -104,7 +110,7 @@ impl Tally {
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 27] {
+    pub(crate) fn numbers(&self) -> [f64; 29] {
         [
             self.steps as f64,
             self.time,
@@ -133,11 +139,13 @@ impl Tally {
             self.angular_momentum_scale,
             self.refusals as f64,
             self.dissipated_energy,
+            self.degree_changes as f64,
+            self.degree as f64,
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 27], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 29], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -165,6 +173,8 @@ impl Tally {
             angular_momentum_scale: n[24],
             refusals: n[25] as usize,
             dissipated_energy: n[26],
+            degree_changes: n[27] as usize,
+            degree: n[28] as usize,
         }
     }
 

@@ -4,7 +4,7 @@ use allocation_counter::measure;
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::time::Scheme;
+use emmy::time::{Estimator, LocalError, Scheme};
 
 /// With driven nodes: a table and an expression, by time elements.
 #[test]
@@ -28,6 +28,35 @@ fn a_step_with_supports_that_move_allocates_nothing() {
         assert_eq!((1..100).map(&mut step).last(), Some(99));
         let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
         assert_eq!(counts.count_total, 0, "degree {degree}");
+    }
+}
+
+#[test]
+fn an_estimate_of_the_error_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[]).unwrap());
+    let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
+    for (degree, estimator) in [
+        (1, Estimator::Difference),
+        (2, Estimator::Element),
+        (1, Estimator::Residual),
+        (2, Estimator::Residual),
+    ] {
+        let (scheme, settings) = (Scheme::DiscreteGradient, NewtonSettings::default());
+        let mut start = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
+        let mut error = LocalError::new(&body, (scheme, degree), estimator, settings, &start).unwrap();
+        let mut motion = Motion::new(&body, scheme, degree, settings, start.clone()).unwrap();
+        let mut step = |i: usize| {
+            start.copy_from(motion.state());
+            motion.step(0.01, 0.01 * i as f64).unwrap();
+            error.estimate(&start, motion.state(), motion.stepper().rates(), 0.01).unwrap();
+            error.accept(0.01);
+        };
+        (1..100).for_each(&mut step);
+        let counts = measure(|| (100..120).for_each(&mut step));
+        assert_eq!(counts.count_total, 0, "{estimator:?}, degree {degree}");
     }
 }
 

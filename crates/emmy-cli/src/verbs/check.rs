@@ -274,13 +274,22 @@ impl Report {
         let velocity =
             adaptivity.velocity.map_or(String::new(), |v| format!(", of velocities {}", number(v)));
         self.line("", &format!("scale of positions {}{velocity}", number(length)));
+        if let Some([lowest, highest]) = adaptivity.degrees {
+            self.line("", &format!("degrees from {lowest} to {highest}, the one that costs least"));
+        }
         let largest = if adaptivity.largest.is_finite() { number(adaptivity.largest) } else { "any".into() };
         self.line("", &format!("sizes from {} to {largest}", number(adaptivity.smallest)));
     }
 
     fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
+        let duration = problem.plan.end() - problem.plan.start();
         let frames = match output.every {
+            _ if let Some(interval) = output.interval => {
+                // The last one may lie on the end, or differ from it by rounding.
+                let n = (duration / interval * (1.0 - 1e-12)).ceil() as usize + 1;
+                format!("{n} frames, one every {} of time", number(interval))
+            }
             0 => "no frames".to_string(),
             every if problem.plan.adaptivity().is_some() => format!("a frame every {every} steps"),
             every => format!("{} frames", problem.plan.n_steps().div_ceil(every) + 1),

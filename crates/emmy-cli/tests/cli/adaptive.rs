@@ -43,6 +43,85 @@ fn sizes_follow_the_error_and_times_are_met() {
     assert!(check.contains("steps with an error of at most 0.0001 each, from t = 0 to t = 0.5"), "{check}");
 }
 
+#[test]
+fn degrees_are_chosen_and_told() {
+    let place = Place::with(&adaptive_box("tolerance = 1e-8, max_degree = 3"));
+    place.succeed(&["run", "box.toml", "--quiet", "--estimate-error"]);
+    let (history, summary) = (place.history("out"), place.summary("out"));
+    let degrees = &history["degree"];
+    let changes = degrees.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes > 0 && degrees[0] == 1.0 && *degrees.last().unwrap() == 3.0, "{degrees:?}");
+    assert_eq!(summary["degree_changes"].as_u64(), Some(changes as u64));
+    assert_eq!(place.read("out/events.csv").matches("degree,").count(), changes);
+    // The work of the load is the energy that the body has, to the end.
+    let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
+    }
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("degrees from 1 to 3, the one that costs least"), "{check}");
+    // Less work than with the degree it starts from, in stages of steps.
+    place.succeed(&[
+        "run",
+        "box.toml",
+        "--quiet",
+        "--output",
+        "one",
+        "--set",
+        "time.adaptive={ tolerance = 1e-8 }",
+    ]);
+    let stages: f64 = degrees[1..].iter().sum();
+    assert!(stages < 0.5 * place.summary("one")["steps"].as_f64().unwrap(), "{stages}");
+    assert!(place.history("one").get("degree").is_none());
+}
+
+/// Times of the frames, as the collection has them.
+fn frame_times(place: &Place, directory: &str) -> Vec<f64> {
+    let text = place.read(&format!("{directory}/{directory}.pvd"));
+    let parts = text.split("timestep=\"").skip(1);
+    parts.map(|part| part.split('"').next().unwrap().parse().unwrap()).collect()
+}
+
+#[test]
+fn frames_at_an_interval_are_met_exactly() {
+    let times = |n: u32, interval: f64| (0..=n).map(|i| f64::from(i) * interval).collect::<Vec<_>>();
+    let place = Place::with(&adaptive_box("tolerance = 1e-4").replace("every = 2", "interval = 0.03"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let mut expected = times(16, 0.03);
+    expected.push(0.5);
+    assert_eq!(frame_times(&place, "out"), expected);
+    let history = place.history("out");
+    assert!([0.1, 0.25].iter().all(|kink| history["time"].contains(kink)), "{:?}", history["time"]);
+    let check = place.succeed(&["check", "box.toml"]).stdout;
+    assert!(check.contains("18 frames, one every 0.03 of time"), "{check}");
+    // The resolved input is an input that gives the same run.
+    place.write("again.toml", &place.read("out/input.toml"));
+    place.succeed(&["run", "again.toml", "--quiet", "--output", "again"]);
+    assert_eq!(frame_times(&place, "again"), expected);
+    // Planned steps of 0.1, then 0.05.
+    let place =
+        Place::with(&BOX.replace("every = 2", "interval = 0.1").replace("energy = 1e-2", "energy = 1"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    for (time, expected) in frame_times(&place, "out").iter().zip(times(5, 0.1)) {
+        assert!((time - expected).abs() < 1e-12, "{time} {expected}");
+    }
+    assert_eq!(frame_times(&place, "out").len(), 6);
+}
+
+#[test]
+fn frames_at_an_interval_go_on() {
+    let input =
+        adaptive_box("tolerance = 1e-6, estimator = 'residual'").replace("every = 2", "interval = 0.07");
+    let place = Place::with(&input.replace("degree = 1", "degree = 2"));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    let frames = frame_times(&place, "whole");
+    assert_eq!(frames[..8], (0..8).map(|i| f64::from(i) * 0.07).collect::<Vec<_>>()[..]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.15"]);
+    assert_eq!(frame_times(&place, "parts"), [0.0, 0.07, 0.14, 0.15]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.5"]);
+    assert_eq!(frame_times(&place, "parts"), frames, "the frame at 0.15 is out of turn");
+}
+
 /// Its load has kinks, and no step resolves its highest modes: sizes follow the motion all the same.
 #[test]
 fn the_papers_block_does_no_step_twice() {
@@ -79,8 +158,13 @@ fn smaller_tolerances_take_more_steps() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_stopped_and_goes_on_is_the_run_in_one() {
-    for (degree, tolerance) in [("1", "1e-8"), ("2", "1e-12")] {
-        let input = adaptive_box(&format!("tolerance = {tolerance}")).replace("every = 2", "every = 200");
+    for (degree, tolerance, frames) in [
+        ("1", "1e-12, max_degree = 3", "every = 200"),
+        ("1", "1e-8", "every = 200"),
+        ("2", "1e-12", "every = 200"),
+        ("2", "1e-12, estimator = 'residual'", "interval = 0.01"),
+    ] {
+        let input = adaptive_box(&format!("tolerance = {tolerance}")).replace("every = 2", frames);
         let place = Place::with(&input.replace("degree = 1", &format!("degree = {degree}")));
         place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
         let mut run = start(&place, &["run", "box.toml"]);

@@ -121,7 +121,7 @@ fn solver(numbers: &[f64]) -> Option<SolverChoice> {
 }
 
 /// All of a record but its solver.
-fn record_numbers(record: &Record) -> [f64; 28] {
+fn record_numbers(record: &Record) -> [f64; 29] {
     let [p, l] = [record.linear_momentum, record.angular_momentum];
     [
         record.step as f64,
@@ -152,10 +152,11 @@ fn record_numbers(record: &Record) -> [f64; 28] {
         record.local_error,
         record.refusals as f64,
         record.dissipated_energy,
+        record.degree as f64,
     ]
 }
 
-fn record(numbers: [f64; 28], solver: Option<SolverChoice>) -> Record {
+fn record(numbers: [f64; 29], solver: Option<SolverChoice>) -> Record {
     let n = numbers;
     Record {
         step: n[0] as usize,
@@ -182,6 +183,7 @@ fn record(numbers: [f64; 28], solver: Option<SolverChoice>) -> Record {
         local_error: n[25],
         refusals: n[26] as usize,
         dissipated_energy: n[27],
+        degree: n[28] as usize,
         solver,
     }
 }

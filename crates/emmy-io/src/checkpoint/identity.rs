@@ -72,13 +72,16 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the stepper's memory holds on: scheme, degree and linear solver are the same.
+    /// Whether the stepper's memory holds on: scheme, degree, what chooses it and estimates errors, and linear solver are the same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();
             let value = |section: &str, key: &str| Some(table.get(section)?.get(key)?.to_string());
             let solver = value("solver", "kind").unwrap_or_else(|| "\"auto\"".into());
-            (value("time", "scheme"), value("time", "degree"), solver)
+            let adaptive = table.get("time").and_then(|time| time.get("adaptive"));
+            let of_adaptive = |key: &str| Some(adaptive?.get(key)?.to_string());
+            let control = ["estimator", "min_degree", "max_degree"].map(of_adaptive);
+            (value("time", "scheme"), value("time", "degree"), control, solver)
         };
         of(&self.input) == of(&now.input)
     }

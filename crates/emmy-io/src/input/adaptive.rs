@@ -2,7 +2,7 @@
 
 use emmy::body::Body;
 use emmy::motion::{Adaptivity, StepPlan};
-use emmy::time::{MAX_DEGREE, Scheme};
+use emmy::time::{ESTIMATORS, Estimator, MAX_DEGREE, Scheme};
 
 use super::fault::{Fault, Place};
 use super::keys;
@@ -31,7 +31,8 @@ pub(super) fn plan(
     }
     let table = adaptive.table(keys::ADAPTIVE)?;
     let adaptivity = read(&table)?;
-    if let Err(emmy::Error::Adaptivity { setting, reason }) = adaptivity.check() {
+    let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(degree));
+    if let Err(emmy::Error::Adaptivity { setting, reason }) = checked {
         let item = table.require(setting)?;
         return Err(item.fault(format!("`{setting}` {reason}"), "here"));
     }
@@ -88,8 +89,25 @@ fn read(table: &Table<'_>) -> Result<Adaptivity, Fault> {
         first: positive("first_size")?,
         length: positive("length")?,
         velocity: positive("velocity")?,
+        degrees: degrees(table)?,
+        estimator: table.get("estimator").map(|item| estimator(&item)).transpose()?,
         ..adaptivity
     })
+}
+
+/// The degrees to choose from, if there are several.
+fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
+    let lowest = table.get("min_degree").map(|item| item.whole(1)).transpose()?;
+    if lowest.is_none() && table.get("max_degree").is_none() {
+        return Ok(None);
+    }
+    Ok(Some([lowest.unwrap_or(1), table.require("max_degree")?.whole(1)?]))
+}
+
+fn estimator(item: &Item<'_>) -> Result<Estimator, Fault> {
+    let word = item.word("an estimator", &ESTIMATORS.map(|(name, ..)| name))?;
+    let found = ESTIMATORS.into_iter().find(|(name, ..)| *name == word);
+    Ok(found.map_or(Estimator::Residual, |(_, estimator, _)| estimator))
 }
 
 /// Checks that there is a scale of positions.

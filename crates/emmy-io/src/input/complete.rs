@@ -12,7 +12,12 @@ use super::{material, settings};
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
     let defaults = tree::parse("defaults", settings::DEFAULTS)?;
     let Value::Table(sections) = defaults.value else { return Ok(()) };
-    for section in sections {
+    for mut section in sections {
+        // Frames by time take the place of those by steps.
+        let by_time = tree.get_mut(&section.key).is_some_and(|own| own.get_mut("interval").is_some());
+        if let (true, "output", Value::Table(entries)) = (by_time, &*section.key, &mut section.node.value) {
+            entries.retain(|entry| entry.key != "every");
+        }
         let Some(own) = tree.get_mut(&section.key) else {
             if section.key != "time" {
                 tree.put(&section.key, section.node);

@@ -100,13 +100,27 @@ pub(super) const INITIAL: Keys =
     keys("[initial]", &["group", "velocity", "angular_velocity", "about", "gradient"]);
 pub(super) const TIME: Keys =
     keys("[time]", &["scheme", "degree", "steps", "smallest_step", "adaptive", "until"]);
-pub(super) const ADAPTIVE: Keys =
-    keys("`adaptive`", &["tolerance", "min_size", "max_size", "first_size", "length", "velocity"]);
+pub(super) const ADAPTIVE: Keys = keys(
+    "`adaptive`",
+    &[
+        "tolerance",
+        "min_size",
+        "max_size",
+        "first_size",
+        "length",
+        "velocity",
+        "estimator",
+        "min_degree",
+        "max_degree",
+    ],
+);
 pub(super) const PHASE: Keys = keys("a phase of steps", &["until", "size"]);
 pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"]);
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
-pub(super) const OUTPUT: Keys =
-    keys("[output]", &["directory", "every", "format", "precision", "fields", "checkpoint_every", "probes"]);
+pub(super) const OUTPUT: Keys = keys(
+    "[output]",
+    &["directory", "every", "interval", "format", "precision", "fields", "checkpoint_every", "probes"],
+);
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 

@@ -146,7 +146,10 @@ impl Parts {
         let (Some(time), Some(newton), Some(solver), Some(output)) = (time, newton, solver, output) else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
-        let time = time::Time { plan: support::plan_with_releases(&time.plan, &supports), ..time };
+        let plan = support::plan_with_releases(&time.plan, &supports);
+        let plan = root.require("output").and_then(|item| settings::plan_with_frames(plan, &output, &item));
+        let Some(plan) = faults.keep(plan) else { return Err(finished(faults)) };
+        let time = time::Time { plan, ..time };
         Ok(Parts {
             title,
             shape,

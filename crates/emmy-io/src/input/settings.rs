@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use emmy::body::fields::FieldName;
-use emmy::motion::NewtonSettings;
+use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::sparse::{SOLVERS, Solver};
 
 use super::fault::{Fault, Place};
 use super::keys;
-use super::table::{Item, spelled};
+use super::table::{Item, Table, spelled};
 use crate::vtk::{Format, Precision};
 
 /// What is written, and where.
@@ -16,8 +16,10 @@ use crate::vtk::{Format, Precision};
 pub struct Output {
     /// Directory of the results, relative to the working directory.
     pub directory: PathBuf,
-    /// Steps between frames, beside the first and the last; 0: no frames.
+    /// Steps between frames, beside the first and the last; 0: none of these.
     pub every: usize,
+    /// Time between frames, in place of steps.
+    pub interval: Option<f64>,
     /// Which files the frames are.
     pub format: Format,
     /// Precision of their fields.
@@ -94,13 +96,56 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
     }
     Ok(Output {
         directory: table.require("directory")?.string()?.into(),
-        every: table.require("every")?.whole(0)?,
+        every: table.get("every").map_or(Ok(0), |item| item.whole(0))?,
+        interval: interval(&table)?,
         format: format(table.require("format")?)?,
         precision: precision(table.require("precision")?)?,
         fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
         probes: probes.into_iter().map(|(probe, _)| probe).collect(),
     })
+}
+
+fn interval(table: &Table<'_>) -> Result<Option<f64>, Fault> {
+    let Some(interval) = table.get("interval") else { return Ok(None) };
+    if let Some(every) = table.get("every") {
+        let message = "frames are counted by steps or by time: give `every` or `interval`";
+        let fault = Fault::at(every.key_place, message, "this one").label(interval.key_place, "and this one");
+        return Err(fault.help("`interval` is a time, `every` a number of steps"));
+    }
+    interval.positive().map(Some)
+}
+
+/// The plan that meets the times of the frames.
+pub(super) fn plan_with_frames(plan: StepPlan, output: &Output, item: &Item<'_>) -> Result<StepPlan, Fault> {
+    let Some(interval) = output.interval else { return Ok(plan) };
+    let item = item.table(keys::OUTPUT)?.require("interval")?;
+    plan.with_interval(interval).map_err(|error| {
+        let fault = item.fault(format!("`interval`: {}", reason(&error)), "not met by the steps");
+        fault.help("give steps of which it is a multiple, or adaptive ones: those meet every such time")
+    })
+}
+
+fn reason(error: &emmy::Error) -> String {
+    match error {
+        emmy::Error::Plan { reason, .. } => reason.clone(),
+        other => other.to_string(),
+    }
+}
+
+impl Output {
+    /// Whether frames are written.
+    pub fn has_frames(&self) -> bool {
+        self.every > 0 || self.interval.is_some()
+    }
+
+    /// Whether a state is one for a frame, by its step or by its time in a plan.
+    pub fn is_frame(&self, plan: &StepPlan, step: usize, time: f64) -> bool {
+        match self.interval {
+            Some(_) => step == 0 || plan.is_output(time),
+            None => step.is_multiple_of(self.every),
+        }
+    }
 }
 
 fn format(item: Item<'_>) -> Result<Format, Fault> {

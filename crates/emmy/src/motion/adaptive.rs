@@ -1,5 +1,6 @@
 //! Marching with step sizes that are chosen by the error.
 
+use super::degrees::DegreeChoice;
 use super::march::placed;
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
 use crate::body::Body;
@@ -9,16 +10,17 @@ use crate::time::{LocalError, Memory, StepOutcome};
 /// What chooses the step sizes of a motion.
 #[derive(Debug)]
 pub struct Control<'a> {
-    adaptivity: Adaptivity,
-    controller: Controller,
-    estimator: LocalError<'a>,
+    pub(super) adaptivity: Adaptivity,
+    pub(super) controller: Controller,
+    pub(super) estimator: LocalError<'a>,
+    pub(super) degrees: Option<DegreeChoice>,
     length: f64,
     /// Duration of the plan.
     duration: f64,
     /// Times that lie closer together are the same.
     same_time: f64,
     /// The state at the start of the step.
-    start: State,
+    pub(super) start: State,
 }
 
 /// Refusals of one step after the other: a step that small does not help.
@@ -39,9 +41,12 @@ struct Stop {
 
 impl<'a> Control<'a> {
     /// What the choice of the next size depends on.
-    pub fn memory(&self) -> Memory {
+    pub fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
         memory.keep("controller", &self.controller.memory());
+        if let Some(choice) = &self.degrees {
+            choice.keep(degree, &mut memory);
+        }
         memory
     }
 
@@ -55,9 +60,14 @@ impl<'a> Control<'a> {
 
     /// Error of the last step: the larger one of those of positions and velocities, in their scales.
     fn error(&self, body: &Body) -> f64 {
-        let position = body.mean(self.estimator.displacement()) / self.length;
+        self.size_of_error(body, &self.estimator)
+    }
+
+    /// The same of what an estimator estimated.
+    pub(super) fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
+        let position = body.mean(estimator.displacement()) / self.length;
         match self.adaptivity.velocity {
-            Some(scale) => larger(position, body.mean(self.estimator.velocity()) / scale),
+            Some(scale) => larger(position, body.mean(estimator.velocity()) / scale),
             None => position,
         }
     }
@@ -75,9 +85,13 @@ impl<'a> Motion<'a> {
         for phase in plan.phases() {
             // Back in its place whenever observers look on: a snapshot has it.
             while let Some(mut control) = self.control.take() {
-                let stop = self.next_stop(&control, phase.until);
+                let output = plan.next_output(self.state.time);
+                let stop = self.next_stop(&control, phase.until, output);
                 let outcome = match stop {
-                    Some(stop) => self.step_towards(&mut control, stop, observers),
+                    Some(stop) => {
+                        let longest = adaptivity.largest.min(plan.interval().unwrap_or(f64::INFINITY));
+                        self.step_towards(&mut control, stop, longest, observers)
+                    }
                     None => Ok(()),
                 };
                 self.control = Some(control);
@@ -91,22 +105,25 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached.
-    fn next_stop(&self, control: &Control<'_>, until: f64) -> Option<Stop> {
+    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached. `output`: the next
+    /// time for output.
+    fn next_stop(&self, control: &Control<'_>, until: f64, output: Option<f64>) -> Option<Stop> {
         let same = control.same_time;
         if until - self.state.time <= same {
             return None;
         }
         let kink = self.body.next_kink(self.state.time + same).unwrap_or(f64::INFINITY);
-        let time = if kink < until - same { kink } else { until };
+        let before = |time: f64, limit: f64| if time < limit - same { time } else { limit };
+        let time = before(kink, before(output.unwrap_or(f64::INFINITY), until));
         Some(Stop { time, is_kink: kink <= time + same })
     }
 
-    /// Does the next step, as often as it takes to be accepted; it does not go beyond a time.
+    /// Does the next step, as often as it takes to be accepted; it does not go beyond a time. `longest`: the longest that any step can be.
     fn step_towards(
         &mut self,
         control: &mut Control<'a>,
         stop: Stop,
+        longest: f64,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), MarchError> {
         self.release_under(control)?;
@@ -126,6 +143,8 @@ impl<'a> Motion<'a> {
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
                         control.controller.restart(control.first_size(self.body, &self.state)?);
+                    } else {
+                        self.choose_degree(control, (size, error), longest)?;
                     }
                     return Ok(());
                 }
@@ -142,7 +161,8 @@ impl<'a> Motion<'a> {
     /// Advances the state and estimates the error.
     fn attempt(&mut self, control: &mut Control<'a>, size: f64) -> Result<(StepOutcome, f64)> {
         let outcome = self.stepper.advance(&mut self.state, size)?;
-        control.estimator.estimate(&control.start, &self.state, size)?;
+        let rates = self.stepper.rates();
+        control.estimator.estimate(&control.start, &self.state, rates, size)?;
         Ok((outcome, control.error(self.body)))
     }
 
@@ -191,10 +211,14 @@ impl<'a> Motion<'a> {
         let before = self.releases;
         self.release(control.same_time)?;
         if self.releases > before {
-            control.estimator =
-                LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?;
+            control.estimator = self.estimator(&control.adaptivity)?;
         }
         Ok(())
+    }
+
+    pub(super) fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
+        let kind = (self.scheme.of_degree(self.degree), self.degree);
+        LocalError::new(self.body, kind, adaptivity.estimator_of(self.degree), self.settings, &self.state)
     }
 
     /// The control of a plan: that of the march before, that of the snapshot, or a new one.
@@ -211,11 +235,13 @@ impl<'a> Motion<'a> {
             let reason = "must be given: the body is a point".to_string();
             return Err(Error::Adaptivity { setting: "length", reason });
         }
+        adaptivity.check_degree(self.degree)?;
         let order = LocalError::order(self.degree);
         let mut control = Control {
             adaptivity: *adaptivity,
             controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),
-            estimator: LocalError::new(self.body, self.scheme, self.degree, self.settings, &self.state)?,
+            estimator: self.estimator(adaptivity)?,
+            degrees: adaptivity.degrees.map(DegreeChoice::new),
             length,
             duration: plan.end() - plan.start(),
             same_time: plan.same_time(0.0),
@@ -227,6 +253,9 @@ impl<'a> Motion<'a> {
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;
             control.controller.restore(memory.array("controller")?);
+            if let Some(choice) = &mut control.degrees {
+                choice.restore(&memory)?;
+            }
         }
         Ok(control)
     }

@@ -1,6 +1,7 @@
 //! How step sizes are chosen by the error: settings and controller.
 
 use crate::error::{Error, Result};
+use crate::time::{Estimator, MAX_DEGREE};
 
 /// Steps whose sizes are chosen by the error that each of them makes.
 ///
@@ -33,6 +34,10 @@ pub struct Adaptivity {
     pub length: Option<f64>,
     /// Scale of velocities \[length/time\]; `None`: errors of velocities do not count.
     pub velocity: Option<f64>,
+    /// How the error is estimated; `None`: as [`Estimator::of_degree`] says.
+    pub estimator: Option<Estimator>,
+    /// Lowest and highest degree of the elements, of which the one is chosen that costs least; `None`: that of the motion.
+    pub degrees: Option<[usize; 2]>,
 }
 
 impl Adaptivity {
@@ -45,7 +50,41 @@ impl Adaptivity {
             first: None,
             length: None,
             velocity: None,
+            estimator: None,
+            degrees: None,
         }
+    }
+
+    /// The estimator of a degree: the one asked for; else the residual where degrees are chosen, or what [`Estimator::of_degree`] says.
+    pub fn estimator_of(&self, degree: usize) -> Estimator {
+        let own = if self.degrees.is_some() { Estimator::Residual } else { Estimator::of_degree(degree) };
+        self.estimator.unwrap_or(own)
+    }
+
+    /// Checks that the settings go with the degree of a motion.
+    ///
+    /// # Errors
+    /// [`Error::Adaptivity`].
+    pub fn check_degree(&self, degree: usize) -> Result<()> {
+        let fail = |setting, reason: String| Err(Error::Adaptivity { setting, reason });
+        let [lowest, highest] = self.degrees.unwrap_or([degree; 2]);
+        if lowest < 1 || lowest > highest {
+            return fail("min_degree", format!("{lowest} is not between 1 and max_degree = {highest}"));
+        }
+        if highest >= MAX_DEGREE {
+            let most = MAX_DEGREE - 1;
+            return fail(
+                "max_degree",
+                format!("must be at most {most}: the error of a degree is that over the next"),
+            );
+        }
+        if !(lowest..=highest).contains(&degree) {
+            return fail(
+                "max_degree",
+                format!("and min_degree: degree {degree}, the first, is not between them"),
+            );
+        }
+        self.estimator.map_or(Ok(()), |estimator| estimator.check(highest))
     }
 
     /// Checks that the settings go together.
@@ -110,9 +149,6 @@ pub struct Controller {
     was_refused: bool,
 }
 
-/// Part of the tolerance that is aimed at.
-const AIM: f64 = 0.6;
-
 /// Errors below this part of the tolerance are taken for it: a step without error says nothing about larger ones.
 const LEAST_ERROR: f64 = 1e-6;
 
@@ -126,6 +162,9 @@ const REFUSED: f64 = 0.9;
 const SHARPEST_CUT: f64 = 0.1;
 
 impl Controller {
+    /// Part of the tolerance that is aimed at.
+    pub(super) const AIM: f64 = 0.6;
+
     /// A controller of errors that grow like `h^order`.
     pub fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
         let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
@@ -161,7 +200,7 @@ impl Controller {
 
     /// Notes a step that was accepted. `is_hard`: Newton's iteration had difficulties, the size does not grow.
     pub fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
-        let error = (error / self.tolerance / AIM).max(LEAST_ERROR);
+        let error = (error / self.tolerance / Controller::AIM).max(LEAST_ERROR);
         let (last_error, last_size) = self.last.unwrap_or((error, size));
         let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
         let mut factor = 1.0 + (factor - 1.0).atan();
@@ -182,7 +221,7 @@ impl Controller {
 
     /// Makes the next attempt smaller after a step with too large an error.
     pub fn refuse(&mut self, size: f64, error: f64) {
-        let factor = (AIM * self.tolerance / error).powf(1.0 / self.order);
+        let factor = (Controller::AIM * self.tolerance / error).powf(1.0 / self.order);
         let factor = if factor.is_nan() { SHARPEST_CUT } else { factor.clamp(SHARPEST_CUT, REFUSED) };
         self.cut(factor * size);
     }

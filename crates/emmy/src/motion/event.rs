@@ -22,6 +22,8 @@ pub enum EventKind {
     Refused,
     /// Steps are twice as large again.
     Grown,
+    /// The elements that follow have another degree.
+    Degree,
     /// A support is released.
     Release,
     /// Newton's iteration ended at its rounding floor, for the first time.
@@ -35,6 +37,7 @@ impl EventKind {
             EventKind::Cut => "cut",
             EventKind::Refused => "refused",
             EventKind::Grown => "grown",
+            EventKind::Degree => "degree",
             EventKind::Release => "release",
             EventKind::RoundingFloor => "rounding-floor",
         }

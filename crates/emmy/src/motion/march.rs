@@ -1,6 +1,7 @@
 //! The loop over the steps.
 
 use super::adaptive::Control;
+use super::degrees::degree_of;
 use super::{
     Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
 };
@@ -26,6 +27,7 @@ use crate::time::{Memory, Scheme, StepOutcome, Stepper};
 #[derive(Debug)]
 pub struct Motion<'a> {
     pub(super) body: &'a Body,
+    /// The scheme as it was given; where the degree has changed since it is that of [`Scheme::of_degree`].
     pub(super) scheme: Scheme,
     pub(super) degree: usize,
     pub(super) settings: NewtonSettings,
@@ -76,7 +78,8 @@ impl<'a> Motion<'a> {
         mut state: State,
     ) -> Result<Self> {
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
-        let record = Record { step: state.step, time: state.time, ..Record::default() }.at(body, &state);
+        let record =
+            Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
         Ok(Motion {
             body,
             scheme,
@@ -99,7 +102,7 @@ impl<'a> Motion<'a> {
     }
 
     /// A motion that goes on from a snapshot. With the stepper's memory, and the same scheme, degree and settings, every bit is that
-    /// of the motion that the snapshot was taken of.
+    /// of the motion that the snapshot was taken of. Where that chose its degree it is the one of the snapshot.
     ///
     /// # Errors
     /// Those of [`Scheme::stepper`] and [`Stepper::restore`], [`Error::Memory`] for a state of another body.
@@ -125,7 +128,9 @@ impl<'a> Motion<'a> {
                 return Err(Error::Memory { name: name.to_string(), reason });
             }
         }
-        let mut motion = Motion::new(body, scheme, degree, settings, state.clone())?;
+        let degree = control.as_ref().and_then(degree_of).unwrap_or(degree);
+        let mut motion = Motion::new(body, scheme.of_degree(degree), degree, settings, state.clone())?;
+        motion.scheme = scheme;
         match &memory {
             Some(memory) => {
                 motion.stepper.restore(memory)?;
@@ -143,7 +148,11 @@ impl<'a> Motion<'a> {
             state: self.state.clone(),
             record: self.record.clone(),
             division: self.division,
-            control: self.control.as_ref().map(|control| control.memory()).or(self.control_memory.clone()),
+            control: self
+                .control
+                .as_ref()
+                .map(|control| control.memory(self.degree))
+                .or(self.control_memory.clone()),
             releases: self.releases,
             was_at_rounding_floor: self.was_at_rounding_floor,
             memory: Some(self.stepper.memory()),
@@ -165,6 +174,11 @@ impl<'a> Motion<'a> {
         &self.record
     }
 
+    /// Degree of the elements now.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
     /// The stepper.
     pub fn stepper(&self) -> &(dyn Stepper + 'a) {
         &*self.stepper
@@ -174,7 +188,8 @@ impl<'a> Motion<'a> {
     /// same. The state goes on as it is.
     pub(super) fn release(&mut self, same_time: f64) -> Result<()> {
         while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
-            self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
+            let scheme = self.scheme.of_degree(self.degree);
+            self.stepper = scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
             self.body = body;
             self.releases += 1;
             self.released += 1;
@@ -210,6 +225,7 @@ impl<'a> Motion<'a> {
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
         (self.record.cuts, self.record.refusals) = (self.cuts, self.refusals);
         self.record.releases = self.released;
+        self.record.degree = self.degree;
         (self.cuts, self.refusals, self.released) = (0, 0, 0);
         if self.record.at_rounding_floor && !self.was_at_rounding_floor {
             self.was_at_rounding_floor = true;

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod adaptivity;
+mod degrees;
 mod division;
 mod event;
 mod global_error;

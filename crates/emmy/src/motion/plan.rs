@@ -40,6 +40,8 @@ pub struct StepPlan {
     start: f64,
     phases: Vec<Phase>,
     adaptivity: Option<Adaptivity>,
+    /// Time between two that are met for output, counted from the start.
+    interval: Option<f64>,
 }
 
 /// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
@@ -72,7 +74,7 @@ impl StepPlan {
             }
             begin = until;
         }
-        Ok(StepPlan { start, phases, adaptivity: None })
+        Ok(StepPlan { start, phases, adaptivity: None, interval: None })
     }
 
     /// A plan of steps whose sizes are chosen by the error. Its phases say which times are to be met, their size is the largest.
@@ -100,7 +102,8 @@ impl StepPlan {
     /// # Errors
     /// Those of [`StepPlan::new`].
     pub fn with_phases(&self, phases: Vec<Phase>) -> Result<Self> {
-        Ok(StepPlan { adaptivity: self.adaptivity, ..StepPlan::new(self.start, phases)? })
+        let plan = StepPlan::new(self.start, phases)?;
+        Ok(StepPlan { adaptivity: self.adaptivity, interval: self.interval, ..plan })
     }
 
     /// How step sizes are chosen by the error; `None` if the phases say the sizes.
@@ -215,7 +218,71 @@ impl StepPlan {
             }
             phases.push(Phase { size, ..phase });
         }
-        StepPlan::new(self.start, phases)
+        self.with_phases(phases)
+    }
+
+    /// The plan with a time between outputs: steps end on every multiple of it, counted from the start, see [`StepPlan::is_output`].
+    ///
+    /// ```
+    /// use emmy::motion::{Phase, StepPlan};
+    /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?;
+    /// assert!(plan.clone().with_interval(0.2)?.is_output(0.4));
+    /// assert!(plan.with_interval(0.25).is_err());
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Plan`] if it is not positive, or if planned steps miss one of these times. Steps whose sizes are chosen by the error meet
+    /// them all.
+    pub fn with_interval(self, interval: f64) -> Result<Self> {
+        if !(interval > 0.0 && interval.is_finite()) || (self.end() - self.start) / interval > 1e9 {
+            let reason = format!("the time between outputs must be positive and finite, not {interval}");
+            return Err(Error::Plan { phase: 0, reason });
+        }
+        let plan = StepPlan { interval: Some(interval), ..self };
+        let missed = plan.begins().enumerate().find_map(|(index, (begin, phase))| {
+            plan.missed_output(begin, phase).map(|time| (index, phase.size, time))
+        });
+        match missed.filter(|_| plan.adaptivity.is_none()) {
+            Some((phase, size, time)) => {
+                let reason =
+                    format!("steps of {size} miss t = {time}, a multiple of the interval {interval}");
+                Err(Error::Plan { phase, reason })
+            }
+            None => Ok(plan),
+        }
+    }
+
+    /// Time between outputs.
+    pub fn interval(&self) -> Option<f64> {
+        self.interval
+    }
+
+    /// Whether a time is one for output, but for rounding.
+    pub fn is_output(&self, time: f64) -> bool {
+        let Some(interval) = self.interval else { return false };
+        let multiple = self.start + ((time - self.start) / interval).round() * interval;
+        (time - multiple).abs() <= self.same_time(interval)
+    }
+
+    /// The first time for output after a time.
+    pub(super) fn next_output(&self, time: f64) -> Option<f64> {
+        let interval = self.interval?;
+        let after = time + self.same_time(interval);
+        let nth = |n: f64| self.start + n * interval;
+        let n = ((after - self.start) / interval).floor();
+        // The quotient may be off by rounding.
+        [n - 1.0, n, n + 1.0, n + 2.0].into_iter().map(nth).find(|&output| output > after)
+    }
+
+    /// A time for output inside a phase on which none of its steps ends. It is enough to look at the first ones: where a second one
+    /// is met as well, the interval is a multiple of the size.
+    fn missed_output(&self, begin: f64, phase: Phase) -> Option<f64> {
+        let sliver = SLIVER * phase.size;
+        let outputs = std::iter::successors(self.next_output(begin), |time| self.next_output(*time));
+        let inside = outputs.take_while(|time| *time < phase.until - sliver).take(2);
+        let offset = |time: f64| (time - begin) - ((time - begin) / phase.size).round() * phase.size;
+        inside.into_iter().find(|time| offset(*time).abs() > sliver)
     }
 
     /// Times that lie closer together than this, among steps of a size, are the same.
@@ -252,6 +319,35 @@ mod tests {
             assert_eq!(plan.n_steps(), n);
             assert!(plan.steps().all(|step| step.size == size));
             assert_eq!(plan.steps().last().unwrap().end, until);
+        }
+    }
+
+    #[test]
+    fn every_multiple_of_an_interval_is_met_or_named() {
+        let steps = |phases: &[(f64, f64)], interval: f64| plan(phases).unwrap().with_interval(interval);
+        let good = steps(&[(0.3, 0.1), (0.5, 0.05), (2.0, 0.02)], 0.1).unwrap();
+        let outputs = good.steps().filter(|step| good.is_output(step.end)).count();
+        assert_eq!(outputs, 20);
+        // 0.25 + i 0.1 are not multiples of 0.1; the end of a phase is met whatever the size.
+        let missed = |phases, interval| steps(phases, interval).unwrap_err().to_string();
+        assert!(missed(&[(0.25, 0.05), (1.0, 0.1)], 0.1).contains("steps of 0.1 miss t = 0.3"));
+        assert!(missed(&[(1.0, 0.03)], 0.1).contains("steps of 0.03 miss t = 0.1"));
+        assert!(steps(&[(0.1, 0.03), (0.2, 0.04)], 0.1).is_ok());
+        assert!(steps(&[(1.0, 0.1)], 5.0).is_ok() && steps(&[(1.0, 0.1)], 0.0).is_err());
+        let twice = good.with_size_from(0.5, 0.01).unwrap();
+        assert_eq!(twice.interval(), Some(0.1));
+    }
+
+    #[test]
+    fn outputs_follow_each_other_without_gaps() {
+        let plan = StepPlan::adaptive(0.7, 1e4, Adaptivity::new(1e-3)).unwrap().with_interval(0.1).unwrap();
+        let mut time = 0.7;
+        for n in 1..=90_000 {
+            time = plan.next_output(time).unwrap();
+            assert_eq!(time, 0.7 + f64::from(n) * 0.1);
+            assert!(plan.is_output(time) && !plan.is_output(time + 0.04));
+            // As it is where a phase ends on it, but for rounding.
+            assert!(plan.next_output(time.next_down()).unwrap() > time + 0.05);
         }
     }
 

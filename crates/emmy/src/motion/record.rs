@@ -66,6 +66,8 @@ pub struct Record {
     pub local_error: f64,
     /// How often the step was done again because of its error.
     pub refusals: usize,
+    /// Degree of the step's element; 1 for methods that are none.
+    pub degree: usize,
 }
 
 impl Record {

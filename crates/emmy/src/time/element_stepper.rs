@@ -1,5 +1,6 @@
 //! One step of a time element: prediction, iteration, update, impulses.
 
+use super::defect_correction::DefectCorrection;
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
@@ -130,12 +131,59 @@ impl<'a> TimeElementStepper<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`]: a rule may see nothing of the end, and from such a state no step goes on.
     fn strained_at_end(&mut self, displacement: &[f64]) -> Result<Strained> {
+        self.go_to_end(displacement);
+        self.system.body.strained(&self.position).upright()
+    }
+
+    /// Sets `position` to the displacement at the end of the step.
+    fn go_to_end(&mut self, displacement: &[f64]) {
         self.position.copy_from_slice(displacement);
         let (n, weights) = (displacement.len(), self.system.form.rule.weights());
         for (rates, b) in self.iteration.rates.chunks_exact(n).zip(weights) {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
-        self.system.body.strained(&self.position).upright()
+    }
+
+    /// Advances a state as [`Stepper::advance`] does, with rates from which the iteration starts.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::advance`].
+    pub fn advance_from(
+        &mut self,
+        state: &mut State,
+        step_size: f64,
+        given: Option<&[f64]>,
+    ) -> Result<StepOutcome> {
+        self.start(state, step_size);
+        let newton = self.iteration.solve(&mut self.system, state, step_size, given)?;
+        let mut impulses = self.impulses(step_size)?;
+        let strained = self.strained_at_end(&state.displacement)?;
+        self.update(state, step_size, &mut impulses);
+        self.iteration.remember(&self.system.form, step_size);
+        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
+    }
+
+    /// Advances a state by a step whose rates are those given, corrected a few times only; false if that does not help.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    pub(super) fn correct_from(
+        &mut self,
+        state: &mut State,
+        step_size: f64,
+        given: &[f64],
+        correction: (&mut DefectCorrection, usize),
+    ) -> Result<bool> {
+        let (correction, least) = correction;
+        self.start(state, step_size);
+        self.iteration.begin(&mut self.system, state);
+        self.iteration.take(given, &self.system);
+        if !correction.solve(&mut self.system, &mut self.iteration.rates, least)? {
+            return Ok(false);
+        }
+        self.go_to_end(&state.displacement);
+        self.update(state, step_size, &mut Impulses::default());
+        Ok(true)
     }
 
     /// The state at the end of the step, whose displacement is in `position`.
@@ -180,9 +228,7 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`.
     fn arrival_weight(&self, j: usize) -> f64 {
-        let form = &self.system.form;
-        let k = form.rule.degree();
-        (0..k).map(|i| form.rule.weights()[i] * form.mass[i * k + j]).sum()
+        self.system.form.arrival_weights(j)[1]
     }
 
     /// Gives the driven degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
@@ -231,13 +277,11 @@ fn take_fixed(body: &Body, from: &[f64], to: &mut [f64]) {
 
 impl Stepper for TimeElementStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
-        self.start(state, step_size);
-        let newton = self.iteration.solve(&mut self.system, state, step_size)?;
-        let mut impulses = self.impulses(step_size)?;
-        let strained = self.strained_at_end(&state.displacement)?;
-        self.update(state, step_size, &mut impulses);
-        self.iteration.remember(&self.system.form, step_size);
-        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
+        self.advance_from(state, step_size, None)
+    }
+
+    fn rates(&self) -> &[f64] {
+        &self.iteration.rates
     }
 
     fn newton_history(&self) -> &[f64] {

@@ -21,6 +21,8 @@ pub struct Iteration {
 /// Starting points of the iteration, in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Guess {
+    /// Rates that the caller has.
+    Given,
     /// The rigid motion of the step, and what the last step did besides.
     Continued,
     /// The rigid motion alone.
@@ -32,7 +34,8 @@ enum Guess {
 }
 
 /// Every attempt at a step: starting point, and whether a line search guards it.
-const ATTEMPTS: [(Guess, bool); 7] = [
+const ATTEMPTS: [(Guess, bool); 8] = [
+    (Guess::Given, false),
     (Guess::Continued, false),
     (Guess::Rigid, false),
     (Guess::Velocity, false),
@@ -76,16 +79,33 @@ impl Iteration {
         self.newton.history()
     }
 
-    /// Solves the equations of a step from the first starting point that leads to a solution.
+    /// Begins a step whose equations are set: finds its rigid motion, with which the kept stiffness turns.
+    pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State) {
+        self.prediction.start(system, state);
+        system.turn(self.prediction.rotation());
+    }
+
+    /// Takes rates for those of the step.
+    pub fn take(&mut self, given: &[f64], system: &StageSystem<'_>) {
+        self.rates.copy_from_slice(given);
+        system.drive(&mut self.rates);
+    }
+
+    /// Solves the equations of a step from the first starting point that leads to a solution; rates that are given are the first.
     ///
     /// # Errors
     /// [`Error::NoConvergence`].
-    pub fn solve(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) -> Result<Outcome> {
-        self.prediction.start(system, state);
-        system.turn(self.prediction.rotation());
+    pub fn solve(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+        given: Option<&[f64]>,
+    ) -> Result<Outcome> {
+        self.begin(system, state);
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
-            if !self.predict(guess, system, state, step_size) {
+            if !self.predict(guess, system, state, step_size, given) {
                 continue;
             }
             match self.newton.solve(system, &mut self.rates, &self.settings, line_search) {
@@ -154,9 +174,20 @@ impl Iteration {
     }
 
     /// Sets the rates to a starting point; false if there is none of this kind.
-    fn predict(&mut self, guess: Guess, system: &mut StageSystem<'_>, state: &State, step_size: f64) -> bool {
+    fn predict(
+        &mut self,
+        guess: Guess,
+        system: &mut StageSystem<'_>,
+        state: &State,
+        step_size: f64,
+        given: Option<&[f64]>,
+    ) -> bool {
         let n = state.displacement.len();
         match guess {
+            Guess::Given => match given {
+                Some(given) => self.rates.copy_from_slice(given),
+                None => return false,
+            },
             Guess::Continued => {
                 if !self.predict_better(system, step_size) {
                     return false;

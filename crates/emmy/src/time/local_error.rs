@@ -1,10 +1,58 @@
 //! The local error of a step: what a step makes of a state, less what the motion makes of it.
 
 use super::classic::{Forces, Start};
-use super::{Memory, Scheme, State, Stepper};
+use super::defect_correction::DefectCorrection;
+use super::reconstruction::Reconstruction;
+use super::{Memory, Scheme, State, Stepper, TimeElement, TimeElementStepper};
 use crate::body::Body;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
+
+/// How the local error is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Estimator {
+    /// By differences of velocities, for degree 1.
+    Difference,
+    /// By a step of the element of degree k + 1.
+    Element,
+    /// By the residual of the reconstructed step.
+    Residual,
+}
+
+/// Estimators: key word, estimator, what it is.
+pub const ESTIMATORS: [(&str, Estimator, &str); 3] = [
+    ("difference", Estimator::Difference, "differences of velocities, for degree 1; costs nothing"),
+    ("element", Estimator::Element, "the element of degree k + 1 beside the motion; costs a step of it"),
+    (
+        "residual",
+        Estimator::Residual,
+        "the residual of the step's reconstruction of degree k + 1; costs a few corrections",
+    ),
+];
+
+impl Estimator {
+    /// The estimator that is taken where none is asked for: differences for degree 1, else the element of the next degree.
+    pub fn of_degree(degree: usize) -> Self {
+        if degree == 1 { Estimator::Difference } else { Estimator::Element }
+    }
+
+    /// Key word.
+    pub fn name(self) -> &'static str {
+        ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
+    }
+
+    /// Checks that the estimator goes with a degree.
+    ///
+    /// # Errors
+    /// [`Error::Adaptivity`]: differences go with degree 1 only.
+    pub fn check(self, degree: usize) -> Result<()> {
+        if self == Estimator::Difference && degree != 1 {
+            let reason = format!("\"difference\" goes with degree 1 only, not {degree}");
+            return Err(Error::Adaptivity { setting: "estimator", reason });
+        }
+        Ok(())
+    }
+}
 
 /// Estimates the error of each step of a time element, in positions and velocities at its end.
 ///
@@ -19,8 +67,34 @@ use crate::newton::NewtonSettings;
 /// ends). The error of the velocity is the same with one derivative more. It costs nothing. Modes that the step does not resolve swing from
 /// step to step, `|a_n - a_(n-1)| <= 4 |v|/h`, and count with `h |v|/3` at most.
 ///
-/// *By an element of degree k + 1* from the same state, for k > 1: the difference of the two ends. The one has the error
-/// `c h^(2k+1)`, the other `c h^(2k+3)`, so that the estimate is exact in the limit. It costs a step of that element.
+/// *By an element of degree k + 1* from the same state: the difference of the two ends. The one has the error
+/// `c h^(2k+1)`, the other `c h^(2k+3)`, so that the estimate is exact in the limit. It costs a step of that element, which starts from the
+/// reconstruction of the next paragraph.
+///
+/// *By the residual*. The velocity v^h of the step, of degree k, and its integral `u~ = u_1 + h integral v^h` have the nodal values of the step, so that their
+/// errors `d = u~ - u`, `w = v^h - v` at its end are those wanted. With the strong residual r of the momentum equation they obey
+///
+/// ```math
+/// M r = M v^h'/h + f(u~) - F,    d' = h w,    w' = h (r - M^-1 K d) + ..,    d(0) = w(0) = 0
+/// ```
+///
+/// up to squares of d, whence `(d, w)(1) = h integral Phi(1, alpha) (0, r) dalpha` with the propagator Phi of the linearised motion. The part of r along the Legendre polynomial
+/// P_j has the order h^(2k-j) for j <= k, for a method of order 2k; that of Phi has h^j. So all j <= k count alike: for k = 1
+/// `w(1) = h integral r` and `d(1) = h^2 integral (1 - alpha) r` are the leading terms, for k > 1 powers of `h^2 K` up to degree k belong to them, and no
+/// quadrature of r alone is the error. They are solved for with the Gauss method of degree k + 1,
+///
+/// ```math
+/// sum_j (a^-1)_ij M dx_j + h^2 a_ij K dx_j = -h^2 M r(c_i),    d(1) = -sum_j b_j dx_j
+/// ```
+///
+/// whose right-hand side is nothing but its own stage residual at the rates of u~, and which is exact to order h^(2k+3): a defect correction (Zadunaisky
+/// 1976, On the estimation of errors propagated in the numerical integration of ordinary differential equations, Numerische
+/// Mathematik 27; Frank and Ueberhuber 1977, Iterated defect correction for differential equations, BIT 17). Inside the step the error of v^h has the order h^(k+1), of
+/// which a correction with one kept K leaves a part of order h^2. So `floor(k/2) + 1` corrections leave less than h^(2k+1), and the estimate is exact in the limit.
+/// They cost as many evaluations of f at k + 1 points, and one to see that they did their work; where K fits badly there are more of them.
+///
+/// On `u'' = -omega^2 u`, z = h omega, the Gauss method of degree 2 errs by `-z^5/720 v/omega` in u and by `z^5/720 omega u` in v; of the quadratures
+/// `h^2 integral (1 - alpha) r` and `h integral r` the first one is the first, but the second one is 0.
 #[derive(Debug)]
 pub struct LocalError<'a> {
     body: &'a Body,
@@ -34,7 +108,17 @@ pub struct LocalError<'a> {
 #[derive(Debug)]
 enum Kind<'a> {
     Difference(Box<Difference>),
-    Element { stepper: Box<dyn Stepper + 'a>, end: State },
+    Element(Box<NextDegree<'a>>),
+}
+
+/// The element of degree k + 1 beside the motion.
+#[derive(Debug)]
+struct NextDegree<'a> {
+    stepper: TimeElementStepper<'a>,
+    reconstruction: Reconstruction,
+    /// Where it is not solved to the end: corrections, and how many of them.
+    correction: Option<(DefectCorrection, usize)>,
+    end: State,
 }
 
 /// What differences are taken of.
@@ -55,21 +139,26 @@ impl<'a> LocalError<'a> {
     /// The estimator for steps of a scheme from a state.
     ///
     /// # Errors
-    /// Those of [`Scheme::stepper`]; [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    /// [`Error::Scheme`] if the scheme is not a time element's, [`Error::Adaptivity`] if the estimator does not go with the degree;
+    /// [`Error::Inverted`], [`Error::Linear`].
     pub fn new(
         body: &'a Body,
-        scheme: Scheme,
-        degree: usize,
+        (scheme, degree): (Scheme, usize),
+        estimator: Estimator,
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
+        estimator.check(degree)?;
         let n = body.n_dofs();
-        let kind = if degree == 1 {
-            Kind::Difference(Box::new(Difference::new(n)))
-        } else {
-            let mut end = state.clone();
-            let stepper = scheme.of_degree(degree + 1).stepper(body, degree + 1, settings, &mut end)?;
-            Kind::Element { stepper, end }
+        let kind = match estimator {
+            Estimator::Difference => {
+                TimeElement::new(scheme, degree)?;
+                Kind::Difference(Box::new(Difference::new(n)))
+            }
+            Estimator::Element | Estimator::Residual => {
+                let next = NextDegree::new(body, (scheme, degree), estimator, settings, state)?;
+                Kind::Element(Box::new(next))
+            }
         };
         let mut estimator = LocalError { body, kind, displacement: vec![0.0; n], velocity: vec![0.0; n] };
         estimator.restart(state)?;
@@ -101,20 +190,19 @@ impl<'a> LocalError<'a> {
         Ok(())
     }
 
-    /// Estimates the error of a step between two states.
+    /// Estimates the error of a step between two states with the rates of [`super::Stepper::rates`].
     ///
     /// # Errors
-    /// Those of [`Stepper::advance`]: the element of degree k + 1 may fail where that of degree k did not.
-    pub fn estimate(&mut self, start: &State, end: &State, step_size: f64) -> Result<()> {
+    /// Those of [`super::Stepper::advance`]: the element of degree k + 1 may fail where that of degree k did not.
+    pub fn estimate(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<()> {
         match &mut self.kind {
             Kind::Difference(difference) => {
                 difference.estimate(start, end, step_size, &mut self.displacement, &mut self.velocity);
             }
-            Kind::Element { stepper, end: better } => {
-                better.copy_from(start);
-                stepper.advance(better, step_size)?;
-                set_difference(&mut self.displacement, &end.displacement, &better.displacement);
-                set_difference(&mut self.velocity, &end.velocity, &better.velocity);
+            Kind::Element(next) => {
+                next.advance(start, rates, step_size)?;
+                set_difference(&mut self.displacement, &end.displacement, &next.end.displacement);
+                set_difference(&mut self.velocity, &end.velocity, &next.end.velocity);
             }
         }
         for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
@@ -151,7 +239,7 @@ impl<'a> LocalError<'a> {
                 memory.keep("third_before", difference.third_before.as_slice());
                 memory
             }
-            Kind::Element { stepper, .. } => stepper.memory(),
+            Kind::Element(next) => next.memory(),
         }
     }
 
@@ -168,8 +256,62 @@ impl<'a> LocalError<'a> {
                 difference.third_before = memory.option("third_before")?;
                 Ok(())
             }
-            Kind::Element { stepper, .. } => stepper.restore(memory),
+            Kind::Element(next) => next.restore(memory),
         }
+    }
+}
+
+impl<'a> NextDegree<'a> {
+    fn new(
+        body: &'a Body,
+        (scheme, degree): (Scheme, usize),
+        estimator: Estimator,
+        settings: NewtonSettings,
+        state: &State,
+    ) -> Result<Self> {
+        TimeElement::new(scheme, degree)?;
+        let next = degree + 1;
+        // At the Gauss points the stage residual of FE(k + 1) is the strong residual.
+        let (scheme, correction) = match estimator {
+            Estimator::Residual => {
+                (Scheme::Standard(next), Some((DefectCorrection::default(), degree / 2 + 1)))
+            }
+            _ => (scheme.of_degree(next), None),
+        };
+        Ok(NextDegree {
+            stepper: TimeElementStepper::new(body, TimeElement::new(scheme, next)?, settings)?,
+            reconstruction: Reconstruction::new(degree, body.n_dofs()),
+            correction,
+            end: state.clone(),
+        })
+    }
+
+    /// Sets the end of a step from a state.
+    fn advance(&mut self, start: &State, rates: &[f64], step_size: f64) -> Result<()> {
+        self.end.copy_from(start);
+        self.reconstruction.set(&start.velocity, rates, step_size);
+        let given = &self.reconstruction.rates;
+        if let Some((correction, least)) = &mut self.correction
+            && self.stepper.correct_from(&mut self.end, step_size, given, (correction, *least))?
+        {
+            return Ok(());
+        }
+        self.stepper.advance_from(&mut self.end, step_size, Some(given)).map(|_| ())
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = self.stepper.memory();
+        if let Some((correction, _)) = &self.correction {
+            correction.keep(&mut memory);
+        }
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        if let Some((correction, _)) = &mut self.correction {
+            correction.restore(memory)?;
+        }
+        self.stepper.restore(memory)
     }
 }
 

@@ -6,6 +6,7 @@
 mod approximate_tangent;
 mod classic;
 mod decoupling;
+mod defect_correction;
 mod dissipation;
 mod element;
 mod element_stepper;
@@ -14,6 +15,7 @@ mod iteration;
 mod local_error;
 mod memory;
 mod prediction;
+mod reconstruction;
 mod scheme;
 mod shifted_solver;
 mod stage_system;
@@ -27,8 +29,9 @@ pub use classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkSt
 use dissipation::Dissipation;
 pub use element::TimeElement;
 pub use element_stepper::TimeElementStepper;
-pub use local_error::LocalError;
+pub use local_error::{ESTIMATORS, Estimator, LocalError};
 pub use memory::Memory;
+pub use reconstruction::Reconstruction;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};
 pub use state::State;
 pub use stepper::{Impulses, StepOutcome, Stepper};

@@ -36,6 +36,14 @@ pub struct StageForm {
     pub dissipation: Option<Dissipation>,
 }
 
+impl StageForm {
+    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i (a^-1)_ij`.
+    pub fn arrival_weights(&self, j: usize) -> [f64; 2] {
+        let (b, k) = (self.rule.weights(), self.rule.degree());
+        [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]
+    }
+}
+
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
 #[derive(Debug)]
 pub struct StageSystem<'a> {

@@ -20,6 +20,12 @@ pub trait Stepper: fmt::Debug + Send {
     /// unchanged.
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome>;
 
+    /// Rates `x_j = du^h/dalpha` of the last step at the k Gauss points, `[k][n_nodes][3]` \[length\]; empty for steppers that are not time
+    /// elements.
+    fn rates(&self) -> &[f64] {
+        &[]
+    }
+
     /// Norms of Newton's residuals in the last step; empty for an explicit stepper.
     fn newton_history(&self) -> &[f64];
 

@@ -121,7 +121,11 @@ pub fn check(problem: &Problem, manner: &Manner) -> Result<(), Failure> {
 
 /// The estimator of the error since a state.
 fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'a>, Failure> {
-    Ok(GlobalError::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?)
+    // One degree above the highest that the motion may have.
+    let degrees = problem.plan.adaptivity().and_then(|adaptivity| adaptivity.degrees);
+    let degree = degrees.map_or(problem.degree, |[_, highest]| highest);
+    let scheme = problem.scheme.of_degree(degree);
+    Ok(GlobalError::new(&problem.body, scheme, degree, problem.newton, state)?)
 }
 
 /// How the march ended, as it stands in the summary and as the program ends.

@@ -56,6 +56,18 @@ pub(super) fn all() -> Vec<Mistake> {
             .unseen(),
         adaptive("adaptive-first-size-too-large", "tolerance = 1e-4, first_size = 0.2, max_size = 0.1")
             .unseen(),
+        adaptive("estimator-misspelt", "tolerance = 1e-4, estimator = 'residuals'"),
+        adaptive("estimator-of-degree-one", "tolerance = 1e-4, estimator = 'difference'")
+            .with(&["--set", "time.degree=2"])
+            .unseen(),
+        adaptive("degrees-the-wrong-way-round", "tolerance = 1e-4, min_degree = 3, max_degree = 2").unseen(),
+        adaptive("lowest-degree-without-a-highest", "tolerance = 1e-4, min_degree = 1").unseen(),
+        adaptive("first-degree-outside", "tolerance = 1e-4, max_degree = 3")
+            .with(&["--set", "time.degree=4"])
+            .unseen(),
+        changed("frames-by-steps-and-by-time", "every = 2", "every = 2\ninterval = 0.1").unseen(),
+        changed("frames-between-steps", "every = 2", "interval = 0.03").unseen(),
+        changed("frames-at-no-interval", "every = 2", "interval = 0"),
         adaptive("adaptive-steps-of-another-method", "tolerance = 1e-4")
             .with(&["--set", "time.scheme=Bathe"])
             .unseen(),

@@ -2,7 +2,7 @@
 
 use emmy::body::fields::FieldName;
 use emmy::sparse::SOLVERS;
-use emmy::time::MAX_DEGREE;
+use emmy::time::{ESTIMATORS, MAX_DEGREE};
 use serde_json::{Value, json};
 
 use super::super::keys;
@@ -271,6 +271,15 @@ fn adaptive() -> Value {
             "velocity",
             positive("Scale of velocities [length/time]; left out: errors of velocities do not count"),
         )
+        .may(
+            "estimator",
+            words(
+                &ESTIMATORS.map(|(name, ..)| name),
+                "How the error is estimated; left out: difference for degree 1, else element",
+            ),
+        )
+        .may("min_degree", whole(1, "Lowest degree to choose from; left out: 1"))
+        .may("max_degree", whole(1, "Highest degree to choose from; left out: `degree` stays as it is"))
         .schema()
 }
 
@@ -306,6 +315,7 @@ fn output() -> Value {
     Table::new(keys::OUTPUT, "What is written, and where")
         .may("directory", text(directory))
         .may("every", whole(0, "Steps between frames; 0: no frames"))
+        .may("interval", positive("Time between frames, in place of `every`; these times are met exactly"))
         .may(
             "format",
             words(&Format::ALL.map(Format::name), "Files of the frames: .vtu each, or one .vtkhdf"),

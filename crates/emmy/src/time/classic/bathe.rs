@@ -75,7 +75,7 @@ impl<'a> BatheStepper<'a> {
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
         self.system.followers.sample(self.system.body, state.time, part);
         self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
-        let outcome = self.iteration.solve(&mut self.system, state, part)?;
+        let outcome = self.iteration.solve(&mut self.system, state, part, None)?;
         self.iteration.remember(&self.system.form, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
@@ -101,7 +101,7 @@ impl<'a> BatheStepper<'a> {
         let part = (1.0 - SPLIT) * h;
         self.system.followers.sample(self.system.body, self.split.time, part);
         self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
-        let outcome = self.iteration.solve(&mut self.system, &self.split, part)?;
+        let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
         self.iteration.remember(&self.system.form, part);
         let end = &mut self.points[2];
         let parts = self.split.displacement.iter().zip(&self.iteration.rates);

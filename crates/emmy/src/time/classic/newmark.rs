@@ -169,7 +169,7 @@ impl<'a> NewmarkStepper<'a> {
 impl Stepper for NewmarkStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         self.start(state, step_size);
-        let newton = self.iteration.solve(&mut self.system, state, step_size)?;
+        let newton = self.iteration.solve(&mut self.system, state, step_size, None)?;
         self.evaluate_end(state, step_size)?;
         self.iteration.remember(&self.system.form, step_size);
         self.update(state, step_size);

@@ -1,165 +1,19 @@
 //! Steps whose sizes are chosen by the error: the estimate against the true error, what is conserved, which times are met, what it costs.
 
+mod degrees;
+mod estimates;
+mod problems;
+
 use std::error::Error as StdError;
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Support};
-use emmy::material::{Link, NeoHooke};
-use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::material::NeoHooke;
 use emmy::motion::{Adaptivity, Event, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
 use emmy::motion::{Observer, Phase, Record, Snapshot, State, StepPlan, View};
-use emmy::time::{LocalError, Scheme};
-use emmy::{Error, sparse::Solver};
+use emmy::time::{Estimator, Scheme};
+use emmy::{Error, mesh, sparse::Solver};
 
-const DGM: Scheme = Scheme::DiscreteGradient;
-
-fn settings() -> NewtonSettings {
-    NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
-}
-
-/// Points and links between them; node i is the group `i`.
-fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    for (index, &point) in points.iter().enumerate() {
-        let node = builder.point(point);
-        builder.node_group(&index.to_string(), [node]);
-    }
-    for link in links {
-        builder.cell(CellKind::Line2, link).unwrap();
-    }
-    builder.build().unwrap()
-}
-
-fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
-    let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
-        group: Some(i.to_string()),
-        velocity,
-        ..Default::default()
-    };
-    State::initial(body, 0.0, &velocities.iter().enumerate().map(field).collect::<Vec<_>>()).unwrap()
-}
-
-/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
-fn orbit(e: f64) -> (Body, State) {
-    let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let masses = [2.0, 1.0].iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass });
-    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
-    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
-    // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.
-    let v = (4.5 * (1.0 - e)).sqrt();
-    let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
-    (body, state)
-}
-
-/// Period of the orbit: `tau sqrt(a^3 mu/g)`, a = 1/(1 + e).
-fn period(e: f64) -> f64 {
-    std::f64::consts::TAU * ((1.0 + e).powi(-3) / 4.5).sqrt()
-}
-
-/// Four masses in the corners of a tetrahedron with springs along its edges, stretched and turning.
-fn springs() -> (Body, State) {
-    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
-    let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-    let masses = (0..4).map(|i| PointMass { group: i.to_string(), mass: 1.0 + 0.2 * i as f64 });
-    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::spring(20.0, None).unwrap());
-    let body = Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[]).unwrap();
-    let state = moving(&body, &[[1.0, 0.0, 0.5], [0.0, 1.5, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -0.5]]);
-    (body, state)
-}
-
-/// A soft block of two cells that turns and bends.
-fn soft_block() -> (Body, State) {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-    let body = Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap(), vec![rubber], &[], &[]).unwrap();
-    let field = InitialVelocity {
-        angular_velocity: [0.5, 1.0, 0.3],
-        about: [0.5, 0.5, 1.0],
-        gradient: [[0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]],
-        ..Default::default()
-    };
-    let state = State::initial(&body, 0.0, &[field]).unwrap();
-    (body, state)
-}
-
-/// Mean over the mass.
-fn mean(body: &Body, field: &[f64]) -> f64 {
-    let squares = field.chunks(3).zip(body.lumped_mass());
-    squares.map(|(u, m)| m * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>().sqrt()
-}
-
-/// The state after a time, by an element of a high degree in many steps.
-fn exact(body: &Body, state: &State, time: f64) -> State {
-    let mut motion = Motion::new(body, Scheme::Standard(5), 5, settings(), state.clone()).unwrap();
-    let start = state.time;
-    for i in 1..=8 {
-        motion.step(time / 8.0, start + time * f64::from(i) / 8.0).unwrap();
-    }
-    motion.state().clone()
-}
-
-/// Estimate over true local error, in displacement and velocity, of each step but the first ones of a march.
-fn effectivities(
-    (body, start): (Body, State),
-    scheme: Scheme,
-    degree: usize,
-    h: f64,
-    n_steps: usize,
-) -> Vec<[f64; 2]> {
-    let mut motion = Motion::new(&body, scheme, degree, settings(), start.clone()).unwrap();
-    let mut estimator = LocalError::new(&body, scheme, degree, settings(), &start).unwrap();
-    let mut ratios = Vec::new();
-    for step in 0..n_steps {
-        let before = motion.state().clone();
-        motion.step(h, h * (step + 1) as f64).unwrap();
-        let after = motion.state();
-        estimator.estimate(&before, after, h).unwrap();
-        estimator.accept(h);
-        let exact = exact(&body, &before, h);
-        let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-        let displacement = difference(&after.displacement, &exact.displacement);
-        let velocity = difference(&after.velocity, &exact.velocity);
-        if step >= 2 {
-            ratios.push([
-                mean(&body, estimator.displacement()) / mean(&body, &displacement),
-                mean(&body, estimator.velocity()) / mean(&body, &velocity),
-            ]);
-        }
-    }
-    ratios
-}
-
-#[test]
-fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
-    for (name, problem, size) in [
-        ("orbit", orbit as fn(f64) -> (Body, State), 0.02),
-        ("springs", |_| springs(), 0.02),
-        ("soft block", |_| soft_block(), 0.01),
-    ] {
-        for degree in [1, 2, 3] {
-            // A higher degree resolves with larger steps; it must not be all rounding.
-            let h = size * [1.0, 3.0, 5.0][degree - 1];
-            let ratios = effectivities(problem(0.5), DGM, degree, h, 20);
-            let [mut displacement, mut velocity] =
-                [0, 1].map(|i| -> Vec<f64> { ratios.iter().map(|r| r[i]).collect() });
-            displacement.sort_by(f64::total_cmp);
-            velocity.sort_by(f64::total_cmp);
-            let (least, most) = (displacement[0], displacement[displacement.len() - 1]);
-            println!(
-                "{name}, k = {degree}: displacement {least:.3} .. {most:.3}, velocity {:.3} .. {:.3}",
-                velocity[0],
-                velocity[velocity.len() - 1]
-            );
-            assert!(least > 0.5 && most < 2.0, "{name}, k = {degree}: {displacement:.3?}");
-            if degree > 1 {
-                assert!(
-                    velocity[0] > 0.5 && velocity[velocity.len() - 1] < 2.0,
-                    "{name}, k = {degree}: {velocity:.3?}"
-                );
-            }
-        }
-    }
-}
+use problems::*;
 
 /// Estimated over true error of the displacement at the end of a march.
 fn effectivity((body, start): &(Body, State), degree: usize, plan: &StepPlan, exact: &State) -> f64 {
@@ -369,11 +223,37 @@ fn kinks_releases_and_ends_are_met_exactly() {
 }
 
 #[test]
+fn times_for_output_are_met_exactly_and_without_slivers() {
+    let body = loaded_block();
+    let state = State::initial(&body, 0.0, &[]).unwrap();
+    // Beside the kinks at 0.1234 and 0.2 and the release at 0.31; 0.2 is one of both.
+    let plan = adaptive(0.5, 1e-4).with_end_at(0.31).with_interval(0.04).unwrap();
+    let (watch, _) = march(&body, &state, 2, &plan);
+    let times: Vec<f64> = watch.records.iter().map(|record| record.time).collect();
+    for time in (0..=12).map(|i| f64::from(i) * 0.04).chain([0.1234, 0.31, 0.5]) {
+        assert!(times.contains(&time), "{time} is not among {times:?}");
+    }
+    let outputs = times.iter().filter(|time| plan.is_output(**time)).count();
+    assert_eq!(outputs, 13);
+    // The shortest time between two that are to be met is 0.0034, to the kink: steps of half of it at the least.
+    let first = 0.0017 * (1.0 - 1e-9);
+    let short = watch.records[1..].iter().filter(|r| r.step_size < first && r.refusals == 0 && r.time > 0.04);
+    assert_eq!(short.count(), 0, "{:?}", watch.records.iter().map(|r| r.step_size).collect::<Vec<_>>());
+}
+
+#[test]
 fn a_motion_that_goes_on_from_a_snapshot_is_the_motion_itself() {
     let body = loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let plan = adaptive(0.5, 3e-5).with_end_at(0.31);
-    for (degree, solver) in [(1, Solver::Iterative), (1, Solver::Direct), (2, Solver::Auto)] {
+    let residual = Adaptivity { estimator: Some(Estimator::Residual), ..Adaptivity::new(3e-5) };
+    let by_residual = StepPlan::adaptive(0.0, 0.5, residual).unwrap().with_end_at(0.31).with_interval(0.06);
+    for (degree, solver, plan) in [
+        (1, Solver::Iterative, plan.clone()),
+        (1, Solver::Direct, plan.clone()),
+        (2, Solver::Auto, plan),
+        (2, Solver::Auto, by_residual.unwrap()),
+    ] {
         let settings = NewtonSettings { solver, ..settings() };
         let n = {
             let (watch, _) = march(&body, &state, degree, &plan);

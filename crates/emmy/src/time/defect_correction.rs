@@ -1,0 +1,117 @@
+//! Stage equations that are solved nearly, from a starting point that is nearly a solution.
+
+use super::stage_system::{StageForm, StageSystem};
+use super::{MAX_DEGREE, Memory};
+use crate::error::Result;
+use crate::newton::{STAGNATION, System, Tangent};
+
+/// A few corrections with a kept stiffness.
+///
+/// Each leaves a part of order h^2 of the defect, of order h^3 if the stiffness is new, since M stands in the tangent as it is (but for the 16 bits of the matrix that
+/// conjugate gradients read, which leave less than a hundredth). The end of the step depends on
+/// a part of the rates that is small by orthogonality: what is left of that is seen from what the last correction changes there.
+#[derive(Debug, Default)]
+pub struct DefectCorrection {
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    /// What the corrections have done to displacement and velocity at the end of the step, `[2][n_nodes][3]`.
+    at_end: Vec<f64>,
+    /// Corrections beyond the least number, since the stiffness was made; `None`: there is none.
+    excess: Option<usize>,
+}
+
+/// Tolerance of the linear solver: the end of the step depends on less of the defect than its size.
+const TOLERANCE: f64 = 1e-4;
+
+/// What the last correction may leave of the residual.
+const LEFT: f64 = 0.1;
+
+/// What the last of several corrections may change at the end of the step, of what all of them have changed there.
+const CHANGE: f64 = 0.1;
+
+/// A correction that leaves more than this is one with a stiffness that does not fit.
+const SLOW: f64 = 0.3;
+
+/// Corrections beyond the least number at the most.
+const MOST: usize = 4;
+
+impl DefectCorrection {
+    /// Corrects rates so often, or more often where that leaves much; false if it does not help.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn solve(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], least: usize) -> Result<bool> {
+        self.residual.resize(rates.len(), 0.0);
+        self.correction.resize(rates.len(), 0.0);
+        self.at_end.clear();
+        self.at_end.resize(2 * system.body.n_dofs(), 0.0);
+        let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.renewal_cost());
+        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let mut is_fresh = is_old;
+        let mut size = system.residual(rates, &mut self.residual)?.residual;
+        for count in 1..=least + MOST {
+            if size == 0.0 {
+                return Ok(true);
+            }
+            system.correction(rates, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
+            rates.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
+            let change = self.change_at_end(&system.form);
+            let sizes = system.residual(rates, &mut self.residual)?;
+            let left = sizes.residual / size;
+            let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
+            let is_rounding = sizes.residual <= floor;
+            let is_enough = left <= LEFT && (least == 1 || change <= CHANGE);
+            if count >= least && (is_enough || is_rounding) {
+                let before = if is_fresh { 0 } else { self.excess.unwrap_or(0) };
+                self.excess = Some(before + count - least);
+                return Ok(true);
+            }
+            let is_slow = !(left <= SLOW || is_rounding);
+            if is_slow && is_fresh {
+                break;
+            }
+            tangent = if is_slow { Tangent::Renewed } else { Tangent::Kept };
+            is_fresh |= is_slow;
+            size = sizes.residual;
+        }
+        self.excess = None;
+        Ok(false)
+    }
+
+    /// Takes note of what the last correction does at the end of the step; returns its part in that of all corrections, in displacement or
+    /// velocity.
+    fn change_at_end(&mut self, form: &StageForm) -> f64 {
+        let n = self.at_end.len() / 2;
+        let mut weights = [[0.0; 2]; MAX_DEGREE];
+        (0..self.correction.len() / n).for_each(|j| weights[j] = form.arrival_weights(j));
+        let mut part: f64 = 0.0;
+        for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
+            let (mut change, mut all) = (0.0, 0.0);
+            for (dof, at_end) in at_end.iter_mut().enumerate() {
+                let terms = self.correction[dof..].iter().step_by(n).zip(&weights);
+                let own: f64 = terms.map(|(dx, weights)| weights[which] * dx).sum();
+                *at_end += own;
+                (change, all) = (change + own * own, all + *at_end * *at_end);
+            }
+            if change > 0.0 {
+                part = part.max((change / all).sqrt());
+            }
+        }
+        part
+    }
+
+    /// Keeps what the next corrections depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        let excess = self.excess.map(|excess| excess as f64);
+        memory.keep("defect.excess", excess.as_slice());
+    }
+
+    /// Takes over what [`DefectCorrection::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.excess = memory.option("defect.excess")?.map(|excess| excess as usize);
+        Ok(())
+    }
+}

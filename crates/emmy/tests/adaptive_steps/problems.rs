@@ -1,0 +1,100 @@
+//! Small bodies in motion, and their exact motion.
+
+use emmy::body::{Body, InitialVelocity, Load, Nodal, PointMass, Region};
+use emmy::material::{Link, NeoHooke};
+use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
+use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::time::Scheme;
+
+pub const DGM: Scheme = Scheme::DiscreteGradient;
+
+pub fn settings() -> NewtonSettings {
+    NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
+}
+
+/// Points and links between them; node i is the group `i`.
+pub fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
+    let mut builder = MeshBuilder::new();
+    for (index, &point) in points.iter().enumerate() {
+        let node = builder.point(point);
+        builder.node_group(&index.to_string(), [node]);
+    }
+    for link in links {
+        builder.cell(CellKind::Line2, link).unwrap();
+    }
+    builder.build().unwrap()
+}
+
+pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
+    let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
+        group: Some(i.to_string()),
+        velocity,
+        ..Default::default()
+    };
+    State::initial(body, 0.0, &velocities.iter().enumerate().map(field).collect::<Vec<_>>()).unwrap()
+}
+
+/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
+pub fn orbit(e: f64) -> (Body, State) {
+    let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
+    let masses = [2.0, 1.0].iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass });
+    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
+    let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
+    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
+    // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.
+    let v = (4.5 * (1.0 - e)).sqrt();
+    let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
+    (body, state)
+}
+
+/// Period of the orbit: `tau sqrt(a^3 mu/g)`, a = 1/(1 + e).
+pub fn period(e: f64) -> f64 {
+    std::f64::consts::TAU * ((1.0 + e).powi(-3) / 4.5).sqrt()
+}
+
+/// Four masses in the corners of a tetrahedron with springs along its edges, stretched and turning.
+pub fn springs() -> (Body, State) {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
+    let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+    let masses = (0..4).map(|i| PointMass { group: i.to_string(), mass: 1.0 + 0.2 * i as f64 });
+    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
+    let region = Region::links(None, 0.0, Link::spring(20.0, None).unwrap());
+    let body = Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[]).unwrap();
+    let state = moving(&body, &[[1.0, 0.0, 0.5], [0.0, 1.5, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -0.5]]);
+    (body, state)
+}
+
+/// A soft block of two cells that turns and bends.
+pub fn soft_block() -> (Body, State) {
+    let body = soft_block_under(&[]);
+    let field = InitialVelocity {
+        angular_velocity: [0.5, 1.0, 0.3],
+        about: [0.5, 0.5, 1.0],
+        gradient: [[0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]],
+        ..Default::default()
+    };
+    let state = State::initial(&body, 0.0, &[field]).unwrap();
+    (body, state)
+}
+
+/// The block alone.
+pub fn soft_block_under(loads: &[Load]) -> Body {
+    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap(), vec![rubber], &[], loads).unwrap()
+}
+
+/// Mean over the mass.
+pub fn mean(body: &Body, field: &[f64]) -> f64 {
+    let squares = field.chunks(3).zip(body.lumped_mass());
+    squares.map(|(u, m)| m * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>().sqrt()
+}
+
+/// The state after a time, by an element of a high degree in many steps.
+pub fn exact(body: &Body, state: &State, time: f64) -> State {
+    let mut motion = Motion::new(body, Scheme::Standard(5), 5, settings(), state.clone()).unwrap();
+    let start = state.time;
+    for i in 1..=8 {
+        motion.step(time / 8.0, start + time * f64::from(i) / 8.0).unwrap();
+    }
+    motion.state().clone()
+}
