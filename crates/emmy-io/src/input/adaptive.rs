@@ -31,7 +31,7 @@ pub(super) fn plan(
     }
     let table = adaptive.table(keys::ADAPTIVE)?;
     let adaptivity = read(&table)?;
-    let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(degree));
+    let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(scheme, degree));
     if let Err(emmy::Error::Adaptivity { setting, reason }) = checked {
         let item = table.require(setting)?;
         return Err(item.fault(format!("`{setting}` {reason}"), "here"));

@@ -218,7 +218,13 @@ impl<'a> Motion<'a> {
 
     pub(super) fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
         let kind = (self.scheme.of_degree(self.degree), self.degree);
-        LocalError::new(self.body, kind, adaptivity.estimator_of(self.degree), self.settings, &self.state)
+        LocalError::new(
+            self.body,
+            kind,
+            adaptivity.estimator_of(self.scheme, self.degree),
+            self.settings,
+            &self.state,
+        )
     }
 
     /// The control of a plan: that of the march before, that of the snapshot, or a new one.
@@ -235,8 +241,8 @@ impl<'a> Motion<'a> {
             let reason = "must be given: the body is a point".to_string();
             return Err(Error::Adaptivity { setting: "length", reason });
         }
-        adaptivity.check_degree(self.degree)?;
-        let order = LocalError::order(self.degree);
+        adaptivity.check_degree(self.scheme, self.degree)?;
+        let order = LocalError::order(self.scheme, self.degree);
         let mut control = Control {
             adaptivity: *adaptivity,
             controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),

@@ -1,7 +1,7 @@
 //! How step sizes are chosen by the error: settings and controller.
 
 use crate::error::{Error, Result};
-use crate::time::{Estimator, MAX_DEGREE};
+use crate::time::{Estimator, MAX_DEGREE, Scheme};
 
 /// Steps whose sizes are chosen by the error that each of them makes.
 ///
@@ -34,7 +34,7 @@ pub struct Adaptivity {
     pub length: Option<f64>,
     /// Scale of velocities \[length/time\]; `None`: errors of velocities do not count.
     pub velocity: Option<f64>,
-    /// How the error is estimated; `None`: as [`Estimator::of_degree`] says.
+    /// How the error is estimated; `None`: as [`Estimator::of`] says.
     pub estimator: Option<Estimator>,
     /// Lowest and highest degree of the elements, of which the one is chosen that costs least; `None`: that of the motion.
     pub degrees: Option<[usize; 2]>,
@@ -55,17 +55,17 @@ impl Adaptivity {
         }
     }
 
-    /// The estimator of a degree: the one asked for; else the residual where degrees are chosen, or what [`Estimator::of_degree`] says.
-    pub fn estimator_of(&self, degree: usize) -> Estimator {
-        let own = if self.degrees.is_some() { Estimator::Residual } else { Estimator::of_degree(degree) };
+    /// The estimator of a degree: the one asked for; else the residual where degrees are chosen, or what [`Estimator::of`] says.
+    pub fn estimator_of(&self, scheme: Scheme, degree: usize) -> Estimator {
+        let own = if self.degrees.is_some() { Estimator::Residual } else { Estimator::of(scheme, degree) };
         self.estimator.unwrap_or(own)
     }
 
-    /// Checks that the settings go with the degree of a motion.
+    /// Checks that the settings go with scheme and degree of a motion.
     ///
     /// # Errors
     /// [`Error::Adaptivity`].
-    pub fn check_degree(&self, degree: usize) -> Result<()> {
+    pub fn check_degree(&self, scheme: Scheme, degree: usize) -> Result<()> {
         let fail = |setting, reason: String| Err(Error::Adaptivity { setting, reason });
         let [lowest, highest] = self.degrees.unwrap_or([degree; 2]);
         if lowest < 1 || lowest > highest {
@@ -84,7 +84,7 @@ impl Adaptivity {
                 format!("and min_degree: degree {degree}, the first, is not between them"),
             );
         }
-        self.estimator.map_or(Ok(()), |estimator| estimator.check(highest))
+        self.estimator.map_or(Ok(()), |estimator| estimator.check(scheme, highest))
     }
 
     /// Checks that the settings go together.

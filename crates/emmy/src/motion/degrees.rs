@@ -84,9 +84,9 @@ pub(super) fn degree_of(memory: &Memory) -> Option<usize> {
     memory.array("degree").ok().map(|[degree]| degree as usize)
 }
 
-/// Size at which a degree has the error that is aimed at, by a step of a size and its error over that.
-fn size_of(degree: usize, size: f64, error: f64) -> f64 {
-    let power = 1.0 / LocalError::order(degree) as f64;
+/// Size at which an error that grows with an order is the one aimed at, by a step of a size and its error over that.
+fn size_of(order: usize, size: f64, error: f64) -> f64 {
+    let power = 1.0 / order as f64;
     size * error.max(f64::MIN_POSITIVE).recip().powf(power).clamp(BELIEVED.recip().powi(2), BELIEVED)
 }
 
@@ -104,11 +104,11 @@ impl<'a> Motion<'a> {
         let is_telling = error >= SHORT * aim || size >= 0.5 * longest;
         if choice.is_due(is_telling) {
             let work = |degree: usize, size: f64| degree as f64 / size.min(longest);
-            let own = size_of(self.degree, size, error / aim);
+            let own = size_of(LocalError::order(self.scheme, self.degree), size, error / aim);
             let mut best = (WORTH * work(self.degree, own), None);
             for degree in choice.neighbours(self.degree) {
                 let Some(error) = self.error_of_degree(control, degree, size) else { continue };
-                let size = size_of(degree, size, error / aim);
+                let size = size_of(LocalError::order(self.scheme, degree), size, error / aim);
                 if work(degree, size) < best.0 {
                     best = (work(degree, size), Some((degree, size)));
                 }
@@ -128,7 +128,7 @@ impl<'a> Motion<'a> {
         let scheme = self.scheme.of_degree(degree);
         let mut end: State = control.start.clone();
         let mut stepper = scheme.stepper(body, degree, settings, &mut end).ok()?;
-        let kind = control.adaptivity.estimator_of(degree);
+        let kind = control.adaptivity.estimator_of(scheme, degree);
         let mut estimator = LocalError::new(body, (scheme, degree), kind, settings, &control.start).ok()?;
         stepper.advance(&mut end, size).ok()?;
         estimator.estimate(&control.start, &end, stepper.rates(), size).ok()?;
@@ -141,7 +141,7 @@ impl<'a> Motion<'a> {
         let scheme = self.scheme.of_degree(degree);
         self.stepper = scheme.stepper(self.body, degree, self.settings, &mut self.state)?;
         control.estimator = self.estimator(&control.adaptivity)?;
-        control.controller = Controller::new(&control.adaptivity, LocalError::order(degree), size);
+        control.controller = Controller::new(&control.adaptivity, LocalError::order(scheme, degree), size);
         self.note(EventKind::Degree, self.state.step, message);
         Ok(())
     }
@@ -154,9 +154,9 @@ mod tests {
     #[test]
     fn sizes_follow_the_law_within_what_is_believed() {
         // 2.5^5 of the error that is aimed at: 2.5 times too large for degree 2.
-        assert!((size_of(2, 1.0, 2.5f64.powi(5)) - 0.4).abs() < 1e-12);
-        assert!((size_of(1, 0.1, 1.0 / 8.0) - 0.2).abs() < 1e-12);
-        assert_eq!((size_of(3, 1.0, 0.0), size_of(1, 1.0, 1e30)), (3.0, 1.0 / 9.0));
+        assert!((size_of(5, 1.0, 2.5f64.powi(5)) - 0.4).abs() < 1e-12);
+        assert!((size_of(3, 0.1, 1.0 / 8.0) - 0.2).abs() < 1e-12);
+        assert_eq!((size_of(7, 1.0, 0.0), size_of(3, 1.0, 1e30)), (3.0, 1.0 / 9.0));
     }
 
     #[test]

@@ -57,7 +57,8 @@ impl<'a> GlobalError<'a> {
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        let (scheme, degree, mut state) = (scheme.of_degree(degree + 1), degree + 1, state.clone());
+        let (scheme, degree, mut state) =
+            (scheme.conserving().of_degree(degree + 1), degree + 1, state.clone());
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
         let zero = vec![0.0; body.n_dofs()];
         Ok(GlobalError {

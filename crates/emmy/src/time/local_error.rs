@@ -31,9 +31,12 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 3] = [
 ];
 
 impl Estimator {
-    /// The estimator that is taken where none is asked for: differences for degree 1, else the element of the next degree.
-    pub fn of_degree(degree: usize) -> Self {
-        if degree == 1 { Estimator::Difference } else { Estimator::Element }
+    /// The estimator that is taken where none is asked for: differences where they do, else the element of the next degree.
+    pub fn of(scheme: Scheme, degree: usize) -> Self {
+        match Estimator::Difference.check(scheme, degree) {
+            Ok(()) => Estimator::Difference,
+            Err(_) => Estimator::Element,
+        }
     }
 
     /// Key word.
@@ -41,16 +44,21 @@ impl Estimator {
         ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
     }
 
-    /// Checks that the estimator goes with a degree.
+    /// Checks that the estimator goes with a scheme and a degree.
     ///
     /// # Errors
-    /// [`Error::Adaptivity`]: differences go with degree 1 only.
-    pub fn check(self, degree: usize) -> Result<()> {
-        if self == Estimator::Difference && degree != 1 {
-            let reason = format!("\"difference\" goes with degree 1 only, not {degree}");
-            return Err(Error::Adaptivity { setting: "estimator", reason });
-        }
-        Ok(())
+    /// [`Error::Adaptivity`]: differences go with degree 1 only, and not with a scheme that dissipates, which has another error.
+    pub fn check(self, scheme: Scheme, degree: usize) -> Result<()> {
+        let reason = match self {
+            Estimator::Difference if degree != 1 => {
+                format!("\"difference\" goes with degree 1 only, not {degree}")
+            }
+            Estimator::Difference if scheme.dissipation().is_some() => {
+                format!("\"difference\" does not go with {scheme}, whose error is that of its dissipation")
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Adaptivity { setting: "estimator", reason })
     }
 }
 
@@ -148,7 +156,7 @@ impl<'a> LocalError<'a> {
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        estimator.check(degree)?;
+        estimator.check(scheme, degree)?;
         let n = body.n_dofs();
         let kind = match estimator {
             Estimator::Difference => {
@@ -173,9 +181,9 @@ impl<'a> LocalError<'a> {
         Ok(Start::new(&mut Forces::new(body), state)?.acceleration)
     }
 
-    /// Power of the step size with which the error grows.
-    pub fn order(degree: usize) -> usize {
-        2 * degree + 1
+    /// Power of the step size with which the error grows: one more than the order of the scheme.
+    pub fn order(scheme: Scheme, degree: usize) -> usize {
+        scheme.order(degree) + 1
     }
 
     /// Begins anew at a state, where a load has jumped.
@@ -276,7 +284,7 @@ impl<'a> NextDegree<'a> {
             Estimator::Residual => {
                 (Scheme::Standard(next), Some((DefectCorrection::default(), degree / 2 + 1)))
             }
-            _ => (scheme.of_degree(next), None),
+            _ => (scheme.conserving().of_degree(next), None),
         };
         Ok(NextDegree {
             stepper: TimeElementStepper::new(body, TimeElement::new(scheme, next)?, settings)?,

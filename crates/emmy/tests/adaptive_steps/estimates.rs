@@ -11,7 +11,7 @@ use emmy::time::{ESTIMATORS, Estimator, LocalError, Scheme, TimeElement, TimeEle
 use crate::problems::*;
 
 fn of_degree(degree: usize) -> impl Iterator<Item = Estimator> {
-    ESTIMATORS.into_iter().map(|(_, estimator, _)| estimator).filter(move |e| e.check(degree).is_ok())
+    ESTIMATORS.into_iter().map(|(_, estimator, _)| estimator).filter(move |e| e.check(DGM, degree).is_ok())
 }
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
@@ -118,6 +118,9 @@ fn the_residual_estimates_the_errors_of_every_rule() {
         ("FE(5)", 2),
         ("trapezoidal", 1),
         ("Lobatto(3)", 2),
+        ("DGM(0.5)", 1),
+        ("DGM(0)", 2),
+        ("AS(5, 0.3)", 3),
     ] {
         let h = 0.01 * [1.0, 3.0, 5.0][degree - 1];
         let kind = (scheme.parse().unwrap(), degree);
@@ -170,7 +173,7 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
                     estimator.name()
                 );
                 assert!(
-                    (order - LocalError::order(degree) as f64).abs() < 0.25,
+                    (order - LocalError::order(DGM, degree) as f64).abs() < 0.25,
                     "{name}, k = {degree}: {order}"
                 );
                 // Exact in the limit, with some more corrections or less from size to size.
