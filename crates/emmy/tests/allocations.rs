@@ -1,7 +1,7 @@
 //! Nothing is allocated inside a step once the first ones are done.
 
 use allocation_counter::measure;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support, Viscosity};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::{Estimator, LocalError, Scheme};
@@ -74,6 +74,10 @@ fn a_step_allocates_nothing() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2]).unwrap();
+    let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
+    let viscous =
+        vec![Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_viscosity(viscosity)];
+    let damped = pool.install(|| Body::new(mesh.clone(), viscous, &[], &[]).unwrap().with_drag(0.3).unwrap());
     let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load, pressure]).unwrap());
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     let schemes = [
@@ -83,11 +87,16 @@ fn a_step_allocates_nothing() {
         ("generalized-alpha(0.8)", 1, 0.01),
         ("Bathe", 1, 0.01),
         ("central-differences", 1, 0.002),
+        ("DGM(0.5)", 1, 0.01),
+        ("DGM", 1, 0.01),
+        ("DGM", 2, 0.01),
     ];
-    for (text, degree, size) in schemes {
+    let n_undamped = schemes.len() - 2;
+    for (index, (text, degree, size)) in schemes.into_iter().enumerate() {
+        let body = if index < n_undamped { &body } else { &damped };
         let (scheme, settings) = (text.parse::<Scheme>().unwrap(), NewtonSettings::default());
-        let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
-        let mut motion = Motion::new(&body, scheme, degree, settings, state).unwrap();
+        let state = State::initial(body, 0.0, std::slice::from_ref(&spin)).unwrap();
+        let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
         let mut step =
             |i: usize| motion.step(size, size * i as f64).map(|record| record.newton_iterations).unwrap();
         // GMRES has met its longest iteration, and the factorisation was renewed, before counting begins.

@@ -2,7 +2,7 @@
 
 use std::error::Error as StdError;
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{
     Event, EventKind, MarchError, Motion, NewtonSettings, Observer, Phase, Record, Snapshot, State, StepPlan,
@@ -115,6 +115,23 @@ fn every_time_element_goes_on_in_every_bit() {
         for scheme in schemes {
             for solver in [Solver::Direct, Solver::Iterative] {
                 assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
+            }
+        }
+    }
+}
+
+#[test]
+fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
+    let viscosity = Viscosity { time: 0.01, shear: 0.5, bulk: 0.1 };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let damped = Body::new(block(), vec![rubber().with_viscosity(viscosity)], &[], &[force()]).unwrap();
+    let damped = damped.with_drag(0.3).unwrap();
+    let free = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (text, degree) in [("DGM", 1), ("FE(1)", 1), ("AS(3)", 2), ("DGM(0.5)", 1), ("AS(4, 0.2)", 2)] {
+        for solver in [Solver::Direct, Solver::Iterative] {
+            for body in [&damped, &free] {
+                assert_same(body, (text.parse().unwrap(), degree), settings(solver), &spin(), &plan);
             }
         }
     }

@@ -53,6 +53,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         max_iterations: usize,
     ) -> Solution {
         self.solution.fill([[T::default(); C]; 4]);
+        // Zero times what a solution left that came to infinity would not be zero.
+        self.direction.fill([[T::default(); C]; 4]);
         let norm = self.residual_norm();
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
         if norm == 0.0 || !norm.is_finite() {
@@ -166,6 +168,8 @@ mod tests {
         let mut factor = IncompleteCholesky::new(&sweep);
         factor.factorize(&sweep, &fixed, shift[0].hypot(shift[1]), &mass, block);
         let mut solver = ConjugateGradients::<f32, C>::new(sweep.n_rows());
+        // As a solution leaves it that came to infinity.
+        solver.direction.fill([[f32::NAN; C]; 4]);
         let value = |row: usize, a: usize, c: usize| {
             let held = fixed[3 * sweep.order[row] as usize + a];
             if held { 0.0 } else { ((3 * row + a + 7 * c) as f32 * 0.1).sin() }

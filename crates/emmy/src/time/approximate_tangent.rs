@@ -51,6 +51,8 @@ pub struct ApproximateTangent {
     made_for: Option<f64>,
     /// Factor on viscosities in K.
     viscous_rate: f64,
+    /// The time s that the modes were made for, where they depend on it.
+    modes_for: Option<f64>,
     /// Displacement of K.
     displacement: Vec<f64>,
     rates: Vec<f64>,
@@ -80,6 +82,7 @@ impl ApproximateTangent {
             mass: form.mass.clone(),
             response: form.response.clone(),
             viscous_rate: 0.0,
+            modes_for: None,
             passed: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
             rule,
             assembly: body.assembly(1),
@@ -233,6 +236,7 @@ impl ApproximateTangent {
         let mass = with_diagonal(&self.mass, time_scale * body.drag());
         let response = with_diagonal(&self.response, body.viscous_time() / time_scale);
         self.modes = modes(&inverse(&mass), &response)?;
+        self.modes_for = Some(time_scale);
         Ok(())
     }
 
@@ -250,7 +254,7 @@ impl ApproximateTangent {
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         self.made_for = None;
-        if body.drag() > 0.0 || body.is_viscous() {
+        if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
         if self.solvers.is_empty() {
