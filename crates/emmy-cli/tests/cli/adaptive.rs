@@ -72,7 +72,17 @@ fn degrees_are_chosen_and_told() {
     ]);
     let stages: f64 = degrees[1..].iter().sum();
     assert!(stages < 0.5 * place.summary("one")["steps"].as_f64().unwrap(), "{stages}");
-    assert!(place.history("one").get("degree").is_none());
+    assert!(!place.history("one").contains_key("degree"));
+}
+
+#[test]
+fn planned_steps_are_taken_out_for_adaptive_ones() {
+    let place = Place::with(&BOX.replace("AS(2)", "DGM"));
+    let adaptive = ["--set", "time.adaptive={ tolerance = 1e-3 }", "--set", "time.until=0.1"];
+    let refused = place.emmy(&[&["check", "box.toml"], &adaptive[..]].concat());
+    assert!(refused.code == 2 && refused.stderr.contains("--set time.steps="), "{}", refused.stderr);
+    place.succeed(&[&["run", "box.toml", "--quiet", "--set", "time.steps="], &adaptive[..]].concat());
+    assert!(place.history("out").contains_key("local_error"));
 }
 
 /// Times of the frames, as the collection has them.

@@ -71,7 +71,7 @@ fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
     beside(
         "steps",
         "`adaptive` takes the place of `steps`: give one of them",
-        "the end of adaptive steps is `until = T`",
+        "the end of adaptive steps is `until = T`; `--set time.steps=` takes the planned ones out",
     )?;
     beside(
         "smallest_step",

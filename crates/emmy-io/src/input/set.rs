@@ -5,7 +5,7 @@ use super::suggest::listed;
 use super::tree::{self, Entry, Node, Value};
 
 /// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0; the value is TOML, or
-/// else a string; what begins like a list, a table or a quoted text must be TOML.
+/// else a string; what begins like a list, a table or a quoted text must be TOML. `KEY=` takes the key out.
 pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     let start = Place::start_of("--set", flag);
     let Some((key, _)) = flag.split_once('=') else {
@@ -13,6 +13,9 @@ pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
         return Err(fault.help("write --set KEY=VALUE, such as --set time.scheme=DGM").into());
     };
     let path = path(&start, key)?;
+    if flag[key.len() + 1..].trim().is_empty() {
+        return Ok(take_out(tree, "the input", &path)?);
+    }
     let value = value(&start, flag, key, path.len())?;
     Ok(assign(tree, "the input", &path, value)?)
 }
@@ -36,11 +39,6 @@ fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, Inp
     let text = flag[key.len() + 1..].trim();
     let place = start.at(key.len() + 1..flag.len());
     let as_string = || Node { value: Value::String(text.to_string()), place: place.clone() };
-    if text.is_empty() {
-        let message = format!("--set {flag}: there is no value");
-        let fault = Fault::at(&start.at(key.len()..flag.len()), message, "nothing after the `=`");
-        return Err(fault.help(format!("an empty text is --set '{key}=\"\"'")).into());
-    }
     let mut node = match tree::parse("--set", flag) {
         Ok(node) => node,
         Err(error) if text.starts_with(['[', '{', '"', '\'']) => return Err(as_flag(error, flag)),
@@ -79,6 +77,29 @@ fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) 
             Err(Fault::at(place, message, "leads into a single value"))
         }
     }
+}
+
+/// Takes out the key to which a path leads from a node of the given name.
+fn take_out(node: &mut Node, parent: &str, path: &[(String, Place)]) -> Result<(), Fault> {
+    let [(name, place), rest @ ..] = path else { return Ok(()) };
+    match &mut node.value {
+        Value::Array(items) if !rest.is_empty() => take_out(item_of(items, parent, path)?, name, rest),
+        Value::Table(entries) => {
+            let at = entries.iter().position(|entry| entry.key == *name);
+            let at = at.ok_or_else(|| nothing_there(parent, name, place))?;
+            if rest.is_empty() {
+                entries.remove(at);
+                return Ok(());
+            }
+            take_out(&mut entries[at].node, name, rest)
+        }
+        _ => Err(nothing_there(parent, name, place)),
+    }
+}
+
+fn nothing_there(parent: &str, name: &str, place: &Place) -> Fault {
+    let message = format!("--set: nothing after the `=` takes a key out, and `{parent}` has no key `{name}`");
+    Fault::at(place, message, "not there").help(format!("an empty text is --set '{name}=\"\"'"))
 }
 
 /// Tables in which a key may be a number.
@@ -140,6 +161,15 @@ mod tests {
     }
 
     #[test]
+    fn nothing_takes_a_key_out() {
+        let text = "[time]\nscheme = \"DGM\"\nsteps = [1, 2]\n";
+        assert_eq!(set(text, "time.steps=").unwrap(), "[time]\nscheme = \"DGM\"\n");
+        assert_eq!(set(text, "time.steps = ").unwrap(), "[time]\nscheme = \"DGM\"\n");
+        assert_eq!(set("load = [{ a = 1, b = 2 }]\n", "load.0.a=").unwrap(), "[[load]]\nb = 2\n");
+        assert_eq!(set(text, "time.scheme=\"\"").unwrap(), "[time]\nscheme = \"\"\nsteps = [1, 2]\n");
+    }
+
+    #[test]
     fn items_of_lists_are_counted_from_zero() {
         let text = "[[load]]\ntraction = [1, 2, 3]\n";
         assert_eq!(set(text, "load.0.traction.1=7").unwrap(), "[[load]]\ntraction = [1, 7, 3]\n");
@@ -152,7 +182,10 @@ mod tests {
             ("title=\"draft", "not valid TOML"),
             ("load", "there is no `=`"),
             ("=1", "not a dotted key"),
-            ("a=", "no value"),
+            ("a=", "has no key `a`"),
+            ("load.0.history=", "has no key `history`"),
+            ("load.0=", "has no key `0`"),
+            ("load.0.traction.1=", "has no key `1`"),
         ] {
             let error = set(text, flag).unwrap_err().to_string();
             assert!(error.contains(part), "{flag}: {error}");

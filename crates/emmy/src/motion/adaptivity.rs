@@ -78,11 +78,11 @@ impl Adaptivity {
                 format!("must be at most {most}: the error of a degree is that over the next"),
             );
         }
-        if !(lowest..=highest).contains(&degree) {
-            return fail(
-                "max_degree",
-                format!("and min_degree: degree {degree}, the first, is not between them"),
-            );
+        if degree > highest {
+            return fail("max_degree", format!("{highest} is less than the degree {degree} of the start"));
+        }
+        if degree < lowest {
+            return fail("min_degree", format!("{lowest} is more than the degree {degree} of the start"));
         }
         self.estimator.map_or(Ok(()), |estimator| estimator.check(scheme, highest))
     }

@@ -46,7 +46,7 @@ pub struct GlobalError<'a> {
 }
 
 impl<'a> GlobalError<'a> {
-    /// The estimator of a motion of a scheme and a degree that starts from a state.
+    /// The estimator of a motion of a scheme and a degree that starts from a state; where degrees are chosen, the highest of them.
     ///
     /// # Errors
     /// Those of [`Scheme::stepper`], for the next degree.

@@ -128,6 +128,7 @@ fn degrees_that_cannot_be_are_named() {
         ("min_degree", Adaptivity { degrees: Some([0, 2]), ..good }, 2),
         ("max_degree", Adaptivity { degrees: Some([1, 8]), ..good }, 2),
         ("max_degree", good, 4),
+        ("min_degree", Adaptivity { degrees: Some([2, 3]), ..good }, 1),
         ("estimator", Adaptivity { estimator: difference, ..good }, 1),
     ] {
         let plan = StepPlan::adaptive(0.0, 1.0, bad).unwrap();

@@ -63,7 +63,7 @@ pub(super) fn all() -> Vec<Mistake> {
         adaptive("degrees-the-wrong-way-round", "tolerance = 1e-4, min_degree = 3, max_degree = 2").unseen(),
         adaptive("lowest-degree-without-a-highest", "tolerance = 1e-4, min_degree = 1").unseen(),
         adaptive("first-degree-outside", "tolerance = 1e-4, max_degree = 3")
-            .with(&["--set", "time.degree=4"])
+            .with(&["--set", "time.degree=4", "--set", "time.scheme=DGM"])
             .unseen(),
         changed("frames-by-steps-and-by-time", "every = 2", "every = 2\ninterval = 0.1").unseen(),
         changed("frames-between-steps", "every = 2", "interval = 0.03").unseen(),
