@@ -156,6 +156,40 @@ impl StageMatrix {
         }
     }
 
+    /// Number of stages k.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The matrix without fixed rows and columns, by rows: where they begin, columns ascending, entries. Unknowns are numbered stage
+    /// by stage.
+    pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        let mut number = vec![0; fixed.len()];
+        let mut n_free = 0;
+        for (number, _) in number.iter_mut().zip(fixed).filter(|(_, fixed)| !**fixed) {
+            *number = n_free;
+            n_free += 1;
+        }
+        let (k, mut begin, mut columns, mut values) = (self.degree, vec![0], Vec::new(), Vec::new());
+        for (i, dof) in (0..k).flat_map(|i| (0..fixed.len()).map(move |dof| (i, dof))) {
+            if fixed[dof] {
+                continue;
+            }
+            for j in 0..k {
+                for (position, &node) in pattern.range(dof / 3).zip(pattern.row(dof / 3)) {
+                    let row = &self.block(position)[9 * (i * k + j) + 3 * (dof % 3)..][..3];
+                    let dofs = (3 * node as usize..).zip(row);
+                    for (column, value) in dofs.filter(|(column, _)| !fixed[*column]) {
+                        columns.push(j * n_free + number[column]);
+                        values.push(*value);
+                    }
+                }
+            }
+            begin.push(columns.len());
+        }
+        (begin, columns, values)
+    }
+
     /// The blocks of all stages at a position, transposed in stages and components.
     fn transposed(&self, position: usize) -> Vec<f64> {
         let (k, block) = (self.degree, self.block(position));

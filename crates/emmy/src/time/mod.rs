@@ -22,11 +22,13 @@ mod straining;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use approximate_tangent::ApproximateTangent;
 pub use classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
 pub use element::TimeElement;
 pub use element_stepper::TimeElementStepper;
 pub use local_error::LocalError;
 pub use memory::Memory;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};
+pub(crate) use stage_system::StageForm;
 pub use state::State;
 pub use stepper::{Impulses, StepOutcome, Stepper};
