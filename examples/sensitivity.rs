@@ -2,20 +2,25 @@
 //!
 //!     cargo run --release --example sensitivity
 
+use std::f64::consts::PI;
+
 use emmy::adjoint::{Goal, Parameter, Trajectory};
-use emmy::body::{Body, History, Load, LoadKind, Region, Support};
+use emmy::body::{Body, Field, History, Load, LoadKind, Region, Support};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
-const LAMBDA: f64 = 3000.0;
-const MU: f64 = 1500.0;
+const LAMBDA: f64 = 600.0;
+const MU: f64 = 300.0;
 const DENSITY: f64 = 1.0;
 
-/// A beam along x that is held at one end and pushed at the other for a while.
+/// A beam along x that is held at one end and pushed at the other for two units of time.
 fn beam(lambda: f64, mu: f64, density: f64) -> emmy::Result<Body> {
-    let kind = LoadKind::Traction { group: "x-max".into(), traction: [0.0, 8.0, 3.0] };
-    let push = Load { kind, history: History::new(vec![(0.0, 0.0), (0.2, 1.0), (0.4, 0.0)])? };
+    // Without kinks: they would wake modes that no step resolves.
+    let strength = |t: f64| if t < 2.0 { (0.5 * PI * t).sin().powi(4) } else { 0.0 };
+    let field = Field::new(move |_, t| [0.0, 8.0 * strength(t), 3.0 * strength(t)]);
+    let push =
+        Load { kind: LoadKind::TractionField { group: "x-max".into(), field }, history: History::constant() };
     let held = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
     let mesh = emmy::mesh::block([4.0, 1.0, 1.0], [4, 1, 1])?;
     Body::new(mesh, vec![Region::new(None, density, NeoHooke::new(lambda, mu)?)], &[held], &[push])
@@ -40,7 +45,7 @@ fn tip(step_size: f64) -> emmy::Result<Tip> {
     let state = State::initial(&body, 0.0, &[])?;
     let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, settings(), state)?;
     let mut trajectory = Trajectory::new(&motion)?;
-    let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: step_size }])?;
+    let plan = StepPlan::new(0.0, vec![Phase { until: 3.0, size: step_size }])?;
     for step in plan.steps() {
         trajectory.record(&motion)?;
         motion.step(step.size, step.end)?;
@@ -59,7 +64,7 @@ fn tip(step_size: f64) -> emmy::Result<Tip> {
 }
 
 fn main() -> emmy::Result<()> {
-    for step_size in [0.05, 0.025] {
+    for step_size in [0.1, 0.05] {
         let tip = tip(step_size)?;
         println!(
             "steps of {step_size}: the tip has moved by {:.6}, with an error of {:.1e}",
@@ -82,18 +87,17 @@ mod tests {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion = Motion::new(&body, Scheme::DiscreteGradient, degree, settings(), state).unwrap();
         motion
-            .march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: step_size }]).unwrap(), &mut [])
+            .march(&StepPlan::new(0.0, vec![Phase { until: 3.0, size: step_size }]).unwrap(), &mut [])
             .unwrap();
         motion.state().displacement[motion.state().displacement.len() - 2]
     }
 
     #[test]
     fn slopes_and_errors_are_those_of_other_motions() {
-        let tip = tip(0.05).unwrap();
-        let slope = (place(1.001 * MU, 2, 0.05) - place(0.999 * MU, 2, 0.05)) / (0.002 * MU);
+        let tip = tip(0.1).unwrap();
+        let slope = (place(1.001 * MU, 2, 0.1) - place(0.999 * MU, 2, 0.1)) / (0.002 * MU);
         assert!((tip.by_mu / slope - 1.0).abs() < 1e-4, "{tip:?} {slope}");
-        // The steps resolve the bending of the beam.
-        let error = tip.place - place(MU, 3, 0.0125);
-        assert!((0.5..2.0).contains(&(tip.error / error)), "{tip:?} {error}");
+        let error = tip.place - place(MU, 3, 0.05);
+        assert!((0.8..1.25).contains(&(tip.error / error)), "{tip:?} {error}");
     }
 }
