@@ -39,7 +39,8 @@
 //! This is the dual-weighted estimate of Becker and Rannacher (2001, An optimal control approach to a posteriori error estimation in finite
 //! element methods, Acta Numerica 10), with the discrete adjoint in the place of the continuous one. Local errors are the differences to
 //! the element of degree k + 1 over the same step from the same state, as in [`crate::time::LocalError`]. It is exact in the limit of small
-//! steps, has a sign, and its terms say which steps the error comes from. The mesh is taken as it is.
+//! steps, has a sign, and its terms say which steps the error comes from. The mesh is taken as it is. Being linear in the errors it fails where the
+//! steps lose the phase of modes by a radian and more; where these matter, size and sign may be wrong.
 //!
 //! Covered are time elements of every scheme and degree, dead loads, and supports at rest; driven or released supports, pressures that follow the
 //! motion and other steppers are refused ([`crate::Error::Adjoint`]).

@@ -13,7 +13,7 @@ fn parameter_error(body: impl Fn(f64) -> Result<Body>, value: f64, (scheme, degr
     let goal = scattered_goal(&own);
     let parameter = Parameter::linear(value, value, &body).unwrap();
     let gradient = trajectory(&own, scheme, degree, &start, &plan).gradient(&goal, &[parameter]).unwrap();
-    let slope = slope(1e-3 * value, |d| {
+    let slope = slope(2e-4 * value, |d| {
         let varied = body(value + d).unwrap();
         // The same velocity, with the momentum of the varied mass.
         let start = disturbed(&varied, 0.05, 0.5);
