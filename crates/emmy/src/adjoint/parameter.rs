@@ -1,7 +1,7 @@
 //! Parameters of a body: whatever a body can be made with.
 
-use super::step::StepData;
-use crate::average::{Rule, Want};
+use super::step::{StepData, check_body, combine};
+use crate::average::Want;
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
@@ -75,8 +75,12 @@ impl Parameter {
         self.value
     }
 
-    /// Checks that the parameter leaves the degrees of freedom of a body as they are.
+    /// Checks that the bodies of the parameter are covered, and have the degrees of freedom of a body.
+    ///
+    /// # Errors
+    /// [`Error::Adjoint`].
     pub(super) fn check(&self, body: &Body) -> Result<()> {
+        self.variations.iter().try_for_each(|(_, varied)| check_body(varied))?;
         if self.variations.iter().all(|(_, varied)| varied.fixed() == body.fixed()) {
             return Ok(());
         }
@@ -140,17 +144,5 @@ impl Residual {
             sum += dot(mu, &self.momentum);
         }
         Ok(sum)
-    }
-}
-
-/// `y_j = sum_i m_ij x_i`; `x`, `y`: `[k][n_nodes][3]`.
-pub(super) fn combine(rule: &Rule, m: &[f64], x: &[f64], y: &mut [f64]) {
-    let k = rule.degree();
-    let n = x.len() / k;
-    y.fill(0.0);
-    for (j, y) in y.chunks_exact_mut(n).enumerate() {
-        for (i, x) in x.chunks_exact(n).enumerate() {
-            y.iter_mut().zip(x).for_each(|(y, x)| *y += m[i * k + j] * x);
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! The adjoint of one step.
 
-use super::parameter::combine;
 use crate::average::{Rule, Want};
 use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
@@ -217,6 +216,34 @@ impl<'a> AdjointStep<'a> {
             }
         }
         Ok(if size > 0.0 { left } else { 0.0 })
+    }
+}
+
+/// Checks that the adjoint covers a body.
+///
+/// # Errors
+/// [`Error::Adjoint`].
+pub fn check_body(body: &Body) -> Result<()> {
+    let not_covered = [
+        (body.is_driven(), "driven supports are not covered; supports at rest are"),
+        (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
+        (body.n_followers() > 0, "pressures that follow the motion are not covered; dead loads are"),
+    ];
+    match not_covered.iter().find(|(is_so, _)| *is_so) {
+        Some((_, reason)) => Err(Error::Adjoint { reason: reason.to_string() }),
+        None => Ok(()),
+    }
+}
+
+/// `y_j = sum_i m_ij x_i`; `x`, `y`: `[k][n_nodes][3]`.
+pub fn combine(rule: &Rule, m: &[f64], x: &[f64], y: &mut [f64]) {
+    let k = rule.degree();
+    let n = x.len() / k;
+    y.fill(0.0);
+    for (j, y) in y.chunks_exact_mut(n).enumerate() {
+        for (i, x) in x.chunks_exact(n).enumerate() {
+            y.iter_mut().zip(x).for_each(|(y, x)| *y += m[i * k + j] * x);
+        }
     }
 }
 

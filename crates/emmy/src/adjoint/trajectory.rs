@@ -2,7 +2,7 @@
 
 use super::parameter::Residual;
 use super::segment::{Checkpoint, Segment, StepSize};
-use super::step::{AdjointState, AdjointStep, StepData};
+use super::step::{AdjointState, AdjointStep, StepData, check_body};
 use super::{Goal, GoalError, Gradient, Parameter};
 use crate::body::{Body, MassSolver};
 use crate::error::{Error, Result};
@@ -53,15 +53,12 @@ impl<'a> Trajectory<'a> {
     /// [`Error::Adjoint`] for what the adjoint does not cover.
     pub fn new(motion: &Motion<'a>) -> Result<Self> {
         let (body, scheme) = (motion.body(), motion.scheme());
-        let not_covered = [
-            (!scheme.is_time_element(), "it goes with time elements only (FE, AS, DGM)"),
-            (body.is_driven(), "driven supports are not covered; supports at rest are"),
-            (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
-            (body.n_followers() > 0, "pressures that follow the motion are not covered; dead loads are"),
-        ];
-        if let Some((_, reason)) = not_covered.iter().find(|(is_so, _)| *is_so) {
-            return Err(Error::Adjoint { reason: reason.to_string() });
+        if !scheme.is_time_element() {
+            return Err(Error::Adjoint {
+                reason: "it goes with time elements only (FE, AS, DGM)".to_string(),
+            });
         }
+        check_body(body)?;
         Ok(Trajectory {
             body,
             scheme,

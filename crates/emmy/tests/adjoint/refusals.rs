@@ -56,6 +56,13 @@ fn a_trajectory_with_gaps_is_refused() {
         Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![rubber], &[], &[])
     });
     has(trajectory.gradient(&goal, &[free.unwrap()]).unwrap_err(), "other degrees of freedom or supports");
+    let pressed = Parameter::linear(1.0, 1.0, |pressure| {
+        let kind = LoadKind::Pressure { group: "z-max".into(), pressure };
+        let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0)?);
+        let load = Load { kind, history: History::constant() };
+        Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![rubber], &[], &[load])
+    });
+    has(trajectory.gradient(&goal, &[pressed.unwrap()]).unwrap_err(), "pressures that follow");
     (2..4).for_each(|step| {
         motion.step(0.1, 0.1 * f64::from(step)).unwrap();
     });
