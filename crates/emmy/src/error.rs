@@ -334,6 +334,12 @@ pub enum Error {
         /// How much is needed for it.
         gigabytes: f64,
     },
+    /// What the adjoint of a motion does not cover.
+    #[error("adjoint: {reason}")]
+    Adjoint {
+        /// What is not covered, and what there is.
+        reason: String,
+    },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {

@@ -8,6 +8,7 @@
 //! The one place where the time elements differ is [`average::Rule`]; methods in common use that are not time elements stand
 //! beside them as [`time::Stepper`]s.
 
+pub mod adjoint;
 pub mod average;
 pub mod body;
 pub mod element;

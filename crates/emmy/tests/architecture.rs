@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may use each other: each only what stands before it. Modules on one line are
 /// independent of each other, but for polynomial, which integrates with a quadrature.
-const ORDER: [&[&str]; 13] = [
+const ORDER: [&[&str]; 14] = [
     &["error"],
     &["tensor"],
     &["quadrature"],
@@ -19,6 +19,7 @@ const ORDER: [&[&str]; 13] = [
     &["body"],
     &["time"],
     &["motion"],
+    &["adjoint"],
 ];
 
 fn source() -> PathBuf {

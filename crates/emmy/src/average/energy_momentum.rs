@@ -55,7 +55,12 @@ impl Rule {
     /// Assumed strain at a point inside the step. Where it is no strain of any deformation (possible for k >= 2 only),
     /// the smallest determinant tells so.
     #[inline(always)]
-    fn assumed_strain_at<L: Lane>(&self, E_1: &Sym<L>, passed: &[f64], average: &mut Average<L>) -> Sym<L> {
+    pub(super) fn assumed_strain_at<L: Lane>(
+        &self,
+        E_1: &Sym<L>,
+        passed: &[f64],
+        average: &mut Average<L>,
+    ) -> Sym<L> {
         let mut E = *E_1;
         for (&L_j, rate) in passed.iter().zip(&average.strain_rates) {
             E = sym_add_scaled(&E, E_1[0].splat(L_j), rate);
@@ -321,7 +326,7 @@ fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>
 
 /// `D : E` with E in plain components: its shears are doubled on the way.
 #[inline(always)]
-fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
+pub(super) fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
     let row = inlined!(|a: usize| double_dot(&D[a], E));
     [row(0), row(1), row(2), row(3), row(4), row(5)]
 }

@@ -15,11 +15,13 @@ mod damping;
 mod energy_momentum;
 mod follower;
 mod standard;
+mod start_tangent;
 #[cfg(test)]
 mod tests;
 
 pub use damping::Damping;
 pub use follower::FollowerRule;
+pub use start_tangent::StartTangent;
 
 use crate::material::Material;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};

@@ -65,7 +65,7 @@ fn add_tangent<L: Lane>(sum: &mut Tangent<L>, weight: L, sets: bool, A: &Tangent
 
 /// Derivative of P = F S by F: the usual geometric and material parts. It is symmetric, as D is.
 #[inline(always)]
-fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
+pub(super) fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<L>) -> Tangent<L> {
     let F = with_identity(G);
     let Y = strain_response(D, &F);
     // The upper half, then its mirror image.

@@ -1,9 +1,10 @@
 //! The paper's Table III as properties at a point, and the derivatives of every rule.
 
+use num_dual::Dual64;
 use proptest::prelude::*;
 
-use super::{Average, Rule, Want};
-use crate::material::{Link, Material, NeoHooke, SaintVenantKirchhoff};
+use super::{Average, Rule, StartTangent, Want};
+use crate::material::{Link, Material, NeoHooke, SaintVenantKirchhoff, Volumetric, Yeoh};
 use crate::quadrature::{gauss, lobatto};
 use crate::tensor::{Mat3, add_scaled, green_lagrange};
 
@@ -132,6 +133,26 @@ proptest! {
     }
 
     #[test]
+    fn start_tangents_are_those_of_dual_numbers((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
+        let svk = SaintVenantKirchhoff::new(1.0, 0.7).unwrap();
+        let rubber = NeoHooke::new(1.0, 0.7).unwrap();
+        let yeoh = Yeoh::new([0.4, 0.1, 0.05], 1.0, Volumetric::Logarithmic).unwrap();
+        let spring = Link::spring(1.0, Some(0.7)).unwrap().with_length(1.0);
+        for rule in [
+            Rule::standard(k, &gauss(k)), Rule::standard(k, &gauss(k + 2)), Rule::standard(k, &lobatto(k + 1)),
+            Rule::assumed_strain(k, k), Rule::assumed_strain(k, k + 2), Rule::discrete_gradient(k),
+        ] {
+            for error in [
+                start_tangent_error(&rule, &svk, &step), start_tangent_error(&rule, &rubber, &step),
+                start_tangent_error(&rule, &spring, &step), start_tangent_error(&rule, &yeoh, &step),
+            ] {
+                // The correction of the discrete gradient is a difference of the order |E'|^3 over |E'|^2.
+                prop_assert!(error < 1e-10, "{:?} {k} {error:e}", rule.kind);
+            }
+        }
+    }
+
+    #[test]
     fn tiny_steps_keep_their_energy((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 1.0))), exponent in 2i32..13) {
         // A strained point that hardly moves, and a nearly unstrained one: the energy changes by little, and the defect
         // stays at the rounding of the *work*, or of W itself where that is larger.
@@ -212,6 +233,27 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
                     size = size.max(value.abs());
                 }
             }
+        }
+    }
+    error / size
+}
+
+/// Largest difference between the derivatives by the start and those of dual numbers, relative to the largest entry.
+fn start_tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
+    let k = rule.degree();
+    let mut result = StartTangent::new(k);
+    rule.start_tangent(material, &step.start, &step.rates, &mut result);
+    let size = result.tangent.as_flattened().as_flattened().iter().fold(0f64, |size, t| size.max(t.abs()));
+    let mut error = 0f64;
+    for column in 0..9 {
+        let mut start = step.start.map(|row| row.map(Dual64::from_re));
+        start[column / 3][column % 3].eps = 1.0;
+        let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(Dual64::from_re))).collect();
+        let mut average = Average::new(k, Dual64::from_re(0.0));
+        rule.average(material, &start, &rates, Want::Stress, &mut average);
+        for (i, row) in (0..9 * k).map(|at| (at / 9, at % 9)) {
+            let exact = average.stress[i][row / 3][row % 3].eps;
+            error = error.max((result.tangent[i][row][column] - exact).abs());
         }
     }
     error / size

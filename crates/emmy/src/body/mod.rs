@@ -330,6 +330,18 @@ impl Body {
         self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
     }
 
+    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the step, its
+    /// rates being fixed; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads have no part in it.
+    ///
+    /// ```math
+    /// sum_i (df_i/du_1)^T mu_i
+    /// ```
+    pub fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        let terms = self.terms.iter().chain(self.ground.iter());
+        terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
+    }
+
     /// Whether springs or attractions pull the body towards the ground.
     pub fn has_ground(&self) -> bool {
         !self.ground.is_empty()

@@ -134,6 +134,16 @@ impl Term for GroundSprings {
         Ok(())
     }
 
+    fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+        let n = step.displacement.len();
+        for (&node, stiffness) in self.nodes.iter().zip(&self.stiffness) {
+            for dof in 3 * node as usize..3 * node as usize + 3 {
+                let stages = step.rule.mean().start.iter().zip(adjoint[dof..].iter().step_by(n));
+                gradient[dof] += stiffness * stages.map(|(start, mu)| start * mu).sum::<f64>();
+            }
+        }
+    }
+
     fn strained(&self, displacement: &[f64]) -> Strained {
         let square = |node: u32| displacement[3 * node as usize..][..3].iter().map(|u| u * u).sum::<f64>();
         let energies = self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node));

@@ -1,5 +1,7 @@
 //! Cells of one kind and one material (of links, one law): the assembly that every scheme, material and element shares.
 
+mod start_gradient;
+
 use std::fmt;
 use std::hint::black_box;
 use std::ops::Range;
@@ -405,6 +407,10 @@ impl<M: Material> Term for SolidTerm<M> {
             return self.dissipated_in(step, scratch.numbers());
         }
         Arch::new().dispatch(Dissipated { term: self, step, scratch })
+    }
+
+    fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+        self.add_start_gradient_of_cells(step, adjoint, gradient);
     }
 
     fn strained(&self, displacement: &[f64]) -> Strained {

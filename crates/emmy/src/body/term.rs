@@ -114,6 +114,14 @@ pub trait Term: fmt::Debug + Send + Sync {
         0.0
     }
 
+    /// Adds the product of adjoint vectors with the derivatives of the stage forces by the displacement at the start of the
+    /// step, its rates being fixed; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`.
+    ///
+    /// ```math
+    /// sum_i (df_i/du_1)^T mu_i
+    /// ```
+    fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]);
+
     /// What a displacement does to the term.
     fn strained(&self, displacement: &[f64]) -> Strained;
 }

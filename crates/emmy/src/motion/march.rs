@@ -169,6 +169,21 @@ impl<'a> Motion<'a> {
         &self.state
     }
 
+    /// The body, without the supports that are released by now.
+    pub fn body(&self) -> &'a Body {
+        self.body
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// Settings of Newton's iteration.
+    pub fn settings(&self) -> NewtonSettings {
+        self.settings
+    }
+
     /// The record of the last step.
     pub fn record(&self) -> &Record {
         &self.record

@@ -142,6 +142,72 @@ impl StageMatrix {
         &part.blocks[at..at + size]
     }
 
+    /// Puts the transposed matrix in the place of the matrix; the pattern is symmetric.
+    pub fn transpose(&mut self, pattern: &Pattern) {
+        for row in 0..self.n_rows {
+            for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
+                let Some(mirrored) = pattern.position(column as usize, row) else { continue };
+                if column as usize >= row {
+                    let (block, other) = (self.transposed(position), self.transposed(mirrored));
+                    self.block_mut(position).copy_from_slice(&other);
+                    self.block_mut(mirrored).copy_from_slice(&block);
+                }
+            }
+        }
+    }
+
+    /// Number of stages k.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The matrix without fixed rows and columns, by rows: where they begin, columns ascending, entries. Unknowns are numbered stage
+    /// by stage.
+    pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        let mut number = vec![0; fixed.len()];
+        let mut n_free = 0;
+        for (number, _) in number.iter_mut().zip(fixed).filter(|(_, fixed)| !**fixed) {
+            *number = n_free;
+            n_free += 1;
+        }
+        let (k, mut begin, mut columns, mut values) = (self.degree, vec![0], Vec::new(), Vec::new());
+        for (i, dof) in (0..k).flat_map(|i| (0..fixed.len()).map(move |dof| (i, dof))) {
+            if fixed[dof] {
+                continue;
+            }
+            for j in 0..k {
+                for (position, &node) in pattern.range(dof / 3).zip(pattern.row(dof / 3)) {
+                    let row = &self.block(position)[9 * (i * k + j) + 3 * (dof % 3)..][..3];
+                    let dofs = (3 * node as usize..).zip(row);
+                    for (column, value) in dofs.filter(|(column, _)| !fixed[*column]) {
+                        columns.push(j * n_free + number[column]);
+                        values.push(*value);
+                    }
+                }
+            }
+            begin.push(columns.len());
+        }
+        (begin, columns, values)
+    }
+
+    /// The blocks of all stages at a position, transposed in stages and components.
+    fn transposed(&self, position: usize) -> Vec<f64> {
+        let (k, block) = (self.degree, self.block(position));
+        let entry = |at: usize| {
+            let (stages, entry) = (at / 9, at % 9);
+            block[9 * (stages % k * k + stages / k) + 3 * (entry % 3) + entry / 3]
+        };
+        (0..block.len()).map(entry).collect()
+    }
+
+    fn block_mut(&mut self, position: usize) -> &mut [f64] {
+        let size = 9 * self.degree * self.degree;
+        let part = self.parts.partition_point(|part| part.first_block <= position) - 1;
+        let part = &mut self.parts[part];
+        let at = (position - part.first_block) * size;
+        &mut part.blocks[at..at + size]
+    }
+
     /// Product `y = A x`; `x`, `y`: `[k][n_rows][3]`.
     pub fn multiply(&mut self, pattern: &Pattern, x: &[f64], y: &mut [f64]) {
         if self.parts.len() == 1 {
@@ -181,6 +247,21 @@ mod tests {
             }
         }
         (pattern, matrix)
+    }
+
+    #[test]
+    fn products_with_the_transposed_matrix_are_adjoint() {
+        for n_parts in [1, 3] {
+            let (pattern, mut matrix) = matrix(n_parts);
+            let x: Vec<f64> = (0..60).map(|i| (i as f64).cos()).collect();
+            let y: Vec<f64> = (0..60).map(|i| (1.7 * i as f64).sin()).collect();
+            let [mut Ax, mut Ay] = [vec![0.0; 60], vec![0.0; 60]];
+            matrix.multiply(&pattern, &x, &mut Ax);
+            matrix.transpose(&pattern);
+            matrix.multiply(&pattern, &y, &mut Ay);
+            let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+            assert!((dot(&Ax, &y) - dot(&x, &Ay)).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -62,6 +62,11 @@ impl<'a> TimeElementStepper<'a> {
         })
     }
 
+    /// Rates x_j of the last step, `[k][n_nodes][3]` \[length\].
+    pub fn rates(&self) -> &[f64] {
+        &self.iteration.rates
+    }
+
     /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
     fn start(&mut self, state: &State, h: f64) {
         self.momentum.copy_from_slice(&state.momentum);

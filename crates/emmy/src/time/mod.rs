@@ -25,6 +25,7 @@ mod straining;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use approximate_tangent::ApproximateTangent;
 pub use classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
 use dissipation::Dissipation;
 pub use element::TimeElement;
@@ -33,5 +34,6 @@ pub use local_error::{ESTIMATORS, Estimator, LocalError};
 pub use memory::Memory;
 pub use reconstruction::Reconstruction;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};
+pub(crate) use stage_system::StageForm;
 pub use state::State;
 pub use stepper::{Impulses, StepOutcome, Stepper};

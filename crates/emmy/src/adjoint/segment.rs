@@ -1,0 +1,82 @@
+//! Steps between two checkpoints, done once more.
+
+use super::step::StepData;
+use crate::error::Result;
+use crate::time::{Memory, State, Stepper, TimeElement, TimeElementStepper};
+
+/// All that a motion is after a step.
+#[derive(Debug, Clone)]
+pub struct Checkpoint {
+    pub state: State,
+    pub memory: Memory,
+}
+
+/// A step as it is done once more: nothing of it is chosen anew.
+#[derive(Debug, Clone, Copy)]
+pub struct StepSize {
+    pub size: f64,
+    /// Time at the end, which need not be the sum.
+    pub end: f64,
+}
+
+/// States and rates of the steps of a segment.
+#[derive(Debug, Default)]
+pub struct Segment {
+    /// The state at the start and after each step.
+    states: Vec<State>,
+    /// Rates of each step, `[k][n_nodes][3]`.
+    rates: Vec<Vec<f64>>,
+    sizes: Vec<f64>,
+}
+
+impl Segment {
+    /// Does the steps that follow a checkpoint.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::restore`] and [`Stepper::advance`].
+    pub fn redo(
+        &mut self,
+        stepper: &mut TimeElementStepper<'_>,
+        checkpoint: &Checkpoint,
+        steps: &[StepSize],
+    ) -> Result<()> {
+        stepper.restore(&checkpoint.memory)?;
+        let mut state = checkpoint.state.clone();
+        self.states.clear();
+        self.rates.clear();
+        self.sizes.clear();
+        self.states.push(state.clone());
+        for step in steps {
+            stepper.advance(&mut state, step.size)?;
+            (state.time, state.step) = (step.end, state.step + 1);
+            self.states.push(state.clone());
+            self.rates.push(stepper.rates().to_vec());
+            self.sizes.push(step.size);
+        }
+        Ok(())
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.sizes.len()
+    }
+
+    /// The states at the start and the end of a step.
+    pub fn ends(&self, index: usize) -> [&State; 2] {
+        [&self.states[index], &self.states[index + 1]]
+    }
+
+    /// A step of an element.
+    pub fn step<'a>(&'a self, element: &'a TimeElement, index: usize) -> StepData<'a> {
+        let state = &self.states[index];
+        StepData {
+            rule: element.rule(),
+            inverse: element.inverse_coefficients(),
+            time: state.time,
+            size: self.sizes[index],
+            displacement: &state.displacement,
+            velocity: &state.velocity,
+            rates: &self.rates[index],
+        }
+    }
+}
