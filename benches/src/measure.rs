@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use emmy::average::Want;
-use emmy::body::{Body, StepInput};
+use emmy::body::{Body, StepDamping, StepInput};
 use emmy::motion::{Motion, Observer, Record, State, View};
 use emmy::sparse::BlockCholesky;
 use emmy::time::TimeElement;
@@ -125,6 +125,7 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     let step_size = problem.plan.phases()[0].size;
     let rates: Vec<f64> = state.velocity.iter().map(|v| step_size * v).collect::<Vec<_>>().repeat(k);
     let step = StepInput {
+        damping: StepDamping::default(),
         rule: element.rule(),
         tangent_factor: step_size * step_size,
         displacement: &state.displacement,

@@ -38,11 +38,16 @@ const SMALLEST_DETERMINANT: &str = "smallest_determinant";
 /// Column of a run with adaptive steps: estimated error of the step, relative to the scales.
 const LOCAL_ERROR: &str = "local_error";
 
+/// Column of a run in which something takes energy out of the body: what it has lost so far.
+const DISSIPATED_ENERGY: &str = "dissipated_energy";
+
 /// Which columns a history has beside [`COLUMNS`] and `smallest_determinant`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extent {
     /// Whether step sizes are chosen by the error: a column `local_error`.
     pub is_adaptive: bool,
+    /// Whether viscosity, drag or the scheme dissipate: a column `dissipated_energy`.
+    pub dissipates: bool,
     /// Probes: three columns each.
     pub probes: Vec<Probe>,
 }
@@ -50,7 +55,12 @@ pub struct Extent {
 impl Extent {
     /// That of the history of a problem.
     pub fn of(problem: &Problem) -> Self {
-        Extent { is_adaptive: problem.plan.adaptivity().is_some(), probes: problem.output.probes.clone() }
+        let Problem { body, scheme, .. } = problem;
+        Extent {
+            is_adaptive: problem.plan.adaptivity().is_some(),
+            dissipates: body.is_viscous() || body.drag() > 0.0 || scheme.dissipation().is_some(),
+            probes: problem.output.probes.clone(),
+        }
     }
 }
 
@@ -63,10 +73,11 @@ pub enum Number {
     Real(f64),
 }
 
-/// Names of all columns: [`COLUMNS`], `smallest_determinant`, `local_error` of adaptive steps, then the current position of each probe.
+/// Names of all columns: [`COLUMNS`], `smallest_determinant`, `local_error` of adaptive steps, `dissipated_energy` where there is any, then the current position of each probe.
 pub fn columns(extent: &Extent) -> Vec<String> {
     let own = COLUMNS.into_iter().chain([SMALLEST_DETERMINANT]);
-    let own = own.chain(extent.is_adaptive.then_some(LOCAL_ERROR)).map(str::to_string);
+    let own = own.chain(extent.is_adaptive.then_some(LOCAL_ERROR));
+    let own = own.chain(extent.dissipates.then_some(DISSIPATED_ENERGY)).map(str::to_string);
     let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
     own.chain(extent.probes.iter().flat_map(of_probe)).collect()
 }
@@ -75,6 +86,7 @@ pub fn columns(extent: &Extent) -> Vec<String> {
 pub fn row(view: View<'_>, extent: &Extent, wall_seconds: f64) -> Vec<Number> {
     let mut row = own_columns(view.record, wall_seconds);
     row.extend(extent.is_adaptive.then_some(Number::Real(view.record.local_error)));
+    row.extend(extent.dissipates.then_some(Number::Real(view.record.dissipated_energy)));
     for probe in &extent.probes {
         let point = view.body.mesh().points()[probe.node];
         row.extend((0..3).map(|i| Number::Real(point[i] + view.state.displacement[3 * probe.node + i])));
@@ -307,7 +319,7 @@ mod tests {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("history.csv");
         let record = Record { step: 3, time: 0.1 + 0.2, kinetic_energy: 1e-300, ..Default::default() };
-        let extent = Extent { is_adaptive: false, probes: Vec::new() };
+        let extent = Extent { is_adaptive: false, dissipates: false, probes: Vec::new() };
         HistoryFile::create(&path, &extent).unwrap().write(&own_columns(&record, 0.5)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();

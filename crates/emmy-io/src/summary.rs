@@ -105,6 +105,7 @@ impl Heading {
             "angular_momentum_scale": tally.angular_momentum_scale,
             "total_energy": tally.total_energy,
             "external_work": tally.external_work,
+            "dissipated_energy": tally.dissipated_energy,
             "estimated_error": null,
             "status": status.name(),
             "message": message,

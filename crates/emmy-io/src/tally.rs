@@ -65,6 +65,8 @@ pub struct Tally {
     pub total_energy: f64,
     /// Work of the loads since the start \[energy\].
     pub external_work: f64,
+    /// What viscosity, drag and the scheme took out of the body since the start \[energy\].
+    pub dissipated_energy: f64,
     /// How often a step was cut by two.
     pub cuts: usize,
     /// How often a step was done again because of its error.
@@ -97,11 +99,12 @@ impl Tally {
         self.linear_momentum.see(record.linear_momentum_residual, record.step);
         self.angular_momentum.see(record.angular_momentum_residual, record.step);
         (self.total_energy, self.external_work) = (record.total_energy, record.external_work);
+        self.dissipated_energy = record.dissipated_energy;
         self.add_balances(record, view.body);
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 26] {
+    pub(crate) fn numbers(&self) -> [f64; 27] {
         [
             self.steps as f64,
             self.time,
@@ -129,11 +132,12 @@ impl Tally {
             self.linear_momentum_scale,
             self.angular_momentum_scale,
             self.refusals as f64,
+            self.dissipated_energy,
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 26], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 27], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -160,6 +164,7 @@ impl Tally {
             linear_momentum_scale: n[23],
             angular_momentum_scale: n[24],
             refusals: n[25] as usize,
+            dissipated_energy: n[26],
         }
     }
 

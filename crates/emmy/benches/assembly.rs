@@ -25,7 +25,7 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use emmy::average::{Rule, Want};
-use emmy::body::{Body, Region, StepInput};
+use emmy::body::{Body, Region, StepDamping, StepInput};
 use emmy::material::NeoHooke;
 use emmy::mesh::CellKind;
 use emmy::quadrature::gauss;
@@ -86,7 +86,8 @@ impl Step {
     fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, want: Want) {
         let mut assembly = self.body.assembly(1);
         let Step { body, displacement, rates } = self;
-        let step = StepInput { rule, tangent_factor: 1e-4, displacement, rates };
+        let step =
+            StepInput { rule, tangent_factor: 1e-4, displacement, rates, damping: StepDamping::default() };
         let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
         counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
     }

@@ -6,7 +6,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use emmy::average::{Rule, Want};
-use emmy::body::{Body, Region, StepInput};
+use emmy::body::{Body, Region, StepDamping, StepInput};
 use emmy::material::{Hencky, NeoHooke, Ogden, SaintVenantKirchhoff, Volumetric};
 use emmy::quadrature::gauss;
 
@@ -39,7 +39,13 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, want: Want) {
     let (displacement, rates, rule) = (wave(0.05), wave(0.01), Rule::standard(1, &gauss(1)));
     let body = pool.install(|| Body::new(mesh, vec![region(material)], &[], &[]).unwrap());
     let mut assembly = body.assembly(1);
-    let step = StepInput { rule: &rule, tangent_factor: 1e-4, displacement: &displacement, rates: &rates };
+    let step = StepInput {
+        rule: &rule,
+        tangent_factor: 1e-4,
+        displacement: &displacement,
+        rates: &rates,
+        damping: StepDamping::default(),
+    };
     let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
     counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
 }

@@ -59,6 +59,14 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A viscosity or a drag that is negative or not a number.
+    #[error("viscosity: {name} must be finite and not negative (of links: zero), not {value}")]
+    Viscosity {
+        /// Which number.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A cell size that does not divide the edges of the l-block.
     #[error("the l-block needs a cell size of 1, 1/2, 1/3, ..., so that it divides its edges; not {value}")]
     CellSize {

@@ -45,9 +45,38 @@ pub fn lagrange_integral(nodes: &[f64], i: usize, alpha: f64) -> f64 {
     alpha * terms.map(|(&[s], w)| w * lagrange(nodes, i, s * alpha)).sum::<f64>()
 }
 
+/// Legendre polynomial of a degree on the unit interval, with the mean square 1.
+///
+/// ```math
+/// p_n(alpha) = sqrt(2 n + 1) P_n(2 alpha - 1),    integral_0^1 p_m p_n dalpha = delta_mn
+/// ```
+///
+/// ```
+/// assert_eq!(emmy::polynomial::legendre(1, 1.0), f64::sqrt(3.0));
+/// ```
+pub fn legendre(degree: usize, alpha: f64) -> f64 {
+    let x = 2.0 * alpha - 1.0;
+    let (mut before, mut value) = (0.0, 1.0);
+    for n in 0..degree {
+        // Bonnet: (n + 1) P_(n+1) = (2 n + 1) x P_n - n P_(n-1)
+        (before, value) = (value, ((2 * n + 1) as f64 * x * value - n as f64 * before) / (n + 1) as f64);
+    }
+    ((2 * degree + 1) as f64).sqrt() * value
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn legendre_polynomials_are_orthonormal() {
+        let rule = crate::quadrature::gauss(8);
+        for (m, n) in (0..64).map(|index| (index / 8, index % 8)) {
+            let terms = rule.points.iter().zip(&rule.weights);
+            let sum: f64 = terms.map(|(&[s], w)| w * legendre(m, s) * legendre(n, s)).sum();
+            assert!((sum - if m == n { 1.0 } else { 0.0 }).abs() < 1e-13, "{m} {n}");
+        }
+    }
 
     #[test]
     fn integrals_and_rates_of_a_cubic_basis_are_exact() {

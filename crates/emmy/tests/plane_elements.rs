@@ -6,7 +6,7 @@ mod flight;
 mod plane_patch;
 
 use emmy::average::{Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepInput, Support};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, block, rectangle};
 use emmy::motion::{Motion, NewtonSettings, State};
@@ -49,7 +49,13 @@ fn tractions(P: [[f64; 2]; 2]) -> Vec<Load> {
 
 fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
     let (rule, rates) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
-    let step = StepInput { rule: &rule, tangent_factor: 1.0, displacement, rates: &rates };
+    let step = StepInput {
+        rule: &rule,
+        tangent_factor: 1.0,
+        displacement,
+        rates: &rates,
+        damping: StepDamping::default(),
+    };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Want::Stress, &[0.0], &mut assembly).unwrap();
     let mut force = vec![0.0; body.n_dofs()];

@@ -7,7 +7,7 @@ mod patch;
 use std::collections::HashMap;
 
 use emmy::average::{FollowerRule, Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepInput, Support};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
 use emmy::element::facet_element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
@@ -211,14 +211,25 @@ fn tangent_is_consistent() {
         let factors: Vec<f64> = (0..follower.n_points()).map(|m| 1.0 + 0.3 * m as f64).collect();
         let force = |step: f64| {
             let rates: Vec<f64> = rates.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
-            let step =
-                StepInput { rule: &rule, tangent_factor: h2, displacement: &displacement, rates: &rates };
+            let step = StepInput {
+                rule: &rule,
+                tangent_factor: h2,
+                displacement: &displacement,
+                rates: &rates,
+                damping: StepDamping::default(),
+            };
             let mut force = vec![0.0; k * n];
             body.stage_followers(&step, &follower, &factors, &mut force);
             force
         };
         let (plus, minus) = (force(0.5), force(-0.5));
-        let step = StepInput { rule: &rule, tangent_factor: h2, displacement: &displacement, rates: &rates };
+        let step = StepInput {
+            rule: &rule,
+            tangent_factor: h2,
+            displacement: &displacement,
+            rates: &rates,
+            damping: StepDamping::default(),
+        };
         let mut assembly = body.assembly(k);
         body.assemble(&step, Want::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
         let mut product = |add: bool| {

@@ -7,7 +7,7 @@ mod flight;
 mod patch;
 
 use emmy::average::{Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepInput};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput};
 use emmy::element::element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
@@ -59,7 +59,13 @@ fn rubber() -> Vec<Region> {
 /// Internal force at the displacement u = H X: one evaluation of the mid-point rule without rates.
 fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
     let (rule, rates) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
-    let step = StepInput { rule: &rule, tangent_factor: 1.0, displacement, rates: &rates };
+    let step = StepInput {
+        rule: &rule,
+        tangent_factor: 1.0,
+        displacement,
+        rates: &rates,
+        damping: StepDamping::default(),
+    };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Want::Stress, &[0.0], &mut assembly).unwrap();
     let mut force = vec![0.0; body.n_dofs()];
@@ -121,7 +127,13 @@ fn stiffness(kind: CellKind) -> Vec<Vec<f64>> {
     builder.cell(kind, &nodes).unwrap();
     let body = Body::new(builder.build().unwrap(), rubber(), &[], &[]).unwrap();
     let (rule, zeros) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
-    let step = StepInput { rule: &rule, tangent_factor: 1.0, displacement: &zeros, rates: &zeros };
+    let step = StepInput {
+        rule: &rule,
+        tangent_factor: 1.0,
+        displacement: &zeros,
+        rates: &zeros,
+        damping: StepDamping::default(),
+    };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Want::Tangent, &[0.0], &mut assembly).unwrap();
     let column = |dof: usize| {

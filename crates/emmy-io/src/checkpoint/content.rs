@@ -121,7 +121,7 @@ fn solver(numbers: &[f64]) -> Option<SolverChoice> {
 }
 
 /// All of a record but its solver.
-fn record_numbers(record: &Record) -> [f64; 27] {
+fn record_numbers(record: &Record) -> [f64; 28] {
     let [p, l] = [record.linear_momentum, record.angular_momentum];
     [
         record.step as f64,
@@ -151,10 +151,11 @@ fn record_numbers(record: &Record) -> [f64; 27] {
         record.newton_target,
         record.local_error,
         record.refusals as f64,
+        record.dissipated_energy,
     ]
 }
 
-fn record(numbers: [f64; 27], solver: Option<SolverChoice>) -> Record {
+fn record(numbers: [f64; 28], solver: Option<SolverChoice>) -> Record {
     let n = numbers;
     Record {
         step: n[0] as usize,
@@ -180,6 +181,7 @@ fn record(numbers: [f64; 27], solver: Option<SolverChoice>) -> Record {
         newton_target: n[24],
         local_error: n[25],
         refusals: n[26] as usize,
+        dissipated_energy: n[27],
         solver,
     }
 }

@@ -28,7 +28,9 @@ pub(super) const BOX: Keys = keys("box", &["size", "cells"]);
 pub(super) const RECTANGLE: Keys = keys("rectangle", &["size", "cells"]);
 pub(super) const NETWORK: Keys = keys("network", &["points", "links", "groups", "link_groups"]);
 pub(super) const MASS: Keys = keys("[[mass]]", &["group", "mass"]);
-pub(super) const REGION: Keys = keys("[[region]]", &["group", "density", "thickness", "material"]);
+pub(super) const REGION: Keys =
+    keys("[[region]]", &["group", "density", "thickness", "material", "viscosity"]);
+pub(super) const VISCOSITY: Keys = keys("`viscosity`", &["time", "shear", "bulk"]);
 pub(super) const MATERIAL: Keys = keys(
     "material",
     &[
@@ -78,7 +80,17 @@ pub(super) const HOLZAPFEL_GASSER_OGDEN: Keys =
     keys("holzapfel-gasser-ogden", &["mu", "k1", "k2", "kappa", "fibres", "bulk_modulus", "volumetric"]);
 pub(super) const LOAD: Keys = keys(
     "[[load]]",
-    &["group", "traction", "force", "nodal_force", "pressure", "acceleration", "attraction", "history"],
+    &[
+        "group",
+        "traction",
+        "force",
+        "nodal_force",
+        "pressure",
+        "acceleration",
+        "attraction",
+        "drag",
+        "history",
+    ],
 );
 pub(super) const SUPPORT: Keys =
     keys("[[support]]", &["group", "fix", "move", "rotate", "symmetry", "spring", "until"]);
@@ -99,7 +111,7 @@ pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);
 
 /// Every table. `schema` describes each of them.
-pub(super) const TABLES: [Keys; 34] = [
+pub(super) const TABLES: [Keys; 35] = [
     ROOT,
     MESH,
     L_BLOCK,
@@ -108,6 +120,7 @@ pub(super) const TABLES: [Keys; 34] = [
     NETWORK,
     MASS,
     REGION,
+    VISCOSITY,
     MATERIAL,
     BAR,
     SPRING,

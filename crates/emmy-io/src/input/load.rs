@@ -7,9 +7,9 @@ use super::region::{Placed, group};
 use super::table::Item;
 use super::{history, keys};
 
-/// Kinds of loads. Attractions are read elsewhere ([`super::nodal`]).
+/// Kinds of loads. Attractions and drag are read elsewhere ([`super::nodal`]).
 pub(super) const KINDS: &[&str] =
-    &["traction", "force", "nodal_force", "pressure", "acceleration", "attraction"];
+    &["traction", "force", "nodal_force", "pressure", "acceleration", "attraction", "drag"];
 
 /// Reads one load.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Load>, Fault> {

@@ -1,4 +1,4 @@
-//! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, the attraction of `[[load]]`.
+//! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attraction and drag of `[[load]]`.
 
 use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass};
 
@@ -13,6 +13,7 @@ pub(super) struct PlacedNodal {
     masses: Vec<Placed<PointMass>>,
     springs: Vec<Placed<GroundSpring>>,
     attractions: Vec<Placed<GroundAttraction>>,
+    drags: Vec<f64>,
 }
 
 /// Reads all of them; what fails leaves its fault.
@@ -21,6 +22,7 @@ pub(super) fn read(root: &Table<'_>, faults: &mut Faults) -> PlacedNodal {
         masses: each(root, "mass", None, mass, faults),
         springs: each(root, "support", Some("spring"), spring, faults),
         attractions: each(root, "load", Some("attraction"), attraction, faults),
+        drags: each(root, "load", Some("drag"), drag, faults).into_iter().map(|drag| drag.value).collect(),
     }
 }
 
@@ -30,6 +32,11 @@ impl PlacedNodal {
         let masses = self.masses.iter().map(|mass| &mass.group);
         let springs = self.springs.iter().map(|spring| &spring.group);
         masses.chain(springs).chain(self.attractions.iter().map(|attraction| &attraction.group))
+    }
+
+    /// Rate of the drag, that of all of them together.
+    pub(super) fn drag(&self) -> f64 {
+        self.drags.iter().sum()
     }
 
     /// The values alone.
@@ -95,4 +102,17 @@ fn attraction(item: Item<'_>) -> Result<Placed<GroundAttraction>, Fault> {
     }
     let group = group(&table)?.map(|(name, _)| name);
     Placed::new(&table, GroundAttraction { group, centre, strength: value })
+}
+
+/// A drag acts on the whole body.
+fn drag(item: Item<'_>) -> Result<Placed<f64>, Fault> {
+    let table = item.table(keys::LOAD)?;
+    let load = table.exactly_one("one kind of load", super::load::KINDS)?;
+    for key in ["group", "history"] {
+        if let Some(item) = table.get(key) {
+            let message = format!("a drag has no `{key}`: it acts on the whole body at all times");
+            return Err(item.fault(message, "leave it out"));
+        }
+    }
+    Placed::new(&table, load.positive()?)
 }

@@ -125,7 +125,7 @@ impl Parts {
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
-        let is_load = |item: &Item<'_>| item.has_key("attraction").is_none();
+        let is_load = |item: &Item<'_>| ["attraction", "drag"].iter().all(|key| item.has_key(key).is_none());
         let loads = optional_where(&root, "load", is_load, load::read, &mut faults);
         let is_support = |item: &Item<'_>| !nodal::is_spring_alone(item);
         let supports = optional_where(&root, "support", is_support, support::read, &mut faults);
@@ -176,8 +176,10 @@ impl Parts {
         probes::find(&mesh, &mut self.output.probes, &mut notes);
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
+        let drag = self.nodal.drag();
         let nodal = self.nodal.values();
         let body = Body::with_nodal(mesh, values(self.regions), &nodal, &supports, &loads);
+        let body = body.and_then(|body| body.with_drag(drag));
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;

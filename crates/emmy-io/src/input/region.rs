@@ -1,6 +1,6 @@
 //! `[[region]]`: cells with a density and a material.
 
-use emmy::body::Region;
+use emmy::body::{Region, Viscosity};
 
 use super::fault::{Fault, Place};
 use super::table::{Item, Table};
@@ -37,7 +37,34 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
         Some(thickness) => region.with_thickness(thickness.positive()?),
         None => region,
     };
+    let region = match table.get("viscosity") {
+        Some(item) => region.with_viscosity(viscosity(item, material)?),
+        None => region,
+    };
     Placed::new(&table, region)
+}
+
+/// The viscosity: a time, viscosities, or both.
+fn viscosity(item: Item<'_>, material: Item<'_>) -> Result<Viscosity, Fault> {
+    let table = item.table(keys::VISCOSITY)?;
+    let link = ["bar", "spring", "attraction"].into_iter().find(|model| material.has_key(model).is_some());
+    let number = |key: &str| {
+        let Some(item) = table.get(key) else { return Ok(0.0) };
+        match link.filter(|_| key != "time") {
+            Some(link) => {
+                let message = format!(
+                    "a `{link}` has no `{key}` viscosity: `time` times its stiffness is its viscosity"
+                );
+                Err(item.fault(message, "leave it out"))
+            }
+            None => item.positive(),
+        }
+    };
+    let viscosity = Viscosity { time: number("time")?, shear: number("shear")?, bulk: number("bulk")? };
+    if viscosity.is_zero() {
+        return Err(item.fault("`viscosity` needs `time`, `shear` or `bulk`", "nothing is viscous here"));
+    }
+    Ok(viscosity)
 }
 
 /// The density, which springs and attractions do not have.

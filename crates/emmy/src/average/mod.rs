@@ -11,16 +11,18 @@
 
 #![allow(non_snake_case)]
 
+mod damping;
 mod energy_momentum;
 mod follower;
 mod standard;
 #[cfg(test)]
 mod tests;
 
+pub use damping::Damping;
 pub use follower::FollowerRule;
 
 use crate::material::Material;
-use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate};
+use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
 use crate::quadrature::{Quadrature, gauss};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
 
@@ -39,6 +41,8 @@ pub struct Rule {
     b: Vec<f64>,
     /// a_ij = L_j(c_i), row by row.
     a: Vec<f64>,
+    /// Values p_i of the Legendre polynomial of degree k - 1 at the Gauss points.
+    fastest: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
     mean: Mean,
@@ -183,7 +187,8 @@ impl Rule {
             _ => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
-        Rule { c, b, a, kind, points, mean, load_quadrature, smooth_quadrature }
+        let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
+        Rule { c, b, a, fastest, kind, points, mean, load_quadrature, smooth_quadrature }
     }
 
     /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
@@ -209,6 +214,12 @@ impl Rule {
     /// Coefficients a_ij = L_j(c_i), `[i k + j]`.
     pub fn coefficients(&self) -> &[f64] {
         &self.a
+    }
+
+    /// Values p_i of the Legendre polynomial of degree k - 1 at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`: of the polynomials of the test
+    /// functions that which changes fastest in a step.
+    pub fn fastest(&self) -> &[f64] {
+        &self.fastest
     }
 
     /// Coefficients of the stage averages of a linear force.
@@ -254,9 +265,11 @@ impl Rule {
         lagrange_rate(&self.c, i, alpha)
     }
 
-    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: those of a standard rule with k = 1.
-    pub fn is_symmetric(&self) -> bool {
-        matches!(self.kind, Kind::Standard | Kind::StrainingRates) && self.degree() == 1
+    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: those of a standard rule with k = 1, without
+    /// damping.
+    pub fn is_symmetric(&self, is_damped: bool) -> bool {
+        let is_symmetric = self.kind == Kind::StrainingRates || self.kind == Kind::Standard && !is_damped;
+        is_symmetric && self.degree() == 1
     }
 
     /// How much of each rate has been passed at the only point of the step where the rule evaluates the stress, `[k]`; `None`
@@ -281,9 +294,26 @@ impl Rule {
         want: Want,
         average: &mut Average<L>,
     ) {
-        match self.kind {
-            Kind::Standard => self.average_standard(material, start, rates, want, average),
-            _ => self.average_energy_momentum(material, start, rates, want, average),
+        self.average_damped(material, None, start, rates, want, average);
+    }
+
+    /// The same with the stress of a damping, which needs the rates.
+    #[inline(always)]
+    pub fn average_damped<L: Lane, M: Material>(
+        &self,
+        material: &M,
+        damping: Option<&Damping>,
+        start: &Mat3<L>,
+        rates: &[Mat3<L>],
+        want: Want,
+        average: &mut Average<L>,
+    ) {
+        if self.kind != Kind::Standard {
+            return self.average_energy_momentum(material, damping, start, rates, want, average);
+        }
+        self.average_standard(material, start, rates, want, average);
+        if let Some(damping) = damping {
+            self.add_damping(damping, start, rates, want, average);
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
-use super::{Field, History, term::Solid};
+use super::{Field, History, Viscosity, term::Solid};
 use crate::error::Result;
 use crate::material::Link;
 use crate::mesh::Mesh;
@@ -14,13 +14,15 @@ pub struct Region {
     pub density: f64,
     /// Thickness of its plane cells \[length\]; 1 unless it is set.
     pub thickness: f64,
+    /// Viscosity; none unless it is set. That of links is [`Viscosity::time`] alone.
+    pub viscosity: Viscosity,
     pub(super) solid: Box<dyn Solid>,
 }
 
 impl Region {
     /// A region of a material of this crate, or of a [`super::Custom`] one.
     pub fn new(group: Option<String>, density: f64, material: impl Solid + 'static) -> Self {
-        Region { group, density, thickness: 1.0, solid: Box::new(material) }
+        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), solid: Box::new(material) }
     }
 
     /// A region of links. `density` is the mass per volume of bars; springs and attractions have no mass.
@@ -36,7 +38,7 @@ impl Region {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn links(group: Option<String>, density: f64, link: Link) -> Self {
-        Region { group, density, thickness: 1.0, solid: Box::new(link) }
+        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), solid: Box::new(link) }
     }
 
     /// The link that the region is made of, if it is one of links.
@@ -55,6 +57,19 @@ impl Region {
     /// ```
     pub fn with_thickness(self, thickness: f64) -> Self {
         Region { thickness, ..self }
+    }
+
+    /// The same region with a viscosity.
+    ///
+    /// ```
+    /// use emmy::{body::{Body, Region, Viscosity}, material::NeoHooke, mesh};
+    /// let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
+    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?).with_viscosity(viscosity);
+    /// assert!(Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?.is_viscous());
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_viscosity(self, viscosity: Viscosity) -> Self {
+        Region { viscosity, ..self }
     }
 }
 

@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::{CellBatches, PointGeometry};
 use super::term::StepInput;
-use crate::average::{Average, Want};
+use crate::average::{Average, Damping, Want};
 use crate::material::Material;
 use crate::tensor::{
     Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
@@ -95,11 +95,18 @@ impl Scratch {
     }
 }
 
-/// Copies what the rule sees of a step to the nodes of a batch; the number of fields.
+/// Copies what the rule sees of a step to the nodes of a batch; the number of fields. `wants_rates`: even if the rule does not need
+/// them.
 #[inline(always)]
-pub fn gather(cells: &CellBatches, batch: usize, step: &StepInput<'_>, memory: &mut BatchMemory) -> usize {
+pub fn gather(
+    cells: &CellBatches,
+    batch: usize,
+    step: &StepInput<'_>,
+    wants_rates: bool,
+    memory: &mut BatchMemory,
+) -> usize {
     let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement.as_chunks().0);
-    if let Some(passed) = step.rule.only_point() {
+    if let Some(passed) = step.rule.only_point().filter(|_| !wants_rates) {
         cells.gather(
             batch,
             &mut memory.nodal[..n],
@@ -139,7 +146,7 @@ pub fn gather(cells: &CellBatches, batch: usize, step: &StepInput<'_>, memory: &
 pub fn integrate<R: Register, M: Material>(
     (cells, batch, part): (&CellBatches, usize, usize),
     n_fields: usize,
-    material: &M,
+    (material, damping): (&M, Option<&Damping>),
     step: &StepInput<'_>,
     want: Want,
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
@@ -154,7 +161,7 @@ pub fn integrate<R: Register, M: Material>(
         for j in 1..n_fields {
             rates[j - 1] = field_gradient(zero, &memory.nodal[j * n..(j + 1) * n], dN, &inverse, part);
         }
-        step.rule.average(material, &start, &rates[..n_fields - 1], want, average);
+        step.rule.average_damped(material, damping, &start, &rates[..n_fields - 1], want, average);
         min_det = min_det.min(average.min_det);
         let weight = zero.load(&geometry.weight, part);
         for i in 0..k {
@@ -171,7 +178,7 @@ pub fn integrate<R: Register, M: Material>(
             let blocks = memory.stiffness.chunks_exact_mut(n * n);
             for (tangent, stiffness) in average.tangent.iter().zip(blocks) {
                 let (gradients, is_first) = (&memory.gradients[..n], point == 0);
-                let skips = step.rule.is_symmetric();
+                let skips = step.rule.is_symmetric(damping.is_some());
                 add_stiffness(tangent, gradients, factor, (is_first, skips), stiffness, part);
             }
         }
@@ -181,6 +188,30 @@ pub fn integrate<R: Register, M: Material>(
         let stress = &memory.stress[i * n_points..(i + 1) * n_points];
         set_force(zero, cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
     }
+}
+
+/// What a damping takes out of part `part` of a batch in a step, from the nodal fields in its memory.
+#[inline(always)]
+pub fn dissipated<R: Register>(
+    (cells, batch, part): (&CellBatches, usize, usize),
+    damping: &Damping,
+    step: &StepInput<'_>,
+    (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
+) -> R {
+    let (n, k) = (cells.n_nodes, step.rule.degree());
+    let PointMemory { average, rates } = point_memory;
+    let zero = average.min_det.splat(0.0);
+    let mut energy = zero;
+    for (point, geometry) in cells.geometry_of(batch).iter().enumerate() {
+        let (dN, inverse) = (cells.reference_gradients_at(point), inverse_jacobian(zero, geometry, part));
+        let start = field_gradient(zero, &memory.nodal[..n], dN, &inverse, part);
+        for j in 0..k {
+            rates[j] = field_gradient(zero, &memory.nodal[(j + 1) * n..(j + 2) * n], dN, &inverse, part);
+        }
+        let density = step.rule.dissipated(damping, &start, &rates[..k], average);
+        energy = density.mul_add(zero.load(&geometry.weight, part), energy);
+    }
+    energy
 }
 
 /// Stored energy of part `part` of a batch at a nodal displacement, and the smallest det F.

@@ -21,6 +21,7 @@ mod solid;
 mod supports;
 mod symmetry;
 mod term;
+mod viscosity;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -38,7 +39,8 @@ pub use loads::LoadResultant;
 pub use mass::MassSolver;
 pub use regions::RegionSummary;
 pub use symmetry::symmetry_axis;
-pub use term::{Custom, Solid, StepInput, Strained, Term};
+pub use term::{Custom, Solid, StepDamping, StepInput, Strained, Term};
+pub use viscosity::Viscosity;
 
 use drive::Drive;
 use field::FieldLoad;
@@ -76,6 +78,8 @@ pub struct Body {
     parts: Vec<Range<usize>>,
     node_order: Vec<usize>,
     mass: Arc<Vec<f64>>,
+    /// Rate of the mass-proportional damping.
+    drag: f64,
     lumped_mass: Vec<f64>,
     fixed: Vec<bool>,
     drives: Vec<Drive>,
@@ -141,6 +145,7 @@ impl Body {
             fields: Arc::new(fields),
             pressures: Arc::new(pressures),
             release: None,
+            drag: 0.0,
             fixed: given.fixed,
             drives: given.drives,
             mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
@@ -260,14 +265,17 @@ impl Body {
         assembly: &mut Assembly,
     ) -> Result<()> {
         let rows = assembly.matrix.parts_mut();
+        // Springs of the ground neither store strains nor lose any.
+        let ground = StepInput { damping: StepDamping::default(), ..*step };
         let work = |(index, (sink, part)): (usize, (&mut crate::sparse::RowPart, &mut Part))| {
             sink.clear_force();
             if want == Want::Tangent {
                 sink.set_blocks(&self.mass, mass_coefficients);
             }
-            let mut terms = self.terms.iter().chain(self.ground.iter());
+            let terms = self.terms.iter().map(|term| (term, step));
+            let mut terms = terms.chain(self.ground.iter().map(|term| (term, &ground)));
             part.outcome =
-                terms.try_for_each(|term| term.assemble(step, want, index, &mut part.scratch, sink));
+                terms.try_for_each(|(term, step)| term.assemble(step, want, index, &mut part.scratch, sink));
         };
         if rows.len() == 1 {
             rows.iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
@@ -275,6 +283,39 @@ impl Body {
             rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
         }
         assembly.parts.iter().try_for_each(|part| part.outcome.clone())
+    }
+
+    /// The body in a medium that brakes it in proportion to mass and velocity, `f = -rate M v`: an external force. Alone it lets velocities decay
+    /// like `exp(-rate t)`.
+    ///
+    /// # Errors
+    /// [`Error::Viscosity`] unless the rate \[1/time\] is finite and not negative.
+    pub fn with_drag(self, rate: f64) -> Result<Self> {
+        if !(rate >= 0.0 && rate.is_finite()) {
+            return Err(Error::Viscosity { name: "drag", value: rate });
+        }
+        let release = self.release.map(|(time, body)| Ok((time, Box::new(body.with_drag(rate)?))));
+        Ok(Body { drag: rate, release: release.transpose()?, ..self })
+    }
+
+    /// Rate of the drag \[1/time\].
+    pub fn drag(&self) -> f64 {
+        self.drag
+    }
+
+    /// Whether any region has a viscosity.
+    pub fn is_viscous(&self) -> bool {
+        self.made_of.iter().any(|region| !region.viscosity.is_zero())
+    }
+
+    /// What viscosity and a scheme's dissipation take out of the body in a step, by the strains \[energy\].
+    ///
+    /// ```math
+    /// sum_i b_i integral S_i : E'_i dV
+    /// ```
+    pub fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
+        let scratch = &mut assembly.parts[0].scratch;
+        self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
     }
 
     /// Whether springs or attractions pull the body towards the ground.
@@ -297,6 +338,7 @@ impl Body {
         for (index, (sink, part)) in rows.enumerate() {
             sink.clear_force();
             let mut terms = self.ground.iter();
+            let step = &StepInput { damping: StepDamping::default(), ..*step };
             terms.try_for_each(|term| term.assemble(step, Want::Stress, index, &mut part.scratch, sink))?;
         }
         assembly.matrix.copy_force(force);

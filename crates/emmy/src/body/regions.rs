@@ -1,8 +1,8 @@
 //! Regions: which cells belong to which, their terms, masses and summaries.
 
-use super::Region;
 use super::geometry::{CellTable, for_each_volume_point};
 use super::term::Term;
+use super::{Region, Viscosity};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Mesh};
 use crate::sparse::Pattern;
@@ -67,6 +67,12 @@ impl RegionOfCell {
         let mut count = vec![0; mesh.n_cells()];
         let mut region_of_cell = vec![0; mesh.n_cells()];
         for (index, region) in regions.iter().enumerate() {
+            region.viscosity.check()?;
+            if let (Some(_), Viscosity { shear, bulk, .. }) = (region.link(), region.viscosity)
+                && shear + bulk > 0.0
+            {
+                return Err(Error::Viscosity { name: "shear or bulk of links", value: shear + bulk });
+            }
             let is_massless = region.link().is_some_and(|link| link.area() == 0.0);
             for (what, value) in [("density", region.density), ("thickness", region.thickness)] {
                 if !(value > 0.0 && value.is_finite() || is_massless) {
@@ -143,7 +149,9 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
-                terms.push(region.solid.term(CellTable::new(mesh, kind, cells, section)?)?);
+                let mut term = region.solid.term(CellTable::new(mesh, kind, cells, section)?)?;
+                term.set_viscosity(&region.viscosity);
+                terms.push(term);
             }
         }
     }

@@ -10,16 +10,20 @@ use super::batches::CellBatches;
 use super::geometry::CellTable;
 use super::integral::{self, BatchMemory, PointMemory, Scratch};
 use super::term::{StepInput, Strained, Term};
-use crate::average::Want;
+use super::viscosity::Viscosity;
+use crate::average::{Damping, Want};
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::{Batch, LANES, Packed, Register};
+use crate::tensor::{Batch, Elasticity, LANES, Packed, Register};
 
 /// Cells of one kind and one material.
 pub struct SolidTerm<M> {
     /// One for all cells, or one for each (of links).
     materials: Vec<M>,
+    /// Elasticity at rest of the one material.
+    at_rest: Elasticity<f64>,
+    viscosity: Viscosity,
     cells: CellBatches,
     /// Position in the pattern of every pair of nodes, `[cell][A][B]`.
     positions: Vec<u32>,
@@ -54,12 +58,38 @@ impl<M: Material> SolidTerm<M> {
     /// [`Error::OutOfMemory`].
     pub fn with_materials(materials: Vec<M>, table: CellTable) -> Result<Self> {
         let cells = CellBatches::new(table)?;
-        Ok(SolidTerm { materials, cells, positions: Vec::new(), parts: Vec::new() })
+        let at_rest = materials.first().map_or([[0.0; 6]; 6], at_rest);
+        let viscosity = Viscosity::default();
+        Ok(SolidTerm { materials, at_rest, viscosity, cells, positions: Vec::new(), parts: Vec::new() })
     }
 
     #[inline(always)]
     fn material(&self, cell: usize) -> &M {
         &self.materials[if self.materials.len() == 1 { 0 } else { cell }]
+    }
+
+    /// Whether strain rates count in a step.
+    #[inline(always)]
+    fn damps(&self, step: &StepInput<'_>) -> bool {
+        step.damping.excess > 0.0 || step.damping.rate > 0.0 && !self.viscosity.is_zero()
+    }
+
+    /// Damping of a cell in a step, if there is any.
+    #[inline(always)]
+    fn damping(&self, cell: usize, step: &StepInput<'_>) -> Option<Damping> {
+        if !self.damps(step) {
+            return None;
+        }
+        let at_rest = match self.materials.len() {
+            1 => self.at_rest,
+            _ => at_rest(&self.materials[cell]),
+        };
+        let scaled = |tensor: Elasticity<f64>, factor: f64| tensor.map(|row| row.map(|entry| factor * entry));
+        let viscous = match self.viscosity.is_zero() {
+            true => [[0.0; 6]; 6],
+            false => scaled(self.viscosity.tensor(&at_rest), step.damping.rate),
+        };
+        Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.excess) })
     }
 
     /// Stage forces and derivatives of a batch, into its memory.
@@ -72,11 +102,12 @@ impl<M: Material> SolidTerm<M> {
         memory: &mut BatchMemory,
         point_memory: &mut PointMemory<R>,
     ) -> Result<()> {
-        let n_fields = integral::gather(&self.cells, batch, step, memory);
+        let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), memory);
         let cells = self.cells.cells_of(batch);
         for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
-            let (place, material) = ((&self.cells, batch, part), self.material(cell));
-            integral::integrate(place, n_fields, material, step, want, (memory, point_memory));
+            let (place, damping) = ((&self.cells, batch, part), self.damping(cell, step));
+            let law = (self.material(cell), damping.as_ref());
+            integral::integrate(place, n_fields, law, step, want, (memory, point_memory));
         }
         if !M::IS_LINK {
             let mut dets = memory.min_det.0.into_iter().zip(cells);
@@ -143,7 +174,7 @@ impl<M: Material> SolidTerm<M> {
     ) {
         let (n, k) = (self.cells.n_nodes, step.rule.degree());
         let positions = &self.positions[(cell * n + A) * n..(cell * n + A + 1) * n];
-        let mirrored = if step.rule.is_symmetric() { A } else { 0 };
+        let mirrored = if step.rule.is_symmetric(self.damps(step)) { A } else { 0 };
         let (blocks, first) = sink.blocks_mut();
         for stages in 0..k * k {
             let stiffness = &stiffness[stages * n * n..(stages + 1) * n * n];
@@ -162,6 +193,28 @@ impl<M: Material> SolidTerm<M> {
                 }
             }
         }
+    }
+
+    /// What is dissipated in all batches in a step, one after the other.
+    #[inline(always)]
+    fn dissipated_in<R: Register>(
+        &self,
+        step: &StepInput<'_>,
+        (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
+    ) -> f64 {
+        let (mut sum, mut energies) = (0.0, Packed([0.0; LANES]));
+        for batch in 0..self.cells.len() {
+            integral::gather(&self.cells, batch, step, true, memory);
+            let cells = self.cells.cells_of(batch);
+            for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
+                let Some(damping) = self.damping(cell, step) else { return 0.0 };
+                let place = (&self.cells, batch, part);
+                let energy = integral::dissipated(place, &damping, step, (memory, point_memory));
+                energy.store(&mut energies, part);
+            }
+            sum += energies.0[..cells.len()].iter().sum::<f64>();
+        }
+        sum
     }
 
     /// What a displacement does to some batches.
@@ -254,6 +307,27 @@ impl<M: Material> WithSimd for PartAssembly<'_, M> {
     }
 }
 
+/// What is dissipated in a step, in the registers of an instruction set.
+struct Dissipated<'a, M> {
+    term: &'a SolidTerm<M>,
+    step: &'a StepInput<'a>,
+    scratch: &'a mut Scratch,
+}
+
+impl<M: Material> WithSimd for Dissipated<'_, M> {
+    type Output = f64;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        self.term.dissipated_in(self.step, self.scratch.registers::<Batch<S>>())
+    }
+}
+
+/// Elasticity of a material at rest; zero of an attraction, which is no stiffness there.
+fn at_rest<M: Material>(material: &M) -> Elasticity<f64> {
+    let (_, elasticity) = material.stress_and_elasticity(&[0.0; 6]);
+    if M::IS_LINK && elasticity[0][0] < 0.0 { [[0.0; 6]; 6] } else { elasticity }
+}
+
 /// What a displacement does to some batches, in the registers of an instruction set.
 struct StrainedSum<'a, M> {
     term: &'a SolidTerm<M>,
@@ -311,6 +385,20 @@ impl<M: Material> Term for SolidTerm<M> {
             return PartAssembly::run(self, (step, want), batches, scratch.numbers(), sink);
         }
         Arch::new().dispatch(PartAssembly { term: self, step, want, batches, scratch, sink })
+    }
+
+    fn set_viscosity(&mut self, viscosity: &Viscosity) {
+        self.viscosity = *viscosity;
+    }
+
+    fn dissipated(&self, step: &StepInput<'_>, scratch: &mut Scratch) -> f64 {
+        if !self.damps(step) {
+            return 0.0;
+        }
+        if M::IS_LINK {
+            return self.dissipated_in(step, scratch.numbers());
+        }
+        Arch::new().dispatch(Dissipated { term: self, step, scratch })
     }
 
     fn strained(&self, displacement: &[f64]) -> Strained {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::geometry::CellTable;
 use super::integral::Scratch;
 use super::solid::SolidTerm;
+use super::viscosity::Viscosity;
 use crate::average::{Rule, Want};
 use crate::error::{Error, Result};
 use crate::material::{
@@ -26,6 +27,17 @@ pub struct StepInput<'a> {
     pub displacement: &'a [f64],
     /// Rates x_j of the displacement, `[k][n_nodes][3]`.
     pub rates: &'a [f64],
+    /// What strain rates do.
+    pub damping: StepDamping,
+}
+
+/// How the strain rates of a step count; nothing by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepDamping {
+    /// Factor on viscosities: one over the step size \[1/time\].
+    pub rate: f64,
+    /// Factor beta on the elasticity at rest, for a scheme that dissipates.
+    pub excess: f64,
 }
 
 /// What a displacement does to cells.
@@ -88,6 +100,14 @@ pub trait Term: fmt::Debug + Send + Sync {
         scratch: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()>;
+
+    /// Gives the term a viscosity.
+    fn set_viscosity(&mut self, _: &Viscosity) {}
+
+    /// What viscosity and dissipation take out of the term in a step \[energy\].
+    fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
+        0.0
+    }
 
     /// What a displacement does to the term.
     fn strained(&self, displacement: &[f64]) -> Strained;

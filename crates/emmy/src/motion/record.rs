@@ -22,15 +22,17 @@ pub struct Record {
     pub strain_energy: f64,
     /// Work of loads, and of reactions where supports move, since the start \[energy\].
     pub external_work: f64,
+    /// What viscosity, drag and a scheme that dissipates took out of the body since the start \[energy\].
+    pub dissipated_energy: f64,
     /// Total energy E = T + V \[energy\].
     pub total_energy: f64,
     /// Defect of the step's energy balance \[energy\].
     ///
     /// ```math
-    /// E_n - E_(n-1) - W
+    /// E_n - E_(n-1) - W + D
     /// ```
     ///
-    /// with the work W of [`crate::time::Impulses`].
+    /// with the work W and the dissipated energy D of [`crate::time::Impulses`].
     pub energy_residual: f64,
     /// Linear momentum \[mass length/time\].
     pub linear_momentum: [f64; 3],
@@ -91,6 +93,7 @@ impl Record {
             time: state.time,
             step_size,
             external_work: self.external_work + impulses.work,
+            dissipated_energy: self.dissipated_energy + impulses.dissipated,
             newton_iterations: outcome.newton.iterations,
             newton_target: outcome.newton.target,
             linear_iterations: outcome.newton.linear_iterations,
@@ -105,7 +108,7 @@ impl Record {
         let kinetic = record.kinetic_energy - self.kinetic_energy;
         let strain = record.strain_energy - self.strain_energy;
         Record {
-            energy_residual: kinetic + strain - impulses.work,
+            energy_residual: kinetic + strain - impulses.work + impulses.dissipated,
             linear_momentum_residual: defect(record.linear_momentum, self.linear_momentum, impulses.linear),
             angular_momentum_residual: defect(
                 record.angular_momentum,

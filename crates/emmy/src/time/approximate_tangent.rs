@@ -12,11 +12,11 @@ use super::shifted_solver::{Direct, DirectPair, Iterative, ShiftedSolver};
 use super::stage_system::StageForm;
 use super::straining::Straining;
 use crate::average::{Rule, Want};
-use crate::body::{Assembly, Body, StepInput};
+use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{SOLVERS, Solver, SolverChoice, SweepOrder};
+use crate::sparse::{SOLVERS, Solver, SolverChoice, SweepOrder, inverse};
 use crate::tensor::Mat3;
 
 /// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric, whatever the scheme. It is
@@ -24,6 +24,11 @@ use crate::tensor::Mat3;
 #[derive(Debug)]
 pub struct ApproximateTangent {
     modes: Vec<Mode>,
+    /// Coefficients of the inertia without drag, and of the response, `[i k + j]`.
+    mass: Vec<f64>,
+    response: Vec<f64>,
+    /// Modulus of the largest eigenvalue of the response.
+    response_size: f64,
     /// Integrals of the basis up to the middle of the step, or to its end if the rule finds the middle, `[k]`.
     passed: Vec<f64>,
     rule: Rule,
@@ -44,6 +49,8 @@ pub struct ApproximateTangent {
     turned: Vec<f64>,
     /// The time s of the stage equations that the solvers were made for.
     made_for: Option<f64>,
+    /// Factor on viscosities in K.
+    viscous_rate: f64,
     /// Displacement of K.
     displacement: Vec<f64>,
     rates: Vec<f64>,
@@ -64,8 +71,15 @@ impl ApproximateTangent {
         } else {
             (Rule::standard(1, &gauss(1)), 0.5)
         };
+        let modes = modes(&form.inverse_mass, &form.response)?;
+        // m^-1 w is the square of w.
+        let response_size = modes.iter().map(Mode::modulus).fold(0.0, f64::max).sqrt();
         Ok(ApproximateTangent {
-            modes: modes(form)?,
+            modes,
+            response_size,
+            mass: form.mass.clone(),
+            response: form.response.clone(),
+            viscous_rate: 0.0,
             passed: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
             rule,
             assembly: body.assembly(1),
@@ -99,6 +113,7 @@ impl ApproximateTangent {
         self.made_for = None;
         self.orientation = UNIT;
         self.place(displacement, rates);
+        self.viscous_rate = self.rate(time_scale);
         if self.assemble(body).is_err() {
             self.displacement.copy_from_slice(displacement);
             self.rates.fill(0.0);
@@ -114,6 +129,7 @@ impl ApproximateTangent {
         let limit = self.choice.and_then(|choice| choice.limit);
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
+        memory.keep("tangent.viscous_rate", &[self.viscous_rate]);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);
         memory.keep("tangent.made_for", self.made_for.as_slice());
@@ -130,6 +146,7 @@ impl ApproximateTangent {
     pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
+        [self.viscous_rate] = memory.array("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
         let [wanted] = memory.array("solver.wanted")?;
@@ -197,6 +214,19 @@ impl ApproximateTangent {
         if self.made_for == Some(time_scale) { Ok(()) } else { self.set(body, time_scale) }
     }
 
+    /// Factor on viscosities with which `w_ij K` has `delta_ij K_v/s` in it: exact for k = 1, for the others by the size of w.
+    fn rate(&self, time_scale: f64) -> f64 {
+        0.5 / (time_scale * self.response_size)
+    }
+
+    /// Sets the modes of a body in a medium; `drag`: its rate times s.
+    fn set_modes(&mut self, drag: f64) -> Result<()> {
+        let (k, mut mass) = (self.passed.len(), self.mass.clone());
+        (0..k).for_each(|i| mass[i * k + i] += drag);
+        self.modes = modes(&inverse(&mass), &self.response)?;
+        Ok(())
+    }
+
     fn assemble(&mut self, body: &Body) -> Result<()> {
         // dP/dF' is half of dP/dF in the middle.
         let step = StepInput {
@@ -204,12 +234,16 @@ impl ApproximateTangent {
             tangent_factor: 2.0,
             displacement: &self.displacement,
             rates: &self.rates,
+            damping: StepDamping { rate: self.viscous_rate, excess: 0.0 },
         };
         body.assemble(&step, Want::Tangent, &[0.0], &mut self.assembly)
     }
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         self.made_for = None;
+        if body.drag() > 0.0 {
+            self.set_modes(time_scale * body.drag())?;
+        }
         if self.solvers.is_empty() {
             self.choose(body, time_scale)?;
         }

@@ -11,7 +11,6 @@
 //!
 //! a segment of the right half plane whatever the step size.
 
-use super::stage_system::StageForm;
 use crate::error::Result;
 use crate::sparse::{Eigenpairs, eigenpairs};
 
@@ -31,12 +30,12 @@ pub struct Mode {
 /// An eigenvalue counts as real when its imaginary part is below this.
 const PAIRED: f64 = 1e-12;
 
-/// The modes of the equations of a step.
+/// The modes of the equations of a step, by their coefficients `m^-1` and w, `[i k + j]`.
 ///
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
-pub fn modes(form: &StageForm) -> Result<Vec<Mode>> {
-    let (k, a, w) = (form.rule.degree(), &form.inverse_mass, &form.response);
+pub fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
+    let (k, a, w) = (response.len().isqrt(), inverse_mass, response);
     let product: Vec<f64> =
         (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
     let eigen = eigenpairs(&product)?;
@@ -106,6 +105,7 @@ impl Mode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::stage_system::StageForm;
     use crate::time::{Scheme, TimeElement};
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
             let form: StageForm = TimeElement::new(Scheme::DiscreteGradient, k).unwrap().into();
             let right: Vec<f64> = (0..k).map(|i| (i as f64 + 0.3).cos()).collect();
             let mut x = vec![0.0; k];
-            let modes = modes(&form).unwrap();
+            let modes = modes(&form.inverse_mass, &form.response).unwrap();
             assert_eq!(modes.iter().map(Mode::n_columns).sum::<usize>(), k);
             for mode in &modes {
                 let mut columns = vec![0.0; mode.n_columns()];

@@ -1,7 +1,7 @@
 //! The time finite element of degree k (section 3): coefficients of its stage equations.
 
-use super::Scheme;
 use super::stage_system::StageForm;
+use super::{Dissipation, Scheme};
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::quadrature::{gauss, lobatto};
@@ -29,6 +29,7 @@ pub struct TimeElement {
     scheme: Scheme,
     rule: Rule,
     inverse: Vec<f64>,
+    dissipation: Option<Dissipation>,
 }
 
 impl TimeElement {
@@ -40,8 +41,12 @@ impl TimeElement {
         scheme.check(degree)?;
         let rule = match scheme {
             Scheme::Standard(n) => Rule::standard(degree, &gauss(n)),
-            Scheme::AssumedStrain(n) => Rule::assumed_strain(degree, n),
-            Scheme::DiscreteGradient => Rule::discrete_gradient(degree),
+            Scheme::AssumedStrain(n) | Scheme::DissipativeAssumedStrain { points: n, .. } => {
+                Rule::assumed_strain(degree, n)
+            }
+            Scheme::DiscreteGradient | Scheme::DissipativeDiscreteGradient { .. } => {
+                Rule::discrete_gradient(degree)
+            }
             Scheme::Trapezoidal => Rule::standard(degree, &lobatto(2)),
             Scheme::Lobatto(n) => Rule::standard(degree, &lobatto(n)),
             _ => {
@@ -50,7 +55,8 @@ impl TimeElement {
             }
         };
         let inverse = inverse(rule.coefficients());
-        Ok(TimeElement { scheme, rule, inverse })
+        let dissipation = scheme.dissipation().map(|radius| Dissipation::new(&rule, &inverse, radius));
+        Ok(TimeElement { scheme, rule, inverse, dissipation })
     }
 
     /// Scheme.
@@ -76,8 +82,15 @@ impl TimeElement {
 
 impl From<TimeElement> for StageForm {
     fn from(element: TimeElement) -> StageForm {
-        let a = element.rule.coefficients().to_vec();
-        StageForm { mass: element.inverse, inverse_mass: a.clone(), response: a, rule: element.rule }
+        let TimeElement { rule, dissipation, .. } = element;
+        let (mass, a) = match &dissipation {
+            None => (element.inverse, rule.coefficients().to_vec()),
+            Some(dissipation) => {
+                let a = dissipation.coefficients(&rule);
+                (inverse(&a), a)
+            }
+        };
+        StageForm { mass, inverse_mass: a.clone(), response: a, dissipation, rule }
     }
 }
 

@@ -65,6 +65,7 @@ impl<'a> TimeElementStepper<'a> {
     fn start(&mut self, state: &State, h: f64) {
         self.momentum.copy_from_slice(&state.momentum);
         self.system.start(&state.displacement, h);
+        self.system.set_momentum(&state.momentum);
         let StageSystem { body, form, dead_load, followers, known, .. } = &mut self.system;
         let (k, n) = (form.rule.degree(), self.momentum.len());
         for (row, known) in form.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
@@ -80,18 +81,23 @@ impl<'a> TimeElementStepper<'a> {
     /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground has its
     /// part in the impulses; its work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
-        let (body, n, rates) = (self.system.body, self.system.body.n_dofs(), &self.iteration.rates);
+        let (body, n) = (self.system.body, self.system.body.n_dofs());
         let has_supports = body.fixed().contains(&true);
-        if has_supports {
-            self.system.full_residual(rates, &mut self.residual)?;
-        } else {
-            self.system.evaluate_followers(rates);
-        }
         let mut impulses = Impulses::default();
+        if has_supports {
+            self.system.full_residual(&self.iteration.rates, &mut self.residual)?;
+        } else {
+            self.system.evaluate_followers(&self.iteration.rates);
+        }
+        let is_braked = self.system.is_braked();
+        if is_braked {
+            impulses.dissipated = self.system.dissipated(&self.iteration.rates);
+        }
+        let rates = &self.iteration.rates;
         if body.has_ground() {
             self.system.ground_force(rates, &mut self.ground)?;
         }
-        if !has_supports && !self.is_loaded && !body.has_ground() {
+        if !has_supports && !self.is_loaded && !body.has_ground() && body.drag() == 0.0 {
             return Ok(impulses);
         }
         let rule = &self.system.form.rule;
@@ -111,6 +117,9 @@ impl<'a> TimeElementStepper<'a> {
             impulses.work += b * dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
             force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
+            if body.drag() > 0.0 {
+                force.iter_mut().enumerate().for_each(|(dof, f)| *f += self.system.drag_force(i * n + dof));
+            }
             impulses.add_force(body, h * b, &self.position, force);
         }
         Ok(impulses)
@@ -140,12 +149,12 @@ impl<'a> TimeElementStepper<'a> {
             self.update_momentum(state, h);
             self.arrive(state, h, impulses);
         } else {
-            self.update_velocity(state, h);
+            impulses.dissipated += self.update_velocity(state, h);
         }
     }
 
-    /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`.
-    fn update_velocity(&mut self, state: &mut State, h: f64) {
+    /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`, and what a scheme that dissipates takes out on the way.
+    fn update_velocity(&mut self, state: &mut State, h: f64) -> f64 {
         let n = state.velocity.len();
         self.position.copy_from_slice(&state.velocity);
         for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
@@ -153,7 +162,9 @@ impl<'a> TimeElementStepper<'a> {
             let terms = rates.iter().zip(&self.position);
             state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += beta * (x / h - v_1));
         }
+        let dissipated = self.system.spare(&self.iteration.rates, &self.position, &mut state.velocity);
         self.system.body.mass_product(&state.velocity, &mut state.momentum);
+        dissipated
     }
 
     /// `p_2 = p_1 + sum_j beta_j (M x_j/h - p_1)`.

@@ -6,6 +6,7 @@
 mod approximate_tangent;
 mod classic;
 mod decoupling;
+mod dissipation;
 mod element;
 mod element_stepper;
 mod followers;
@@ -23,6 +24,7 @@ mod straining;
 mod tests;
 
 pub use classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
+use dissipation::Dissipation;
 pub use element::TimeElement;
 pub use element_stepper::TimeElementStepper;
 pub use local_error::LocalError;

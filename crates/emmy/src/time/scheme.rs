@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 /// | `AS(k)` | yes | yes | no |
 /// | `AS(n)`, n > k | yes | yes | up to its quadrature |
 /// | `DGM` | yes | yes | yes |
+/// | `AS(n, rho)`, `DGM(rho)` | yes | decays | decays (`AS`: up to its quadrature) |
 /// | `Newmark`, `HHT`, `generalized-alpha`, `Bathe` | no | no | no |
 /// | `central-differences` | yes | no | no |
 ///
@@ -33,6 +34,20 @@ pub enum Scheme {
     AssumedStrain(usize),
     /// `DGM`: discrete gradient method (equations (63)-(65)).
     DiscreteGradient,
+    /// `AS(n, rho)`: assumed strain method that takes energy out of what changes fast in a step, and never gives any; rho, the
+    /// spectral radius at infinite frequency, goes from 1 (nothing is taken) to 0. Momenta are conserved, and motions as of a rigid body are left alone. The order is
+    /// 2 k - 1. After Hairer and Wanner (1981), Armero and Romero (2001).
+    DissipativeAssumedStrain {
+        /// Number n of inner Gauss points.
+        points: usize,
+        /// Spectral radius rho at infinite frequency.
+        spectral_radius: f64,
+    },
+    /// `DGM(rho)`: the discrete gradient method with the same dissipation.
+    DissipativeDiscreteGradient {
+        /// Spectral radius rho at infinite frequency.
+        spectral_radius: f64,
+    },
     /// `trapezoidal`: standard element with the trapezoidal rule; at degree 1 the average acceleration method.
     Trapezoidal,
     /// `Lobatto(n)`: standard element with n Lobatto points.
@@ -64,13 +79,21 @@ pub enum Scheme {
 }
 
 /// One line for each scheme: key word and what it is. The order is that of `emmy list schemes`.
-pub const SCHEMES: [(&str, &str); 10] = [
+pub const SCHEMES: [(&str, &str); 12] = [
     ("FE(n)", "standard time finite element, n Gauss points (n >= degree); FE(1) is the mid-point rule"),
     (
         "AS(n)",
         "assumed strain in time, n inner Gauss points (n >= degree); conserves momentum, energy up to the inner rule",
     ),
     ("DGM", "discrete gradient method; conserves momentum and energy for every material"),
+    (
+        "AS(n,rho)",
+        "AS(n) that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+    ),
+    (
+        "DGM(rho)",
+        "DGM that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+    ),
     ("trapezoidal", "trapezoidal rule (degree 1): the average acceleration method"),
     ("Lobatto(n)", "standard time finite element, n Lobatto points (n >= degree + 1)"),
     ("Newmark(beta,gamma)", "Newmark's method (degree 1); Newmark(0.25, 0.5) is average acceleration"),
@@ -105,7 +128,11 @@ impl Scheme {
             return fail(format!("the degree must be between 1 and {MAX_DEGREE}, not {degree}"));
         }
         match self {
-            Scheme::Standard(n) | Scheme::AssumedStrain(n) if n < degree => {
+            Scheme::Standard(n)
+            | Scheme::AssumedStrain(n)
+            | Scheme::DissipativeAssumedStrain { points: n, .. }
+                if n < degree =>
+            {
                 fail(format!("degree {degree} needs at least {degree} points: the step would be singular"))
             }
             Scheme::Lobatto(n) if n < degree + 1 => {
@@ -114,7 +141,12 @@ impl Scheme {
             Scheme::Trapezoidal if degree != 1 => fail(format!(
                 "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
             )),
-            Scheme::Standard(n) | Scheme::AssumedStrain(n) | Scheme::Lobatto(n) if n > MAX_POINTS => {
+            Scheme::Standard(n)
+            | Scheme::AssumedStrain(n)
+            | Scheme::DissipativeAssumedStrain { points: n, .. }
+            | Scheme::Lobatto(n)
+                if n > MAX_POINTS =>
+            {
                 fail(format!("at most {MAX_POINTS} points"))
             }
             _ if degree != 1 && !self.is_time_element() => {
@@ -136,15 +168,48 @@ impl Scheme {
             Scheme::Standard(n) => Scheme::Standard(n.max(degree)),
             Scheme::AssumedStrain(n) => Scheme::AssumedStrain(n.max(degree)),
             Scheme::Lobatto(n) => Scheme::Lobatto(n.max(degree + 1)),
+            Scheme::DissipativeAssumedStrain { points, spectral_radius } => {
+                Scheme::DissipativeAssumedStrain { points: points.max(degree), spectral_radius }
+            }
             Scheme::Trapezoidal if degree > 1 => Scheme::Lobatto(degree + 1),
             scheme => scheme,
         }
+    }
+
+    /// Spectral radius at infinite frequency of a time element that dissipates.
+    pub fn dissipation(self) -> Option<f64> {
+        match self {
+            Scheme::DissipativeAssumedStrain { spectral_radius, .. }
+            | Scheme::DissipativeDiscreteGradient { spectral_radius } => Some(spectral_radius),
+            _ => None,
+        }
+    }
+
+    /// The scheme without its dissipation.
+    ///
+    /// ```
+    /// use emmy::time::Scheme;
+    /// assert_eq!("AS(5, 0.8)".parse::<Scheme>()?.conserving(), Scheme::AssumedStrain(5));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn conserving(self) -> Scheme {
+        match self {
+            Scheme::DissipativeAssumedStrain { points, .. } => Scheme::AssumedStrain(points),
+            Scheme::DissipativeDiscreteGradient { .. } => Scheme::DiscreteGradient,
+            scheme => scheme,
+        }
+    }
+
+    /// Order of the error of a time element of a degree at its nodes: 2 k, and 2 k - 1 with dissipation.
+    pub fn order(self, degree: usize) -> usize {
+        if self.dissipation().is_some() { 2 * degree - 1 } else { 2 * degree }
     }
 
     /// Whether the scheme is a rule of a time element.
     pub fn is_time_element(self) -> bool {
         match self {
             Scheme::Standard(_) | Scheme::AssumedStrain(_) | Scheme::DiscreteGradient => true,
+            Scheme::DissipativeAssumedStrain { .. } | Scheme::DissipativeDiscreteGradient { .. } => true,
             Scheme::Trapezoidal | Scheme::Lobatto(_) => true,
             Scheme::Newmark { .. } | Scheme::HilberHughesTaylor { .. } => false,
             Scheme::GeneralizedAlpha { .. } | Scheme::Bathe | Scheme::CentralDifferences => false,
@@ -165,7 +230,11 @@ impl Scheme {
             Scheme::HilberHughesTaylor { alpha } if !(0.0..=1.0 / 3.0).contains(&alpha) => fail(
                 "alpha must be in [0, 1/3]; it is counted positive: HHT(0.05) is alpha = -0.05 of the authors",
             ),
-            Scheme::GeneralizedAlpha { spectral_radius } if !(0.0..=1.0).contains(&spectral_radius) => {
+            Scheme::GeneralizedAlpha { spectral_radius }
+            | Scheme::DissipativeAssumedStrain { spectral_radius, .. }
+            | Scheme::DissipativeDiscreteGradient { spectral_radius }
+                if !(0.0..=1.0).contains(&spectral_radius) =>
+            {
                 fail("rho, the spectral radius at infinity, must be in [0, 1]")
             }
             _ => Ok(()),
@@ -179,6 +248,10 @@ impl fmt::Display for Scheme {
             Scheme::Standard(n) => write!(f, "FE({n})"),
             Scheme::AssumedStrain(n) => write!(f, "AS({n})"),
             Scheme::DiscreteGradient => f.write_str("DGM"),
+            Scheme::DissipativeAssumedStrain { points, spectral_radius } => {
+                write!(f, "AS({points}, {spectral_radius})")
+            }
+            Scheme::DissipativeDiscreteGradient { spectral_radius } => write!(f, "DGM({spectral_radius})"),
             Scheme::Trapezoidal => f.write_str("trapezoidal"),
             Scheme::Lobatto(n) => write!(f, "Lobatto({n})"),
             Scheme::Newmark { beta, gamma } => write!(f, "Newmark({beta}, {gamma})"),
@@ -208,6 +281,16 @@ impl FromStr for Scheme {
             "central-differences" => Some(Scheme::CentralDifferences),
             _ => (points("FE").map(Scheme::Standard))
                 .or_else(|| points("AS").map(Scheme::AssumedStrain))
+                .or_else(|| {
+                    let (points, spectral_radius) = argument("AS")?.split_once(',')?;
+                    let points = points.trim().parse().ok().filter(|&n: &usize| n >= 1)?;
+                    let spectral_radius = spectral_radius.trim().parse().ok()?;
+                    Some(Scheme::DissipativeAssumedStrain { points, spectral_radius })
+                })
+                .or_else(|| {
+                    let spectral_radius = number("DGM")?;
+                    Some(Scheme::DissipativeDiscreteGradient { spectral_radius })
+                })
                 .or_else(|| points("Lobatto").map(Scheme::Lobatto))
                 .or_else(|| pair("Newmark").map(|(beta, gamma)| Scheme::Newmark { beta, gamma }))
                 .or_else(|| number("HHT").map(|alpha| Scheme::HilberHughesTaylor { alpha }))
@@ -231,7 +314,7 @@ fn what_there_is(text: &str) -> &'static str {
             "not a scheme; write generalized-alpha(rho), such as generalized-alpha(0.8)"
         }
         _ => {
-            "not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points, and Newmark, HHT, generalized-alpha, Bathe, central-differences"
+            "not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points, AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences"
         }
     }
 }
@@ -245,7 +328,16 @@ mod tests {
         for text in ["FE(1)", "FE(12)", "AS(5)", "DGM", "trapezoidal", "Lobatto(3)", "Newmark(0.25, 0.5)"] {
             assert_eq!(text.parse::<Scheme>().unwrap().to_string(), text);
         }
-        for text in ["HHT(0.05)", "HHT(0)", "generalized-alpha(0.8)", "Bathe", "central-differences"] {
+        for text in [
+            "AS(5, 0.8)",
+            "DGM(0)",
+            "DGM(0.25)",
+            "HHT(0.05)",
+            "HHT(0)",
+            "generalized-alpha(0.8)",
+            "Bathe",
+            "central-differences",
+        ] {
             assert_eq!(text.parse::<Scheme>().unwrap().to_string(), text);
         }
         assert_eq!("Newmark(.25,5e-1)".parse(), Ok(Scheme::Newmark { beta: 0.25, gamma: 0.5 }));
@@ -269,6 +361,8 @@ mod tests {
             ("HHT(0.34)", "[0, 1/3]"),
             ("HHT(inf)", "[0, 1/3]"),
             ("generalized-alpha(1.01)", "[0, 1]"),
+            ("DGM(1.5)", "[0, 1]"),
+            ("AS(3, -0.1)", "[0, 1]"),
             ("generalized-alpha", "generalized-alpha(0.8)"),
         ] {
             let error = text.parse::<Scheme>().unwrap_err().to_string();

@@ -2,15 +2,16 @@
 
 use rayon::prelude::*;
 
-use super::Memory;
 use super::approximate_tangent::ApproximateTangent;
+use super::dissipation::Spared;
 use super::followers::Followers;
 use super::prediction::rigid::RigidStep;
+use super::{Dissipation, Memory};
 use crate::average::{Rule, Want};
-use crate::body::{Assembly, Body, StepInput};
+use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
-use crate::sparse::reduce::norm;
+use crate::sparse::reduce::{dot, norm};
 use crate::sparse::{Gmres, LinearSystem, Solver, SolverChoice};
 
 /// The coefficients in the equations of a step: all that differs between one stepper and another.
@@ -19,7 +20,8 @@ use crate::sparse::{Gmres, LinearSystem, Solver, SolverChoice};
 /// R_i = sum_j m_ij M x_j - g_i + s^2 (f_i - f_i^ext) = 0
 /// ```
 ///
-/// with the stage averages f_i of a rule, a known vector g_i and a time s that are set for every step.
+/// with the stage averages f_i of a rule, a known vector g_i and a time s that are set for every step. A body in a medium adds the drag
+/// `s alpha M x_i` to that, a scheme that dissipates `s share_i M U lambda` ([`super::dissipation`]).
 #[derive(Debug)]
 pub struct StageForm {
     /// The rule that averages the internal force.
@@ -30,6 +32,8 @@ pub struct StageForm {
     pub inverse_mass: Vec<f64>,
     /// How the averages answer to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
     pub response: Vec<f64>,
+    /// What a scheme takes out of the motion.
+    pub dissipation: Option<Dissipation>,
 }
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
@@ -44,6 +48,11 @@ pub struct StageSystem<'a> {
     pub displacement: Vec<f64>,
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
+    /// m_ij with the drag, for the time s.
+    dragged_mass: Vec<f64>,
+    /// In a scheme that dissipates: what it spares, and the momentum at the start of the step.
+    spared: Option<Spared>,
+    momentum: Vec<f64>,
     /// Stage averages of the dead loads.
     pub dead_load: Vec<f64>,
     pub followers: Followers,
@@ -78,6 +87,9 @@ impl<'a> StageSystem<'a> {
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
+            dragged_mass: form.mass.clone(),
+            momentum: vec![0.0; if form.dissipation.is_some() { n } else { 0 }],
+            spared: form.dissipation.clone().map(|dissipation| Spared::new(body, dissipation)),
             dead_load: vec![0.0; k * n],
             followers: Followers::new(body, &form.rule),
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
@@ -96,8 +108,25 @@ impl<'a> StageSystem<'a> {
     /// stepper's to fill.
     pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
-        self.time_scale = time_scale;
         self.floor = 0.0;
+        if self.time_scale != time_scale && self.body.drag() > 0.0 {
+            self.drag(time_scale);
+        }
+        self.time_scale = time_scale;
+    }
+
+    /// Sets the coefficients of the inertia for a body in a medium.
+    fn drag(&mut self, time_scale: f64) {
+        let k = self.form.rule.degree();
+        self.dragged_mass.copy_from_slice(&self.form.mass);
+        (0..k).for_each(|i| self.dragged_mass[i * k + i] += time_scale * self.body.drag());
+    }
+
+    /// Sets the momentum at the start of the step, which a scheme that dissipates has to know.
+    pub fn set_momentum(&mut self, momentum: &[f64]) {
+        if self.spared.is_some() {
+            self.momentum.copy_from_slice(momentum);
+        }
     }
 
     /// Sets the rates that driven degrees of freedom have in the step.
@@ -121,13 +150,12 @@ impl<'a> StageSystem<'a> {
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
         let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
-        for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
-            self.body.mass_product(x, mass_rate);
-        }
+        self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
+        let dragged_mass = &self.dragged_mass;
         let (fixed, follower) = (body.fixed(), &followers.force);
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
-            let mass = &self.form.mass[i * k..(i + 1) * k];
+            let mass = &dragged_mass[i * k..(i + 1) * k];
             let chunks =
                 residual.par_chunks_mut(CHUNK).zip(&mut squares[i * n.div_ceil(CHUNK)..]).enumerate();
             chunks.for_each(|(chunk, (residual, squares))| {
@@ -146,6 +174,10 @@ impl<'a> StageSystem<'a> {
                 }
             });
         }
+        if let Some(spared) = &mut self.spared {
+            spared.set(x, &self.mass_rates, &self.momentum, s);
+            spared.add_to_residual(s, residual);
+        }
         let total = |part: usize| squares.iter().map(|squares| squares[part]).sum::<f64>().sqrt();
         Ok([0, 1, 2].map(total))
     }
@@ -157,6 +189,7 @@ impl<'a> StageSystem<'a> {
             tangent_factor: 0.0,
             displacement: &self.displacement,
             rates: x,
+            damping: StepDamping::default(),
         };
         self.body.ground_force(&step, &mut self.assembly, force)
     }
@@ -172,9 +205,60 @@ impl<'a> StageSystem<'a> {
         self.followers.evaluate(self.body, &step);
     }
 
+    /// Whether anything takes energy out of the body besides its loads.
+    pub fn is_braked(&self) -> bool {
+        self.body.drag() > 0.0 || self.body.is_viscous() || self.form.dissipation.is_some()
+    }
+
+    /// What drag, viscosity and the scheme take out of the body in a step that is solved, in its strains and along its way.
+    ///
+    /// ```math
+    /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
+    /// ```
+    pub fn dissipated(&mut self, x: &[f64]) -> f64 {
+        let (n, s, drag) = (self.body.n_dofs(), self.time_scale, self.body.drag());
+        let step = step_input(&self.form, s, &self.displacement, x);
+        let mut sum = self.body.dissipated(&step, &mut self.assembly);
+        if drag > 0.0 {
+            self.set_mass_rates(x);
+            let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
+            let terms = stages.zip(self.form.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x));
+            sum += drag / s * terms.sum::<f64>();
+        }
+        sum
+    }
+
+    /// Force of the drag in a stage, on all degrees of freedom, after [`StageSystem::dissipated`].
+    pub fn drag_force(&self, at: usize) -> f64 {
+        match self.body.drag() {
+            0.0 => 0.0,
+            drag => -drag / self.time_scale * self.mass_rates[at],
+        }
+    }
+
+    /// Adds to a new velocity what a scheme that dissipates spares, and returns what it takes out of the body by the velocities;
+    /// `velocity`: at the start of the step.
+    pub fn spare(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
+        if self.spared.is_none() {
+            return 0.0;
+        }
+        self.set_mass_rates(x);
+        self.spared.as_mut().map_or(0.0, |spared| {
+            spared.set(x, &self.mass_rates, &self.momentum, self.time_scale);
+            spared.arrive(x, velocity, self.time_scale, new)
+        })
+    }
+
+    fn set_mass_rates(&mut self, x: &[f64]) {
+        let n = self.body.n_dofs();
+        for (x, mass_rate) in x.chunks_exact(n).zip(self.mass_rates.chunks_exact_mut(n)) {
+            self.body.mass_product(x, mass_rate);
+        }
+    }
+
     fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
         let step = step_input(&self.form, self.time_scale, &self.displacement, x);
-        self.body.assemble(&step, want, &self.form.mass, &mut self.assembly)?;
+        self.body.assemble(&step, want, &self.dragged_mass, &mut self.assembly)?;
         if want == Want::Tangent {
             self.followers.add_tangent(self.body, &step, &mut self.assembly);
         }
@@ -211,6 +295,10 @@ impl<'a> StageSystem<'a> {
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver comes.
     fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+        if let Some(spared) = &mut self.spared {
+            spared.correct(&mut self.negative);
+            clear_fixed(self.body, &mut self.negative);
+        }
         let iterations = self.approximation.solve(&self.negative, dx, tolerance);
         iterations.ok_or_else(|| Error::Linear {
             reason: format!("conjugate gradients did not reach {tolerance:e}"),
@@ -223,6 +311,9 @@ impl<'a> StageSystem<'a> {
             body: self.body,
             assembly: &mut self.assembly,
             approximation: &mut self.approximation,
+            spared: self.spared.as_mut(),
+            time_scale: self.time_scale,
+            right: &mut self.force,
         };
         let solution = self.gmres.solve(&mut system, &self.negative, dx, tolerance, MAX_LINEAR_ITERATIONS);
         if solution.relative_residual <= tolerance {
@@ -244,7 +335,9 @@ impl<'a> StageSystem<'a> {
 }
 
 fn step_input<'a>(form: &'a StageForm, s: f64, displacement: &'a [f64], rates: &'a [f64]) -> StepInput<'a> {
-    StepInput { rule: &form.rule, tangent_factor: s * s, displacement, rates }
+    let excess = form.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
+    let damping = StepDamping { rate: 1.0 / s, excess };
+    StepInput { rule: &form.rule, tangent_factor: s * s, displacement, rates, damping }
 }
 
 impl System for StageSystem<'_> {
@@ -292,16 +385,31 @@ struct Linearised<'a> {
     body: &'a Body,
     assembly: &'a mut Assembly,
     approximation: &'a mut ApproximateTangent,
+    spared: Option<&'a mut Spared>,
+    time_scale: f64,
+    /// Memory for a right-hand side.
+    right: &'a mut [f64],
 }
 
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.assembly.matrix.multiply(self.body.pattern(), x, y);
+        if let Some(spared) = &mut self.spared {
+            spared.add_derivative(self.body, self.time_scale, x, y);
+        }
         clear_fixed(self.body, y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        self.approximation.precondition(x, y);
+        match &mut self.spared {
+            Some(spared) => {
+                self.right.copy_from_slice(x);
+                spared.correct(self.right);
+                clear_fixed(self.body, self.right);
+                self.approximation.precondition(self.right, y);
+            }
+            None => self.approximation.precondition(x, y),
+        }
     }
 }
 

@@ -74,6 +74,8 @@ pub struct StepOutcome {
 pub struct Impulses {
     /// Work of loads and reactions W \[energy\]; reactions do work where supports move.
     pub work: f64,
+    /// What viscosity, drag and the scheme took out of the body \[energy\].
+    pub dissipated: f64,
     /// Linear impulse I \[mass length/time\].
     pub linear: [f64; 3],
     /// Angular impulse about the origin J \[mass length^2/time\].
@@ -105,6 +107,14 @@ impl Scheme {
         self.check(degree)?;
         if body.is_driven() && !self.is_time_element() {
             let reason = "a prescribed motion goes with time elements only".to_string();
+            return Err(Error::Scheme { scheme: self.to_string(), reason });
+        }
+        if !self.is_time_element() && (body.is_viscous() || body.drag() > 0.0) {
+            let reason = "viscosity and drag go with time elements only".to_string();
+            return Err(Error::Scheme { scheme: self.to_string(), reason });
+        }
+        if body.is_driven() && self.dissipation().is_some() {
+            let reason = "a prescribed motion goes with schemes that do not dissipate".to_string();
             return Err(Error::Scheme { scheme: self.to_string(), reason });
         }
         if let Some(parameters) = NewmarkParameters::of(self) {

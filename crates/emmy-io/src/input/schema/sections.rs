@@ -89,8 +89,22 @@ fn region() -> Value {
         .may("density", positive("Mass per reference volume; springs and attractions have none"))
         .may("thickness", positive(thickness))
         .must("material", json!({ "$ref": "#/definitions/material" }))
+        .may("viscosity", viscosity())
         .rule("anyOf", json!([{ "required": ["density"] }, { "properties": { "material": massless } }]))
         .one_or_more()
+}
+
+fn viscosity() -> Value {
+    let time = "Time by which the stiffness at rest is multiplied (stiffness-proportional damping) [time]";
+    Table::new(
+        keys::VISCOSITY,
+        "Viscosity of Kelvin and Voigt: a stress linear in the strain rate; links have `time` alone",
+    )
+    .may("time", positive(time))
+    .may("shear", positive("Shear viscosity [stress time]"))
+    .may("bulk", positive("Bulk viscosity [stress time]"))
+    .rule("minProperties", json!(1))
+    .schema()
 }
 
 fn mass() -> Value {
@@ -112,6 +126,10 @@ fn load() -> Value {
         )
         .may("acceleration", vector("Acceleration of every mass, such as gravity [length/time²]"))
         .may("attraction", attraction())
+        .may(
+            "drag",
+            positive("Rate of a force -rate M v on the whole body (mass-proportional damping) [1/time]"),
+        )
         .may("history", history("Factor over time; left out: 1"))
         .one_of(&[
             &["traction", "group"],
@@ -120,6 +138,7 @@ fn load() -> Value {
             &["pressure", "group"],
             &["acceleration"],
             &["attraction"],
+            &["drag"],
         ])
         .one_or_more()
 }
@@ -202,8 +221,10 @@ fn time() -> Value {
 }
 
 /// Schemes that an editor offers; the numbers in them may be others.
-const SCHEMES: [&str; 12] = [
+const SCHEMES: [&str; 14] = [
     "DGM",
+    "DGM(0.8)",
+    "AS(5, 0.8)",
     "AS(1)",
     "AS(2)",
     "AS(5)",
@@ -220,8 +241,9 @@ const SCHEMES: [&str; 12] = [
 fn scheme() -> Value {
     let number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*";
     let points = r"(FE|AS|Lobatto)\(\+?0*[1-9]\d*\)";
+    let dissipative = format!(r"AS\(\s*\+?0*[1-9]\d*\s*,{number}\)|DGM\({number}\)");
     let pattern = format!(
-        r"^({points}|DGM|trapezoidal|Bathe|central-differences|Newmark\({number},{number}\)|(HHT|generalized-alpha)\({number}\))$"
+        r"^({points}|{dissipative}|DGM|trapezoidal|Bathe|central-differences|Newmark\({number},{number}\)|(HHT|generalized-alpha)\({number}\))$"
     );
     let listed = SCHEMES.into_iter().chain(["central-differences"]).collect::<Vec<_>>();
     let what =

@@ -2,8 +2,9 @@
 
 use super::configurations;
 use crate::average::{Rule, Want};
-use crate::body::{Assembly, Body, MassSolver, StepInput};
+use crate::body::{Assembly, Body, MassSolver, StepDamping, StepInput};
 use crate::error::Result;
+use crate::quadrature::gauss;
 use crate::sparse::reduce::dot;
 use crate::time::{Impulses, Memory, State};
 
@@ -34,8 +35,13 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub fn assemble(&mut self, displacement: &[f64], want: Want) -> Result<()> {
-        let step =
-            StepInput { rule: &self.rule, tangent_factor: 1.0, displacement, rates: self.rest.as_slice() };
+        let step = StepInput {
+            rule: &self.rule,
+            tangent_factor: 1.0,
+            displacement,
+            rates: &self.rest,
+            damping: StepDamping::default(),
+        };
         self.body.assemble(&step, want, &[0.0], &mut self.assembly)
     }
 
@@ -47,8 +53,13 @@ impl<'a> Forces<'a> {
         if !self.body.has_ground() {
             return Ok(());
         }
-        let step =
-            StepInput { rule: &self.rule, tangent_factor: 0.0, displacement, rates: self.rest.as_slice() };
+        let step = StepInput {
+            rule: &self.rule,
+            tangent_factor: 0.0,
+            displacement,
+            rates: &self.rest,
+            damping: StepDamping::default(),
+        };
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
@@ -74,6 +85,33 @@ impl<'a> Forces<'a> {
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
+        Ok(())
+    }
+}
+
+impl Forces<'_> {
+    /// Takes viscosity and drag of a state into the force that is left for inertia.
+    ///
+    /// A mid-point rule on the path `u + (alpha - 1/2) v` sees the displacement u and the rate v.
+    fn add_damping(&mut self, state: &State, external: &[f64], net: &mut [f64]) -> Result<()> {
+        if self.body.is_viscous() {
+            let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
+            let (before, rule): (Vec<f64>, Rule) = (before.collect(), Rule::standard(1, &gauss(1)));
+            let damping = StepDamping { rate: 1.0, excess: 0.0 };
+            let step = StepInput {
+                rule: &rule,
+                tangent_factor: 0.0,
+                displacement: &before,
+                rates: &state.velocity,
+                damping,
+            };
+            self.body.assemble(&step, Want::Stress, &[0.0], &mut self.assembly)?;
+            self.assembly.matrix.copy_force(&mut self.internal);
+            let forces = external.iter().zip(&self.internal);
+            net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
+        }
+        let drag = self.body.drag();
+        net.iter_mut().zip(&state.momentum).for_each(|(net, p)| *net -= drag * p);
         Ok(())
     }
 }
@@ -173,6 +211,7 @@ impl Start {
         let (mut acceleration, mut inertia, mut point) = (vec![0.0; n], vec![0.0; n], TimePoint::new(n));
         point.displacement.copy_from_slice(&state.displacement);
         point.evaluate(forces, state.time)?;
+        forces.add_damping(state, &point.external, &mut point.force)?;
         MassSolver::new(body)?.velocity(&point.force, &mut acceleration);
         body.mass_product(&acceleration, &mut inertia);
         point.set_reactions(body, &inertia);

@@ -28,5 +28,5 @@ fn configurations(points: &[(f64, f64)]) -> Rule {
 
 /// Equations of a step `c M x - g + s^2 (f - F) = 0` with the force of a rule whose derivative by x is `w K`.
 fn stage_form(rule: Rule, c: f64, w: f64) -> StageForm {
-    StageForm { rule, mass: vec![c], inverse_mass: vec![1.0 / c], response: vec![w] }
+    StageForm { rule, mass: vec![c], inverse_mass: vec![1.0 / c], response: vec![w], dissipation: None }
 }

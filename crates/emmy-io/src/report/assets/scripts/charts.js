@@ -31,7 +31,8 @@ function chartsOfRun(run, clock) {
   const specs = [
     ofRun(run, { title: "Energies", note: run.loadNote, height: 190, lines: [
       line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
-      line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3])] }),
+      line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
+      ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
     ofRun(run, { title: "Angular momentum", unit: "about the origin" + ifRounding(run, "angular_momentum"), lines: vector("angular_momentum", "L") }),
     ofRun(run, { title: "Linear momentum", unit: ifRounding(run, "linear_momentum"), lines: vector("linear_momentum", "P") }),

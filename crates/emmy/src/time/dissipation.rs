@@ -1,0 +1,393 @@
+//! Dissipation of a time element in its velocities, which leaves momenta and rigid motions alone.
+//!
+//! A time element of degree k with the coefficients a of Gauss' method dissipates nothing. With
+//!
+//! ```math
+//! a_ij + beta p_i b_j p_j,    beta = chi / (2 (2 k - 1)),    chi = (1 - rho) / (1 + rho)
+//! ```
+//!
+//! in their place, p the Legendre polynomial of degree k - 1 at the Gauss points, it is algebraically stable, of order 2 k - 1, and has the spectral
+//! radius rho at infinity (Hairer and Wanner 1981, Algebraically stable and implementable Runge-Kutta methods of high order, SIAM Journal on Numerical
+//! Analysis 18): from Gauss' method, rho = 1, to that of Radau IIA, rho = 0; for k = 1 from the mid-point rule to backward Euler. In a linear body the additional part is
+//! one of the strains and one of the velocities; both are kept here in a form that takes energy out of any motion of any body:
+//!
+//! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest ([`crate::average::Damping`]).
+//!
+//! *Velocities*: the rates of the displacement are not those of the velocity any more,
+//!
+//! ```math
+//! x_i/h = v(c_i) + beta p_i gamma,    gamma = Pi delta_v,    delta_v = sum_j b_j p_j v'_j
+//! ```
+//!
+//! The angular momentum changes by `sum_A x_iA x (M v)_iA` besides, whose average over the step is zero if gamma is orthogonal, in M, to the three
+//! vectors `e x delta_q`, `delta_q = sum_j b_j p_j x_j`; the centre of mass has the velocity of the momentum if it is orthogonal to the translations e.
+//! Pi is the projection that makes it so. The energy taken out is `beta delta_v . M Pi delta_v >= 0`. A body in a relative equilibrium, that
+//! is one that turns as if it were rigid, has its `delta_v` in the span of those vectors for k = 1, so that nothing is taken from
+//! it (the aim of Armero and Romero 2001, On the formulation of high-frequency dissipative time-stepping algorithms for
+//! nonlinear dynamics, Computer Methods in Applied Mechanics and Engineering 190, who scale velocities node by node to reach it).
+//!
+//! With `w_j = x_j/h - v_1` gamma is known by the unknowns alone, and so is the momentum:
+//!
+//! ```math
+//! gamma = (delta_w - U lambda) / (1 + chi),    delta_w = sum_j eta_j w_j,    eta_j = sum_i b_i p_i (a^-1)_ij
+//! ```
+//!
+//! where the columns of U are those six vectors and `U^T M (delta_w - U lambda) = 0`: no solution with M.
+
+#![allow(non_snake_case)]
+
+use crate::average::Rule;
+use crate::body::{Body, sum};
+use crate::tensor::{Mat3, SYM, eigen};
+
+/// The coefficients of a time element that dissipates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dissipation {
+    /// chi.
+    strength: f64,
+    /// beta.
+    pub excess: f64,
+    /// `b_j p_j`.
+    fastest: Vec<f64>,
+    /// eta_j.
+    eta: Vec<f64>,
+    /// `beta mu_i / (1 + chi)`, `mu_i = sum_j (a^-1)_ij p_j`: how U lambda enters the stage equations.
+    share: Vec<f64>,
+    /// The same in the new velocity.
+    arrival: f64,
+}
+
+impl Dissipation {
+    /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
+    pub fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
+        let (k, b, p) = (rule.degree(), rule.weights(), rule.fastest());
+        let strength = (1.0 - spectral_radius) / (1.0 + spectral_radius);
+        let excess = strength / (2 * (2 * k - 1)) as f64;
+        let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
+        let share: Vec<f64> = (0..k).map(|i| excess * row(i) / (1.0 + strength)).collect();
+        Dissipation {
+            strength,
+            excess,
+            fastest: (0..k).map(|j| b[j] * p[j]).collect(),
+            eta: (0..k).map(|j| (0..k).map(|i| b[i] * p[i] * inverse[i * k + j]).sum()).collect(),
+            arrival: share.iter().zip(b).map(|(share, b)| share * b).sum(),
+            share,
+        }
+    }
+
+    /// Coefficients in the place of a, `[i k + j]`.
+    pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
+        let (k, p) = (rule.degree(), rule.fastest());
+        let excess = |n: usize| self.excess * p[n / k] * self.fastest[n % k];
+        rule.coefficients().iter().enumerate().map(|(n, a)| a + excess(n)).collect()
+    }
+}
+
+/// The span of translations and turns in which nothing is dissipated, for the unknowns of a step.
+#[derive(Debug)]
+pub struct Spared {
+    dissipation: Dissipation,
+    /// Directions in which no node is held.
+    translations: [bool; 3],
+    /// Axes across which every node is free, or held altogether.
+    turns: [bool; 3],
+    /// `sum_B M_AB`, one number a node.
+    row_sums: Vec<f64>,
+    mass: f64,
+    /// delta_q about its mean, and times M.
+    arm: Vec<f64>,
+    weighted_arm: Vec<f64>,
+    /// M delta_w.
+    momentum: Vec<f64>,
+    /// `sum_A arm_A (M arm)_A^T`.
+    tensor: Mat3<f64>,
+    /// lambda.
+    spared: Motion,
+    change: Change,
+}
+
+/// Coefficients of the six vectors: a translation, and a turn of the arms.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+struct Motion {
+    translation: [f64; 3],
+    turn: [f64; 3],
+}
+
+/// Memory for derivatives.
+#[derive(Debug)]
+struct Change {
+    arm: Vec<f64>,
+    weighted_arm: Vec<f64>,
+    velocity: Vec<f64>,
+    momentum: Vec<f64>,
+}
+
+/// Turns with less than this part of the largest moment of inertia are rounding.
+const NO_TURN: f64 = 1e-13;
+
+impl Spared {
+    /// Memory for a body.
+    pub fn new(body: &Body, dissipation: Dissipation) -> Self {
+        let n = body.n_dofs();
+        let nodes = || body.fixed().as_chunks::<3>().0.iter();
+        let translations = [0, 1, 2].map(|d| nodes().all(|fixed| !fixed[d]));
+        let turns = [0, 1, 2].map(|axis| {
+            nodes().all(|fixed| {
+                let across = [fixed[(axis + 1) % 3], fixed[(axis + 2) % 3]];
+                across == [false; 2] || *fixed == [true; 3]
+            })
+        });
+        let mut row_sums = vec![0.0; n];
+        body.mass_product(&vec![1.0; n], &mut row_sums);
+        let row_sums: Vec<f64> = row_sums.into_iter().step_by(3).collect();
+        let zero = vec![0.0; n];
+        let change = [(); 4].map(|()| zero.clone());
+        let [arm, weighted_arm, velocity, momentum] = change;
+        Spared {
+            dissipation,
+            translations,
+            turns,
+            mass: row_sums.iter().sum(),
+            row_sums,
+            arm: zero.clone(),
+            weighted_arm: zero.clone(),
+            momentum: zero,
+            tensor: [[0.0; 3]; 3],
+            spared: Motion::default(),
+            change: Change { arm, weighted_arm, velocity, momentum },
+        }
+    }
+
+    /// Finds lambda of rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
+    pub fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
+        let Dissipation { fastest, eta, .. } = &self.dissipation;
+        combine(fastest, rates, &mut self.arm);
+        combine(fastest, mass_rates, &mut self.weighted_arm);
+        combine(eta, mass_rates, &mut self.momentum);
+        let start: f64 = eta.iter().sum();
+        self.momentum.iter_mut().zip(momentum).for_each(|(m, p)| *m = *m / h - start * p);
+        centre(self.translations, self.mass, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
+        self.tensor = outer(&self.arm, &self.weighted_arm);
+        self.spared = self.projected(sum(&self.momentum), moment(&self.arm, &self.momentum));
+    }
+
+    /// Adds `h share_i M U lambda` to the residuals of the stages.
+    pub fn add_to_residual(&self, h: f64, residual: &mut [f64]) {
+        self.add(self.spared, h, residual);
+    }
+
+    /// Adds the derivatives of [`Spared::add_to_residual`] along dx, `[k][dof]`.
+    ///
+    /// ```math
+    /// d(M U lambda) = M U dlambda + lambda x M d(arm)
+    /// ```
+    pub fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
+        let spared = self.spared;
+        let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
+        combine(&self.dissipation.fastest, dx, arm);
+        combine(&self.dissipation.eta, dx, velocity);
+        velocity.iter_mut().for_each(|v| *v /= h);
+        body.mass_product(arm, weighted_arm);
+        body.mass_product(velocity, momentum);
+        centre(self.translations, self.mass, &self.row_sums, arm, weighted_arm);
+        let (first, second) = (outer(arm, &self.weighted_arm), outer(&self.arm, weighted_arm));
+        let change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
+        let turned = inertia_times(&change, spared.turn);
+        let (own, other) = (moment(&self.arm, momentum), moment(arm, &self.momentum));
+        let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
+        let change = self.projected(sum(&self.change.momentum), right);
+        self.add(change, h, residual);
+        let n = self.arm.len();
+        for (stage, share) in residual.chunks_exact_mut(n).zip(&self.dissipation.share) {
+            let nodes = stage.as_chunks_mut::<3>().0.iter_mut().zip(self.change.weighted_arm.as_chunks().0);
+            for (value, arm) in nodes {
+                let across = cross(spared.turn, *arm);
+                (0..3).for_each(|d| value[d] += h * share * across[d]);
+            }
+        }
+    }
+
+    /// Makes of a right-hand side that of the approximate tangent, which takes the span for a part of the body like any other: with
+    /// what the strains resist in the span left out, `(A^-1 a) r` there.
+    pub fn correct(&mut self, right: &mut [f64]) {
+        combine(&self.dissipation.fastest, right, &mut self.change.momentum);
+        let momentum = &self.change.momentum;
+        let part = self.projected(sum(momentum), moment(&self.arm, momentum));
+        self.add(part, -1.0, right);
+    }
+
+    /// Adds `arrival U lambda` to the new velocity, whose first part is there, and returns what is dissipated in the velocities,
+    /// `beta gamma . M gamma`; `velocity`: v_1.
+    pub fn arrive(&mut self, rates: &[f64], velocity: &[f64], h: f64, new: &mut [f64]) -> f64 {
+        let Dissipation { eta, arrival, excess, strength, .. } = &self.dissipation;
+        combine(eta, rates, &mut self.change.velocity);
+        let start: f64 = eta.iter().sum();
+        let mut square = 0.0;
+        for node in 0..self.row_sums.len() {
+            let at = |values: &[f64]| [values[3 * node], values[3 * node + 1], values[3 * node + 2]];
+            let (spared, arm) = (self.spared, at(&self.arm));
+            let moved = spared.at(arm);
+            let weighted = spared.times(self.row_sums[node], at(&self.weighted_arm));
+            for d in 0..3 {
+                let dof = 3 * node + d;
+                let delta = self.change.velocity[dof] / h - start * velocity[dof];
+                square += (delta - moved[d]) * (self.momentum[dof] - weighted[d]);
+                new[dof] += arrival * moved[d];
+            }
+        }
+        excess * square / (1.0 + strength).powi(2)
+    }
+
+    /// `(U^T M U)^-1` times total and moment of a momentum.
+    fn projected(&self, total: [f64; 3], moment: [f64; 3]) -> Motion {
+        let translation = [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 });
+        Motion { translation, turn: turn_of(&self.tensor, self.turns, moment) }
+    }
+
+    /// Adds `factor share_i M U motion` to the stages.
+    fn add(&self, motion: Motion, factor: f64, stages: &mut [f64]) {
+        let n = self.arm.len();
+        for (stage, share) in stages.chunks_exact_mut(n).zip(&self.dissipation.share) {
+            let arms = self.row_sums.iter().zip(self.weighted_arm.as_chunks().0);
+            for (value, (&mass, arm)) in stage.as_chunks_mut::<3>().0.iter_mut().zip(arms) {
+                let weighted = motion.times(mass, *arm);
+                (0..3).for_each(|d| value[d] += factor * share * weighted[d]);
+            }
+        }
+    }
+}
+
+impl Motion {
+    /// Velocity at an arm.
+    fn at(&self, arm: [f64; 3]) -> [f64; 3] {
+        self.times(1.0, arm)
+    }
+
+    /// The same times a mass; `arm`: the arm times the mass.
+    fn times(&self, mass: f64, arm: [f64; 3]) -> [f64; 3] {
+        let turned = cross(self.turn, arm);
+        [0, 1, 2].map(|d| mass * self.translation[d] + turned[d])
+    }
+}
+
+/// The turn about the allowed axes with a given moment, `sum_A arm_A x M (turn x arm)_A`: the least one where a line of arms has no moment of
+/// inertia.
+fn turn_of(tensor: &Mat3<f64>, axes: [bool; 3], moment: [f64; 3]) -> [f64; 3] {
+    let trace = tensor[0][0] + tensor[1][1] + tensor[2][2];
+    let inertia = |i: usize, j: usize| match axes[i] && axes[j] {
+        true => (if i == j { trace } else { 0.0 }) - 0.5 * (tensor[i][j] + tensor[j][i]),
+        false => 0.0,
+    };
+    let (values, vectors) = eigen(&SYM.map(|(i, j)| inertia(i, j)));
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(*value));
+    let mut turn = [0.0; 3];
+    for (m, &value) in values.iter().enumerate().filter(|(_, value)| **value > NO_TURN * largest) {
+        let part: f64 = (0..3).filter(|&d| axes[d]).map(|d| vectors[d][m] * moment[d]).sum();
+        (0..3).for_each(|d| turn[d] += vectors[d][m] * part / value);
+    }
+    turn
+}
+
+/// `(tr T 1 - T) v` of a symmetric T.
+fn inertia_times(T: &Mat3<f64>, v: [f64; 3]) -> [f64; 3] {
+    let trace = T[0][0] + T[1][1] + T[2][2];
+    [0, 1, 2].map(|i| trace * v[i] - (0..3).map(|j| T[j][i] * v[j]).sum::<f64>())
+}
+
+/// Takes the mean from arms and from their products with M, in some directions.
+fn centre(directions: [bool; 3], mass: f64, row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
+    let total = sum(weighted);
+    let mean = [0, 1, 2].map(|d| if directions[d] { total[d] / mass } else { 0.0 });
+    let nodes = arm.as_chunks_mut::<3>().0.iter_mut().zip(weighted.as_chunks_mut::<3>().0);
+    for ((arm, weighted), mass) in nodes.zip(row_sums) {
+        (0..3).for_each(|d| (arm[d], weighted[d]) = (arm[d] - mean[d], weighted[d] - mass * mean[d]));
+    }
+}
+
+/// `sum_j factors_j stages_j`.
+fn combine(factors: &[f64], stages: &[f64], result: &mut [f64]) {
+    result.fill(0.0);
+    for (factor, stage) in factors.iter().zip(stages.chunks_exact(result.len())) {
+        result.iter_mut().zip(stage).for_each(|(sum, x)| *sum += factor * x);
+    }
+}
+
+/// `sum_A a_A b_A^T`.
+fn outer(a: &[f64], b: &[f64]) -> Mat3<f64> {
+    let mut sum = [[0.0; 3]; 3];
+    for (a, b) in a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0) {
+        (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += a[i] * b[j]));
+    }
+    sum
+}
+
+/// `sum_A a_A x b_A`.
+fn moment(a: &[f64], b: &[f64]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (a, b) in a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0) {
+        let part = cross(*a, *b);
+        (0..3).for_each(|d| sum[d] += part[d]);
+    }
+    sum
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse::inverse;
+
+    /// `1 + z b^T (1 - z a)^-1 1` for a real z, by the inverse of the matrix.
+    fn stability(rule: &Rule, a: &[f64], z: f64) -> f64 {
+        let k = rule.degree();
+        let matrix: Vec<f64> =
+            (0..k * k).map(|n| (if n / k == n % k { 1.0 } else { 0.0 }) - z * a[n]).collect();
+        let inverse = inverse(&matrix);
+        let rows = (0..k).map(|i| rule.weights()[i] * (0..k).map(|j| inverse[i * k + j]).sum::<f64>());
+        1.0 + z * rows.sum::<f64>()
+    }
+
+    fn dissipation(k: usize, radius: f64) -> (Rule, Dissipation) {
+        let rule = Rule::discrete_gradient(k);
+        let dissipation = Dissipation::new(&rule, &inverse(rule.coefficients()), radius);
+        (rule, dissipation)
+    }
+
+    #[test]
+    fn the_spectral_radius_at_infinity_is_what_was_asked_for() {
+        for (k, radius) in (1..=5).flat_map(|k| [0.0, 0.3, 0.8, 1.0].map(|radius| (k, radius))) {
+            let (rule, dissipation) = dissipation(k, radius);
+            let found = stability(&rule, &dissipation.coefficients(&rule), -1e9).abs();
+            assert!((found - radius).abs() < 1e-6, "{k}: {found} is not {radius}");
+        }
+    }
+
+    #[test]
+    fn full_dissipation_is_radau_iia() {
+        // Its stability functions are the subdiagonal Pade approximants of exp: 1/(1 - z), (1 + z/3)/(1 - 2 z/3 + z^2/6).
+        for z in [-3.0, -0.7, 0.4] {
+            let (rule, full) = dissipation(1, 0.0);
+            assert!((stability(&rule, &full.coefficients(&rule), z) - 1.0 / (1.0 - z)).abs() < 1e-14);
+            let (rule, full) = dissipation(2, 0.0);
+            let pade = (1.0 + z / 3.0) / (1.0 - 2.0 / 3.0 * z + z * z / 6.0);
+            assert!((stability(&rule, &full.coefficients(&rule), z) - pade).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_turn_has_the_moment_asked_for() {
+        // Arms of unit masses: the moment of `turn x arm` is the moment given, and a line of arms cannot turn about itself.
+        let arms = [0.3, -0.2, 0.5, 0.9, 0.1, -0.4, -1.2, 0.1, -0.1];
+        let turn = turn_of(&outer(&arms, &arms), [true; 3], [0.3, 0.7, -0.2]);
+        let moved: Vec<f64> = arms.as_chunks().0.iter().flat_map(|arm| cross(turn, *arm)).collect();
+        let found = moment(&arms, &moved);
+        assert!((0..3).all(|d| (found[d] - [0.3, 0.7, -0.2][d]).abs() < 1e-14), "{found:?}");
+        let line = [0.6, 0.0, 0.8, -1.2, 0.0, -1.6];
+        let turn = turn_of(&outer(&line, &line), [true; 3], [0.0, 5.0, 0.0]);
+        assert!((turn[1] - 1.0).abs() < 1e-14 && turn[0].abs() + turn[2].abs() < 1e-14);
+        assert_eq!(turn_of(&outer(&line, &line), [true, false, true], [0.0, 5.0, 0.0]), [0.0; 3]);
+    }
+}
