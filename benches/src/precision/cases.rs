@@ -1,7 +1,7 @@
 //! The motions.
 
 use emmy::Result;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Viscosity};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, CellKind, MeshBuilder};
 use emmy::motion::State;
@@ -9,7 +9,7 @@ use emmy::motion::State;
 use super::fork;
 
 /// Names of the cases.
-pub const NAMES: [&str; 4] = ["orbit", "block", "pulse", "fork"];
+pub const NAMES: [&str; 5] = ["orbit", "block", "pulse", "damped", "fork"];
 
 /// A motion, and how it is computed.
 #[derive(Debug)]
@@ -44,6 +44,7 @@ impl Case {
             "orbit" => orbit(),
             "block" => block(),
             "pulse" => pulse(),
+            "damped" => damped(),
             _ => tuning_fork(),
         };
         case.map_err(|error| format!("{name}: {error}"))
@@ -129,14 +130,14 @@ fn block() -> Result<Case> {
 
 /// A beam of rubber that is hit at one end, for a thousandth of the time, and flies on.
 fn pulse() -> Result<Case> {
-    let body = beam(Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?))?;
+    let body = beam(rubber()?, 4.0)?;
     let start = State::initial(&body, 0.0, &[])?;
     Ok(Case {
         name: "pulse",
         title: "A beam after a pulse of a thousandth of the time",
         body,
         start,
-        end: DURATION,
+        end: 4.0,
         counts: [counts(200, 6, 2.0), counts(200, 5, 2.0), counts(200, 4, 2.0)],
         tolerances: [tolerances(1e-4, 5, 0.1), tolerances(1e-4, 6, 0.1), tolerances(1e-4, 6, 0.1)],
         references: [(4, 4000), (5, 2500)],
@@ -144,15 +145,36 @@ fn pulse() -> Result<Case> {
     })
 }
 
-/// Duration of the motion after a pulse.
-const DURATION: f64 = 4.0;
+/// The same beam with viscosity and drag: it rings for a small part of the time and coasts, slower and slower, for the rest.
+fn damped() -> Result<Case> {
+    let viscosity = Viscosity { time: 0.01, ..Viscosity::default() };
+    let body = beam(rubber()?.with_viscosity(viscosity), 40.0)?.with_drag(0.1)?;
+    let start = State::initial(&body, 0.0, &[])?;
+    Ok(Case {
+        name: "damped",
+        title: "A damped beam after a pulse of a thousandth of the time",
+        body,
+        start,
+        end: 40.0,
+        counts: [counts(400, 7, 2.0), counts(400, 5, 2.0), counts(400, 4, 2.0)],
+        tolerances: [tolerances(1e-4, 5, 0.1), tolerances(1e-4, 5, 0.1), tolerances(1e-4, 5, 0.1)],
+        references: [(4, 4000), (5, 3000)],
+        goal: Some(3.0),
+    })
+}
 
-/// A beam of 1 x 1 x 3 with a pulse on one end, across it.
-fn beam(region: Region) -> Result<Body> {
+fn rubber() -> Result<Region> {
+    Ok(Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?))
+}
+
+/// A beam of 1 x 1 x 3 with a pulse on one end, across it, at the start of a motion of some duration.
+fn beam(region: Region, duration: f64) -> Result<Body> {
     // A table, not a smooth function: its kinks are met by adaptive steps and integrated exactly by large ones, so that neither passes over it.
-    let width = 1e-3 * DURATION;
+    let width = 1e-3 * duration;
     let history = History::new(vec![(0.0, 0.0), (0.5 * width, 1.0), (width, 0.0)])?;
-    let kind = LoadKind::Traction { group: "z-max".into(), traction: [300.0, 100.0, 0.0] };
+    // The same impulse, whatever its duration.
+    let traction = [1.2 / width, 0.4 / width, 0.0];
+    let kind = LoadKind::Traction { group: "z-max".into(), traction };
     Body::new(mesh::block([1.0, 1.0, 3.0], [2, 1, 6])?, vec![region], &[], &[Load { kind, history }])
 }
 

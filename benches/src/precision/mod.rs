@@ -41,22 +41,26 @@ pub fn print(arguments: &Arguments) -> Result<(), String> {
     let rounds = if arguments.quick { 1 } else { usize::from(arguments.rounds) };
     println!("{}\n", machine::heading());
     println!("Fastest of {rounds} rounds of runs that turn about, one thread.");
+    let mut summary = output::summary();
     for name in named(&arguments.cases)? {
         // Inside the pool, as `emmy run` works.
-        let report = rayon::scope(|_| measure(name, arguments, rounds))?;
+        let (report, rows) = rayon::scope(|_| measure(name, arguments, rounds))?;
         print!("\n{}", report.markdown(!arguments.quick));
+        rows.into_iter().for_each(|row| summary.tables[0].push(row));
     }
+    print!("\n{}", summary.markdown(!arguments.quick));
     Ok(())
 }
 
-fn measure(name: &str, arguments: &Arguments, rounds: usize) -> Result<Report, String> {
+/// The report of a case, and its rows in the summary.
+fn measure(name: &str, arguments: &Arguments, rounds: usize) -> Result<(Report, Vec<Vec<String>>), String> {
     let case = Case::named(name)?;
     let case = if arguments.quick { case.quick() } else { case };
     let sweep = Sweep::measure(&case, rounds).map_err(|message| format!("{name}: {message}"))?;
     if let Some(folder) = &arguments.output {
         output::write(&case, &sweep, folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    Ok(output::report(&case, &sweep))
+    Ok((output::report(&case, &sweep), output::summary_rows(&case, &sweep)))
 }
 
 /// The names of the cases that are asked for.

@@ -83,6 +83,40 @@ fn goals(case: &Case, sweep: &Sweep) -> Vec<Goal> {
     faster.into_iter().chain(estimate).collect()
 }
 
+/// The summary of all cases, without rows.
+pub fn summary() -> Report {
+    let note = "What equal steps need for the error of adaptive ones, over what these need; smallest and largest of the tolerances whose errors \
+        lie within those of equal steps. Estimated over true errors of all runs.";
+    let mut report = Report::new("Summary", note);
+    report.tables.push(Table::new(2, &["case", "k", "time", "steps", "estimated/true"]));
+    report
+}
+
+/// The rows of a case in the summary, one a degree.
+pub fn summary_rows(case: &Case, sweep: &Sweep) -> Vec<Vec<String>> {
+    let row = |degree: usize| {
+        let of_degree = || sweep.runs.iter().filter(move |run| run.degree == degree);
+        let advantages: Vec<Advantage> =
+            of_degree().filter_map(|run| Advantage::of(run, &sweep.runs)).collect();
+        vec![
+            case.name.into(),
+            degree.to_string(),
+            range(advantages.iter().map(|advantage| advantage.seconds)),
+            range(advantages.iter().map(|advantage| advantage.steps)),
+            range(of_degree().map(|run| run.estimate / run.error)),
+        ]
+    };
+    (1..=3).map(row).collect()
+}
+
+/// The smallest and the largest of some values; a dash without any.
+fn range(values: impl Iterator<Item = f64> + Clone) -> String {
+    match (values.clone().reduce(f64::min), values.reduce(f64::max)) {
+        (Some(least), Some(most)) => format!("{least:.2} .. {most:.2}"),
+        _ => "-".into(),
+    }
+}
+
 /// Writes `NAME.csv` and `NAME.svg`.
 pub fn write(case: &Case, sweep: &Sweep, folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
