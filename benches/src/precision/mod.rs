@@ -36,13 +36,14 @@ pub struct Arguments {
 /// # Errors
 /// The message of whatever fails.
 pub fn print(arguments: &Arguments) -> Result<(), String> {
+    let names = named(&arguments.cases)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     pool.map_err(|error| error.to_string())?;
     let rounds = if arguments.quick { 1 } else { usize::from(arguments.rounds) };
     println!("{}\n", machine::heading());
     println!("Fastest of {rounds} rounds of runs that turn about, one thread.");
     let mut summary = output::summary();
-    for name in named(&arguments.cases)? {
+    for name in names {
         // Inside the pool, as `emmy run` works.
         let (report, rows) = rayon::scope(|_| measure(name, arguments, rounds))?;
         print!("\n{}", report.markdown(!arguments.quick));
