@@ -2,6 +2,7 @@
 //!
 //!     cargo run --release -p emmy-bench -- [ITEM]... [--peers] [--rounds N] [--quick]
 //!     cargo run --release -p emmy-bench -- case INPUT [--set KEY=VALUE]...
+//!     cargo run --release -p emmy-bench -- precision [CASE]... [--output DIR]
 //!
 //! What is compared runs turn about, each in a process of its own, and medians over the rounds are taken: machines are shared,
 //! and times of different hours are not comparable. Prints Markdown. Ends with exit code 2 if something cannot be run, or if an
@@ -13,6 +14,7 @@ mod machine;
 mod measure;
 mod outcome;
 mod peers;
+mod precision;
 mod process;
 mod report;
 mod scratch;
@@ -62,12 +64,15 @@ struct Arguments {
 enum Verb {
     /// Runs one input in this process and prints its figures as one line of JSON
     Case(measure::Arguments),
+    /// Measures errors over time and over steps, steps chosen by the error beside equal ones
+    Precision(precision::Arguments),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.verb {
         Some(Verb::Case(case)) => print_case(case),
+        Some(Verb::Precision(arguments)) => precision::print(arguments),
         None => print_items(&arguments),
     };
     match done {

@@ -46,11 +46,25 @@ fn a_case_prints_one_line_of_json() {
 }
 
 #[test]
+fn adaptive_steps_are_measured_beside_equal_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = bench(&["precision", "orbit", "--quick", "--output", folder.path().to_str().unwrap()]);
+    let page = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(page.contains("## Orbit of eccentricity 0.9") && page.contains("## Summary"), "{page}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    // 3 runs with equal steps and 2 adaptive ones of each degree, below the heading.
+    assert_eq!(read("orbit.csv").lines().count(), 16);
+    assert!(read("orbit.svg").starts_with("<svg"));
+}
+
+#[test]
 fn what_cannot_be_run_ends_with_a_message() {
     for (arguments, part) in [
         (&["stp"][..], "there are step, schemes"),
         (&["--python", "nothing=python"][..], "no program nothing"),
         (&["case", "nowhere.toml"][..], "nowhere.toml"),
+        (&["precision", "orbits"][..], "there are orbit, block"),
     ] {
         let output = bench(arguments);
         assert_eq!(output.status.code(), Some(2));

@@ -172,6 +172,31 @@ fn an_eccentric_orbit_takes_a_third_of_the_equal_steps_at_equal_error() {
     }
 }
 
+/// Work by counts, not by a clock. Estimates for k > 1, a step of the next degree each, are not counted.
+#[test]
+fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
+    let e = 0.9;
+    let (body, state) = orbit(e);
+    for degree in [1, 2, 3] {
+        let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
+        let of_steps = || watch.records.iter().map(|record| record.newton_iterations);
+        // A step that was refused has taken as many as any other at most.
+        let own = of_steps().sum::<usize>() + refusals(&watch) * of_steps().max().unwrap();
+        let error = closure(&body, &end);
+        // Eight times as many equal steps: each of these takes fewer corrections.
+        let n = 8 * (watch.records.len() - 1);
+        let (plan, mut corrections) = (equal(period(e), period(e) / n as f64), 0);
+        let (equal, end) = march(&body, &state, degree, &plan);
+        equal.records.iter().for_each(|record| corrections += record.newton_iterations);
+        let of_equal = closure(&body, &end);
+        println!(
+            "k = {degree}: {own} corrections with error {error:.2e}; {corrections} in {n} equal steps, {of_equal:.2e}"
+        );
+        assert!(of_equal > error, "k = {degree}: error {error:e}, of equal steps {of_equal:e}");
+        assert!(corrections >= 3 * own, "k = {degree}: {own} corrections, {corrections} in equal steps");
+    }
+}
+
 #[test]
 fn smaller_tolerances_make_smaller_errors() {
     // Not after a whole revolution, in which errors of both halves cancel.
