@@ -57,8 +57,8 @@ impl Adaptivity {
 
     /// The estimator of a degree: the one asked for; else the residual where degrees are chosen, or what [`Estimator::of`] says.
     pub fn estimator_of(&self, scheme: Scheme, degree: usize) -> Estimator {
-        let own = if self.degrees.is_some() { Estimator::Residual } else { Estimator::of(scheme, degree) };
-        self.estimator.unwrap_or(own)
+        let own = || if self.degrees.is_some() { Estimator::Residual } else { Estimator::of(scheme, degree) };
+        self.estimator.unwrap_or_else(own)
     }
 
     /// Checks that the settings go with scheme and degree of a motion.

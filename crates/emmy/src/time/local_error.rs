@@ -31,11 +31,11 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 3] = [
 ];
 
 impl Estimator {
-    /// The estimator that is taken where none is asked for: differences where they do, else the element of the next degree.
+    /// The estimator that is taken where none is asked for: differences where they do, else the residual.
     pub fn of(scheme: Scheme, degree: usize) -> Self {
         match Estimator::Difference.check(scheme, degree) {
             Ok(()) => Estimator::Difference,
-            Err(_) => Estimator::Element,
+            Err(_) => Estimator::Residual,
         }
     }
 
