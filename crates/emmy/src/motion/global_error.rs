@@ -41,6 +41,8 @@ pub struct GlobalError<'a> {
     settings: NewtonSettings,
     stepper: Box<dyn Stepper + 'a>,
     state: State,
+    /// The state at the start of a step.
+    start: State,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
 }
@@ -67,6 +69,7 @@ impl<'a> GlobalError<'a> {
             degree,
             settings,
             stepper,
+            start: state.clone(),
             state,
             displacement: zero.clone(),
             velocity: zero,
@@ -88,13 +91,31 @@ impl<'a> GlobalError<'a> {
         &self.state
     }
 
+    /// Does a step, in parts where the higher degree does not find its end at once: it may be longer than what it can solve.
+    fn advance(&mut self, step_size: f64) -> Result<()> {
+        self.start.copy_from(&self.state);
+        let mut outcome = Ok(());
+        for parts in [1, 2, 4, 8, 16] {
+            let size = step_size / f64::from(parts);
+            outcome = (0..parts).try_for_each(|part| {
+                self.state.time = self.start.time + size * f64::from(part);
+                self.stepper.advance(&mut self.state, size).map(|_| ())
+            });
+            if outcome.is_ok() {
+                break;
+            }
+            self.state.copy_from(&self.start);
+        }
+        outcome
+    }
+
     /// Does the step that led to a state.
     fn follow(&mut self, state: &State, step_size: f64) -> Result<()> {
         while let Some((_, body)) = due_release(self.body, self.state.time, SAME_TIME * step_size) {
             self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
             self.body = body;
         }
-        self.stepper.advance(&mut self.state, step_size)?;
+        self.advance(step_size)?;
         (self.state.time, self.state.step) = (state.time, state.step);
         let pairs = [
             (&mut self.displacement, &state.displacement, &self.state.displacement),
