@@ -148,17 +148,17 @@ fn pulse() -> Result<Case> {
 /// The same beam with viscosity and drag: it rings for a tenth of the time and coasts, slower and slower, for the rest.
 fn damped() -> Result<Case> {
     let viscosity = Viscosity { time: 0.01, ..Viscosity::default() };
-    let body = beam(rubber()?.with_viscosity(viscosity), 10.0)?.with_drag(0.5)?;
+    let body = beam(rubber()?.with_viscosity(viscosity), 40.0)?.with_drag(0.5)?;
     let start = State::initial(&body, 0.0, &[])?;
     Ok(Case {
         name: "damped",
         title: "A damped beam after a pulse of a thousandth of the time",
         body,
         start,
-        end: 10.0,
-        counts: [counts(100, 8, 2.0), counts(100, 7, 2.0), counts(100, 6, 2.0)],
+        end: 40.0,
+        counts: [counts(200, 9, 2.0), counts(200, 8, 2.0), counts(200, 7, 2.0)],
         tolerances: [tolerances(1e-4, 5, 0.1), tolerances(1e-4, 6, 0.1), tolerances(1e-4, 6, 0.1)],
-        references: [(4, 6400), (5, 4000)],
+        references: [(4, 12800), (5, 9000)],
         goal: Some(3.0),
     })
 }

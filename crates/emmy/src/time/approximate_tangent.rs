@@ -257,9 +257,7 @@ impl ApproximateTangent {
         if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
-        if self.solvers.is_empty() {
-            self.choose(body, time_scale)?;
-        }
+        self.choose(body, time_scale)?;
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let shift = mode.eigenvalue.map(|part| time_scale * time_scale * part);
             solver.renew(body, &self.assembly.matrix, shift)?;
@@ -268,11 +266,23 @@ impl ApproximateTangent {
         Ok(())
     }
 
-    /// Makes the solvers of the kind that was asked for, or of the one that costs less.
+    /// Makes the solvers of the kind that was asked for, or of the one that costs less: other ones than there are, where step size or
+    /// stiffness have changed by so much that it clearly costs less.
     fn choose(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+        if !self.solvers.is_empty() && self.wanted != Solver::Auto {
+            return Ok(());
+        }
         let largest = self.modes.iter().map(Mode::modulus).fold(0.0, f64::max);
         let stiffness = time_scale * time_scale * largest * self.stiffness_over_mass(body);
         let limit = iterative_limit(body);
+        if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
+            let is_iterative =
+                if choice.is_iterative { stiffness < limit * CLEARLY } else { stiffness < limit / CLEARLY };
+            if is_iterative == choice.is_iterative {
+                return Ok(());
+            }
+            self.solvers.clear();
+        }
         let choice = match self.wanted {
             Solver::Auto => SolverChoice { is_iterative: stiffness < limit, stiffness, limit: Some(limit) },
             wanted => SolverChoice { is_iterative: wanted == Solver::Iterative, stiffness, limit: None },
@@ -407,6 +417,9 @@ fn iterative_limit(body: &Body) -> f64 {
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
+
+/// Solvers are changed where the stiffness number is this many times beyond the limit.
+const CLEARLY: f64 = 4.0;
 
 /// Nodes that one task works on.
 const NODES: usize = 2048;
