@@ -1,12 +1,15 @@
 //! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
 
-use emmy::body::{
-    Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Support, Viscosity,
-};
+#[path = "shared/points.rs"]
+mod points;
+
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support, Viscosity};
 use emmy::material::{Link, NeoHooke};
-use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
+use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
 use emmy::time::{LocalError, Scheme};
+
+use points::{masses, moving, network};
 
 fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
@@ -16,33 +19,6 @@ fn scheme(text: &str) -> Scheme {
     text.parse().unwrap()
 }
 
-/// Points and links between them; node i is the group `i`.
-fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    for (index, &point) in points.iter().enumerate() {
-        let node = builder.point(point);
-        builder.node_group(&index.to_string(), [node]);
-    }
-    for link in links {
-        builder.cell(CellKind::Line2, link).unwrap();
-    }
-    builder.build().unwrap()
-}
-
-fn masses(masses: &[f64]) -> Nodal {
-    let point_mass = |(i, &mass): (usize, &f64)| PointMass { group: i.to_string(), mass };
-    Nodal { masses: masses.iter().enumerate().map(point_mass).collect(), ..Nodal::default() }
-}
-
-fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
-    let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
-        group: Some(i.to_string()),
-        velocity,
-        ..InitialVelocity::default()
-    };
-    State::initial(body, 0.0, &velocities.iter().enumerate().map(field).collect::<Vec<_>>()).unwrap()
-}
-
 /// A mass 1 on a spring of stiffness k to a fixed point, moving along it so slowly that it is linear.
 fn oscillator(k: f64, time: f64, drag: f64) -> Body {
     let viscosity = Viscosity { time, ..Viscosity::default() };
@@ -50,7 +26,14 @@ fn oscillator(k: f64, time: f64, drag: f64) -> Body {
     let fixed = Support { group: "0".into(), fix: [true; 3], ..Support::default() };
     let guided = Support { group: "1".into(), fix: [false, true, true], ..Support::default() };
     let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
-    let body = Body::with_nodal(mesh, vec![region], &masses(&[1.0, 1.0]), &[fixed, guided], &[]).unwrap();
+    let body = Body::with_nodal(
+        mesh,
+        vec![region],
+        &Nodal { masses: masses(&[1.0, 1.0]), ..Nodal::default() },
+        &[fixed, guided],
+        &[],
+    )
+    .unwrap();
     body.with_drag(drag).unwrap()
 }
 
@@ -298,7 +281,14 @@ fn a_relative_equilibrium_is_left_alone() {
     let speed = 2.0 * r * tangent / h;
     let mesh = network(&[[0.5 * length, 0.0, 0.0], [-0.5 * length, 0.0, 0.0]], &[[0, 1]]);
     let region = Region::links(None, 0.0, Link::spring(k, None).unwrap());
-    let body = Body::with_nodal(mesh, vec![region], &masses(&[m, m]), &[], &[]).unwrap();
+    let body = Body::with_nodal(
+        mesh,
+        vec![region],
+        &Nodal { masses: masses(&[m, m]), ..Nodal::default() },
+        &[],
+        &[],
+    )
+    .unwrap();
     // In flight besides.
     let mut state = moving(&body, &[[0.3, speed, 0.1], [0.3, -speed, 0.1]]);
     (state.displacement[0], state.displacement[3]) = (r - 0.5 * length, 0.5 * length - r);

@@ -1,5 +1,8 @@
 //! Links of two nodes, point masses, springs and attraction to the ground: the systems of point masses of Part I, and theory.
 
+#[path = "shared/points.rs"]
+mod points;
+
 use std::f64::consts::{PI, TAU};
 
 use emmy::body::{Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind};
@@ -10,36 +13,10 @@ use emmy::motion::{Motion, NewtonSettings, Record, State};
 use emmy::time::Scheme;
 use emmy::{Error, Result};
 
-/// Points and links between them; node i is the group `i`.
-fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    for (index, &point) in points.iter().enumerate() {
-        let node = builder.point(point);
-        builder.node_group(&index.to_string(), [node]);
-    }
-    for link in links {
-        builder.cell(CellKind::Line2, link).unwrap();
-    }
-    builder.build().unwrap()
-}
-
-fn masses(masses: &[f64]) -> Vec<PointMass> {
-    masses.iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass }).collect()
-}
+use points::{masses, moving, network};
 
 fn linked(mesh: Mesh, link: Link, nodal: &Nodal) -> Body {
     Body::with_nodal(mesh, vec![Region::links(None, 0.0, link)], nodal, &[], &[]).unwrap()
-}
-
-/// Velocity of node i: `velocities[i]`.
-fn start(body: &Body, velocities: &[[f64; 3]]) -> State {
-    let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
-        group: Some(i.to_string()),
-        velocity,
-        ..Default::default()
-    };
-    let fields: Vec<InitialVelocity> = velocities.iter().enumerate().map(field).collect();
-    State::initial(body, 0.0, &fields).unwrap()
 }
 
 fn motion<'a>(body: &'a Body, scheme: &str, degree: usize, state: State) -> Motion<'a> {
@@ -61,7 +38,7 @@ fn two_bodies(speed: f64) -> (Body, State) {
     let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
     let body = linked(mesh, Link::attraction(3.0).unwrap(), &nodal);
     let v = speed * OMEGA;
-    let state = start(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
+    let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
     (body, state)
 }
 
@@ -127,7 +104,7 @@ fn lattice() -> (Body, State) {
         let [x, y, z] = points[i];
         [0.3 - y + 0.5 * noise(5 * i), x + 0.4 * z, -0.4 * y + 0.5 * noise(11 * i)]
     };
-    let state = start(&body, &(0..27).map(velocity).collect::<Vec<_>>());
+    let state = moving(&body, &(0..27).map(velocity).collect::<Vec<_>>());
     (body, state)
 }
 
@@ -184,7 +161,7 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
     };
     let swings = |body: &Body, v: f64, rate: f64, omega: f64, tolerance: f64| {
         let along = [0.6 * v, 0.8 * v, 0.0];
-        let state = start(body, &[along.map(|v| -rate * v), along]);
+        let state = moving(body, &[along.map(|v| -rate * v), along]);
         let mut motion = motion(body, "DGM", 3, state);
         for step in 1..=200 {
             let t = 0.02 * f64::from(step);
@@ -230,7 +207,7 @@ fn on_the_ground() -> (Body, State) {
     let nodal = Nodal { masses: masses(&[0.5, 1.0]), springs, ..Default::default() };
     let mesh = network(&[[1.0, 0.0, 0.0], [3.0, 1.0, 0.0]], &[[0, 1]]);
     let body = linked(mesh, Link::spring(20.0, None).unwrap(), &nodal);
-    let state = start(&body, &[[0.6, -0.3, 0.9]; 2]);
+    let state = moving(&body, &[[0.6, -0.3, 0.9]; 2]);
     (body, state)
 }
 
@@ -253,7 +230,7 @@ fn springs_to_the_ground_make_an_oscillator() {
 #[test]
 fn impulses_of_the_ground_close_the_balances_of_every_scheme() {
     let (spun, _) = on_the_ground();
-    let state = start(&spun, &[[0.6, -0.3, 0.9], [-0.5, 0.8, 0.1]]);
+    let state = moving(&spun, &[[0.6, -0.3, 0.9], [-0.5, 0.8, 0.1]]);
     for (scheme, degree) in
         [("FE(1)", 1), ("FE(3)", 2), ("AS(2)", 2), ("DGM", 1), ("DGM", 3), ("Lobatto(3)", 2)]
             .into_iter()
@@ -314,7 +291,7 @@ fn a_star_holds_its_planets_on_a_circle() {
     let nodal = Nodal { masses: masses(&[0.3, 0.7]), attractions, ..Default::default() };
     let body = linked(network(&points, &[[0, 1]]), Link::spring(2.0, None).unwrap(), &nodal);
     let omega = (g / radius.powi(3)).sqrt();
-    let state = start(&body, &[[0.0, omega * radius, 0.0], [0.0, -omega * radius, 0.0]]);
+    let state = moving(&body, &[[0.0, omega * radius, 0.0], [0.0, -omega * radius, 0.0]]);
     let error = |n_steps: usize| {
         let mut motion = motion(&body, "DGM", 2, state.clone());
         let first = motion.record().clone();
@@ -392,7 +369,7 @@ fn what_does_not_fit_is_refused() {
     // A node that is held needs none.
     let wall = Support { group: "1".into(), fix: [true; 3], ..Default::default() };
     let held = body(spring(), one(), std::slice::from_ref(&wall)).unwrap();
-    let state = start(&held, &[[0.0, 1.0, 0.0]]);
+    let state = moving(&held, &[[0.0, 1.0, 0.0]]);
     for scheme in ["DGM", "central-differences"] {
         let mut motion = motion(&held, scheme, 1, state.clone());
         march(&mut motion, 1.0, 100, |record| assert!(record.linear_momentum_residual < 1e-13, "{record:?}"));

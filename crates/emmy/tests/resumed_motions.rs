@@ -1,40 +1,16 @@
 //! A motion that goes on from a snapshot is the motion itself, in every bit; steps that fail are cut and grow back.
 
-use std::error::Error as StdError;
+#[path = "shared/watch.rs"]
+mod watch;
 
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
-use emmy::motion::{
-    Event, EventKind, MarchError, Motion, NewtonSettings, Observer, Phase, Record, Snapshot, State, StepPlan,
-    View,
-};
+use emmy::motion::{EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, State, StepPlan};
 use emmy::sparse::Solver;
 use emmy::time::Scheme;
 use emmy::{Error, mesh};
 
-/// Keeps all that there is to see, and a snapshot after one of the steps.
-#[derive(Default)]
-struct Watch {
-    records: Vec<Record>,
-    events: Vec<Event>,
-    snapshot_after: Option<usize>,
-    snapshot: Option<Snapshot>,
-}
-
-impl Observer for Watch {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn StdError + Send + Sync>> {
-        if self.snapshot_after == Some(view.record.step) {
-            self.snapshot = Some(view.motion.snapshot());
-        }
-        self.records.push(view.record.clone());
-        Ok(())
-    }
-
-    fn notice(&mut self, event: &Event) -> Result<(), Box<dyn StdError + Send + Sync>> {
-        self.events.push(event.clone());
-        Ok(())
-    }
-}
+use watch::Watch;
 
 fn plan(phases: &[(f64, f64)]) -> StepPlan {
     StepPlan::new(0.0, phases.iter().map(|&(until, size)| Phase { until, size }).collect()).unwrap()

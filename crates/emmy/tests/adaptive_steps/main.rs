@@ -2,18 +2,21 @@
 
 mod degrees;
 mod estimates;
+#[path = "../shared/points.rs"]
+mod points;
 mod problems;
-
-use std::error::Error as StdError;
+#[path = "../shared/watch.rs"]
+mod watch;
 
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
 use emmy::material::NeoHooke;
-use emmy::motion::{Adaptivity, Event, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
-use emmy::motion::{Observer, Phase, Record, Snapshot, State, StepPlan, View};
+use emmy::motion::{Adaptivity, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
+use emmy::motion::{Phase, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
 use emmy::{Error, mesh, sparse::Solver};
 
 use problems::*;
+use watch::Watch;
 
 /// Estimated over true error of the displacement at the end of a march.
 fn effectivity((body, start): &(Body, State), degree: usize, plan: &StepPlan, exact: &State) -> f64 {
@@ -75,29 +78,6 @@ fn what_no_step_resolves_is_estimated_in_size() {
         println!("L-block, h = {h}: {ratios:.3?}");
         // As large as the error, within a factor of three.
         assert!(ratios.iter().all(|ratio| (0.33..3.0).contains(ratio)), "h = {h}: {ratios:?}");
-    }
-}
-
-/// Keeps all that there is to see, and a snapshot after one of the steps.
-#[derive(Default)]
-struct Watch {
-    records: Vec<Record>,
-    events: Vec<Event>,
-    snapshot_after: Option<usize>,
-    snapshot: Option<Snapshot>,
-}
-
-impl Observer for Watch {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn StdError + Send + Sync>> {
-        if self.snapshot_after == Some(view.record.step) {
-            self.snapshot = Some(view.motion.snapshot());
-        }
-        self.records.push(view.record.clone());
-        Ok(())
-    }
-    fn notice(&mut self, event: &Event) -> Result<(), Box<dyn StdError + Send + Sync>> {
-        self.events.push(event.clone());
-        Ok(())
     }
 }
 

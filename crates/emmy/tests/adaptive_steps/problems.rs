@@ -2,9 +2,12 @@
 
 use emmy::body::{Body, InitialVelocity, Load, Nodal, PointMass, Region};
 use emmy::material::{Link, NeoHooke};
-use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
+use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::Scheme;
+
+use crate::points::masses;
+pub use crate::points::{moving, network};
 
 pub const DGM: Scheme = Scheme::DiscreteGradient;
 
@@ -12,33 +15,10 @@ pub fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
 }
 
-/// Points and links between them; node i is the group `i`.
-pub fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    for (index, &point) in points.iter().enumerate() {
-        let node = builder.point(point);
-        builder.node_group(&index.to_string(), [node]);
-    }
-    for link in links {
-        builder.cell(CellKind::Line2, link).unwrap();
-    }
-    builder.build().unwrap()
-}
-
-pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
-    let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
-        group: Some(i.to_string()),
-        velocity,
-        ..Default::default()
-    };
-    State::initial(body, 0.0, &velocities.iter().enumerate().map(field).collect::<Vec<_>>()).unwrap()
-}
-
 /// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
 pub fn orbit(e: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let masses = [2.0, 1.0].iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass });
-    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
+    let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
     let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
     let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
     // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.

@@ -3,6 +3,8 @@
 mod checkpoints;
 mod goal_error;
 mod parameters;
+#[path = "../shared/points.rs"]
+mod points;
 mod problems;
 mod refusals;
 mod state;

@@ -3,13 +3,14 @@
 use emmy::Error;
 use emmy::adjoint::{Goal, Gradient, Trajectory};
 use emmy::body::{
-    Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region,
-    Support,
+    Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support,
 };
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
-use emmy::mesh::{self, CellKind, Mesh, MeshBuilder};
+use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
+
+pub use crate::points::{masses, network};
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -55,23 +56,6 @@ pub fn held_block([lambda, mu]: [f64; 2], density: f64, traction: f64, rubber: b
 
 pub fn rubber() -> Body {
     held_block([30.0, 15.0], 1.0, 2.0, true).unwrap()
-}
-
-/// Points and links between them; node i is the group `i`.
-pub fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
-    let mut builder = MeshBuilder::new();
-    for (index, &point) in points.iter().enumerate() {
-        let node = builder.point(point);
-        builder.node_group(&index.to_string(), [node]);
-    }
-    for link in links {
-        builder.cell(CellKind::Line2, link).unwrap();
-    }
-    builder.build().unwrap()
-}
-
-pub fn masses(masses: &[f64]) -> Vec<PointMass> {
-    masses.iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass }).collect()
 }
 
 /// Four masses in the corners of a tetrahedron with springs along its edges, one on a spring to the ground, all drawn to a star.
