@@ -4,7 +4,7 @@
 //! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
 
 use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
-use super::{Average, Damping, Kind, Rule, Want};
+use super::{Average, Kind, Rule, Want};
 use crate::material::Material;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
@@ -19,7 +19,6 @@ impl Rule {
     pub(super) fn average_energy_momentum<L: Lane, M: Material>(
         &self,
         material: &M,
-        damping: Option<&Damping>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
         want: Want,
@@ -41,14 +40,11 @@ impl Rule {
             }
             _ => self.discrete_gradient_stress(material, &E_1, &end, want, average),
         }
-        if let Some(damping) = damping {
-            self.add_damping_stress(damping, want, average);
-        }
         for i in 0..k {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
         }
         if want == Want::Tangent {
-            self.energy_momentum_tangent(rates, true, average);
+            self.energy_momentum_tangent(rates, average);
         }
     }
 
@@ -238,18 +234,13 @@ impl Rule {
         }
     }
 
-    /// The derivatives of `P_i = F(c_i) S_i`, set or added.
+    /// The derivatives of `P_i = F(c_i) S_i`.
     ///
     /// ```math
     /// dP_i = a_ij dF'_j S_i + F(c_i) sum_m dS_i/dE'_m : sym(H_mj^T dF'_j),    H_mj = F(c_j) delta_mj + a_mj F'_m
     /// ```
     #[inline(always)]
-    pub(super) fn energy_momentum_tangent<L: Lane>(
-        &self,
-        rates: &[Mat3<L>],
-        sets: bool,
-        average: &mut Average<L>,
-    ) {
+    pub(super) fn energy_momentum_tangent<L: Lane>(&self, rates: &[Mat3<L>], average: &mut Average<L>) {
         let k = self.degree();
         for i in 0..k {
             for j in 0..k {
@@ -277,12 +268,7 @@ impl Rule {
                 }
                 let mut A = first_from_second(&average.gradients[i], &Y);
                 add_geometric(&mut A, self.a[i * k + j], &average.stresses[i]);
-                let tangent = &mut average.tangent[i * k + j];
-                for r in 0..9 {
-                    for c in 0..9 {
-                        tangent[r][c] = if sets { A[r][c] } else { tangent[r][c] + A[r][c] };
-                    }
-                }
+                average.tangent[i * k + j] = A;
             }
         }
     }

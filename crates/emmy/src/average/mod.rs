@@ -296,26 +296,9 @@ impl Rule {
         want: Want,
         average: &mut Average<L>,
     ) {
-        self.average_damped(material, None, start, rates, want, average);
-    }
-
-    /// The same with the stress of a damping, which needs the rates.
-    #[inline(always)]
-    pub fn average_damped<L: Lane, M: Material>(
-        &self,
-        material: &M,
-        damping: Option<&Damping>,
-        start: &Mat3<L>,
-        rates: &[Mat3<L>],
-        want: Want,
-        average: &mut Average<L>,
-    ) {
-        if self.kind != Kind::Standard {
-            return self.average_energy_momentum(material, damping, start, rates, want, average);
-        }
-        self.average_standard(material, start, rates, want, average);
-        if let Some(damping) = damping {
-            self.add_damping(damping, start, rates, want, average);
+        match self.kind {
+            Kind::Standard => self.average_standard(material, start, rates, want, average),
+            _ => self.average_energy_momentum(material, start, rates, want, average),
         }
     }
 

@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::{CellBatches, PointGeometry};
 use super::term::StepInput;
-use crate::average::{Average, Damping, Want};
+use crate::average::{Average, Want};
 use crate::material::Material;
 use crate::tensor::{
     Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
@@ -28,11 +28,11 @@ pub struct Scratch {
 #[derive(Debug)]
 pub struct BatchMemory {
     /// Nodal displacement and rates, or what the rule sees of them, `[1 + k][n_nodes][3]`.
-    nodal: Vec<[Packed; 3]>,
+    pub(super) nodal: Vec<[Packed; 3]>,
     /// Weighted stresses in reference coordinates, `w P J^-T`, `[k][point][3][3]`.
-    stress: Vec<[[Packed; 3]; 3]>,
+    pub(super) stress: Vec<[[Packed; 3]; 3]>,
     /// Gradients of the shape functions at a point, `[n_nodes][3]`.
-    gradients: Vec<[Packed; 3]>,
+    pub(super) gradients: Vec<[Packed; 3]>,
     /// Stage forces, `[k][n_nodes][3]`.
     pub force: Vec<[Packed; 3]>,
     /// Stage derivatives, `[k k][A][B][3 i + k]`; B >= A only where they are symmetric.
@@ -44,8 +44,8 @@ pub struct BatchMemory {
 /// What a rule works on at a point.
 #[derive(Debug)]
 pub struct PointMemory<R> {
-    average: Average<R>,
-    rates: Vec<Mat3<R>>,
+    pub(super) average: Average<R>,
+    pub(super) rates: Vec<Mat3<R>>,
 }
 
 impl<R: Register> PointMemory<R> {
@@ -146,7 +146,7 @@ pub fn gather(
 pub fn integrate<R: Register, M: Material>(
     (cells, batch, part): (&CellBatches, usize, usize),
     n_fields: usize,
-    (material, damping): (&M, Option<&Damping>),
+    (material, is_damped): (&M, bool),
     step: &StepInput<'_>,
     want: Want,
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
@@ -161,7 +161,7 @@ pub fn integrate<R: Register, M: Material>(
         for j in 1..n_fields {
             rates[j - 1] = field_gradient(zero, &memory.nodal[j * n..(j + 1) * n], dN, &inverse, part);
         }
-        step.rule.average_damped(material, damping, &start, &rates[..n_fields - 1], want, average);
+        step.rule.average(material, &start, &rates[..n_fields - 1], want, average);
         min_det = min_det.min(average.min_det);
         let weight = zero.load(&geometry.weight, part);
         for i in 0..k {
@@ -178,7 +178,7 @@ pub fn integrate<R: Register, M: Material>(
             let blocks = memory.stiffness.chunks_exact_mut(n * n);
             for (tangent, stiffness) in average.tangent.iter().zip(blocks) {
                 let (gradients, is_first) = (&memory.gradients[..n], point == 0);
-                let skips = step.rule.is_symmetric(damping.is_some());
+                let skips = step.rule.is_symmetric(is_damped);
                 add_stiffness(tangent, gradients, factor, (is_first, skips), stiffness, part);
             }
         }
@@ -188,30 +188,6 @@ pub fn integrate<R: Register, M: Material>(
         let stress = &memory.stress[i * n_points..(i + 1) * n_points];
         set_force(zero, cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
     }
-}
-
-/// What a damping takes out of part `part` of a batch in a step, from the nodal fields in its memory.
-#[inline(always)]
-pub fn dissipated<R: Register>(
-    (cells, batch, part): (&CellBatches, usize, usize),
-    damping: &Damping,
-    step: &StepInput<'_>,
-    (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
-) -> R {
-    let (n, k) = (cells.n_nodes, step.rule.degree());
-    let PointMemory { average, rates } = point_memory;
-    let zero = average.min_det.splat(0.0);
-    let mut energy = zero;
-    for (point, geometry) in cells.geometry_of(batch).iter().enumerate() {
-        let (dN, inverse) = (cells.reference_gradients_at(point), inverse_jacobian(zero, geometry, part));
-        let start = field_gradient(zero, &memory.nodal[..n], dN, &inverse, part);
-        for j in 0..k {
-            rates[j] = field_gradient(zero, &memory.nodal[(j + 1) * n..(j + 2) * n], dN, &inverse, part);
-        }
-        let density = step.rule.dissipated(damping, &start, &rates[..k], average);
-        energy = density.mul_add(zero.load(&geometry.weight, part), energy);
-    }
-    energy
 }
 
 /// Stored energy of part `part` of a batch at a nodal displacement, and the smallest det F.
@@ -234,7 +210,7 @@ pub fn strained<R: Register, M: Material>(
 }
 
 #[inline(always)]
-fn inverse_jacobian<R: Register>(zero: R, geometry: &PointGeometry, part: usize) -> Mat3<R> {
+pub(super) fn inverse_jacobian<R: Register>(zero: R, geometry: &PointGeometry, part: usize) -> Mat3<R> {
     mat3(
         #[inline(always)]
         |i, j| zero.load(&geometry.inverse_jacobian[i][j], part),
@@ -248,7 +224,7 @@ fn vector<R: Register>(zero: R, from: &[Packed; 3], part: usize) -> [R; 3] {
 
 /// `(sum_A u_A (x) dN_A/dxi) dxi/dX` of a nodal field.
 #[inline(always)]
-fn field_gradient<R: Register>(
+pub(super) fn field_gradient<R: Register>(
     zero: R,
     field: &[[Packed; 3]],
     dN: &[[f64; 3]],
@@ -275,7 +251,7 @@ fn field_gradient<R: Register>(
 
 /// Gradients of the shape functions, `dN_A/dxi dxi/dX`.
 #[inline(always)]
-fn set_gradients<R: Register>(
+pub(super) fn set_gradients<R: Register>(
     zero: R,
     dN: &[[f64; 3]],
     inverse: &Mat3<R>,
@@ -295,7 +271,7 @@ const BLOCK: usize = 4;
 
 /// Forces of one stage, `f_A = sum_points (w P J^-T) dN_A/dxi`.
 #[inline(always)]
-fn set_force<R: Register>(
+pub(super) fn set_force<R: Register>(
     zero: R,
     cells: &CellBatches,
     stress: &[[[Packed; 3]; 3]],
@@ -349,7 +325,7 @@ fn set_forces<R: Register, const N: usize>(
 /// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead; `skips`: leaves
 /// B < A out.
 #[inline(always)]
-fn add_stiffness<R: Register>(
+pub(super) fn add_stiffness<R: Register>(
     tangent: &Tangent<R>,
     gradients: &[[Packed; 3]],
     weight: R,

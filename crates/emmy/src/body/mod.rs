@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 mod batches;
+mod damping;
 mod drive;
 mod facets;
 mod field;

@@ -9,6 +9,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
+use super::damping::{self, OfCells};
 use super::geometry::CellTable;
 use super::integral::{self, BatchMemory, PointMemory, Scratch};
 use super::term::{StepInput, Strained, Term};
@@ -76,12 +77,13 @@ impl<M: Material> SolidTerm<M> {
         step.damping.excess > 0.0 || step.damping.rate > 0.0 && !self.viscosity.is_zero()
     }
 
-    /// Damping of a cell in a step, if there is any.
-    #[inline(always)]
-    fn damping(&self, cell: usize, step: &StepInput<'_>) -> Option<Damping> {
-        if !self.damps(step) {
-            return None;
-        }
+    /// Damping of all cells.
+    fn dampings<'a>(&self, of: &'a dyn Fn(usize) -> Damping) -> OfCells<'a> {
+        OfCells { of, differs: self.materials.len() > 1 }
+    }
+
+    /// Damping of a cell in a step.
+    fn damping(&self, cell: usize, step: &StepInput<'_>) -> Damping {
         let at_rest = match self.materials.len() {
             1 => self.at_rest,
             _ => at_rest(&self.materials[cell]),
@@ -91,7 +93,7 @@ impl<M: Material> SolidTerm<M> {
             true => [[0.0; 6]; 6],
             false => scaled(self.viscosity.tensor(&at_rest), step.damping.rate),
         };
-        Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.excess) })
+        Damping { viscous, dissipative: scaled(at_rest, step.damping.excess) }
     }
 
     /// Stage forces and derivatives of a batch, into its memory.
@@ -107,8 +109,7 @@ impl<M: Material> SolidTerm<M> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), memory);
         let cells = self.cells.cells_of(batch);
         for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
-            let (place, damping) = ((&self.cells, batch, part), self.damping(cell, step));
-            let law = (self.material(cell), damping.as_ref());
+            let (place, law) = ((&self.cells, batch, part), (self.material(cell), self.damps(step)));
             integral::integrate(place, n_fields, law, step, want, (memory, point_memory));
         }
         if !M::IS_LINK {
@@ -197,28 +198,6 @@ impl<M: Material> SolidTerm<M> {
         }
     }
 
-    /// What is dissipated in all batches in a step, one after the other.
-    #[inline(always)]
-    fn dissipated_in<R: Register>(
-        &self,
-        step: &StepInput<'_>,
-        (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
-    ) -> f64 {
-        let (mut sum, mut energies) = (0.0, Packed([0.0; LANES]));
-        for batch in 0..self.cells.len() {
-            integral::gather(&self.cells, batch, step, true, memory);
-            let cells = self.cells.cells_of(batch);
-            for (part, cell) in cells.clone().step_by(R::WIDTH).enumerate() {
-                let Some(damping) = self.damping(cell, step) else { return 0.0 };
-                let place = (&self.cells, batch, part);
-                let energy = integral::dissipated(place, &damping, step, (memory, point_memory));
-                energy.store(&mut energies, part);
-            }
-            sum += energies.0[..cells.len()].iter().sum::<f64>();
-        }
-        sum
-    }
-
     /// What a displacement does to some batches.
     #[inline(always)]
     fn strained_of<R: Register>(&self, zero: R, batches: Range<usize>, displacement: &[f64]) -> Strained {
@@ -270,6 +249,9 @@ impl<M: Material> SolidTerm<M> {
     }
 }
 
+/// Which of its memories a part works with.
+type MemoryOf<R> = fn(&mut Scratch) -> (&mut BatchMemory, &mut PointMemory<R>);
+
 /// The batches of a part of the rows, in the registers of an instruction set.
 struct PartAssembly<'a, M> {
     term: &'a SolidTerm<M>,
@@ -286,15 +268,26 @@ impl<M: Material> PartAssembly<'_, M> {
         term: &SolidTerm<M>,
         (step, want): (&StepInput<'_>, Want),
         batches: &[u32],
-        (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
+        (scratch, memory): (&mut Scratch, MemoryOf<R>),
         sink: &mut RowPart,
     ) -> Result<()> {
         for &batch in batches {
             if want == Want::Tangent {
                 term.touch(batch as usize, sink);
             }
-            term.integrate(batch as usize, step, want, memory, point_memory)?;
-            term.scatter(batch as usize, step, want, memory, sink);
+            let (batch_memory, point_memory) = memory(scratch);
+            term.integrate(batch as usize, step, want, batch_memory, point_memory)?;
+            if term.damps(step) {
+                damping::add(
+                    &term.cells,
+                    batch as usize,
+                    term.dampings(&|cell| term.damping(cell, step)),
+                    step,
+                    want,
+                    scratch,
+                );
+            }
+            term.scatter(batch as usize, step, want, memory(scratch).0, sink);
         }
         Ok(())
     }
@@ -304,23 +297,8 @@ impl<M: Material> WithSimd for PartAssembly<'_, M> {
     type Output = Result<()>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Result<()> {
-        let memory = self.scratch.registers::<Batch<S>>();
+        let memory = (self.scratch, Scratch::registers::<Batch<S>> as MemoryOf<Batch<S>>);
         Self::run(self.term, (self.step, self.want), self.batches, memory, self.sink)
-    }
-}
-
-/// What is dissipated in a step, in the registers of an instruction set.
-struct Dissipated<'a, M> {
-    term: &'a SolidTerm<M>,
-    step: &'a StepInput<'a>,
-    scratch: &'a mut Scratch,
-}
-
-impl<M: Material> WithSimd for Dissipated<'_, M> {
-    type Output = f64;
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        self.term.dissipated_in(self.step, self.scratch.registers::<Batch<S>>())
     }
 }
 
@@ -384,7 +362,7 @@ impl<M: Material> Term for SolidTerm<M> {
     ) -> Result<()> {
         let batches = &self.parts[part];
         if M::IS_LINK {
-            return PartAssembly::run(self, (step, want), batches, scratch.numbers(), sink);
+            return PartAssembly::run(self, (step, want), batches, (scratch, Scratch::numbers), sink);
         }
         Arch::new().dispatch(PartAssembly { term: self, step, want, batches, scratch, sink })
     }
@@ -403,10 +381,7 @@ impl<M: Material> Term for SolidTerm<M> {
         if !self.damps(step) {
             return 0.0;
         }
-        if M::IS_LINK {
-            return self.dissipated_in(step, scratch.numbers());
-        }
-        Arch::new().dispatch(Dissipated { term: self, step, scratch })
+        damping::dissipated(&self.cells, self.dampings(&|cell| self.damping(cell, step)), step, scratch)
     }
 
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
