@@ -145,6 +145,11 @@ pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
     ]
 }
 
+/// Vector product.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Three components.
 #[inline(always)]
 pub fn three<L>(entry: impl Fn(usize) -> L) -> [L; 3] {

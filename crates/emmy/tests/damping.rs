@@ -152,6 +152,32 @@ fn balances_close_with_viscosity_drag_loads_and_supports() {
 }
 
 #[test]
+fn balances_close_where_a_support_moves_a_damped_body() {
+    let rate = History::smooth("0.3*sin(2*t)", |t| {
+        let (sin, cos) = (2.0 * t).sin_cos();
+        [0.3 * sin, 0.6 * cos, -1.2 * sin]
+    });
+    let driven = Support {
+        group: "z-min".into(),
+        fix: [false, true, true],
+        displacement: [Some(rate), None, None],
+        ..Support::default()
+    };
+    let body =
+        block(Viscosity { time: 0.02, ..Viscosity::default() }, &[driven], &[]).with_drag(0.3).unwrap();
+    for (text, degree) in [("DGM", 1), ("DGM", 2), ("AS(8)", 1)] {
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let records = records(&body, scheme(text), degree, state, 0.1, 30);
+        let [energy, linear, angular] = worst(&records);
+        assert!(
+            energy < 1e-10 && linear < 1e-12 && angular < 1e-12,
+            "{text} {degree}: {energy:e} {linear:e} {angular:e}"
+        );
+        assert!(records[29].dissipated_energy > 1e-2 * records[29].external_work.abs());
+    }
+}
+
+#[test]
 fn viscosity_leaves_the_momenta_and_dies_out_in_a_relative_equilibrium() {
     let body = block(Viscosity { time: 0.3, ..Viscosity::default() }, &[], &[]);
     let records = records(&body, scheme("DGM"), 1, tumbling(&body), 0.1, 600);

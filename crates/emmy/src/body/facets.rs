@@ -4,6 +4,7 @@ use super::geometry::ReferenceTable;
 use crate::element::facet_element;
 use crate::mesh::{Facet, FacetKind, Mesh};
 use crate::sparse::Pattern;
+use crate::tensor::cross;
 
 /// The most nodes that a facet has.
 const MOST_NODES: usize = 9;
@@ -124,10 +125,6 @@ impl FacetTable {
         }
         [a, b]
     }
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::fulfils;
 use crate::error::Result;
+use crate::tensor::cross;
 
 /// A unit vector.
 pub(super) fn unit(material: &'static str, parameter: &'static str, v: [f64; 3]) -> Result<[f64; 3]> {
@@ -24,20 +25,16 @@ pub(super) fn unit(material: &'static str, parameter: &'static str, v: [f64; 3])
 pub(super) fn from_directions(material: &'static str, directions: [[f64; 3]; 2]) -> Result<[[f64; 3]; 3]> {
     let first = unit(material, "axis_1", directions[0])?;
     let second = unit(material, "axis_2", directions[1])?;
-    let third = cross(&first, &second);
+    let third = cross(first, second);
     let sine = dot(&third, &third).sqrt();
     let requirement = "is its sine with axis_1, from which it must differ in direction";
     fulfils(sine > 1e-6, material, "axis_2", sine, requirement)?;
     let third = third.map(|x| x / sine);
-    Ok([first, cross(&third, &first), third])
+    Ok([first, cross(third, first), third])
 }
 
 pub(super) fn dot(u: &[f64; 3], v: &[f64; 3]) -> f64 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-}
-
-fn cross(u: &[f64; 3], v: &[f64; 3]) -> [f64; 3] {
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@
 
 use crate::average::Rule;
 use crate::body::{Body, sum};
-use crate::tensor::{Mat3, SYM, eigen};
+use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a time element that dissipates.
 #[derive(Debug, Clone, PartialEq)]
@@ -329,10 +329,6 @@ fn moment(a: &[f64], b: &[f64]) -> [f64; 3] {
         (0..3).for_each(|d| sum[d] += part[d]);
     }
     sum
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

@@ -6,25 +6,12 @@ use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::Scheme;
 
-use crate::points::masses;
-pub use crate::points::{moving, network};
+pub use crate::points::{moving, network, orbit};
 
 pub const DGM: Scheme = Scheme::DiscreteGradient;
 
 pub fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
-}
-
-/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
-pub fn orbit(e: f64) -> (Body, State) {
-    let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
-    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
-    // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.
-    let v = (4.5 * (1.0 - e)).sqrt();
-    let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
-    (body, state)
 }
 
 /// Period of the orbit: `tau sqrt(a^3 mu/g)`, a = 1/(1 + e).

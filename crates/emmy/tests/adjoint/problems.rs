@@ -10,7 +10,7 @@ use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
-pub use crate::points::{masses, network};
+pub use crate::points::{masses, network, orbit};
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -69,20 +69,6 @@ pub fn springs(stiffness: f64) -> Result<Body> {
     };
     let region = Region::links(None, 0.0, Link::spring(stiffness, None)?);
     Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[])
-}
-
-/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
-pub fn orbit(e: f64) -> (Body, State) {
-    let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
-    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
-    // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.
-    let v = (4.5 * (1.0 - e)).sqrt();
-    let mut state = State::initial(&body, 0.0, &[]).unwrap();
-    let velocity = [0.0, v / 3.0, 0.0, 0.0, -2.0 / 3.0 * v, 0.0];
-    shift(&body, &mut state, 0.0, &velocity, 1.0, &velocity);
-    (body, state)
 }
 
 /// A soft block of two cells that turns and bends.
