@@ -43,6 +43,7 @@ fn an_estimate_of_the_error_allocates_nothing() {
         (2, Estimator::Element),
         (1, Estimator::Residual),
         (2, Estimator::Residual),
+        (2, Estimator::Sampled),
     ] {
         let (scheme, settings) = (Scheme::DiscreteGradient, NewtonSettings::default());
         let mut start = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();

@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 use emmy::body::fields::FieldName;
 use emmy::mesh::CellKind;
 use emmy::sparse::SOLVERS;
+use emmy::time::{ESTIMATORS, SCHEMES};
 use serde_json::json;
 
 use super::new::TEMPLATES;
@@ -24,6 +25,8 @@ pub struct Arguments {
 enum What {
     /// Schemes in time
     Schemes,
+    /// Estimators of the error of a step
+    Estimators,
     /// Material models
     Materials,
     /// Elements that a mesh may be made of
@@ -126,7 +129,8 @@ const MESHES: [Item; 5] = [
 /// Prints the list.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let items: Vec<Item> = match arguments.what {
-        What::Schemes => emmy::time::SCHEMES.to_vec(),
+        What::Schemes => SCHEMES.to_vec(),
+        What::Estimators => ESTIMATORS.map(|(name, _, description)| (name, description)).to_vec(),
         What::Materials => MATERIALS.to_vec(),
         What::Elements => CellKind::ALL.map(|kind| (kind.name(), description(kind))).to_vec(),
         What::Meshes => MESHES.to_vec(),

@@ -134,6 +134,7 @@ fn list_has_the_key_word_first() {
     let place = Place::new();
     let expected = [
         ("schemes", ["FE(n)", "DGM"]),
+        ("estimators", ["difference", "sampled"]),
         ("materials", ["neo-hooke", "holzapfel-gasser-ogden"]),
         ("elements", ["hex8", "tet10"]),
         ("meshes", ["l-block", "file"]),

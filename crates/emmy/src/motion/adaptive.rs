@@ -163,7 +163,14 @@ impl<'a> Motion<'a> {
         let outcome = self.stepper.advance(&mut self.state, size)?;
         let rates = self.stepper.rates();
         control.estimator.estimate(&control.start, &self.state, rates, size)?;
-        Ok((outcome, control.error(self.body)))
+        let mut error = control.error(self.body);
+        // No step is refused by what was estimated of another one.
+        if !control.controller.accepts(error)
+            && control.estimator.confirm(&control.start, &self.state, rates, size)?
+        {
+            error = control.error(self.body);
+        }
+        Ok((outcome, error))
     }
 
     /// Goes back to the start of the step, the next attempt at which will be smaller.

@@ -55,9 +55,9 @@ impl Adaptivity {
         }
     }
 
-    /// The estimator of a degree: the one asked for; else the residual where degrees are chosen, or what [`Estimator::of`] says.
+    /// The estimator of a degree: the one asked for; else the sampled residual where degrees are chosen, or what [`Estimator::of`] says.
     pub fn estimator_of(&self, scheme: Scheme, degree: usize) -> Estimator {
-        let own = || if self.degrees.is_some() { Estimator::Residual } else { Estimator::of(scheme, degree) };
+        let own = || if self.degrees.is_some() { Estimator::Sampled } else { Estimator::of(scheme, degree) };
         self.estimator.unwrap_or_else(own)
     }
 

@@ -3,64 +3,11 @@
 use super::classic::{Forces, Start};
 use super::defect_correction::DefectCorrection;
 use super::reconstruction::Reconstruction;
-use super::{Memory, Scheme, State, Stepper, TimeElement, TimeElementStepper};
+use super::sampling::Sampling;
+use super::{Estimator, Memory, Scheme, State, Stepper, TimeElement, TimeElementStepper};
 use crate::body::Body;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::newton::NewtonSettings;
-
-/// How the local error is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Estimator {
-    /// By differences of velocities, for degree 1.
-    Difference,
-    /// By a step of the element of degree k + 1.
-    Element,
-    /// By the residual of the reconstructed step.
-    Residual,
-}
-
-/// Estimators: key word, estimator, what it is.
-pub const ESTIMATORS: [(&str, Estimator, &str); 3] = [
-    ("difference", Estimator::Difference, "differences of velocities, for degree 1; costs nothing"),
-    ("element", Estimator::Element, "the element of degree k + 1 beside the motion; costs a step of it"),
-    (
-        "residual",
-        Estimator::Residual,
-        "the residual of the step's reconstruction of degree k + 1; costs a few corrections",
-    ),
-];
-
-impl Estimator {
-    /// The estimator that is taken where none is asked for: differences where they do, else the residual.
-    pub fn of(scheme: Scheme, degree: usize) -> Self {
-        match Estimator::Difference.check(scheme, degree) {
-            Ok(()) => Estimator::Difference,
-            Err(_) => Estimator::Residual,
-        }
-    }
-
-    /// Key word.
-    pub fn name(self) -> &'static str {
-        ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
-    }
-
-    /// Checks that the estimator goes with a scheme and a degree.
-    ///
-    /// # Errors
-    /// [`Error::Adaptivity`]: differences go with degree 1 only, and not with a scheme that dissipates, which has another error.
-    pub fn check(self, scheme: Scheme, degree: usize) -> Result<()> {
-        let reason = match self {
-            Estimator::Difference if degree != 1 => {
-                format!("\"difference\" goes with degree 1 only, not {degree}")
-            }
-            Estimator::Difference if scheme.dissipation().is_some() => {
-                format!("\"difference\" does not go with {scheme}, whose error is that of its dissipation")
-            }
-            _ => return Ok(()),
-        };
-        Err(Error::Adaptivity { setting: "estimator", reason })
-    }
-}
 
 /// Estimates the error of each step of a time element, in positions and velocities at its end.
 ///
@@ -101,6 +48,9 @@ impl Estimator {
 /// which a correction with one kept K leaves a part of order h^2. So `floor(k/2) + 1` corrections leave less than h^(2k+1), and the estimate is exact in the limit.
 /// They cost as many evaluations of f at k + 1 points, and one to see that they did their work; where K fits badly there are more of them.
 ///
+/// *Sampled*: by the residual in the first two steps, and then in ever fewer where that proves good; an error between two samples is that of the last one, times the powers of the changes of
+/// the step size and of the (k + 1)-th derivative that its order and the pace of the motion give it (`Sampling`).
+///
 /// On `u'' = -omega^2 u`, z = h omega, the Gauss method of degree 2 errs by `-z^5/720 v/omega` in u and by `z^5/720 omega u` in v; of the quadratures
 /// `h^2 integral (1 - alpha) r` and `h integral r` the first one is the first, but the second one is 0.
 #[derive(Debug)]
@@ -117,6 +67,7 @@ pub struct LocalError<'a> {
 enum Kind<'a> {
     Difference(Box<Difference>),
     Element(Box<NextDegree<'a>>),
+    Sampled(Box<NextDegree<'a>>, Box<Sampling>),
 }
 
 /// The element of degree k + 1 beside the motion.
@@ -147,8 +98,8 @@ impl<'a> LocalError<'a> {
     /// The estimator for steps of a scheme from a state.
     ///
     /// # Errors
-    /// [`Error::Scheme`] if the scheme is not a time element's, [`Error::Adaptivity`] if the estimator does not go with the degree;
-    /// [`Error::Inverted`], [`Error::Linear`].
+    /// [`crate::Error::Scheme`] if the scheme is not a time element's, [`crate::Error::Adaptivity`] if the estimator does not go with the degree;
+    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(
         body: &'a Body,
         (scheme, degree): (Scheme, usize),
@@ -163,9 +114,15 @@ impl<'a> LocalError<'a> {
                 TimeElement::new(scheme, degree)?;
                 Kind::Difference(Box::new(Difference::new(n)))
             }
-            Estimator::Element | Estimator::Residual => {
-                let next = NextDegree::new(body, (scheme, degree), estimator, settings, state)?;
-                Kind::Element(Box::new(next))
+            Estimator::Element | Estimator::Residual | Estimator::Sampled => {
+                let next = Box::new(NextDegree::new(body, (scheme, degree), estimator, settings, state)?);
+                match estimator {
+                    Estimator::Sampled => {
+                        let sampling = Sampling::new(degree, LocalError::order(scheme, degree), n);
+                        Kind::Sampled(next, Box::new(sampling))
+                    }
+                    _ => Kind::Element(next),
+                }
             }
         };
         let mut estimator = LocalError { body, kind, displacement: vec![0.0; n], velocity: vec![0.0; n] };
@@ -191,9 +148,13 @@ impl<'a> LocalError<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn restart(&mut self, state: &State) -> Result<()> {
-        if let Kind::Difference(difference) = &mut self.kind {
-            difference.acceleration = LocalError::acceleration(self.body, state)?;
-            (difference.before, difference.third_before) = (0.0, None);
+        match &mut self.kind {
+            Kind::Difference(difference) => {
+                difference.acceleration = LocalError::acceleration(self.body, state)?;
+                (difference.before, difference.third_before) = (0.0, None);
+            }
+            Kind::Element(_) => {}
+            Kind::Sampled(_, sampling) => sampling.restart(),
         }
         Ok(())
     }
@@ -206,23 +167,63 @@ impl<'a> LocalError<'a> {
         match &mut self.kind {
             Kind::Difference(difference) => {
                 difference.estimate(start, end, step_size, &mut self.displacement, &mut self.velocity);
+                self.clear_fixed();
             }
-            Kind::Element(next) => {
-                next.advance(start, rates, step_size)?;
-                set_difference(&mut self.displacement, &end.displacement, &next.end.displacement);
-                set_difference(&mut self.velocity, &end.velocity, &next.end.velocity);
+            Kind::Element(_) => self.solve(start, end, rates, step_size)?,
+            Kind::Sampled(_, sampling) => {
+                sampling.look(self.body, rates, step_size);
+                if !sampling.carry(step_size, &mut self.displacement, &mut self.velocity) {
+                    self.solve(start, end, rates, step_size)?;
+                }
             }
-        }
-        for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
-            (self.displacement[dof], self.velocity[dof]) = (0.0, 0.0);
         }
         Ok(())
     }
 
+    /// Whether the error of the last step is that of an earlier one, carried on ([`Estimator::Sampled`]).
+    pub fn is_carried(&self) -> bool {
+        matches!(&self.kind, Kind::Sampled(_, sampling) if sampling.is_carried())
+    }
+
+    /// Estimates the step that was estimated last by its own residual, if its error was carried; whether it was.
+    ///
+    /// # Errors
+    /// Those of [`LocalError::estimate`].
+    pub fn confirm(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<bool> {
+        let is_carried = self.is_carried();
+        if is_carried {
+            self.solve(start, end, rates, step_size)?;
+        }
+        Ok(is_carried)
+    }
+
+    /// Sets the errors to the difference from the end of the element of degree k + 1.
+    fn solve(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<()> {
+        if let Kind::Element(next) | Kind::Sampled(next, _) = &mut self.kind {
+            next.advance(start, rates, step_size)?;
+            set_difference(&mut self.displacement, &end.displacement, &next.end.displacement);
+            set_difference(&mut self.velocity, &end.velocity, &next.end.velocity);
+        }
+        self.clear_fixed();
+        if let Kind::Sampled(_, sampling) = &mut self.kind {
+            sampling.take(self.body, step_size, &self.displacement, &self.velocity);
+        }
+        Ok(())
+    }
+
+    /// Fixed degrees of freedom have no error.
+    fn clear_fixed(&mut self) {
+        for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
+            (self.displacement[dof], self.velocity[dof]) = (0.0, 0.0);
+        }
+    }
+
     /// Goes over to the next step.
     pub fn accept(&mut self, step_size: f64) {
-        if let Kind::Difference(difference) = &mut self.kind {
-            difference.accept(step_size);
+        match &mut self.kind {
+            Kind::Difference(difference) => difference.accept(step_size),
+            Kind::Element(_) => {}
+            Kind::Sampled(_, sampling) => sampling.accept(step_size),
         }
     }
 
@@ -248,6 +249,11 @@ impl<'a> LocalError<'a> {
                 memory
             }
             Kind::Element(next) => next.memory(),
+            Kind::Sampled(next, sampling) => {
+                let mut memory = next.memory();
+                sampling.keep(&mut memory);
+                memory
+            }
         }
     }
 
@@ -265,6 +271,10 @@ impl<'a> LocalError<'a> {
                 Ok(())
             }
             Kind::Element(next) => next.restore(memory),
+            Kind::Sampled(next, sampling) => {
+                sampling.restore(memory)?;
+                next.restore(memory)
+            }
         }
     }
 }
@@ -281,10 +291,8 @@ impl<'a> NextDegree<'a> {
         let next = degree + 1;
         // At the Gauss points the stage residual of FE(k + 1) is the strong residual.
         let (scheme, correction) = match estimator {
-            Estimator::Residual => {
-                (Scheme::Standard(next), Some((DefectCorrection::default(), degree / 2 + 1)))
-            }
-            _ => (scheme.conserving().of_degree(next), None),
+            Estimator::Element => (scheme.conserving().of_degree(next), None),
+            _ => (Scheme::Standard(next), Some((DefectCorrection::default(), degree / 2 + 1))),
         };
         Ok(NextDegree {
             stepper: TimeElementStepper::new(body, TimeElement::new(scheme, next)?, settings)?,

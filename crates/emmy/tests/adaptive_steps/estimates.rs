@@ -97,12 +97,43 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
                     "{name}, k = {degree}, {}: displacement {least:.3} .. {most:.3}, velocity {least_v:.3} .. {most_v:.3}",
                     estimator.name()
                 );
-                assert!(least > 0.5 && most < 2.0, "{name}, k = {degree}: {ratios:.3?}");
+                // What is carried from step to step overshoots where the orbit turns round.
+                let limit = if estimator == Estimator::Sampled { 2.5 } else { 2.0 };
+                assert!(least > 0.5 && most < limit, "{name}, k = {degree}: {ratios:.3?}");
                 if estimator != Estimator::Difference {
                     assert!(least_v > 0.5 && most_v < 2.0, "{name}, k = {degree}: {ratios:.3?}");
                 }
             }
         }
+    }
+}
+
+/// Sizes are those of the residual in every step, though few are estimated.
+#[test]
+fn few_steps_of_a_steady_motion_are_estimated() {
+    let (body, start) = soft_block();
+    for (degree, h) in [(1, 0.01), (2, 0.03), (3, 0.05)] {
+        let mut motion = Motion::new(&body, DGM, degree, settings(), start.clone()).unwrap();
+        let mut errors = [Estimator::Sampled, Estimator::Residual]
+            .map(|estimator| LocalError::new(&body, (DGM, degree), estimator, settings(), &start).unwrap());
+        let (mut estimated, mut ratios) = (Vec::new(), [f64::INFINITY, 0.0f64]);
+        for step in 1..=80 {
+            let before = motion.state().clone();
+            motion.step(h, h * f64::from(step)).unwrap();
+            for error in &mut errors {
+                error.estimate(&before, motion.state(), motion.stepper().rates(), h).unwrap();
+                error.accept(h);
+            }
+            let [sampled, residual] = errors.each_ref().map(|error| mean(&body, error.displacement()));
+            ratios = [ratios[0].min(sampled / residual), ratios[1].max(sampled / residual)];
+            if !errors[0].is_carried() {
+                estimated.push(step);
+            }
+        }
+        println!(
+            "k = {degree}: carried error over that of the residual {ratios:.3?}, estimated {estimated:?}"
+        );
+        assert!(estimated.len() < 40 && ratios[0] > 0.33 && ratios[1] < 3.0);
     }
 }
 

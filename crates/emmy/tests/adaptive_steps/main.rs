@@ -207,6 +207,26 @@ fn smaller_tolerances_make_smaller_errors() {
     }
 }
 
+#[test]
+fn carried_errors_choose_the_sizes_that_estimated_ones_do() {
+    for (name, (body, state), end) in [("soft block", soft_block(), 2.0), ("orbit", orbit(0.6), 4.0)] {
+        let exact = reference(&(body.clone(), state.clone()), 5, end, 0.004);
+        for degree in [2, 3] {
+            let [sampled, residual] = [Estimator::Sampled, Estimator::Residual].map(|estimator| {
+                let adaptivity = Adaptivity { estimator: Some(estimator), ..Adaptivity::new(1e-6) };
+                let plan = StepPlan::adaptive(0.0, end, adaptivity).unwrap();
+                let (watch, state) = march(&body, &state, degree, &plan);
+                let pairs = state.displacement.iter().zip(&exact.displacement);
+                let error: Vec<f64> = pairs.map(|(own, exact)| own - exact).collect();
+                [(watch.records.len() - 1 + refusals(&watch)) as f64, mean(&body, &error)]
+            });
+            println!("{name}, k = {degree}: steps and error {sampled:?}, by the residual {residual:?}");
+            assert!((0.85..1.15).contains(&(sampled[0] / residual[0])), "{sampled:?} {residual:?}");
+            assert!((0.4..2.5).contains(&(sampled[1] / residual[1])), "{sampled:?} {residual:?}");
+        }
+    }
+}
+
 /// A block that hangs on two supports, one of which is released, under a load with a kink and a jump.
 fn loaded_block() -> Body {
     let rubber = Region::new(None, 1.0, NeoHooke::new(300.0, 150.0).unwrap());

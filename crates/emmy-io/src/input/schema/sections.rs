@@ -275,7 +275,7 @@ fn adaptive() -> Value {
             "estimator",
             words(
                 &ESTIMATORS.map(|(name, ..)| name),
-                "How the error is estimated; left out: difference for degree 1, else residual",
+                "How the error is estimated; left out: difference for degree 1, else sampled",
             ),
         )
         .may("min_degree", whole(1, "Lowest degree to choose from; left out: 1"))

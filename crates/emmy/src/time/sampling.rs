@@ -1,0 +1,275 @@
+//! Errors of steps between two that are estimated.
+
+use super::Memory;
+use crate::body::Body;
+use crate::error::Result;
+use crate::quadrature::gauss;
+
+/// Carries the error of a step that was estimated on to the steps after it.
+///
+/// The error of a step of size h grows like `h^q`, and with the derivatives of the motion. The lowest one that an element of degree k has not is seen from the jump of the
+/// k-th derivative of u^h between two steps,
+///
+/// ```math
+/// g = |u^(k+1)|_M,    u^(k+1) ~ 2 (D_n - D_(n-1)) / (h_n + h_(n-1)),    D = h^-k sum_i x_i prod_(j != i) 1/(c_i - c_j)
+/// ```
+///
+/// up to a factor. A motion that goes faster, u(s t), has g in the ratio `s^(k+1)` and the error in the ratio `s^q`, so that
+///
+/// ```math
+/// e = e_0 (h/h_0)^q (g/g_0)^p,    p = q/(k + 1)
+/// ```
+///
+/// with e_0, h_0, g_0 of the step that was estimated; one that swings wider has p = 1. The law is taken for small changes only, for so many steps as it has
+/// proved good for.
+#[derive(Debug)]
+pub(super) struct Sampling {
+    /// q and p.
+    order: f64,
+    power: f64,
+    /// Weights of the rates in D, `[k]`.
+    weights: Vec<f64>,
+    /// D of the last step that was accepted, and its size.
+    derivative: Vec<f64>,
+    last_size: Option<f64>,
+    /// D of the step that is looked at.
+    new_derivative: Vec<f64>,
+    /// u^(k+1) of that step, and its size g.
+    jump: Vec<f64>,
+    activity: Option<f64>,
+    /// h_0 and g_0.
+    sample: Option<[f64; 2]>,
+    /// The errors that were estimated.
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    /// Steps that were to follow the last estimate without one, and those of them that are left.
+    pause: usize,
+    left: usize,
+    is_carried: bool,
+}
+
+/// Steps without an estimate, one after the other, at the most.
+const LONGEST_PAUSE: usize = 16;
+
+/// Growth of the size for which the law is taken; a smaller step has a small error.
+const LARGER: f64 = 2.0;
+
+/// Change of the activity for which the law is taken: there the two powers differ by a half at the most.
+const ACTIVITY: f64 = 2.0;
+
+/// Factor between the error by the law and the one estimated that leaves the law its good name.
+const AGREES: f64 = 1.5;
+
+impl Sampling {
+    /// For steps of a degree whose error grows like `h^order`, with n degrees of freedom.
+    pub fn new(degree: usize, order: usize, n: usize) -> Self {
+        let nodes: Vec<f64> = gauss(degree).points.into_iter().map(|[c]| c).collect();
+        let weight = |i: usize| {
+            let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+            others.map(|(_, c)| 1.0 / (nodes[i] - c)).product()
+        };
+        let zero = vec![0.0; n];
+        Sampling {
+            order: order as f64,
+            power: order as f64 / (degree as f64 + 1.0),
+            weights: (0..degree).map(weight).collect(),
+            derivative: zero.clone(),
+            last_size: None,
+            new_derivative: zero.clone(),
+            jump: zero.clone(),
+            activity: None,
+            sample: None,
+            displacement: zero.clone(),
+            velocity: zero,
+            pause: 0,
+            left: 0,
+            is_carried: false,
+        }
+    }
+
+    /// Forgets the steps before, which say nothing after a jump of the loads.
+    pub fn restart(&mut self) {
+        (self.last_size, self.sample, self.pause, self.left) = (None, None, 0, 0);
+    }
+
+    /// Looks at a step with the rates `[k][n_nodes][3]`.
+    pub fn look(&mut self, body: &Body, rates: &[f64], step_size: f64) {
+        let (n, scale) = (self.derivative.len(), step_size.powi(-(self.weights.len() as i32)));
+        self.new_derivative.fill(0.0);
+        for (rates, weight) in rates.chunks_exact(n).zip(&self.weights) {
+            let terms = self.new_derivative.iter_mut().zip(rates);
+            terms.for_each(|(D, x)| *D += scale * weight * x);
+        }
+        self.activity = self.last_size.map(|last_size| {
+            let distance = 0.5 * (step_size + last_size);
+            let pairs = self.new_derivative.iter().zip(&self.derivative);
+            self.jump.iter_mut().zip(pairs).for_each(|(jump, (new, old))| *jump = (new - old) / distance);
+            body.mean(&self.jump)
+        });
+    }
+
+    /// The error of the step that was looked at over that of the sample, where the law can be taken.
+    fn factor(&self, step_size: f64) -> Option<f64> {
+        let ([size, sampled], activity) = (self.sample?, self.activity?);
+        let (larger, change) = (step_size / size, activity / sampled);
+        let is_near = larger <= LARGER && (1.0 / ACTIVITY..=ACTIVITY).contains(&change);
+        is_near.then(|| larger.powf(self.order) * change.powf(self.power))
+    }
+
+    /// Sets the errors of the step that was looked at by the law; false if they are to be estimated.
+    pub fn carry(&mut self, step_size: f64, displacement: &mut [f64], velocity: &mut [f64]) -> bool {
+        let factor = self.factor(step_size).filter(|_| self.left > 0);
+        self.is_carried = factor.is_some();
+        if let Some(factor) = factor {
+            displacement.iter_mut().zip(&self.displacement).for_each(|(new, e)| *new = factor * e);
+            velocity.iter_mut().zip(&self.velocity).for_each(|(new, e)| *new = factor * e);
+        }
+        self.is_carried
+    }
+
+    /// Whether the errors of the last step are those of the law.
+    pub fn is_carried(&self) -> bool {
+        self.is_carried
+    }
+
+    /// Takes the errors estimated of the step that was looked at for the next sample.
+    pub fn take(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
+        let by_law = self.factor(step_size).map(|factor| factor * body.mean(&self.displacement));
+        let agrees = by_law.is_some_and(|e| (1.0 / AGREES..=AGREES).contains(&(body.mean(displacement) / e)));
+        self.pause = if agrees { (2 * self.pause).clamp(1, LONGEST_PAUSE) } else { 0 };
+        (self.left, self.is_carried) = (self.pause, false);
+        self.sample = self.activity.map(|activity| [step_size, activity]);
+        self.displacement.copy_from_slice(displacement);
+        self.velocity.copy_from_slice(velocity);
+    }
+
+    /// Goes over to the next step.
+    pub fn accept(&mut self, step_size: f64) {
+        std::mem::swap(&mut self.derivative, &mut self.new_derivative);
+        self.last_size = Some(step_size);
+        self.left -= usize::from(self.is_carried);
+    }
+
+    /// Keeps what the next errors depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep("sampling.derivative", &self.derivative);
+        memory.keep("sampling.last_size", self.last_size.as_slice());
+        memory.keep("sampling.sample", self.sample.as_slice().as_flattened());
+        memory.keep("sampling.displacement", &self.displacement);
+        memory.keep("sampling.velocity", &self.velocity);
+        memory.keep("sampling.pause", &[self.pause as f64, self.left as f64]);
+    }
+
+    /// Takes over what [`Sampling::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        memory.fill("sampling.derivative", &mut self.derivative)?;
+        self.last_size = memory.option("sampling.last_size")?;
+        self.sample = match *memory.list("sampling.sample")? {
+            [size, activity] => Some([size, activity]),
+            _ => None,
+        };
+        memory.fill("sampling.displacement", &mut self.displacement)?;
+        memory.fill("sampling.velocity", &mut self.velocity)?;
+        let [pause, left] = memory.array("sampling.pause")?;
+        (self.pause, self.left) = (pause as usize, left as usize);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use super::*;
+    use crate::body::Region;
+    use crate::material::NeoHooke;
+    use crate::mesh;
+
+    fn cube() -> Body {
+        let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 1.0).unwrap());
+        Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[], &[]).unwrap()
+    }
+
+    /// Rates of `u = t^power` in all degrees of freedom, in a step from t of size h.
+    fn rates(degree: usize, power: i32, t: f64, h: f64) -> Vec<f64> {
+        let rate = |[c]: [f64; 1]| vec![h * f64::from(power) * (t + h * c).powi(power - 1); 24];
+        gauss(degree).points.into_iter().flat_map(rate).collect()
+    }
+
+    /// The k-th derivative of u^h is that of `t^(k+1)` in the middle of a step, times 1/(k-1)!, so that the jump is (k+1) k.
+    #[test]
+    fn activity_is_the_derivative_that_the_element_has_not() {
+        let body = cube();
+        for k in 1..=3 {
+            let mut sampling = Sampling::new(k, 2 * k + 1, 24);
+            let (mut t, expected) = (0.2, (k * (k + 1)) as f64 * 3f64.sqrt());
+            for h in [0.1, 0.1, 0.07, 0.2] {
+                sampling.look(&body, &rates(k, k as i32 + 1, t, h), h);
+                if t > 0.2 {
+                    let found = sampling.activity.unwrap();
+                    assert!((found / expected - 1.0).abs() < 1e-12, "k = {k}: {found} {expected}");
+                }
+                sampling.accept(h);
+                t += h;
+            }
+        }
+    }
+
+    /// k = 2, `u = g t^3/6`: g is the third derivative, and each step but the first has the same.
+    fn cubic(g: f64, t: f64, h: f64) -> Vec<f64> {
+        rates(2, 3, t, h).into_iter().map(|x| g / 6.0 * x).collect()
+    }
+
+    /// Does steps of one size, each with the same error where it is estimated; which of them are.
+    fn march(sampling: &mut Sampling, body: &Body, steps: Range<usize>, error: f64) -> Vec<usize> {
+        let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);
+        let mut estimated = Vec::new();
+        for step in steps {
+            sampling.look(body, &cubic(1.0, 0.1 * step as f64, 0.1), 0.1);
+            if !sampling.carry(0.1, &mut displacement, &mut velocity) {
+                estimated.push(step);
+                sampling.take(body, 0.1, &[error; 24], &[2.0 * error; 24]);
+            }
+            sampling.accept(0.1);
+        }
+        estimated
+    }
+
+    #[test]
+    fn estimates_become_rare_where_the_law_is_good() {
+        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
+        // The first step has none before it, the second one no sample, the third one proves the law.
+        assert_eq!(march(&mut sampling, &body, 0..60, 1e-3), [0, 1, 2, 4, 7, 12, 21, 38, 55]);
+        // It has to prove good again after a jump.
+        sampling.restart();
+        assert_eq!(march(&mut sampling, &body, 0..20, 1e-3), [0, 1, 2, 4, 7, 12]);
+        // An error beyond the law takes its good name.
+        assert_eq!(march(&mut sampling, &body, 20..41, 2e-3), [21, 22, 24, 27, 32]);
+    }
+
+    #[test]
+    fn errors_follow_size_and_pace() {
+        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
+        march(&mut sampling, &body, 0..4, 1e-3);
+        sampling.left = 1;
+        let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);
+        // Rates of one derivative D of u^h: the jump is that of a motion s times as fast, u(s t), with g in the ratio s^3.
+        let mut look = |sampling: &mut Sampling, s: f64, h: f64| {
+            let target = sampling.derivative[0] + s.powi(3) * 0.5 * (0.1 + h);
+            let [first, last] = [gauss(2).points[0][0], gauss(2).points[1][0]];
+            let rates = [first, last].map(|c| [target * h * h * c; 24]);
+            sampling.look(&body, rates.as_flattened(), h);
+            sampling.carry(h, &mut displacement, &mut velocity).then(|| [displacement[5], velocity[23]])
+        };
+        let expected = 1e-3 * (1.2f64 * 0.5).powi(5);
+        let [u, v] = look(&mut sampling, 1.2, 0.05).unwrap();
+        assert!((u / expected - 1.0).abs() < 1e-9 && (v / expected - 2.0).abs() < 1e-9, "{u} {v}");
+        // Three times the size, four times the activity, nothing at all: to be estimated.
+        assert_eq!(look(&mut sampling, 1.0, 0.3), None);
+        assert_eq!(look(&mut sampling, 4f64.cbrt(), 0.1), None);
+        assert_eq!(look(&mut sampling, 0.0, 0.1), None);
+    }
+}
