@@ -23,11 +23,8 @@ pub struct DefectCorrection {
 /// Tolerance of the linear solver: the end of the step depends on less of the defect than its size.
 const TOLERANCE: f64 = 1e-4;
 
-/// What the last correction may leave of the residual.
-const LEFT: f64 = 0.1;
-
-/// What the last of several corrections may change at the end of the step, of what all of them have changed there.
-const CHANGE: f64 = 0.1;
+/// What is left to do at the end of the step, over what has been done there: the part of the last correction times what it leaves of the residual.
+const LEFT: f64 = 0.05;
 
 /// A correction that leaves more than this is one with a stiffness that does not fit.
 const SLOW: f64 = 0.3;
@@ -60,7 +57,7 @@ impl DefectCorrection {
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
             let is_rounding = sizes.residual <= floor;
-            let is_enough = left <= LEFT && (least == 1 || change <= CHANGE);
+            let is_enough = change * left <= LEFT;
             if count >= least && (is_enough || is_rounding) {
                 let before = if is_fresh { 0 } else { self.excess.unwrap_or(0) };
                 self.excess = Some(before + count - least);

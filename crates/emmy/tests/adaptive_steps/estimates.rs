@@ -131,7 +131,8 @@ fn few_steps_of_a_steady_motion_are_estimated() {
                     ratios = [ratios[0].min(sampled / residual), ratios[1].max(sampled / residual)];
                 } else {
                     estimated += 1;
-                    assert!((sampled / residual - 1.0).abs() < 0.05, "{name}: {sampled} {residual}");
+                    // Corrected with another kept stiffness: each leaves up to a twentieth.
+                    assert!((sampled / residual - 1.0).abs() < 0.1, "{name}: {sampled} {residual}");
                 }
             }
             println!(
