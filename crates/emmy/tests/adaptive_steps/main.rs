@@ -1,5 +1,7 @@
 //! Steps whose sizes are chosen by the error: the estimate against the true error, what is conserved, which times are met, what it costs.
 
+#[path = "../shared/blocks.rs"]
+mod blocks;
 mod degrees;
 mod estimates;
 #[path = "../shared/points.rs"]

@@ -1,11 +1,11 @@
 //! Small bodies in motion, and their exact motion.
 
-use emmy::body::{Body, InitialVelocity, Load, Nodal, PointMass, Region};
-use emmy::material::{Link, NeoHooke};
-use emmy::mesh::{self};
+use emmy::body::{Body, Nodal, PointMass, Region};
+use emmy::material::Link;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::Scheme;
 
+pub use crate::blocks::{soft_block, soft_block_under};
 pub use crate::points::{moving, network, orbit};
 
 pub const DGM: Scheme = Scheme::DiscreteGradient;
@@ -29,25 +29,6 @@ pub fn springs() -> (Body, State) {
     let body = Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[]).unwrap();
     let state = moving(&body, &[[1.0, 0.0, 0.5], [0.0, 1.5, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -0.5]]);
     (body, state)
-}
-
-/// A soft block of two cells that turns and bends.
-pub fn soft_block() -> (Body, State) {
-    let body = soft_block_under(&[]);
-    let field = InitialVelocity {
-        angular_velocity: [0.5, 1.0, 0.3],
-        about: [0.5, 0.5, 1.0],
-        gradient: [[0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]],
-        ..Default::default()
-    };
-    let state = State::initial(&body, 0.0, &[field]).unwrap();
-    (body, state)
-}
-
-/// The block alone.
-pub fn soft_block_under(loads: &[Load]) -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap(), vec![rubber], &[], loads).unwrap()
 }
 
 /// Mean over the mass.

@@ -2,14 +2,13 @@
 
 use emmy::Error;
 use emmy::adjoint::{Goal, Gradient, Trajectory};
-use emmy::body::{
-    Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support,
-};
+use emmy::body::{Body, GroundAttraction, GroundSpring, History, Load, LoadKind, Nodal, Region, Support};
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
-use emmy::mesh::{self};
+use emmy::mesh;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
+pub use crate::blocks::soft_block;
 pub use crate::points::{masses, network, orbit};
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -69,20 +68,6 @@ pub fn springs(stiffness: f64) -> Result<Body> {
     };
     let region = Region::links(None, 0.0, Link::spring(stiffness, None)?);
     Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[])
-}
-
-/// A soft block of two cells that turns and bends.
-pub fn soft_block() -> (Body, State) {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-    let body = Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap(), vec![rubber], &[], &[]).unwrap();
-    let field = InitialVelocity {
-        angular_velocity: [0.5, 1.0, 0.3],
-        about: [0.5, 0.5, 1.0],
-        gradient: [[0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]],
-        ..Default::default()
-    };
-    let state = State::initial(&body, 0.0, &[field]).unwrap();
-    (body, state)
 }
 
 /// The state of a body with a displacement and a velocity that are scattered over its free degrees of freedom.
