@@ -249,14 +249,17 @@ impl Keys {
         let first = kin.clone().next();
         let here = kin.find(|key| self.keys.contains(key)).map(|key| format!("did you mean `{key}`?"));
         here.or_else(|| super::suggest::did_you_mean(word, self.keys.iter().copied()))
-            .or_else(|| elsewhere(word))
-            .or_else(|| first.and_then(elsewhere))
+            .or_else(|| self.elsewhere(word))
+            .or_else(|| first.and_then(|key| self.elsewhere(key)))
     }
-}
 
-fn elsewhere(word: &str) -> Option<String> {
-    let table = TABLES.iter().find(|table| table.keys.contains(&word))?;
-    Some(format!("`{word}` belongs in {}", table.table))
+    /// The table that has a key: the one around this table, if it has it.
+    fn elsewhere(self, word: &str) -> Option<String> {
+        let own = self.table.trim_matches('`');
+        let mut tables = TABLES.iter().filter(|table| table.keys.contains(&word));
+        let around = tables.clone().find(|table| table.keys.contains(&own));
+        around.or_else(|| tables.next()).map(|table| format!("`{word}` belongs in {}", table.table))
+    }
 }
 
 #[cfg(test)]

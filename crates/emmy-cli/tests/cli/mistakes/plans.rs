@@ -56,6 +56,7 @@ pub(super) fn all() -> Vec<Mistake> {
             .unseen(),
         adaptive("adaptive-first-size-too-large", "tolerance = 1e-4, first_size = 0.2, max_size = 0.1")
             .unseen(),
+        adaptive("adaptive-end-inside", "tolerance = 1e-4, until = 2.0"),
         adaptive("estimator-misspelt", "tolerance = 1e-4, estimator = 'residuals'"),
         adaptive("estimator-of-degree-one", "tolerance = 1e-4, estimator = 'difference'")
             .with(&["--set", "time.degree=2"])
