@@ -109,20 +109,16 @@ impl<'a> LocalError<'a> {
     ) -> Result<Self> {
         estimator.check(scheme, degree)?;
         let n = body.n_dofs();
+        let next = || NextDegree::new(body, (scheme, degree), estimator, settings, state).map(Box::new);
         let kind = match estimator {
             Estimator::Difference => {
                 TimeElement::new(scheme, degree)?;
                 Kind::Difference(Box::new(Difference::new(n)))
             }
-            Estimator::Element | Estimator::Residual | Estimator::Sampled => {
-                let next = Box::new(NextDegree::new(body, (scheme, degree), estimator, settings, state)?);
-                match estimator {
-                    Estimator::Sampled => {
-                        let sampling = Sampling::new(degree, LocalError::order(scheme, degree), n);
-                        Kind::Sampled(next, Box::new(sampling))
-                    }
-                    _ => Kind::Element(next),
-                }
+            Estimator::Element | Estimator::Residual => Kind::Element(next()?),
+            Estimator::Sampled => {
+                let sampling = Sampling::new(degree, LocalError::order(scheme, degree), n);
+                Kind::Sampled(next()?, Box::new(sampling))
             }
         };
         let mut estimator = LocalError { body, kind, displacement: vec![0.0; n], velocity: vec![0.0; n] };
