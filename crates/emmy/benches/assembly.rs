@@ -31,7 +31,7 @@ use emmy::mesh::CellKind;
 use emmy::quadrature::gauss;
 use pulp::{Arch, Simd, WithSimd};
 
-#[path = "../tests/patch/mod.rs"]
+#[path = "../tests/suite/shared/patch.rs"]
 mod patch;
 
 fn main() {

@@ -1,0 +1,18 @@
+//! The tests of readers and writers from outside, in one binary, because linking the library takes longer than most of them.
+
+mod flights;
+mod frames;
+mod fuzz_corpus;
+mod input_robustness;
+mod input_round_trip;
+mod mesh_abaqus;
+mod mesh_damage;
+mod mesh_errors;
+mod mesh_gmsh;
+mod mesh_limits;
+mod mesh_links;
+mod mesh_plane;
+mod mesh_round_trip;
+mod mesh_vtu;
+mod meshes;
+mod report_vendor;

@@ -1,0 +1,249 @@
+//! Bad files, each with a message that says what, where, and what to try.
+
+use crate::meshes::{bytes, parse_text, path};
+
+/// Nodes of a tetrahedron in MSH 2.2; lines 1 to 10.
+const V2: &str =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
+/// The same in MSH 4.1; lines 1 to 14.
+const V4: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1 2 3 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n";
+/// Nodes of a tetrahedron in Abaqus; lines 1 to 5.
+const INP: &str = "*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n";
+
+/// Checks that the message of a file has all the parts.
+#[track_caller]
+fn assert_message(name: &str, text: &str, parts: &[&str]) {
+    let message = parse_text(name, text).expect_err(text).to_string();
+    for part in parts {
+        assert!(message.contains(part), "\"{part}\" is not in: {message}");
+    }
+}
+
+#[test]
+fn files_of_no_known_format() {
+    let no_such = emmy_io::mesh::read("no/such.msh".as_ref()).unwrap_err().to_string();
+    assert!(no_such.starts_with("no/such.msh: cannot be read: "), "{no_such}");
+    assert_message("a.stl", "solid cube", &["a.stl: not a mesh file", ".msh", ".inp"]);
+    assert_message("a.msh", " \n", &["a.msh, line 1: the file is empty"]);
+    assert_message("a.inp", "", &["a.inp, line 1: the file is empty"]);
+    assert_message("a.msh", "GAMBIT\n1 2 3", &["line 1: the file does not begin with $MeshFormat"]);
+    assert_message(
+        "a.inp",
+        "1, 0, 0\n",
+        &["line 1: expected a keyword such as *Heading", "found \"1, 0, 0\""],
+    );
+}
+
+#[test]
+fn bad_gmsh_headers() {
+    let cases: [(&str, &[&str]); 9] = [
+        ("$MeshFormat\n4 0 8\n$EndMeshFormat\n", &["line 2: version 4 of", "2.2 and 4.1", "-format msh41"]),
+        ("$MeshFormat\n2.1 0 8\n$EndMeshFormat\n", &["version 2.1"]),
+        ("$NOD\n0\n$ENDNOD\n", &["line 1: version 1 of the MSH format"]),
+        ("$MeshFormat\n4.1 0\n", &["line 2: expected version, file type, data size", "\"4.1 0\""]),
+        ("$MeshFormat\n4.1 0 4\n", &["line 2: data size 4"]),
+        ("$MeshFormat\n4.1 5 8\n1234", &["file type 5 is neither 0 (ASCII) nor 1 (binary)"]),
+        ("$MeshFormat\n4.1 1 8\nabcd", &["mark of the byte order is not 1"]),
+        ("$MeshFormat\n4.1 0 8\n", &["expected $EndMeshFormat, found the end of the file"]),
+        ("$Nodes\n", &["does not begin with $MeshFormat"]),
+    ];
+    for (text, parts) in cases {
+        assert_message("a.msh", text, parts);
+    }
+}
+
+#[test]
+fn bad_gmsh_sections() {
+    let header = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+    let cases: [(&str, &[&str]); 9] = [
+        ("$Nodes\n3\n1 0 0 0\n1 1 0 0\n", &["line 7: node 1 is there already"]),
+        ("$Nodes\n1\n1 0 nan 0\n", &["line 6: node 1 has a coordinate that is not a finite number"]),
+        ("$Nodes\n1\n1 0 1e999 0\n", &["line 6: node 1 has a coordinate"]),
+        ("$Nodes\n9999999999\n1 0 0 0\n", &["line 5: 9999999999 nodes are announced", "cut off"]),
+        ("$Nodes\n2\n1 0 0 0\n$EndNodes\n", &["line 7: expected an integer, found \"$EndNodes\""]),
+        ("$Nodes\n1\n1 0 0 0\n2 0 0 0\n$EndNodes\n", &["line 7: expected $EndNodes, found \"2\""]),
+        ("$Nodes\n1\n1 0 0", &["line 6: expected a number, found the end of the file"]),
+        ("$NodeData\n1\n", &["section $NodeData has no $EndNodeData"]),
+        ("$PhysicalNames\n1\n3 1 body\n", &["line 6: expected dimension, number and \"name\"", "3 1 body"]),
+    ];
+    for (text, parts) in cases {
+        assert_message("a.msh", &format!("{header}{text}"), parts);
+    }
+    assert_message("a.msh", &format!("{header}$EndNodes\n"), &["line 4: $EndNodes without its beginning"]);
+}
+
+#[test]
+fn bad_gmsh_elements() {
+    let v2: [(&str, &[&str]); 7] = [
+        ("1\n1 4 2 0 1 1 2 3 5\n", &["line 13: element 1 names node 5, which the file does not define"]),
+        (
+            "1\n1 13 2 0 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n",
+            &[
+                "line 13: elements of type wedge18",
+                "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5",
+            ],
+        ),
+        ("1\n1 777 2 0 1\n", &["line 13: elements of type 777 of Gmsh"]),
+        ("1\n1 4 99999 0 1\n", &["line 13: 99999 tags are announced"]),
+        ("2\n1 4 2 0 1 1 2 3 4\n1 4 2 0 1 4 3 2 1\n", &["line 14: element 1 is there already"]),
+        (
+            "2\n1 4 2 7 1 1 2 3 4\n2 4 2 7 1 1 2 3 4\n",
+            &["line 14: element 2 has the nodes and the group of element 1"],
+        ),
+        ("1\n1 1 2 7 1 1 2\n", &["a.msh: the mesh has no solid or plane cells; mesh the volume"]),
+    ];
+    for (text, parts) in v2 {
+        assert_message("a.msh", &format!("{V2}$Elements\n{text}$EndElements\n"), parts);
+    }
+    let v4: [(&str, &[&str]); 4] = [
+        ("1 1 1 1\n3 1 4 1\n1 1 2 3 5\n", &["line 16: element 1 names node 5"]),
+        ("1 1 1 1\n3 1 4 88888888\n1 1 2 3 4\n", &["line 15: 88888888 elements are announced"]),
+        ("1 2 1 2\n3 1 4 2\n1 1 2 3 4\n1 1 2 3 4\n", &["line 17: element 1 is there already"]),
+        ("1 1 1 1\n3 1 14 1\n1 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n", &["elements of type pyramid14"]),
+    ];
+    for (text, parts) in v4 {
+        assert_message("a.msh", &format!("{V4}$Elements\n{text}$EndElements\n"), parts);
+    }
+    assert_message("a.msh", &V4.replace("3 1 0 4", "9 1 0 4"), &["line 6: a block of nodes of dimension 9"]);
+    assert_message(
+        "a.msh",
+        &V4.replace("1 2 3 4", "1 -2 3 4"),
+        &["line 7: expected a whole number, found \"-2\""],
+    );
+}
+
+#[test]
+fn errors_of_binary_files_name_the_byte() {
+    let whole = bytes("hex8-41-binary.msh");
+    let message = |bytes: &[u8]| emmy_io::mesh::parse("a.msh".as_ref(), bytes).unwrap_err().to_string();
+    assert!(message(&whole[..whole.len() - 100]).starts_with("a.msh, byte "));
+    let nodes = whole.windows(6).position(|window| window == b"$Nodes").unwrap() + 7;
+    let mut lying = whole.clone();
+    lying[nodes..nodes + 8].copy_from_slice(&u64::MAX.to_le_bytes());
+    let lie = message(&lying);
+    assert!(lie.contains("18446744073709551615 blocks of nodes are announced"), "{lie}");
+    let wedges = emmy_io::mesh::read(&path("wedge18.msh")).unwrap_err().to_string();
+    assert!(wedges.contains(", byte ") && wedges.contains("wedge18"), "{wedges}");
+    let version = emmy_io::mesh::read(&path("version-40.msh")).unwrap_err().to_string();
+    assert!(version.contains("version 4 of the MSH format"), "{version}");
+}
+
+#[test]
+fn names_must_be_utf8() {
+    let mut name = b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"".to_vec();
+    name.extend(b"\xff\"\n$EndPhysicalNames\n");
+    let message = emmy_io::mesh::parse("a.msh".as_ref(), &name).unwrap_err().to_string();
+    assert!(message.contains("line 6: text that is not UTF-8"), "{message}");
+    let message = emmy_io::mesh::parse("a.inp".as_ref(), b"*Node, nset=\xe4\n").unwrap_err().to_string();
+    assert!(message.contains("line 1: text that is not UTF-8; save the file as UTF-8"), "{message}");
+}
+
+#[test]
+fn bad_abaqus_nodes_and_elements() {
+    let cases: [(&str, &[&str]); 16] = [
+        ("*Element, type=C3D4\n1, 1, 2, 3, 5\n", &["line 7: element 1 names node 5"]),
+        ("*Element, type=C3D4\n1, 1, 2, 3\n", &["line 7: element 1 of type C3D4 has 3 nodes instead of 4"]),
+        ("*Element, type=C3D4\n1, 1, 2, 3,\n", &["line 7: element 1 of type C3D4 has 3 nodes instead of 4"]),
+        ("*Element, type=C3D4\n1, 1, 2, 3, 4, 1\n", &["has 5 nodes instead of 4"]),
+        ("*Element, type=C3D4\n1, 1, 2, 3, x\n", &["line 7: expected a whole number, found \"x\""]),
+        ("*Element, type=C3D4\n1,1,2,3,4\n1,1,2,3,4\n", &["line 8: element 1 is there already"]),
+        (
+            "*Element, type=S4\n1,1,2,3,4\n",
+            &["line 6: elements of type S4 are not supported", "C3D8", "C3D10"],
+        ),
+        ("*Element, type=c3d15v\n", &["line 6: elements of type C3D15V"]),
+        ("*Element\n", &["line 6: *ELEMENT without type="]),
+        ("*Node\n4, 0, 0, 0\n", &["line 7: node 4 is there already"]),
+        ("*Node\n5, 0, nan, 0\n", &["line 7: node 5 has a coordinate that is not a finite number"]),
+        ("*Node\n5, 0\n", &["line 7: node 5 has fewer than two coordinates"]),
+        ("*Node\n5, 0, 0, zero\n", &["line 7: expected a number, found \"zero\""]),
+        ("*Node, system=C\n", &["line 6: coordinates of system C are not supported"]),
+        ("*Elgen\n1, 10\n", &["line 6: *ELGEN", "write out all nodes and elements"]),
+        ("*Nset, nset=a\n1\n", &["the mesh has no solid or plane cells; the body must be in it"]),
+    ];
+    for (text, parts) in cases {
+        assert_message("a.inp", &format!("{INP}{text}"), parts);
+    }
+}
+
+#[test]
+fn bad_abaqus_sets_and_surfaces() {
+    let cases: [(&str, &[&str]); 12] = [
+        ("*Elset\n", &["line 8: *ELSET without elset="]),
+        ("*Elset, elset=a\nb\n", &["line 9: there is no element set \"b\" here or above"]),
+        ("*Nset, nset=a\nb\n", &["line 9: there is no node set \"b\""]),
+        ("*Nset, nset=a, elset=b\n", &["line 8: there is no element set \"b\""]),
+        ("*Nset, nset=a, generate\n3, 1\n", &["line 9: expected first, last and step", "\"3, 1\""]),
+        ("*Nset, nset=a, generate\n1, 3, 0\n", &["line 9: expected first, last and step"]),
+        ("*Nset, nset=a, instance=Arm\n1\n", &["line 8: there is no instance \"Arm\" above, only: none"]),
+        ("*Surface, name=a\n1, S5\n", &["line 9: element 1 (tet4) has no face S5"]),
+        ("*Surface, name=a\n1, SPOS\n", &["line 9: expected a face S1 ... S6", "\"SPOS\""]),
+        ("*Surface, name=a\n7, S1\n", &["line 9: there is no element 7"]),
+        ("*Surface, name=a\nbody, S1\n", &["line 9: there is no element set \"body\""]),
+        ("*Surface, type=NODE, name=a\nfoot\n", &["line 9: there is no node set \"foot\""]),
+    ];
+    for (text, parts) in cases {
+        assert_message("a.inp", &format!("{INP}*Element, type=C3D4\n1, 1, 2, 3, 4\n{text}"), parts);
+    }
+}
+
+#[test]
+fn bad_abaqus_assemblies() {
+    let part = format!("*Part, name=Tet\n{INP}*Element, type=C3D4\n1, 1, 2, 3, 4\n*End Part\n");
+    let cases: [(&str, &[&str]); 8] = [
+        ("", &["the mesh has no solid or plane cells; it has parts but no *Instance"]),
+        ("*Part, name=TET\n", &["line 10: part \"TET\" is there already"]),
+        ("*Instance, name=a, part=Arm\n", &["line 10: there is no part \"Arm\" above, only: Tet"]),
+        ("*Instance, name=a\n", &["line 10: *INSTANCE without part="]),
+        ("*Instance, name=a, part=Tet\n*Instance, name=A, part=Tet\n", &["line 11: instance \"A\" is there"]),
+        (
+            "*Instance, name=a, part=Tet\n1,2,3,4\n",
+            &["line 11: expected a translation (3 numbers) or a rotation"],
+        ),
+        (
+            "*Instance, name=a, part=Tet\n0,0,0,0,0,0,9\n",
+            &["line 11: the two points of the axis", "must differ"],
+        ),
+        ("*Include, input=no-such.inp\n", &["line 10: the file no-such.inp cannot be read"]),
+    ];
+    for (text, parts) in cases {
+        assert_message("a.inp", &format!("{part}{text}"), parts);
+    }
+    let circle = emmy_io::mesh::read(&path("circle.inp")).unwrap_err().to_string();
+    assert!(circle.contains("circle.inp, line 2: more than 16 files"), "{circle}");
+}
+
+#[test]
+fn cells_that_are_inverted_or_there_twice_have_their_own_numbers() {
+    let inverted =
+        "is inverted or degenerate: det(dX/dxi) = -1e0 at one of its points; check its orientation";
+    let (one, other) =
+        ("a.msh: element 7 (tet4) ", "a.msh: element 9 has the nodes of element 7; remove one");
+    let elements = |text: &str| format!("{V2}$Elements\n{text}$EndElements\n");
+    assert_message("a.msh", &elements("1\n7 4 2 0 1 1 3 2 4\n"), &[one, inverted]);
+    assert_message("a.msh", &elements("2\n7 4 2 1 1 1 2 3 4\n9 4 2 2 1 2 3 1 4\n"), &[other]);
+    let elements = |text: &str| format!("{V4}$Elements\n1 2 7 9\n{text}$EndElements\n");
+    assert_message("a.msh", &elements("3 1 4 1\n7 1 3 2 4\n"), &[one, inverted]);
+    assert_message("a.msh", &elements("3 1 4 2\n7 1 2 3 4\n9 1 2 3 4\n"), &[other]);
+    let inp = |text: &str| format!("{INP}*Element, type=C3D4\n{text}");
+    assert_message("a.inp", &inp("7, 1, 3, 2, 4\n"), &["a.inp: element 7 (tet4) ", inverted]);
+    assert_message(
+        "a.inp",
+        &inp("7, 1, 2, 3, 4\n9, 1, 2, 4, 3\n"),
+        &["element 9 has the nodes of element 7"],
+    );
+    let part =
+        format!("*Part, name=Tet\n{}*End Part\n*Instance, name=Arm, part=Tet\n", inp("7, 1, 3, 2, 4\n"));
+    assert_message("a.inp", &part, &["a.inp: element 7 of instance Arm (tet4) is inverted"]);
+    let vtu = std::fs::read_to_string(path("vtk-ascii.vtu")).unwrap();
+    let vtu = vtu.replacen("9 11 10 0", "9 10 11 0", 1);
+    assert_message("a.vtu", &vtu, &["a.vtu: cell 3 (counted from 0) (tet4) is inverted"]);
+}
+
+#[test]
+fn nodes_at_one_place_are_noted() {
+    let text = "5, 0, 0, 0\n6, 1, 0, 0\n7, 0, 1, 0\n8, 0, 0, -1\n*Element, type=C3D4\n1, 1, 2, 3, 4\n2, 5, 7, 6, 8\n";
+    let file = parse_text("a.inp", &format!("{INP}{text}")).unwrap();
+    let note = "3 nodes lie where another one does, the first at [0, 0, 0]: cells on both sides are not joined there";
+    assert_eq!(file.notes, [note]);
+}

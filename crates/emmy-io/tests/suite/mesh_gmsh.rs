@@ -1,0 +1,152 @@
+//! Gmsh files as Gmsh wrote them (`meshes/generate.py`), and a few by hand.
+
+use crate::meshes::{assert_plane, assert_straight, close, parse_text, read, volume};
+use emmy::mesh::{CellKind, Mesh};
+use emmy_io::mesh::parse;
+
+const FORMATS: [&str; 4] = ["22-ascii", "22-binary", "41-ascii", "41-binary"];
+
+/// Kind, nodes, cells, facets at an end, facets of the skin, nodes of the edge.
+const MESHES: [(CellKind, usize, usize, usize, usize, usize); 7] = [
+    (CellKind::Hex8, 18, 4, 2, 6, 3),
+    (CellKind::Hex20, 51, 4, 2, 6, 5),
+    (CellKind::Hex27, 75, 4, 2, 6, 5),
+    (CellKind::Tet4, 23, 48, 4, 12, 3),
+    (CellKind::Tet10, 113, 48, 4, 12, 5),
+    (CellKind::Wedge6, 15, 8, 4, 6, 3),
+    (CellKind::Wedge15, 49, 8, 4, 6, 5),
+];
+
+#[test]
+fn every_kind_in_every_format_has_its_cells_and_groups() {
+    for (kind, n_nodes, n_cells, n_end, n_skin, n_edge) in MESHES {
+        for format in FORMATS {
+            let file = read(&format!("{kind}-{format}.msh"));
+            let mesh = &file.mesh;
+            assert_eq!((mesh.n_nodes(), mesh.n_cells()), (n_nodes, n_cells), "{kind} {format}");
+            assert!(mesh.cells().all(|cell| cell.kind == kind));
+            assert!((volume(mesh) - 2.0).abs() < 1e-12);
+            assert_straight(mesh);
+            assert_groups(mesh, n_end, n_skin, n_edge);
+            assert!(file.notes.is_empty(), "{:?}", file.notes);
+        }
+    }
+}
+
+fn assert_groups(mesh: &Mesh, n_end: usize, n_skin: usize, n_edge: usize) {
+    let groups = mesh.groups();
+    let half = mesh.n_cells() / 2;
+    let n_cells = ["left part", "right part", "whole"].map(|name| groups.cells(name).unwrap().len());
+    assert_eq!(n_cells, [half, half, 2 * half]);
+    let n_facets = ["clamp", "tip", "7", "skin"].map(|name| groups.facets(name).unwrap().len());
+    assert_eq!(n_facets, [n_end, n_end, n_end, n_skin]);
+    assert_eq!([groups.nodes["edge"].len(), groups.nodes["corner"].len()], [n_edge, 1]);
+    assert_eq!(groups.names().len(), 9);
+    assert_plane(mesh, "clamp", 0, 0.0);
+    assert_plane(mesh, "7", 0, 1.0);
+    assert_plane(mesh, "tip", 0, 2.0);
+    assert_plane(mesh, "edge", 1, 0.0);
+    assert_plane(mesh, "edge", 2, 0.0);
+    assert!(close(mesh.points()[groups.nodes["corner"][0] as usize], [0.0; 3]));
+}
+
+#[test]
+fn one_mesh_is_the_same_in_all_formats() {
+    for (kind, ..) in MESHES {
+        let first = read(&format!("{kind}-41-binary.msh")).mesh;
+        for format in FORMATS {
+            let other = read(&format!("{kind}-{format}.msh")).mesh;
+            assert!(first.cells().eq(other.cells()), "{kind} {format}");
+            assert_eq!(first.groups(), other.groups(), "{kind} {format}");
+            // ASCII files have 16 digits.
+            assert!(first.points().iter().zip(other.points()).all(|(a, b)| close(*a, *b)));
+        }
+    }
+}
+
+#[test]
+fn kinds_are_mixed_with_triangles_and_quadrilaterals_between_them() {
+    for format in FORMATS {
+        let file = read(&format!("mixed-{format}.msh"));
+        let (mesh, groups) = (&file.mesh, file.mesh.groups());
+        let count = |kind| mesh.cells().filter(|cell| cell.kind == kind).count();
+        assert_eq!([CellKind::Hex8, CellKind::Pyramid5, CellKind::Tet4].map(count), [1, 1, 24]);
+        assert!((volume(mesh) - 2.0).abs() < 1e-12);
+        assert!(emmy::element::quality(mesh).inverted.is_empty());
+        // The face of the hexahedron on which the pyramid stands is found once, as one of the first cell's.
+        let n_facets = ["clamp", "tip", "7", "skin"].map(|name| groups.facets(name).unwrap().len());
+        assert_eq!(n_facets, [1, 4, 1, 9]);
+        for (name, value) in [("clamp", 0.0), ("7", 1.0), ("tip", 2.0)] {
+            assert_plane(mesh, name, 0, value);
+        }
+        assert!(file.notes.is_empty(), "{:?}", file.notes);
+    }
+}
+
+#[test]
+fn parametric_coordinates_and_partitions_change_nothing() {
+    let plain = read("hex20-41-ascii.msh").mesh;
+    assert_eq!(read("parametric.msh").mesh, plain);
+    for name in ["partitioned-22.msh", "partitioned-41.msh", "partitioned-41-binary.msh"] {
+        let mesh = read(name).mesh;
+        assert_eq!((mesh.n_nodes(), mesh.n_cells()), (51, 4));
+        assert_straight(&mesh);
+        assert_groups(&mesh, 2, 6, 5);
+    }
+}
+
+#[test]
+fn cells_in_no_group_are_kept_and_other_elements_told() {
+    for name in ["all-22.msh", "all-41.msh"] {
+        let file = read(name);
+        assert_eq!(file.mesh.n_cells(), 4);
+        assert!(file.mesh.groups().names().is_empty());
+        assert_eq!(file.notes[2], "18 elements of dimension 2 in no physical group are ignored");
+    }
+}
+
+const SPARSE: &str = "$Comments\nby hand\n$EndComments\n$MeshFormat\n4.1 0 8\n$EndMeshFormat
+$Periodic\n0\n$EndPeriodic
+$Nodes\n2 6 7 1000000000000\n3 1 0 4\n1000000000000\n7\n12\n9\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 9 0 2\n77\n78\n5 5 5\n6 6 6\n$EndNodes
+$Elements\n1 1 3 3\n3 1 4 1\n3 1000000000000 7 12 9\n$EndElements\n$NodeData\n1\n\"u\"\n$EndNodeData\n";
+
+#[test]
+fn node_numbers_may_have_gaps_and_nodes_without_cell_are_told() {
+    let file = parse_text("sparse.msh", SPARSE).unwrap();
+    assert_eq!(file.mesh.points()[0], [0.0; 3]);
+    assert_eq!(file.mesh.cell(0).nodes, [0, 1, 2, 3]);
+    assert_eq!(file.notes, ["2 nodes belong to no cell and are left out"]);
+}
+
+/// A tetrahedron in MSH 2.2, binary with the largest byte first.
+fn big_endian() -> Vec<u8> {
+    let mut bytes = b"$MeshFormat\n2.2 1 8\n".to_vec();
+    let ints =
+        |bytes: &mut Vec<u8>, ints: &[i32]| bytes.extend(ints.iter().flat_map(|int| int.to_be_bytes()));
+    ints(&mut bytes, &[1]);
+    bytes.extend(b"\n$EndMeshFormat\n$Nodes\n4\n");
+    for (node, point) in [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().enumerate() {
+        ints(&mut bytes, &[node as i32 + 1]);
+        bytes.extend(point.iter().flat_map(|x: &f64| x.to_be_bytes()));
+    }
+    bytes.extend(b"\n$EndNodes\n$Elements\n1\n");
+    ints(&mut bytes, &[4, 1, 2, 1, 5, 5, 1, 2, 3, 4]);
+    bytes.extend(b"\n$EndElements\n");
+    bytes
+}
+
+#[test]
+fn either_byte_order_is_read() {
+    let mesh = parse("big.msh".as_ref(), &big_endian()).unwrap().mesh;
+    assert_eq!(mesh.groups().cells("5").unwrap(), [0]);
+    assert!((volume(&mesh) - 1.0 / 6.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_facet_without_cell_is_told_in_numbers_of_the_file() {
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 3 \"lid\"\n$EndPhysicalNames
+$Nodes\n5\n10 0 0 0\n20 1 0 0\n30 0 1 0\n40 0 0 1\n50 2 2 2\n$EndNodes
+$Elements\n2\n1 4 2 1 1 10 20 30 40\n2 2 2 3 1 20 30 50\n$EndElements\n";
+    let error = parse_text("lid.msh", text).unwrap_err().to_string();
+    assert!(error.starts_with("lid.msh: group \"lid\": the facet with corner nodes [20, 30, 50]"), "{error}");
+}

@@ -1,0 +1,147 @@
+//! VTU files as VTK and meshio wrote them (`meshes/generate_vtu.py`), and Emmy's own frames read back.
+
+use std::path::Path;
+
+use crate::meshes::{assert_plane, assert_straight, parse_text, path, read, volume};
+use emmy::body::fields::{FieldName, FieldValues};
+use emmy::mesh::{CellKind, Facet, Mesh};
+use emmy_io::vtk::{Frames, Precision};
+
+const WAYS: [&str; 11] = [
+    "vtk-ascii",
+    "vtk-inline-plain",
+    "vtk-inline-zlib",
+    "vtk-raw-plain",
+    "vtk-raw-zlib",
+    "vtk-base64-plain",
+    "vtk-base64-zlib",
+    "vtk-big-endian",
+    "meshio-ascii",
+    "meshio-plain",
+    "meshio-zlib",
+];
+
+const MIRRORED: &str = "1 wedge has its base numbered the other way round, as in older VTK, and read so";
+
+fn kinds(mesh: &Mesh) -> Vec<CellKind> {
+    mesh.cells().map(|cell| cell.kind).collect()
+}
+
+fn assert_groups(mesh: &Mesh) {
+    let groups = mesh.groups();
+    assert_eq!(groups.cells("top").unwrap(), [1]);
+    assert_eq!(groups.cells("region=0").unwrap(), [0, 1]);
+    assert_eq!(groups.cells("region=1").unwrap(), [2, 3]);
+    assert_eq!(groups.facets("left").unwrap(), [Facet { cell: 0, local: 0 }]);
+    assert_eq!(groups.facets("bottom").unwrap(), [Facet { cell: 0, local: 4 }]);
+    assert_eq!(groups.nodes["apex"], [8]);
+    assert_eq!(groups.names(), ["apex", "bottom", "left", "region=0", "region=1", "top"]);
+    assert_plane(mesh, "left", 0, 0.0);
+    assert_plane(mesh, "bottom", 2, 0.0);
+}
+
+#[test]
+fn one_mesh_is_the_same_in_every_way_of_writing() {
+    for way in WAYS {
+        let file = read(&format!("{way}.vtu"));
+        assert_eq!(
+            kinds(&file.mesh),
+            [CellKind::Hex8, CellKind::Pyramid5, CellKind::Wedge6, CellKind::Tet4],
+            "{way}"
+        );
+        assert!((volume(&file.mesh) - 2.0).abs() < 1e-14);
+        assert_groups(&file.mesh);
+        assert_eq!(file.mesh, read("vtk-ascii.vtu").mesh, "{way}");
+        // meshio turns the wedges of VTK round.
+        let notes: &[&str] = if way.starts_with("meshio") { &[MIRRORED] } else { &[] };
+        assert_eq!(file.notes, notes, "{way}");
+    }
+}
+
+#[test]
+fn a_wedge_may_have_its_base_the_other_way_round() {
+    let file = read("mirrored.vtu");
+    assert_eq!(file.mesh.cell(2).nodes, [1, 9, 2, 5, 10, 6]);
+    assert_eq!(file.notes, [MIRRORED]);
+    assert_groups(&file.mesh);
+}
+
+#[test]
+fn quadratic_cells_and_voxels_have_their_nodes_where_vtk_has_them() {
+    let file = read("quadratic.vtu");
+    assert_eq!(
+        kinds(&file.mesh),
+        [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15, CellKind::Hex8]
+    );
+    assert_straight(&file.mesh);
+    assert!((volume(&file.mesh) - 1.0 - 1.0 - 1.0 / 6.0 - 0.5 - 1.0).abs() < 1e-14);
+}
+
+/// The frame of a mesh at rest, as a run writes it.
+fn frame(mesh: &Mesh, directory: &Path) -> Mesh {
+    let (n, region_of_cell) = (mesh.n_dofs(), vec![0; mesh.n_cells()]);
+    let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; n] };
+    let mut frames =
+        Frames::create(&directory.join("out"), Precision::Double, mesh, &region_of_cell).unwrap();
+    frames.write(0, 0.0, &[displacement]).unwrap();
+    emmy_io::mesh::read(&directory.join("out/frames/out_000000.vtu")).unwrap().mesh
+}
+
+#[test]
+fn frames_come_back_as_the_mesh_with_all_its_groups() {
+    let names = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed"];
+    let files = names.map(|name| format!("{name}-41-binary.msh"));
+    for name in files.iter().map(String::as_str).chain(["wedges.inp", "assembly.inp"]) {
+        let (mesh, temp) = (read(name).mesh, tempfile::tempdir().unwrap());
+        let back = frame(&mesh, temp.path());
+        assert_eq!(back.points(), mesh.points(), "{name}");
+        assert!(back.cells().eq(mesh.cells()), "{name}");
+        let mut groups = back.groups().clone();
+        // The number of the region is an array too.
+        assert_eq!(groups.cells.remove("region=0").unwrap().len(), mesh.n_cells());
+        assert_eq!(&groups, mesh.groups(), "{name}");
+    }
+}
+
+#[test]
+fn group_names_may_hold_any_character() {
+    let mut builder = emmy::mesh::MeshBuilder::new();
+    let nodes = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|p| builder.point(p));
+    builder.cell(CellKind::Tet4, &nodes).unwrap();
+    builder.node_group("a \"b\" <c> & d'é", [2]);
+    let (mesh, temp) = (builder.build().unwrap(), tempfile::tempdir().unwrap());
+    assert_eq!(frame(&mesh, temp.path()).groups().nodes, mesh.groups().nodes);
+}
+
+#[test]
+fn bad_files_are_told_with_their_line() {
+    let ascii = std::fs::read_to_string(path("vtk-ascii.vtu")).unwrap();
+    let cases: [(&str, &str, &[&str]); 11] = [
+        ("<UnstructuredGrid>", "<PolyData>", &["a.vtu, line 61", "the XML cannot be read"]),
+        (
+            "NumberOfCells=\"5\"",
+            "NumberOfCells=\"6\"",
+            &["a.vtu, line 56: array \"types\": 5 numbers instead of 6"],
+        ),
+        ("NumberOfPoints=\"12\"", "", &["line 3: <Piece> without its NumberOfPoints"]),
+        ("NumberOfCells=\"5\"", "NumberOfCells=\"0\"", &["a.vtu: the mesh has no solid or plane cells"]),
+        ("format=\"ascii\"", "format=\"binary\"", &["line 5: array \"group:apex\"", "bytes are announced"]),
+        ("0 0 1 1 5", "0 0 x 1 5", &["array \"region\": expected a number, found \"x\""]),
+        ("12 14 13 10 9", "12 14 13 10 42", &["elements of type 42 of VTK are not supported"]),
+        ("8 13 19 23 27", "8 13 20 23 27", &["cell 2 of type 13 ends at 20 instead of 19"]),
+        ("0.5 0.5 2", "0.5 0.5 nan", &["coordinate", "not a finite number"]),
+        ("0 1 2 3 4 5", "0 1 2 3 4 99", &["a cell names node 99, of 12"]),
+        ("header_type", "compressor=\"vtkLZ4DataCompressor\" header_type", &["save it compressed by ZLib"]),
+    ];
+    for (from, to, parts) in cases {
+        assert!(ascii.contains(from), "{from} is not in the file");
+        let message = parse_text("a.vtu", &ascii.replacen(from, to, 1)).expect_err(from).to_string();
+        for part in parts {
+            assert!(message.contains(part), "\"{part}\" is not in: {message}");
+        }
+    }
+    let pieces = emmy_io::mesh::read(&path("two-pieces.vtu")).unwrap_err().to_string();
+    assert!(pieces.contains("a second piece of the grid; join the pieces in ParaView"), "{pieces}");
+    let html = parse_text("a.vtu", "<html></html>").unwrap_err().to_string();
+    assert!(html.contains("a.vtu, line 1: no unstructured grid of VTK"), "{html}");
+}

@@ -1,0 +1,129 @@
+//! Bodies, states and motions of these tests.
+
+use emmy::Error;
+use emmy::adjoint::{Goal, Gradient, Trajectory};
+use emmy::body::{Body, GroundAttraction, GroundSpring, History, Load, LoadKind, Nodal, Region, Support};
+use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
+use emmy::mesh;
+use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
+use emmy::time::Scheme;
+
+pub use crate::shared::blocks::soft_block;
+pub use crate::shared::points::{masses, network, orbit};
+
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+pub const DGM: Scheme = Scheme::DiscreteGradient;
+
+pub fn settings() -> NewtonSettings {
+    NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
+}
+
+pub fn equal(until: f64, size: f64) -> StepPlan {
+    StepPlan::new(0.0, vec![Phase { until, size }]).unwrap()
+}
+
+/// Schemes of a degree.
+pub fn schemes(k: usize) -> [Scheme; 5] {
+    [
+        Scheme::Standard(k),
+        Scheme::Standard(k + 2),
+        Scheme::AssumedStrain(k),
+        Scheme::AssumedStrain(k + 2),
+        DGM,
+    ]
+}
+
+/// Numbers between -1 and 1 without order.
+pub fn scattered(n: usize, seed: usize) -> Vec<f64> {
+    (0..n).map(|i| ((i * i + 7 * i + 1) as f64 * (1.3 + seed as f64)).sin()).collect()
+}
+
+/// A soft block that is held at its bottom face; a traction that varies over time and gravity pull at it.
+pub fn held_block([lambda, mu]: [f64; 2], density: f64, traction: f64, rubber: bool) -> Result<Body> {
+    let region = match rubber {
+        true => Region::new(None, density, NeoHooke::new(lambda, mu)?),
+        false => Region::new(None, density, SaintVenantKirchhoff::new(lambda, mu)?),
+    };
+    let kind = LoadKind::Traction { group: "z-max".into(), traction: [traction, 0.3 * traction, -0.2] };
+    let load = Load { kind, history: History::new(vec![(0.0, 0.2), (0.25, 1.0), (0.6, 0.4)])? };
+    let gravity = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.5, -2.0] };
+    let support = Support { group: "z-min".into(), fix: [true; 3], ..Default::default() };
+    let loads = [load, Load { kind: gravity, history: History::constant() }];
+    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![region], &[support], &loads)
+}
+
+pub fn rubber() -> Body {
+    held_block([30.0, 15.0], 1.0, 2.0, true).unwrap()
+}
+
+/// Four masses in the corners of a tetrahedron with springs along its edges, one on a spring to the ground, all drawn to a star.
+pub fn springs(stiffness: f64) -> Result<Body> {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
+    let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+    let nodal = Nodal {
+        masses: masses(&[1.0, 1.2, 1.4, 1.6]),
+        springs: vec![GroundSpring { group: "2".into(), stiffness: 7.0 }],
+        attractions: vec![GroundAttraction { group: None, centre: [3.0, 1.0, 0.5], strength: 4.0 }],
+    };
+    let region = Region::links(None, 0.0, Link::spring(stiffness, None)?);
+    Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[])
+}
+
+/// The state of a body with a displacement and a velocity that are scattered over its free degrees of freedom.
+pub fn disturbed(body: &Body, displacement: f64, velocity: f64) -> State {
+    let mut state = State::initial(body, 0.0, &[]).unwrap();
+    let (du, dv) = (scattered(body.n_dofs(), 1), scattered(body.n_dofs(), 2));
+    shift(body, &mut state, displacement, &du, velocity, &dv);
+    state
+}
+
+/// Adds `d du` to the displacement of a state and `e dv` to its velocity.
+pub fn shift(body: &Body, state: &mut State, d: f64, du: &[f64], e: f64, dv: &[f64]) {
+    for dof in (0..body.n_dofs()).filter(|&dof| !body.fixed()[dof]) {
+        state.displacement[dof] += d * du[dof];
+        state.velocity[dof] += e * dv[dof];
+    }
+    let mut momentum = std::mem::take(&mut state.momentum);
+    body.mass_product(&state.velocity, &mut momentum);
+    state.momentum = momentum;
+}
+
+/// A goal that looks at all there is at the end.
+pub fn scattered_goal(body: &Body) -> Goal {
+    Goal { displacement: scattered(body.n_dofs(), 3), velocity: scattered(body.n_dofs(), 4) }
+}
+
+pub fn end(body: &Body, scheme: Scheme, degree: usize, start: &State, plan: &StepPlan) -> State {
+    let mut motion = Motion::new(body, scheme, degree, settings(), start.clone()).unwrap();
+    motion.march(plan, &mut []).unwrap();
+    motion.state().clone()
+}
+
+pub fn trajectory<'a>(
+    body: &'a Body,
+    scheme: Scheme,
+    degree: usize,
+    start: &State,
+    plan: &StepPlan,
+) -> Trajectory<'a> {
+    let mut motion = Motion::new(body, scheme, degree, settings(), start.clone()).unwrap();
+    let mut trajectory = Trajectory::new(&motion).unwrap();
+    motion.march(plan, &mut [&mut trajectory]).unwrap();
+    trajectory
+}
+
+/// Derivative of a function at zero by differences with an error of order d^4.
+pub fn slope(d: f64, of: impl Fn(f64) -> f64) -> f64 {
+    (8.0 * (of(d) - of(-d)) - (of(2.0 * d) - of(-2.0 * d))) / (12.0 * d)
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Size of a derivative along a direction, of which its terms may cancel.
+pub fn size(gradient: &Gradient, [du, dv]: [&[f64]; 2]) -> f64 {
+    let norm = |a: &[f64]| dot(a, a).sqrt();
+    (norm(&gradient.displacement) * norm(du) + norm(&gradient.velocity) * norm(dv)) / (du.len() as f64).sqrt()
+}

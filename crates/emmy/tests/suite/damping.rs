@@ -1,0 +1,363 @@
+//! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
+
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support, Viscosity};
+use emmy::material::{Link, NeoHooke};
+use emmy::mesh::{self};
+use emmy::motion::{Motion, NewtonSettings, Record, State};
+use emmy::time::{LocalError, Scheme};
+
+use crate::shared::points::{masses, moving, network};
+
+fn settings() -> NewtonSettings {
+    NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
+}
+
+fn scheme(text: &str) -> Scheme {
+    text.parse().unwrap()
+}
+
+/// A mass 1 on a spring of stiffness k to a fixed point, moving along it so slowly that it is linear.
+fn oscillator(k: f64, time: f64, drag: f64) -> Body {
+    let viscosity = Viscosity { time, ..Viscosity::default() };
+    let region = Region::links(None, 0.0, Link::spring(k, None).unwrap()).with_viscosity(viscosity);
+    let fixed = Support { group: "0".into(), fix: [true; 3], ..Support::default() };
+    let guided = Support { group: "1".into(), fix: [false, true, true], ..Support::default() };
+    let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
+    let body = Body::with_nodal(
+        mesh,
+        vec![region],
+        &Nodal { masses: masses(&[1.0, 1.0]), ..Nodal::default() },
+        &[fixed, guided],
+        &[],
+    )
+    .unwrap();
+    body.with_drag(drag).unwrap()
+}
+
+/// A block that tumbles, bends and stretches.
+fn block(viscosity: Viscosity, supports: &[Support], loads: &[Load]) -> Body {
+    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap()).with_viscosity(viscosity);
+    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 3]).unwrap(), vec![rubber], supports, loads).unwrap()
+}
+
+fn tumbling(body: &Body) -> State {
+    let field = InitialVelocity {
+        angular_velocity: [0.5, 1.0, 0.3],
+        about: [0.2, 0.5, 1.0],
+        gradient: [[0.0, 0.0, 1.3], [0.0, 0.4, 0.0], [0.1, 0.0, 1.2]],
+        ..InitialVelocity::default()
+    };
+    State::initial(body, 0.0, &[field]).unwrap()
+}
+
+/// Records of a motion of equal steps.
+fn records(body: &Body, scheme: Scheme, degree: usize, state: State, h: f64, n: usize) -> Vec<Record> {
+    let mut motion = Motion::new(body, scheme, degree, settings(), state).unwrap();
+    let step = |i: usize| {
+        motion.step(h, h * (i + 1) as f64).unwrap();
+        motion.record().clone()
+    };
+    (0..n).map(step).collect()
+}
+
+/// Largest defects of the balances, relative to the first energy and to the size of the momenta.
+fn worst(records: &[Record]) -> [f64; 3] {
+    let energy = records.iter().map(|r| r.kinetic_energy + r.strain_energy.abs()).fold(0.0, f64::max);
+    let largest = |of: fn(&Record) -> f64| records.iter().map(of).fold(0.0, f64::max);
+    [
+        largest(|r| r.energy_residual.abs()) / energy,
+        largest(|r| r.linear_momentum_residual) / energy,
+        largest(|r| r.angular_momentum_residual) / energy,
+    ]
+}
+
+#[test]
+fn a_viscous_spring_and_a_braked_mass_decay_as_in_theory() {
+    // x'' + 2 delta x' + omega^2 x = 0 from x = 0, x' = v: x = v/w exp(-delta t) sin(w t), w^2 = omega^2 - delta^2.
+    // Viscosity: 2 delta = t_v omega^2; drag: 2 delta = alpha.
+    let (k, v, t) = (25.0f64, 1e-6, 2.0);
+    for (viscous, drag) in [(0.02, 0.0), (0.0, 0.4), (0.01, 0.3)] {
+        let body = oscillator(k, viscous, drag);
+        let delta = 0.5 * (viscous * k + drag);
+        let w = (k - delta * delta).sqrt();
+        let exact = v / w * (-delta * t).exp() * (w * t).sin();
+        for (text, degree, n, limit) in
+            [("AS(1)", 1, 800, 2e-4), ("DGM", 2, 100, 1e-5), ("AS(3)", 3, 50, 2e-6), ("FE(2)", 2, 100, 1e-5)]
+        {
+            let mut motion = Motion::new(
+                &body,
+                scheme(text),
+                degree,
+                settings(),
+                moving(&body, &[[0.0; 3], [v, 0.0, 0.0]]),
+            )
+            .unwrap();
+            for i in 1..=n {
+                motion.step(t / n as f64, t * i as f64 / n as f64).unwrap();
+            }
+            let error = (motion.state().displacement[3] - exact) * w / v;
+            assert!(error.abs() < limit, "{text} {viscous} {drag}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_braked_body_in_free_flight_slows_down_by_the_factor_of_the_midpoint() {
+    // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade approximant of exp.
+    let body = block(Viscosity::default(), &[], &[]).with_drag(0.8).unwrap();
+    let field = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
+    let z: f64 = -0.8 * 0.5;
+    for (degree, factor) in [
+        (1, (1.0 + z / 2.0) / (1.0 - z / 2.0)),
+        (2, (1.0 + z / 2.0 + z * z / 12.0) / (1.0 - z / 2.0 + z * z / 12.0)),
+    ] {
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&field)).unwrap();
+        let mut motion = Motion::new(&body, Scheme::DiscreteGradient, degree, settings(), state).unwrap();
+        motion.step(0.5, 0.5).unwrap();
+        assert!(motion.state().velocity.iter().step_by(3).all(|v| (v / (3.0 * factor) - 1.0).abs() < 1e-13));
+        let lost = 0.5 * 2.0 * 9.0 * (1.0 - factor * factor);
+        assert!((motion.record().dissipated_energy / lost - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn balances_close_with_viscosity_drag_loads_and_supports() {
+    let viscosity = Viscosity { time: 0.01, shear: 0.2, bulk: 0.1 };
+    let pull = Load {
+        kind: LoadKind::Traction { group: "z-max".into(), traction: [0.5, -0.3, 0.4] },
+        history: History::new(vec![(0.0, 0.0), (0.33, 1.0), (0.7, 0.0)]).unwrap(),
+    };
+    let held = Support { group: "z-min".into(), fix: [true; 3], ..Support::default() };
+    for supports in [vec![], vec![held]] {
+        let body = block(viscosity, &supports, std::slice::from_ref(&pull)).with_drag(0.2).unwrap();
+        for (text, degree) in
+            [("DGM", 1), ("DGM", 2), ("AS(6)", 1), ("AS(6)", 2), ("AS(7)", 3), ("DGM(0.5)", 1), ("DGM(0)", 2)]
+        {
+            let records = records(&body, scheme(text), degree, tumbling(&body), 0.1, 20);
+            let [energy, linear, angular] = worst(&records);
+            let limit = if text.starts_with("AS") { 1e-8 } else { 1e-12 };
+            assert!(
+                energy < limit && linear < 1e-12 && angular < 1e-12,
+                "{text} {degree}: {energy:e} {linear:e} {angular:e}"
+            );
+            assert!(records.windows(2).all(|pair| pair[1].dissipated_energy > pair[0].dissipated_energy));
+        }
+        // FE: its momenta, and its energy by as much as its stress is not that of the energy.
+        let [_, linear, angular] = worst(&records(&body, scheme("FE(2)"), 2, tumbling(&body), 0.1, 20));
+        assert!(linear < 1e-12 && angular < 1e-12, "FE(2): {linear:e} {angular:e}");
+    }
+}
+
+#[test]
+fn balances_close_where_a_support_moves_a_damped_body() {
+    let rate = History::smooth("0.3*sin(2*t)", |t| {
+        let (sin, cos) = (2.0 * t).sin_cos();
+        [0.3 * sin, 0.6 * cos, -1.2 * sin]
+    });
+    let driven = Support {
+        group: "z-min".into(),
+        fix: [false, true, true],
+        displacement: [Some(rate), None, None],
+        ..Support::default()
+    };
+    let body =
+        block(Viscosity { time: 0.02, ..Viscosity::default() }, &[driven], &[]).with_drag(0.3).unwrap();
+    for (text, degree) in [("DGM", 1), ("DGM", 2), ("AS(8)", 1)] {
+        let state = State::initial(&body, 0.0, &[]).unwrap();
+        let records = records(&body, scheme(text), degree, state, 0.1, 30);
+        let [energy, linear, angular] = worst(&records);
+        assert!(
+            energy < 1e-10 && linear < 1e-12 && angular < 1e-12,
+            "{text} {degree}: {energy:e} {linear:e} {angular:e}"
+        );
+        assert!(records[29].dissipated_energy > 1e-2 * records[29].external_work.abs());
+    }
+}
+
+#[test]
+fn viscosity_leaves_the_momenta_and_dies_out_in_a_relative_equilibrium() {
+    let body = block(Viscosity { time: 0.3, ..Viscosity::default() }, &[], &[]);
+    let records = records(&body, scheme("DGM"), 1, tumbling(&body), 0.1, 600);
+    let (first, last) = (&records[0], &records[599]);
+    for d in 0..3 {
+        assert!((first.angular_momentum[d] - last.angular_momentum[d]).abs() < 1e-11);
+        assert!((first.linear_momentum[d] - last.linear_momentum[d]).abs() < 1e-11);
+    }
+    let taken = |a: &Record, b: &Record| b.dissipated_energy - a.dissipated_energy;
+    assert!(taken(&records[589], last) < 1e-3 * taken(first, &records[10]));
+    assert!(last.kinetic_energy > 0.1 * first.kinetic_energy);
+}
+
+#[test]
+fn schemes_that_dissipate_never_add_energy_and_keep_the_momenta() {
+    let body = block(Viscosity::default(), &[], &[]);
+    for (text, degree) in [
+        ("DGM(0)", 1),
+        ("DGM(0.5)", 1),
+        ("DGM(0.9)", 1),
+        ("AS(8, 0.3)", 1),
+        ("DGM(0)", 2),
+        ("DGM(0.6)", 2),
+        ("DGM(0.2)", 3),
+    ] {
+        for h in [0.02, 0.4] {
+            let records = records(&body, scheme(text), degree, tumbling(&body), h, 50);
+            let [energy, linear, angular] = worst(&records);
+            assert!(
+                energy < 1e-10 && linear < 1e-12 && angular < 1e-12,
+                "{text} {degree} {h}: {energy:e} {linear:e} {angular:e}"
+            );
+            let rises = records.windows(2).map(|pair| pair[1].total_energy - pair[0].total_energy);
+            let largest = rises.fold(f64::NEG_INFINITY, f64::max);
+            assert!(largest < 1e-11 * records[0].total_energy, "{text} {degree} {h}: {largest:e}");
+            let drift =
+                (0..3).map(|d| (records[49].angular_momentum[d] - records[0].angular_momentum[d]).abs());
+            assert!(drift.fold(0.0, f64::max) < 1e-10, "{text} {degree} {h}");
+        }
+    }
+    // The quadrature of AS(8) is exact enough at these steps; without dissipation nothing is taken.
+    let free = records(&body, scheme("DGM(1)"), 1, tumbling(&body), 0.1, 20);
+    let same = records(&body, scheme("DGM"), 1, tumbling(&body), 0.1, 20);
+    assert!(free.iter().zip(&same).all(|(a, b)| (a.kinetic_energy - b.kinetic_energy).abs() < 1e-11));
+    assert!(free.iter().all(|record| record.dissipated_energy == 0.0));
+}
+
+#[test]
+fn a_body_in_plane_strain_keeps_its_angular_momentum_and_one_on_rollers_its_energy_balance() {
+    let rubber = || Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let field = InitialVelocity {
+        angular_velocity: [0.0, 0.0, 1.5],
+        gradient: [[0.0, 1.3, 0.0], [0.2, 0.8, 0.0], [0.0; 3]],
+        ..InitialVelocity::default()
+    };
+    let plane = Body::new(mesh::rectangle([2.0, 1.0], [4, 2]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let state = State::initial(&plane, 0.0, std::slice::from_ref(&field)).unwrap();
+    let records = records(&plane, scheme("DGM(0.4)"), 1, state, 0.1, 40);
+    let [energy, linear, angular] = worst(&records);
+    assert!(energy < 1e-12 && linear < 1e-12 && angular < 1e-12, "{energy:e} {linear:e} {angular:e}");
+    assert!(records[39].dissipated_energy > 1e-2 * records[0].total_energy);
+    let rollers = Support { group: "y-min".into(), fix: [false, true, false], ..Support::default() };
+    let body = block(Viscosity::default(), &[rollers], &[]);
+    let records = self::records(&body, scheme("DGM(0.4)"), 1, tumbling(&body), 0.1, 40);
+    let [energy, linear, _] = worst(&records);
+    assert!(energy < 1e-12 && linear < 1e-12, "{energy:e} {linear:e}");
+    assert!(records.windows(2).all(|pair| pair[1].total_energy < pair[0].total_energy));
+}
+
+#[test]
+fn fast_oscillations_decay_by_the_spectral_radius_and_slow_ones_hardly() {
+    for (degree, radius) in [(1, 0.0), (1, 0.5), (1, 0.8), (2, 0.0), (2, 0.5), (3, 0.4)] {
+        let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+        // omega h = 1e4: two norms with a factor of the radius between them, each step.
+        let body = oscillator(1e8, 0.0, 0.0);
+        let fast = records(&body, dissipative, degree, moving(&body, &[[0.0; 3], [1e-6, 0.0, 0.0]]), 1.0, 8);
+        let factor = (fast[7].total_energy / fast[6].total_energy).sqrt();
+        if radius > 0.0 {
+            assert!((factor - radius).abs() < 1e-3, "{degree} {radius}: {factor}");
+        } else {
+            assert!(fast[7].total_energy < 1e-20 * fast[0].total_energy, "{degree}: {factor}");
+        }
+        // omega h = 0.05: the modulus of the stability function is 1 - c (omega h)^(2k).
+        let body = oscillator(0.25, 0.0, 0.0);
+        let slow = records(&body, dissipative, degree, moving(&body, &[[0.0; 3], [1e-6, 0.0, 0.0]]), 0.1, 10);
+        let lost = 1.0 - slow[9].total_energy / 0.5e-12;
+        assert!(lost < 10.0 * 0.05f64.powi(2 * degree as i32), "{degree} {radius}: {lost:e}");
+    }
+}
+
+#[test]
+fn dissipative_elements_are_of_order_2k_less_1() {
+    let body = block(Viscosity::default(), &[], &[]);
+    let end = |scheme: Scheme, degree: usize, n: usize| {
+        let mut motion = Motion::new(&body, scheme, degree, settings(), tumbling(&body)).unwrap();
+        for i in 1..=n {
+            motion.step(0.4 / n as f64, 0.4 * i as f64 / n as f64).unwrap();
+        }
+        motion.state().displacement.clone()
+    };
+    let exact = end(Scheme::Standard(4), 4, 64);
+    for (degree, n) in [(1, 64), (2, 16), (3, 8)] {
+        for radius in [0.0, 0.6] {
+            let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+            let error = |n: usize| {
+                let pairs = end(dissipative, degree, n)
+                    .into_iter()
+                    .zip(&exact)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum::<f64>();
+                pairs.sqrt()
+            };
+            let order = (error(n) / error(2 * n)).log2();
+            let expected = dissipative.order(degree) as f64;
+            assert!((order - expected).abs() < 0.35, "{degree} {radius}: {order}");
+        }
+    }
+}
+
+#[test]
+fn a_relative_equilibrium_is_left_alone() {
+    // Two masses m at the ends of a spring that turns by theta a step without changing its length l = 2 r:
+    // x/h = (v_1 + v_2)/2 gives the speed 2 r tan(theta/2)/h, and M dv = -h f with f = kappa q in the middle tan^2(theta/2) = h^2 kappa/(4 m), kappa = k (l - L)/r.
+    let (m, k, length, r, h) = (1.3f64, 50.0, 1.0, 0.6, 0.3);
+    let kappa = k * (2.0 * r - length) / r;
+    let tangent = (h * h * kappa / (4.0 * m)).sqrt();
+    let speed = 2.0 * r * tangent / h;
+    let mesh = network(&[[0.5 * length, 0.0, 0.0], [-0.5 * length, 0.0, 0.0]], &[[0, 1]]);
+    let region = Region::links(None, 0.0, Link::spring(k, None).unwrap());
+    let body = Body::with_nodal(
+        mesh,
+        vec![region],
+        &Nodal { masses: masses(&[m, m]), ..Nodal::default() },
+        &[],
+        &[],
+    )
+    .unwrap();
+    // In flight besides.
+    let mut state = moving(&body, &[[0.3, speed, 0.1], [0.3, -speed, 0.1]]);
+    (state.displacement[0], state.displacement[3]) = (r - 0.5 * length, 0.5 * length - r);
+    for radius in [0.0, 0.5] {
+        let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+        let records = records(&body, dissipative, 1, state.clone(), h, 500);
+        assert!((records[499].total_energy / records[0].total_energy - 1.0).abs() < 1e-12);
+        assert!(records[499].dissipated_energy.abs() < 1e-12 * records[0].total_energy);
+        // While a mode of the spring dies out.
+        let mut shaken = state.clone();
+        (0..6).for_each(|dof| shaken.velocity[dof] += [0.4, 0.0, 0.0, -0.4, 0.0, 0.0][dof]);
+        body.mass_product(&shaken.velocity, &mut shaken.momentum);
+        let shaken = self::records(&body, dissipative, 1, shaken, h, 200);
+        assert!(shaken[199].dissipated_energy > 0.5 * m * 0.16, "{}", shaken[199].dissipated_energy);
+    }
+}
+
+#[test]
+fn accelerations_of_a_state_know_viscosity_and_drag() {
+    // A tiny oscillator, m = 1: a = -(k u + t_v k v + alpha v).
+    let (k, viscous, drag) = (25.0, 0.02, 0.4);
+    let body = oscillator(k, viscous, drag);
+    let (u, v) = (3e-7, 1e-6);
+    let mut state = moving(&body, &[[0.0; 3], [v, 0.0, 0.0]]);
+    state.displacement[3] = u;
+    let acceleration = LocalError::acceleration(&body, &state).unwrap();
+    assert!((acceleration[3] / -(k * u + viscous * k * v + drag * v) - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn what_does_not_go_together_is_refused() {
+    let viscous = block(Viscosity { time: 0.1, ..Viscosity::default() }, &[], &[]);
+    for text in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
+        let error = Motion::new(&viscous, scheme(text), 1, settings(), tumbling(&viscous)).unwrap_err();
+        assert!(error.to_string().contains("viscosity"), "{error}");
+    }
+    let driven = Support {
+        group: "z-max".into(),
+        displacement: [Some(History::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0])), None, None],
+        ..Support::default()
+    };
+    let body = block(Viscosity::default(), &[driven], &[]);
+    let state = State::initial(&body, 0.0, &[]).unwrap();
+    assert!(Motion::new(&body, scheme("DGM(0.5)"), 1, settings(), state).is_err());
+    let negative = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap())
+        .with_viscosity(Viscosity { shear: -1.0, ..Viscosity::default() });
+    let error = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![negative], &[], &[]).unwrap_err();
+    assert!(error.to_string().contains("shear"), "{error}");
+}

@@ -1,0 +1,423 @@
+//! Fields of a state: exact for homogeneous deformations on every kind of cell, convergent for others, objective, and of the
+//! energy that the body has.
+
+#![allow(non_snake_case)]
+
+use crate::shared::patch::Patch;
+use crate::shared::plane_patch::plane_patch;
+use emmy::body::fields::{FieldName, Fields, Place};
+use emmy::body::{Body, Nodal, PointMass, Region};
+use emmy::element::{element, jacobian};
+use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
+use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
+use emmy::tensor::{Mat3, det};
+
+const LAMBDA: f64 = 1000.0;
+const MU: f64 = 500.0;
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+fn rubber() -> Region {
+    Region::new(None, 2.0, NeoHooke::new(LAMBDA, MU).unwrap())
+}
+
+fn body(mesh: Mesh) -> Body {
+    Body::new(mesh, vec![rubber()], &[], &[]).unwrap()
+}
+
+fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| A[i][k] * B[k][j]).sum()))
+}
+
+fn transposed(A: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[j][i]))
+}
+
+/// Rotation about an axis by an angle (Rodrigues).
+fn rotation(axis: [f64; 3], angle: f64) -> Mat3<f64> {
+    let size = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let n = axis.map(|x| x / size);
+    let cross = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];
+    let (sin, cos) = angle.sin_cos();
+    [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| cos * f64::from(u8::from(i == j)) + sin * cross[i][j] + (1.0 - cos) * n[i] * n[j])
+    })
+}
+
+/// Displacement of a map of the reference positions.
+fn displacement(mesh: &Mesh, x: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
+    mesh.points().iter().flat_map(|&X| [0, 1, 2].map(|i| x(X)[i] - X[i])).collect()
+}
+
+fn linear(F: &Mat3<f64>) -> impl Fn([f64; 3]) -> [f64; 3] {
+    let F = *F;
+    move |X| [0, 1, 2].map(|i| (0..3).map(|j| F[i][j] * X[j]).sum())
+}
+
+fn fields(body: &Body, displacement: &[f64], names: &[FieldName]) -> Vec<Vec<f64>> {
+    let rest = vec![0.0; displacement.len()];
+    Fields::new(body).at(displacement, &rest, names).into_iter().map(|field| field.numbers).collect()
+}
+
+/// What a neo-Hookean point has: Cauchy stress `(mu (b - I) + lambda ln J I) / J`, second Piola-Kirchhoff stress
+/// `mu (I - C^-1) + lambda ln J C^-1`, energy `mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2`.
+fn neo_hooke(F: &Mat3<f64>) -> (Mat3<f64>, Mat3<f64>, f64) {
+    let (J, b, C) = (det(F), product(F, &transposed(F)), product(&transposed(F), F));
+    let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
+    let inverse = [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| {
+            let at = |a: usize, c: usize| C[(j + a) % 3][(i + c) % 3];
+            (at(1, 1) * at(2, 2) - at(1, 2) * at(2, 1)) / (J * J)
+        })
+    });
+    let tensor = |entry: &dyn Fn(usize, usize) -> f64| [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)));
+    let cauchy = tensor(&|i, j| (MU * (b[i][j] - unit(i, j)) + LAMBDA * J.ln() * unit(i, j)) / J);
+    let second = tensor(&|i, j| MU * (unit(i, j) - inverse[i][j]) + LAMBDA * J.ln() * inverse[i][j]);
+    let trace = C[0][0] + C[1][1] + C[2][2];
+    (cauchy, second, 0.5 * MU * (trace - 3.0) - MU * J.ln() + 0.5 * LAMBDA * J.ln().powi(2))
+}
+
+/// `sqrt(3/2 s : s)` by the deviator itself.
+fn von_mises(stress: &Mat3<f64>) -> f64 {
+    let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
+    let deviator = |i: usize, j: usize| stress[i][j] - if i == j { mean } else { 0.0 };
+    let square: f64 = (0..9).map(|n| deviator(n / 3, n % 3).powi(2)).sum();
+    (1.5 * square).sqrt()
+}
+
+fn assert_all_are(found: &[f64], expected: &[f64], size: f64, what: &str) {
+    for (index, tuple) in found.chunks_exact(expected.len()).enumerate() {
+        for (a, b) in tuple.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-12 * size, "{what} at {index}: {tuple:?} is not {expected:?}");
+        }
+    }
+    assert!(found.len() >= expected.len());
+}
+
+const NODAL: [FieldName; 5] = [
+    FieldName::CauchyStress,
+    FieldName::SecondPiolaKirchhoffStress,
+    FieldName::VonMisesStress,
+    FieldName::PrincipalStretches,
+    FieldName::StrainEnergyDensity,
+];
+const CELLS: [FieldName; 4] = [
+    FieldName::CellCauchyStress,
+    FieldName::CellSecondPiolaKirchhoffStress,
+    FieldName::CellVonMisesStress,
+    FieldName::CellStrainEnergyDensity,
+];
+
+/// A homogeneous deformation: at every node and in every cell the fields of F, whose stretches are given.
+fn is_exact(mesh: Mesh, F: &Mat3<f64>, stretches: [f64; 3], what: &str) {
+    let body = body(mesh);
+    let displacement = displacement(body.mesh(), linear(F));
+    let (cauchy, second, energy) = neo_hooke(F);
+    let of = |A: &Mat3<f64>| PAIRS.map(|(i, j)| A[i][j]);
+    let found = fields(&body, &displacement, &NODAL);
+    let expected: [&[f64]; 5] = [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &stretches, &[energy]];
+    for ((found, expected), name) in found.iter().zip(expected).zip(NODAL) {
+        let size = if name == FieldName::PrincipalStretches { 10.0 } else { 1e4 };
+        assert_eq!(found.len(), body.mesh().n_nodes() * expected.len());
+        assert_all_are(found, expected, size, &format!("{what}: {name}"));
+    }
+    let found = fields(&body, &displacement, &CELLS);
+    let expected: [&[f64]; 4] = [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &[energy]];
+    for ((found, expected), name) in found.iter().zip(expected).zip(CELLS) {
+        assert_eq!(found.len(), body.mesh().n_cells() * expected.len());
+        assert_all_are(found, expected, 1e4, &format!("{what}: {name}"));
+    }
+}
+
+#[test]
+fn homogeneous_deformations_are_exact_on_every_kind() {
+    // R Q diag(1.4, 1.1, 0.7) Q^T
+    let Q = rotation([1.0, 2.0, -1.0], 0.8);
+    let stretch =
+        product(&product(&Q, &[[0.7, 0.0, 0.0], [0.0, 1.4, 0.0], [0.0, 0.0, 1.1]]), &transposed(&Q));
+    let F = product(&rotation([-2.0, 1.0, 3.0], 2.1), &stretch);
+    for kind in CellKind::SOLIDS {
+        let mesh = Patch { bricks: 2, curved: false, distortion: 1.0 }.mesh(kind);
+        is_exact(mesh, &F, [1.4, 1.1, 0.7], kind.name());
+    }
+}
+
+/// In plane strain the stress across the plane is that of a stretch of 1, not zero.
+#[test]
+fn homogeneous_deformations_are_exact_in_plane_strain() {
+    let Q = rotation([0.0, 0.0, 1.0], 0.5);
+    let stretch =
+        product(&product(&Q, &[[1.3, 0.0, 0.0], [0.0, 0.8, 0.0], [0.0, 0.0, 1.0]]), &transposed(&Q));
+    let F = product(&rotation([0.0, 0.0, 1.0], 1.9), &stretch);
+    let (cauchy, ..) = neo_hooke(&F);
+    assert!(cauchy[2][2].abs() > 1.0);
+    for kind in CellKind::PLANES {
+        is_exact(plane_patch(kind, 3), &F, [1.3, 1.0, 0.8], kind.name());
+    }
+}
+
+/// Positions `X + 0.1 f(X)` with f_i made of quadratic functions, and their F.
+fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
+    let f = [x * y + 0.5 * z * z, y * y - x * z, x * x + 0.3 * y * z];
+    let G = [[y, x, z], [-z, 2.0 * y, -x], [2.0 * x, 0.3 * z, 0.3 * y]];
+    let F = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.1 * G[i][j] + f64::from(u8::from(i == j))));
+    ([x + 0.1 * f[0], y + 0.1 * f[1], z + 0.1 * f[2]], F)
+}
+
+/// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the surface too.
+#[test]
+fn fields_that_vary_are_exact_where_the_cells_have_them() {
+    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15] {
+        let body = body(Patch { bricks: 2, curved: false, distortion: 0.0 }.mesh(kind));
+        let displacement = displacement(body.mesh(), |X| bent(X).0);
+        let found = fields(&body, &displacement, &[FieldName::CauchyStress]);
+        for (found, &X) in found[0].chunks_exact(6).zip(body.mesh().points()) {
+            let (cauchy, ..) = neo_hooke(&bent(X).1);
+            for (found, (i, j)) in found.iter().zip(PAIRS) {
+                assert!((found - cauchy[i][j]).abs() < 1e-10, "{kind} at {X:?}: {found} {}", cauchy[i][j]);
+            }
+        }
+    }
+}
+
+/// Positions of a smooth deformation that no cell has, and its F.
+fn waved([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
+    let (a, b, c) = (2.0 * x + y, 2.0 * y - z, 2.0 * z + x);
+    let position = [x + 0.08 * a.sin(), y + 0.08 * b.cos(), z + 0.08 * c.sin()];
+    let G = [
+        [0.16 * a.cos(), 0.08 * a.cos(), 0.0],
+        [0.0, -0.16 * b.sin(), 0.08 * b.sin()],
+        [0.08 * c.cos(), 0.0, 0.16 * c.cos()],
+    ];
+    (position, [0, 1, 2].map(|i| [0, 1, 2].map(|j| G[i][j] + f64::from(u8::from(i == j)))))
+}
+
+/// Largest error of the Cauchy stress at the nodes inside, and at all of them.
+fn errors(kind: CellKind, bricks: usize) -> [f64; 2] {
+    let body = body(Patch { bricks, curved: false, distortion: 1.0 }.mesh(kind));
+    let displacement = displacement(body.mesh(), |X| waved(X).0);
+    let found = fields(&body, &displacement, &[FieldName::CauchyStress]);
+    let mut errors = [0.0f64; 2];
+    for (found, &X) in found[0].chunks_exact(6).zip(body.mesh().points()) {
+        let (cauchy, ..) = neo_hooke(&waved(X).1);
+        let error =
+            found.iter().zip(PAIRS).map(|(found, (i, j))| (found - cauchy[i][j]).abs()).fold(0.0, f64::max);
+        // One cell away from the surface, averages are no longer of one side.
+        if X.iter().all(|&x| x > 0.2 && x < 0.8) {
+            errors[0] = errors[0].max(error);
+        }
+        errors[1] = errors[1].max(error);
+    }
+    errors
+}
+
+/// Order 2 inside and 1 at the surface of linear cells, whose gradients have order 1; order 2 of quadratic ones.
+#[test]
+fn recovered_stresses_converge() {
+    for (kind, bricks, orders) in [
+        (CellKind::Hex8, [4, 8], [1.7, 0.8]),
+        (CellKind::Tet4, [4, 8], [0.8, 0.7]),
+        (CellKind::Wedge6, [4, 8], [0.8, 0.7]),
+        (CellKind::Pyramid5, [3, 6], [0.8, 0.7]),
+        (CellKind::Hex20, [3, 6], [1.7, 1.7]),
+        (CellKind::Tet10, [3, 6], [1.7, 1.7]),
+        (CellKind::Wedge15, [3, 6], [1.7, 1.7]),
+    ] {
+        let [coarse, fine] = bricks.map(|bricks| errors(kind, bricks));
+        for place in 0..2 {
+            let order = (coarse[place] / fine[place]).log2();
+            assert!(order > orders[place], "{kind}: order {order:.2} of {coarse:?} {fine:?}");
+        }
+    }
+}
+
+/// Fibres in two directions, so that nothing is isotropic.
+fn tissue() -> Region {
+    let fibres = vec![[1.0, 0.5, 0.0], [0.0, 0.3, 1.0]];
+    let volume = Volumetric::Quadratic;
+    Region::new(None, 1.0, HolzapfelGasserOgden::new(3.0, [2.0, 0.7], 0.1, &fibres, 40.0, volume).unwrap())
+}
+
+#[test]
+fn rotations_turn_the_cauchy_stress_and_leave_the_rest() {
+    let mesh = Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(CellKind::Hex20);
+    let body = Body::new(mesh, vec![tissue()], &[], &[]).unwrap();
+    let R = rotation([1.0, -0.4, 2.0], 2.3);
+    let plain = displacement(body.mesh(), |X| waved(X).0);
+    let turned = displacement(body.mesh(), |X| {
+        let x = waved(X).0;
+        [0, 1, 2].map(|i| (0..3).map(|j| R[i][j] * x[j]).sum::<f64>() + 7.0)
+    });
+    let (plain, turned) = (fields(&body, &plain, &NODAL), fields(&body, &turned, &NODAL));
+    let size = plain[1].iter().fold(0.0, |size: f64, s| size.max(s.abs()));
+    for field in 1..NODAL.len() {
+        for (a, b) in plain[field].iter().zip(&turned[field]) {
+            assert!((a - b).abs() < 1e-11 * size, "{}: {a} {b}", NODAL[field]);
+        }
+    }
+    for (a, b) in plain[0].chunks_exact(6).zip(turned[0].chunks_exact(6)) {
+        let index = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+        let a = product(&product(&R, &index.map(|row| row.map(|i| a[i]))), &transposed(&R));
+        for (b, (i, j)) in b.iter().zip(PAIRS) {
+            assert!((b - a[i][j]).abs() < 1e-11 * size);
+        }
+    }
+}
+
+/// Volume of a cell by the quadrature of its internal force.
+fn volume(mesh: &Mesh, index: usize) -> f64 {
+    let cell = mesh.cell(index);
+    let X: Vec<[f64; 3]> = cell.nodes.iter().map(|&node| mesh.points()[node as usize]).collect();
+    let mut dN = vec![[0.0; 3]; X.len()];
+    let rule = element(cell.kind).quadrature();
+    rule.iter()
+        .map(|(&xi, weight)| {
+            element(cell.kind).gradient(xi, &mut dN);
+            weight * det(&jacobian(cell.kind, &X, &dN))
+        })
+        .sum()
+}
+
+/// The mean energy density of a cell times its volume is the energy that the body sums up, quadrature point by point.
+#[test]
+fn energies_of_the_cells_add_up_to_that_of_the_body() {
+    let solids = CellKind::SOLIDS.map(|kind| Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(kind));
+    let planes = CellKind::PLANES.map(|kind| plane_patch(kind, 3));
+    for mesh in solids.into_iter().chain(planes) {
+        let section = if mesh.cell(0).kind.dimension() == 2 { 0.3 } else { 1.0 };
+        let body = Body::new(mesh, vec![rubber().with_thickness(section)], &[], &[]).unwrap();
+        let in_plane = section < 1.0;
+        let displacement = displacement(body.mesh(), |X| {
+            let [x, y, z] = waved(X).0;
+            if in_plane { [x, y, X[2]] } else { [x, y, z] }
+        });
+        let density = &fields(&body, &displacement, &[FieldName::CellStrainEnergyDensity])[0];
+        let energy: f64 = density.iter().enumerate().map(|(i, W)| W * volume(body.mesh(), i) * section).sum();
+        let expected = body.strain_energy(&displacement);
+        assert!((energy - expected).abs() < 1e-13 * expected, "{energy} is not {expected}");
+        assert!(expected > 1.0);
+    }
+}
+
+/// Two cubes of different material and density side by side along x, with a common face at x = 1.
+fn two_cubes() -> Body {
+    let whole = block([2.0, 1.0, 1.0], [2, 1, 1]).unwrap();
+    let mut builder = MeshBuilder::new();
+    whole.points().iter().for_each(|&point| {
+        builder.point(point);
+    });
+    for (name, cell) in ["soft", "hard"].into_iter().zip(whole.cells()) {
+        let index = builder.cell(cell.kind, cell.nodes).unwrap();
+        builder.cell_group(name, [index]);
+    }
+    let region = |name: &str, density: f64, mu: f64| {
+        Region::new(Some(name.into()), density, SaintVenantKirchhoff::new(0.0, mu).unwrap())
+    };
+    let regions = vec![region("soft", 1.0, 10.0), region("hard", 3.0, 70.0)];
+    let masses = vec![PointMass { group: "soft".into(), mass: 5.0 }];
+    let nodal = Nodal { masses, ..Default::default() };
+    Body::with_nodal(builder.build().unwrap(), regions, &nodal, &[], &[]).unwrap()
+}
+
+/// S = 2 mu E of each side, E_11 = (1.2^2 - 1)/2 = 0.22; the mean of both in between.
+#[test]
+fn between_regions_there_is_the_mean_and_the_cells_have_the_sides() {
+    let body = two_cubes();
+    let displacement = displacement(body.mesh(), |[x, y, z]| [1.2 * x, y, z]);
+    let names = [FieldName::SecondPiolaKirchhoffStress, FieldName::CellSecondPiolaKirchhoffStress];
+    let found = fields(&body, &displacement, &names);
+    for (node, X) in body.mesh().points().iter().enumerate() {
+        let mu = if X[0] < 0.5 {
+            10.0
+        } else if X[0] > 1.5 {
+            70.0
+        } else {
+            40.0
+        };
+        assert!((found[0][6 * node] - 2.0 * mu * 0.22).abs() < 1e-12, "{X:?}: {}", found[0][6 * node]);
+    }
+    assert!((found[1][0] - 4.4).abs() < 1e-12 && (found[1][6] - 30.8).abs() < 1e-12);
+}
+
+#[test]
+fn momentum_density_is_density_times_velocity_without_point_masses() {
+    let body = two_cubes();
+    let rest = vec![0.0; body.n_dofs()];
+    let velocity: Vec<f64> = body.mesh().points().iter().flat_map(|_| [1.0, -2.0, 0.5]).collect();
+    let found = Fields::new(&body).at(&rest, &velocity, &[FieldName::MomentumDensity, FieldName::Velocity]);
+    for (p, X) in found[0].numbers.chunks_exact(3).zip(body.mesh().points()) {
+        let density = if X[0] < 0.5 {
+            1.0
+        } else if X[0] > 1.5 {
+            3.0
+        } else {
+            2.0
+        };
+        assert_eq!(p, [density, -2.0 * density, 0.5 * density]);
+    }
+    assert_eq!(found[1].numbers, velocity);
+}
+
+/// Two bars and a spring from one node: forces, and stresses along the bars as they lie now.
+#[test]
+fn links_have_a_force_and_bars_a_stress_along_their_axis() {
+    let mut builder = MeshBuilder::new();
+    let nodes = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|X| builder.point(X));
+    for (name, ends) in [("bar", [0, 1]), ("spring", [0, 2])] {
+        let cell = builder.cell(CellKind::Line2, &ends.map(|end| nodes[end])).unwrap();
+        builder.cell_group(name, [cell]);
+    }
+    let bar = Region::links(Some("bar".into()), 4.0, Link::bar(1000.0, 0.5).unwrap());
+    let spring = Region::links(Some("spring".into()), 0.0, Link::spring(8.0, Some(0.25)).unwrap());
+    let nodal = Nodal { masses: vec![PointMass { group: "spring".into(), mass: 1.0 }], ..Default::default() };
+    let body = Body::with_nodal(builder.build().unwrap(), vec![bar, spring], &nodal, &[], &[]).unwrap();
+    // The bar turns to y and is 2.4 long: e = (1.2^2 - 1)/2 = 0.22, N = E A e 1.2; the spring turns to x, 0.75 long.
+    let displacement = [0.0, 0.0, 0.0, -2.0, 2.4, 0.0, 0.75, -1.0, 0.0];
+    let mut names = vec![FieldName::AxialForce];
+    names.extend(CELLS);
+    names.extend(NODAL);
+    names.push(FieldName::MomentumDensity);
+    let found = Fields::new(&body).at(&displacement, &displacement, &names);
+    let near = |found: &[f64], expected: &[f64]| {
+        assert_eq!(found.len(), expected.len());
+        found
+            .iter()
+            .zip(expected)
+            .for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{found:?} {expected:?}"));
+    };
+    near(&found[0].numbers, &[132.0, 4.0]);
+    let mut cauchy = [0.0; 12];
+    cauchy[1] = 264.0;
+    near(&found[1].numbers, &cauchy);
+    let mut second = [0.0; 12];
+    second[0] = 220.0;
+    near(&found[2].numbers, &second);
+    near(&found[3].numbers, &[264.0, 0.0]);
+    near(&found[4].numbers, &[24.2, 0.0]);
+    near(&found[5].numbers, &[0.0; 18]);
+    near(&found[8].numbers, &[1.0; 9]);
+    near(&found[10].numbers, &[0.0, 0.0, 0.0, -8.0, 9.6, 0.0, 0.0, 0.0, 0.0]);
+    // What is not there need not be written.
+    let fields = Fields::new(&body);
+    assert!(fields.has(FieldName::AxialForce) && fields.has(FieldName::CellCauchyStress));
+    assert!(!fields.has(FieldName::CauchyStress) && !Fields::new(&two_cubes()).has(FieldName::AxialForce));
+}
+
+#[test]
+fn a_body_at_rest_has_no_stress() {
+    let body = Body::new(block([1.0; 3], [2; 3]).unwrap(), vec![tissue()], &[], &[]).unwrap();
+    let rest = vec![0.0; body.n_dofs()];
+    for (values, name) in fields(&body, &rest, &FieldName::ALL).iter().zip(FieldName::ALL) {
+        let expected = if name == FieldName::PrincipalStretches { 1.0 } else { 0.0 };
+        assert!(values.iter().all(|&value| value == expected), "{name}");
+        let n = if name.place() == Place::Nodes { body.mesh().n_nodes() } else { body.mesh().n_cells() };
+        assert_eq!(values.len(), n * name.components().len());
+    }
+}
+
+#[test]
+fn what_is_turned_inside_out_has_no_numbers() {
+    let body = body(block([1.0; 3], [1; 3]).unwrap());
+    let displacement = displacement(body.mesh(), |[x, y, z]| [-x, y, z]);
+    let found = fields(&body, &displacement, &NODAL);
+    assert!(found.iter().flatten().all(|value| value.is_nan()));
+}

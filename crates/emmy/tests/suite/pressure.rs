@@ -1,0 +1,331 @@
+//! Follower pressure: what it does to energy and momenta, for every kind of facet and every family of schemes.
+
+#![allow(non_snake_case)]
+
+use std::collections::HashMap;
+
+use crate::shared::patch::Patch;
+use emmy::average::{FollowerRule, Rule, Want};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
+use emmy::element::facet_element;
+use emmy::material::NeoHooke;
+use emmy::mesh::{CellKind, Mesh, MeshBuilder};
+use emmy::motion::{Motion, NewtonSettings, Record, State};
+use emmy::time::Scheme;
+
+const PRESSURE: f64 = 80.0;
+
+fn pressure(group: &str, history: History) -> Load {
+    Load { kind: LoadKind::Pressure { group: group.into(), pressure: PRESSURE }, history }
+}
+
+fn body(mesh: Mesh, supports: &[Support], load: Load) -> Body {
+    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    Body::new(mesh, vec![rubber], supports, &[load]).unwrap()
+}
+
+/// A patch whose whole surface is a group, its bricks distorted.
+fn cube(kind: CellKind) -> Mesh {
+    Patch { bricks: if kind.n_nodes() > 10 { 1 } else { 2 }, curved: true, distortion: 1.0 }.mesh(kind)
+}
+
+/// A cube of 3 x 3 x 3 bricks without the one in the middle; the facets around the hole are the group `cavity`.
+fn hollow() -> Mesh {
+    let (mut builder, mut nodes) = (MeshBuilder::new(), HashMap::new());
+    let reference = emmy::element::element(CellKind::Hex8).nodes();
+    for at in (0..27).map(|at| [at / 9, at / 3 % 3, at % 3]).filter(|&at| at != [1, 1, 1]) {
+        let corners: Vec<u32> = reference
+            .iter()
+            .map(|xi| {
+                let grid = [0, 1, 2].map(|d| at[d] + usize::from(xi[d] > 0.0));
+                *nodes.entry(grid).or_insert_with(|| builder.point(grid.map(|x| x as f64 / 3.0)))
+            })
+            .collect();
+        builder.cell(CellKind::Hex8, &corners).unwrap();
+    }
+    let mesh = builder.clone().build().unwrap();
+    let inside = |node: u32| mesh.points()[node as usize].iter().all(|&x| x > 0.1 && x < 0.9);
+    let facets = (0..mesh.n_cells() as u32)
+        .flat_map(|cell| (0..6).map(move |local| emmy::mesh::Facet { cell, local }))
+        .filter(|&facet| mesh.facet_nodes(facet).all(inside));
+    builder.facet_group("cavity", facets.collect::<Vec<_>>());
+    builder.build().unwrap()
+}
+
+/// Volume that the facets of a group enclose, by Gauss' theorem; positive if their normals look out of it.
+fn enclosed_volume(body: &Body, group: &str, state: &State) -> f64 {
+    let mesh = body.mesh();
+    let mut volume = 0.0;
+    for &facet in mesh.groups().facets(group).unwrap() {
+        let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
+        let (element, n) = (facet_element(kind), kind.n_nodes());
+        let q: Vec<[f64; 3]> =
+            mesh.facet_nodes(facet).map(|node| state.position(body, node as usize)).collect();
+        let (mut N, mut dN) = (vec![0.0; n], vec![[0.0; 2]; n]);
+        for (&xi, weight) in element.quadrature().iter() {
+            element.shape(xi, &mut N);
+            element.gradient(xi, &mut dN);
+            let sum = |of: &dyn Fn(usize) -> f64| {
+                (0..n).fold([0.0; 3], |sum, A| [0, 1, 2].map(|i| sum[i] + of(A) * q[A][i]))
+            };
+            let (x, a, b) = (sum(&|A| N[A]), sum(&|A| dN[A][0]), sum(&|A| dN[A][1]));
+            let triple: f64 = (0..3)
+                .map(|i| x[i] * (a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3]))
+                .sum();
+            volume += weight * triple / 3.0;
+        }
+    }
+    volume
+}
+
+fn start(body: &Body) -> State {
+    let field = InitialVelocity {
+        velocity: [1.0, 0.0, 0.5],
+        angular_velocity: [3.0, 2.0, 5.0],
+        gradient: [[3.0, 1.0, 0.0], [0.0, -2.0, 0.0], [1.0, 0.0, 1.0]],
+        ..Default::default()
+    };
+    State::initial(body, 0.0, &[field]).unwrap()
+}
+
+/// Records of n steps of a size, and the enclosed volume after each.
+fn flight(body: &Body, group: &str, scheme: &str, k: usize, steps: (usize, f64)) -> Vec<(Record, f64)> {
+    flight_with(NewtonSettings::default(), body, group, (scheme, k), steps)
+}
+
+fn flight_with(
+    settings: NewtonSettings,
+    body: &Body,
+    group: &str,
+    (scheme, k): (&str, usize),
+    (n, h): (usize, f64),
+) -> Vec<(Record, f64)> {
+    let scheme: Scheme = scheme.parse().unwrap();
+    let mut motion = Motion::new(body, scheme, k, settings, start(body)).unwrap();
+    let mut records = vec![(motion.record().clone(), enclosed_volume(body, group, motion.state()))];
+    for i in 1..=n {
+        let record = motion.step(h, h * i as f64).unwrap().clone();
+        records.push((record, enclosed_volume(body, group, motion.state())));
+    }
+    records
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// A constant pressure p on a closed surface has the potential p V with the enclosed volume V: T + V + p V stays what it is,
+/// as does the linear momentum, and the balances close.
+fn keeps_the_sum(body: &Body, group: &str, scheme: &str, k: usize) {
+    let flight = flight(body, group, scheme, k, (15, 0.01));
+    let sum = |(record, volume): &(Record, f64)| record.total_energy + PRESSURE * volume;
+    let (first, size) = (sum(&flight[0]), flight[0].0.total_energy + PRESSURE);
+    let name = format!("{} {scheme} k = {k}", body.mesh().cell(0).kind);
+    for at in &flight {
+        assert!((sum(at) - first).abs() < 1e-12 * size, "{name}: {} is not {first}", sum(at));
+        assert!(at.0.energy_residual.abs() < 1e-12 * size, "{name}: {:?}", at.0);
+        assert!(at.0.angular_momentum_residual < 1e-12 * size, "{name}: {:?}", at.0);
+        assert!(distance(at.0.linear_momentum, flight[0].0.linear_momentum) < 1e-12 * size, "{name}");
+    }
+    let spread = flight.iter().map(|(_, v)| (v - flight[0].1).abs()).fold(0.0, f64::max);
+    assert!(spread > 0.01 * flight[0].1.abs(), "{name}: the volume hardly changes: {spread}");
+}
+
+#[test]
+fn pressure_around_a_body_has_a_potential_for_every_kind_of_facet() {
+    for kind in CellKind::SOLIDS {
+        let body = body(cube(kind), &[], pressure("surface", History::constant()));
+        (1..=2).for_each(|k| keeps_the_sum(&body, "surface", "DGM", k));
+    }
+}
+
+/// For the neo-Hookean material many inner points make AS exact up to round-off.
+#[test]
+fn pressure_in_a_cavity_has_a_potential() {
+    let body = body(hollow(), &[], pressure("cavity", History::constant()));
+    for (scheme, k) in [("DGM", 1), ("DGM", 2), ("DGM", 3), ("AS(12)", 1), ("AS(12)", 2)] {
+        keeps_the_sum(&body, "cavity", scheme, k);
+    }
+}
+
+/// Change of the angular momentum over t = 0.04 in n steps, over its norm.
+fn drift(body: &Body, scheme: &str, k: usize, n: usize) -> f64 {
+    let flight = flight(body, "surface", scheme, k, (n, 0.04 / n as f64));
+    let (first, last) = (flight[0].0.angular_momentum, flight[n].0.angular_momentum);
+    distance(last, first) / distance(first, [0.0; 3])
+}
+
+/// FE(k) evaluates the pressure at the k Gauss points, where a closed surface has no moment whatever its shape.
+#[test]
+fn closed_surfaces_have_no_moment_with_fe_k() {
+    let body = body(cube(CellKind::Hex20), &[], pressure("surface", History::constant()));
+    for k in 1..=3 {
+        assert!(drift(&body, &format!("FE({k})"), k, 10) < 1e-12, "k = {k}");
+    }
+}
+
+/// With the averages that have the exact work the moment of a closed surface is of order 2k in the step.
+#[test]
+fn moments_of_closed_surfaces_are_of_order_2k_with_dgm() {
+    let body = body(cube(CellKind::Hex8), &[], pressure("surface", History::constant()));
+    for (k, n) in [(1, 10), (2, 5)] {
+        let (coarse, fine) = (drift(&body, "DGM", k, n), drift(&body, "DGM", k, 2 * n));
+        let order = (coarse / fine).log2();
+        assert!((order - 2.0 * k as f64).abs() < 0.3, "k = {k}: {coarse:e} {fine:e}, order {order}");
+    }
+}
+
+/// A history with a kink and a jump inside steps, one face, a clamped one: work and reactions close the balances.
+#[test]
+fn balances_close_with_histories_and_supports() {
+    let history =
+        History::new(vec![(0.0, 0.0), (0.033, 1.0), (0.071, 1.0), (0.071, -0.5), (0.2, 0.3)]).unwrap();
+    let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
+    for kind in [CellKind::Hex8, CellKind::Tet10] {
+        let body = body(cube(kind), std::slice::from_ref(&clamp), pressure("x-max", history.clone()));
+        for (scheme, k) in [("DGM", 1), ("DGM", 2), ("AS(12)", 2)] {
+            for (record, _) in flight(&body, "surface", scheme, k, (15, 0.01)) {
+                assert!(record.energy_residual.abs() < 1e-11, "{kind} {scheme} {k}: {record:?}");
+                assert!(record.linear_momentum_residual < 1e-11, "{kind} {scheme} {k}: {record:?}");
+                assert!(record.angular_momentum_residual < 1e-11, "{kind} {scheme} {k}: {record:?}");
+            }
+        }
+    }
+}
+
+/// The derivatives in the stage matrix are those of the stage averages, which are quadratic in the rates: their central
+/// difference is exact whatever its step.
+#[test]
+fn tangent_is_consistent() {
+    let kind = CellKind::Wedge15;
+    let body = body(cube(kind), &[], pressure("surface", History::constant()));
+    let (n, h2) = (body.n_dofs(), 0.04);
+    let noise = |i: usize, seed: f64| 0.1 * ((i as f64 + seed) * 0.618_034).fract();
+    for rule in [Rule::discrete_gradient(1), Rule::discrete_gradient(2)] {
+        let (k, follower) = (rule.degree(), FollowerRule::new(&rule));
+        let displacement: Vec<f64> = (0..n).map(|i| noise(i, 1.0)).collect();
+        let rates: Vec<f64> = (0..k * n).map(|i| noise(i, 2.0)).collect();
+        let direction: Vec<f64> = (0..k * n).map(|i| noise(i, 3.0) - 0.05).collect();
+        let factors: Vec<f64> = (0..follower.n_points()).map(|m| 1.0 + 0.3 * m as f64).collect();
+        let force = |step: f64| {
+            let rates: Vec<f64> = rates.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
+            let step = StepInput {
+                rule: &rule,
+                tangent_factor: h2,
+                displacement: &displacement,
+                rates: &rates,
+                damping: StepDamping::default(),
+            };
+            let mut force = vec![0.0; k * n];
+            body.stage_followers(&step, &follower, &factors, &mut force);
+            force
+        };
+        let (plus, minus) = (force(0.5), force(-0.5));
+        let step = StepInput {
+            rule: &rule,
+            tangent_factor: h2,
+            displacement: &displacement,
+            rates: &rates,
+            damping: StepDamping::default(),
+        };
+        let mut assembly = body.assembly(k);
+        body.assemble(&step, Want::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
+        let mut product = |add: bool| {
+            if add {
+                body.add_follower_tangent(&step, &follower, &factors, &mut assembly);
+            }
+            let mut product = vec![0.0; k * n];
+            assembly.matrix.multiply(body.pattern(), &direction, &mut product);
+            product
+        };
+        let (without, with) = (product(false), product(true));
+        for i in 0..k * n {
+            let expected = -h2 * (plus[i] - minus[i]);
+            assert!((with[i] - without[i] - expected).abs() < 1e-11, "k = {k}, {i}: {expected}");
+        }
+    }
+}
+
+/// A strong pressure on one face is solved with Newton's quadratic convergence: three iterations and the last correction.
+#[test]
+fn newton_converges_quadratically() {
+    let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
+    let body = body(cube(CellKind::Hex8), &[clamp], pressure("x-max", History::constant()));
+    for (scheme, k) in [("DGM", 1), ("DGM", 2), ("FE(1)", 1), ("Newmark(0.25, 0.5)", 1), ("HHT(0.1)", 1)] {
+        let settings = NewtonSettings { exact_tangent: true, ..Default::default() };
+        let flight = flight_with(settings, &body, "surface", (scheme, k), (15, 0.01));
+        let worst = flight.iter().map(|(record, _)| record.newton_iterations).max().unwrap();
+        assert!(worst <= 4, "{scheme} {k}: {worst}");
+    }
+}
+
+/// Every scheme keeps its order with a pressure that changes in time, on one face only.
+#[test]
+fn orders_in_time() {
+    let history =
+        History::smooth("cos(8 t)", |t| [(8.0 * t).cos(), -8.0 * (8.0 * t).sin(), -64.0 * (8.0 * t).cos()]);
+    let body = body(emmy::mesh::block([1.0; 3], [1; 3]).unwrap(), &[], pressure("z-max", history));
+    let orders = [
+        ("DGM", 1, 8, 2.0),
+        ("DGM", 2, 6, 4.0),
+        ("DGM", 3, 5, 6.0),
+        ("AS(3)", 2, 6, 4.0),
+        ("FE(1)", 1, 8, 2.0),
+        ("FE(2)", 2, 6, 4.0),
+        ("trapezoidal", 1, 8, 2.0),
+        ("Lobatto(4)", 2, 6, 4.0),
+        ("Newmark(0.25, 0.5)", 1, 16, 2.0),
+        ("HHT(0.1)", 1, 16, 2.0),
+        ("generalized-alpha(0.8)", 1, 16, 2.0),
+        ("Bathe", 1, 16, 2.0),
+        ("central-differences", 1, 32, 2.0),
+    ];
+    for (scheme, k, n, expected) in orders {
+        let end = |n: usize| {
+            let scheme: Scheme = scheme.parse().unwrap();
+            let settings = NewtonSettings { tolerance: 1e-13, ..Default::default() };
+            let mut motion = Motion::new(&body, scheme, k, settings, start(&body)).unwrap();
+            let h = 0.04 / n as f64;
+            (1..=n).for_each(|i| {
+                motion.step(h, h * i as f64).unwrap();
+            });
+            motion.state().displacement.clone()
+        };
+        let difference =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let (coarse, middle, fine) = (end(n), end(2 * n), end(4 * n));
+        let order = (difference(&coarse, &middle) / difference(&middle, &fine)).log2();
+        assert!((order - expected).abs() < 0.1, "{scheme} k = {k}: order {order}");
+    }
+}
+
+/// In plane strain the enclosed volume is area times thickness; the pressure acts on edges.
+#[test]
+fn pressure_around_a_plane_body_has_a_potential() {
+    let sides = ["x-min", "x-max", "y-min", "y-max"];
+    let loads = sides.map(|group| pressure(group, History::constant()));
+    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_thickness(0.5);
+    let mesh = emmy::mesh::rectangle([1.0, 1.0], [2, 2]).unwrap();
+    let body = Body::new(mesh, vec![rubber], &[], &loads).unwrap();
+    // Area by the shoelace formula over the nodes of the boundary, which follow each other as the edges say.
+    let area = |state: &State| -> f64 {
+        let edges = sides.iter().flat_map(|group| body.mesh().groups().facets(group).unwrap());
+        let part = |&facet: &emmy::mesh::Facet| {
+            let q: Vec<[f64; 3]> =
+                body.mesh().facet_nodes(facet).map(|node| state.position(&body, node as usize)).collect();
+            0.5 * (q[0][0] * q[1][1] - q[1][0] * q[0][1])
+        };
+        edges.map(part).sum()
+    };
+    for k in 1..=2 {
+        let scheme = Scheme::DiscreteGradient;
+        let mut motion = Motion::new(&body, scheme, k, NewtonSettings::default(), start(&body)).unwrap();
+        let sum = |motion: &Motion<'_>| motion.record().total_energy + 0.5 * PRESSURE * area(motion.state());
+        let (first, volume) = (sum(&motion), area(motion.state()));
+        for i in 1..=15 {
+            motion.step(0.01, 0.01 * f64::from(i)).unwrap();
+            assert!((sum(&motion) - first).abs() < 1e-12 * first, "k = {k}: {} is not {first}", sum(&motion));
+        }
+        assert!((area(motion.state()) - volume).abs() > 0.005, "k = {k}");
+    }
+}

@@ -1,0 +1,250 @@
+//! A motion that goes on from a snapshot is the motion itself, in every bit; steps that fail are cut and grow back.
+
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support, Viscosity};
+use emmy::material::{NeoHooke, SaintVenantKirchhoff};
+use emmy::motion::{EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, State, StepPlan};
+use emmy::sparse::Solver;
+use emmy::time::Scheme;
+use emmy::{Error, mesh};
+
+use crate::shared::watch::Watch;
+
+fn plan(phases: &[(f64, f64)]) -> StepPlan {
+    StepPlan::new(0.0, phases.iter().map(|&(until, size)| Phase { until, size }).collect()).unwrap()
+}
+
+/// Every bit of the records and the last state, also of NaN and -0.
+fn bits(records: &[Record], state: &State) -> String {
+    format!("{records:?} {state:?}")
+}
+
+/// One motion in one go, and in two parts with a snapshot between them after every one of some steps.
+fn assert_same(
+    body: &Body,
+    (scheme, degree): (Scheme, usize),
+    settings: NewtonSettings,
+    spin: &InitialVelocity,
+    plan: &StepPlan,
+) {
+    let what = format!("{scheme} k = {degree} {:?}", settings.solver);
+    let state = || State::initial(body, 0.0, std::slice::from_ref(spin)).unwrap();
+    let n = plan.n_steps();
+    for after in [0, 1, n / 2, n - 1] {
+        let mut whole = Watch { snapshot_after: Some(after), ..Watch::default() };
+        let mut motion = Motion::new(body, scheme, degree, settings, state()).unwrap();
+        motion.allow_cuts(None);
+        motion.march(plan, &mut [&mut whole]).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let at = whole.records.iter().position(|record| record.step == after).unwrap();
+        let snapshot = whole.snapshot.take().unwrap();
+        let mut rest = Watch::default();
+        let mut resumed = Motion::resumed(body, scheme, degree, settings, snapshot.clone()).unwrap();
+        assert_eq!(resumed.snapshot(), snapshot, "{what}");
+        resumed.allow_cuts(None);
+        resumed.march_on(plan, &mut [&mut rest]).unwrap();
+        let (own, expected) =
+            (bits(&rest.records, resumed.state()), bits(&whole.records[at + 1..], motion.state()));
+        assert!(own == expected, "{what}, from step {after}:\n{own:.2000}\n{expected:.2000}");
+    }
+}
+
+fn spin() -> InitialVelocity {
+    InitialVelocity {
+        angular_velocity: [1.0, 2.0, -1.0],
+        about: [0.5, 1.0, 0.5],
+        gradient: [[0.5, 0.2, 0.0], [0.0, -0.4, 0.1], [0.2, 0.0, 0.3]],
+        ..Default::default()
+    }
+}
+
+fn settings(solver: Solver) -> NewtonSettings {
+    NewtonSettings { solver, ..NewtonSettings::default() }
+}
+
+fn rubber() -> Region {
+    Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap())
+}
+
+fn table(entries: &[(f64, f64)]) -> History {
+    History::new(entries.to_vec()).unwrap()
+}
+
+fn force() -> Load {
+    let kind = LoadKind::Force { group: "y-max".into(), force: [0.0, 30.0, 40.0] };
+    Load { kind, history: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) }
+}
+
+#[test]
+fn every_time_element_goes_on_in_every_bit() {
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for degree in 1..=3 {
+        let schemes = [
+            Scheme::Standard(degree + 1),
+            Scheme::AssumedStrain(degree + 2),
+            Scheme::DiscreteGradient,
+            Scheme::Lobatto(degree + 1),
+        ];
+        for scheme in schemes {
+            for solver in [Solver::Direct, Solver::Iterative] {
+                assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
+            }
+        }
+    }
+}
+
+#[test]
+fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
+    let viscosity = Viscosity { time: 0.01, shear: 0.5, bulk: 0.1 };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let damped = Body::new(block(), vec![rubber().with_viscosity(viscosity)], &[], &[force()]).unwrap();
+    let damped = damped.with_drag(0.3).unwrap();
+    let free = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (text, degree) in [("DGM", 1), ("FE(1)", 1), ("AS(3)", 2), ("DGM(0.5)", 1), ("AS(4, 0.2)", 2)] {
+        for solver in [Solver::Direct, Solver::Iterative] {
+            for body in [&damped, &free] {
+                assert_same(body, (text.parse().unwrap(), degree), settings(solver), &spin(), &plan);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_classic_stepper_goes_on_in_every_bit() {
+    let held = Support { group: "y-min".into(), fix: [true; 3], ..Default::default() };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    for supports in [vec![], vec![held]] {
+        let spin = if supports.is_empty() { spin() } else { InitialVelocity::default() };
+        let body = Body::new(block(), vec![rubber()], &supports, &[force()]).unwrap();
+        for scheme in ["Newmark(0.3, 0.6)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"] {
+            for solver in [Solver::Direct, Solver::Iterative] {
+                let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+                assert_same(&body, (scheme.parse().unwrap(), 1), settings(solver), &spin, &plan);
+            }
+        }
+        // More steps than lie between two estimates of the critical one.
+        let plan = plan(&[(0.08, 1e-3)]);
+        assert_same(&body, (Scheme::CentralDifferences, 1), settings(Solver::Auto), &spin, &plan);
+    }
+}
+
+#[test]
+fn a_stiff_body_that_turns_goes_on_in_every_bit() {
+    let stiff = Region::new(None, 1.5, SaintVenantKirchhoff::new(1e6, 1e6).unwrap());
+    let body = Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![stiff], &[], &[]).unwrap();
+    let spin = InitialVelocity { gradient: [[0.0; 3]; 3], ..spin() };
+    for degree in [1, 2] {
+        let plan = plan(&[(1.0, 0.1)]);
+        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(degree + 2)] {
+            assert_same(&body, (scheme, degree), settings(Solver::Auto), &spin, &plan);
+        }
+    }
+}
+
+#[test]
+fn supports_that_move_and_are_released_go_on_in_every_bit() {
+    let shaken = Support {
+        group: "y-min".into(),
+        displacement: [Some(table(&[(0.0, 0.0), (0.11, 0.05), (0.3, -0.05)])), None, None],
+        ..Default::default()
+    };
+    let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.2), ..Default::default() };
+    let mesh = mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = Body::new(mesh, vec![rubber()], &[shaken, released], &[force()]).unwrap();
+    for degree in [1, 2] {
+        for solver in [Solver::Direct, Solver::Iterative] {
+            let plan = plan(&[(0.2, 0.03), (0.4, 0.07)]);
+            let rest = InitialVelocity::default();
+            assert_same(&body, (Scheme::DiscreteGradient, degree), settings(solver), &rest, &plan);
+        }
+    }
+}
+
+/// A body, started with velocities that turn its cells inside out within a large step.
+fn violent() -> (Body, InitialVelocity) {
+    let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());
+    let body = Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![soft], &[], &[]).unwrap();
+    let gradient = [[0.0, 9.0, 0.0], [-3.0, -6.0, 0.0], [0.0, 0.0, 5.0]];
+    (body, InitialVelocity { gradient, about: [0.5, 1.0, 0.5], ..Default::default() })
+}
+
+#[test]
+fn a_step_that_fails_is_cut_and_grows_back() {
+    let (body, start) = violent();
+    let plan = plan(&[(4.0, 0.5)]);
+    let settings = NewtonSettings { max_iterations: 8, ..NewtonSettings::default() };
+    let state = || State::initial(&body, 0.0, std::slice::from_ref(&start)).unwrap();
+    let motion = || Motion::new(&body, Scheme::Standard(1), 1, settings, state()).unwrap();
+    let failed = motion().march(&plan, &mut []);
+    assert!(matches!(failed, Err(MarchError::Step(_))), "the step must fail by itself");
+    let (mut watch, mut cut) = (Watch::default(), motion());
+    cut.allow_cuts(None);
+    cut.march(&plan, &mut [&mut watch]).unwrap();
+    let of = |kind| watch.events.iter().filter(|event| event.kind == kind).count();
+    assert!(of(EventKind::Cut) > 0 && of(EventKind::Grown) > 0, "{:?}", watch.events);
+    assert_eq!(watch.records.iter().map(|record| record.cuts).sum::<usize>(), of(EventKind::Cut));
+    // Every time of the plan is the end of a step, in every bit, and all sizes are its own over powers of two.
+    for step in plan.steps() {
+        assert!(watch.records.iter().any(|record| record.time == step.end), "{}", step.end);
+    }
+    let sizes = watch.records[1..].iter().map(|record| 0.5 / record.step_size);
+    assert!(sizes.clone().all(|n| n.log2().fract() == 0.0 && n <= 1024.0));
+    assert!(sizes.clone().fold(0.0, f64::max) > 1.0);
+    // In the middle of a divided step as between two.
+    for after in 0..watch.records.len() - 1 {
+        let (mut whole, mut rest) =
+            (Watch { snapshot_after: Some(after), ..Watch::default() }, Watch::default());
+        let mut motion = motion();
+        motion.allow_cuts(None);
+        motion.march(&plan, &mut [&mut whole]).unwrap();
+        let snapshot = whole.snapshot.unwrap();
+        let mut resumed = Motion::resumed(&body, Scheme::Standard(1), 1, settings, snapshot).unwrap();
+        resumed.allow_cuts(None);
+        resumed.march_on(&plan, &mut [&mut rest]).unwrap();
+        let expected = bits(&whole.records[after + 1..], motion.state());
+        assert!(bits(&rest.records, resumed.state()) == expected, "from step {after}");
+    }
+}
+
+#[test]
+fn cuts_end_at_the_smallest_step() {
+    let (body, start) = violent();
+    let settings = NewtonSettings { max_iterations: 1, tolerance: 1e-15, ..NewtonSettings::default() };
+    let state = State::initial(&body, 0.0, &[start]).unwrap();
+    let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 1, settings, state).unwrap();
+    motion.allow_cuts(Some(0.1));
+    let mut watch = Watch::default();
+    let failed = motion.march(&plan(&[(2.0, 0.5)]), &mut [&mut watch]);
+    let Err(MarchError::Step(Error::SmallestStep { step: 1, start, step_size, .. })) = failed else {
+        panic!("{failed:?}")
+    };
+    assert_eq!((start, step_size, watch.events.len()), (0.0, 0.125, 2));
+}
+
+#[test]
+fn central_differences_are_cut_below_their_critical_step() {
+    let body = Body::new(mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let state = State::initial(&body, 0.0, &[spin()]).unwrap();
+    let mut motion =
+        Motion::new(&body, Scheme::CentralDifferences, 1, NewtonSettings::default(), state).unwrap();
+    motion.allow_cuts(None);
+    let mut watch = Watch::default();
+    motion.march(&plan(&[(0.4, 0.1)]), &mut [&mut watch]).unwrap();
+    assert!(watch.records.iter().any(|record| record.cuts > 0));
+    assert_eq!(motion.state().time, 0.4);
+}
+
+#[test]
+fn a_memory_of_another_body_is_refused() {
+    let body = |n| Body::new(mesh::block([1.0; 3], [n; 3]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let (small, large) = (body(1), body(2));
+    let motion = |body| {
+        let state = State::initial(body, 0.0, &[]).unwrap();
+        Motion::new(body, Scheme::DiscreteGradient, 1, NewtonSettings::default(), state).unwrap()
+    };
+    let of_small = motion(&small).snapshot();
+    let snapshot = Snapshot { state: motion(&large).state().clone(), ..of_small };
+    let failed = Motion::resumed(&large, Scheme::DiscreteGradient, 1, NewtonSettings::default(), snapshot);
+    assert!(matches!(failed, Err(Error::Memory { .. })), "{failed:?}");
+}
