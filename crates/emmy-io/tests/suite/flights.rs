@@ -93,7 +93,7 @@ fn a_clamped_body_vibrates() {
     }
 }
 
-/// Meshes of your own: `EMMY_MESHES=folder cargo test -p emmy-io --test flights -- --ignored`.
+/// Meshes of your own: `EMMY_MESHES=folder cargo test -p emmy-io --test suite flights:: -- --ignored`.
 #[test]
 #[ignore = "needs a folder of meshes in EMMY_MESHES"]
 fn meshes_of_a_folder_fly_free() {
