@@ -8,7 +8,9 @@ use super::run::RunData;
 const TEMPLATE: &str = include_str!("assets/report.html");
 
 /// What goes into the places that are the same in every page.
-const PARTS: [(&str, &str); 4] = [
+const PARTS: [(&str, &str); 6] = [
+    ("vendor/uplot/LICENSE", include_str!("assets/vendor/uplot/LICENSE")),
+    ("vendor/ogl/LICENSE", include_str!("assets/vendor/ogl/LICENSE")),
     ("vendor/uplot/uPlot.min.css", include_str!("assets/vendor/uplot/uPlot.min.css")),
     ("vendor/uplot/uPlot.iife.min.js", include_str!("assets/vendor/uplot/uPlot.iife.min.js")),
     ("vendor/ogl/ogl.iife.min.js", include_str!("assets/vendor/ogl/ogl.iife.min.js")),
@@ -100,6 +102,21 @@ mod tests {
         assert!(places.all(|place| own.contains(&place) || PARTS.iter().any(|(name, _)| *name == place)));
     }
 
+    /// MIT asks for its notice in every copy, and a page is a copy of the libraries in it.
+    #[test]
+    fn every_library_in_the_page_has_its_licence_there() {
+        let page = page(&[run("a", "")]);
+        let comment = page.split_once("<!--").and_then(|(_, rest)| rest.split_once("-->")).unwrap().0;
+        let libraries = PARTS.iter().filter_map(|(name, _)| name.strip_prefix("vendor/")?.split('/').next());
+        for library in libraries {
+            let file = format!("vendor/{library}/LICENSE");
+            let (_, licence) =
+                PARTS.iter().find(|(name, _)| *name == file).expect("a licence of each library");
+            assert!(licence.len() > 1000 && comment.contains(licence), "{library}");
+        }
+        assert!(comment.contains("Copyright (c) 2022 Leon Sorokin"));
+    }
+
     #[test]
     fn names_and_inputs_cannot_end_the_page() {
         let page = page(&[run("<b>", "title = \"</script><script>alert(1)\"")]);
@@ -115,8 +132,8 @@ mod tests {
         let own = SCRIPTS.iter().chain([&TEMPLATE]).copied().chain(PARTS.iter().map(|(_, text)| *text));
         for text in own {
             assert!(!text.contains("</script><") && !text.contains("@import") && !text.contains("fetch("));
-            // Names of XML vocabularies are not addresses.
-            let rest = text.replace("http://www.w3.org/2000/svg", "");
+            // Names of XML vocabularies and of a licence are not loaded.
+            let rest = text.replace("http://www.w3.org/2000/svg", "").replace("<https://unlicense.org>", "");
             let addresses = rest
                 .match_indices("http")
                 .filter(|(at, _)| rest[*at..].starts_with("http://") || rest[*at..].starts_with("https://"));
