@@ -26,8 +26,15 @@ paper:
 # Long runs: the paper with its own reference step, 10,000 and a million steps of free flight, 200 kills (many minutes).
 validate:
     cargo run --release -p emmy-validation
-    cargo test --release -p emmy --test long_flight -- --ignored --nocapture
-    cargo test --release -p emmy-cli --test cli -- --ignored --nocapture
+    cargo test --workspace --test suite --test cli -- --ignored --skip meshes_of_a_folder --nocapture
+
+# The licence texts of everything in the program, into THIRD_PARTY_NOTICES.md: after every change of the dependencies.
+notices:
+    python3 tests/licences/notices.py --write
+
+# Licences, duplicates, sources and advisories of the dependencies (deny.toml); installs cargo-deny where it is missing.
+deny:
+    .ci/deny
 
 # Times and memory, beside other programs, with a verdict on each goal (benches/README.md): `just bench --peers`, `just bench schemes`.
 bench *ARGS:

@@ -267,7 +267,7 @@ fn a_run_is_not_written_over() {
 
 /// Fig. 13 of the paper: the large-strain block, which shares its state at t = 1.
 #[test]
-#[ignore = "half a minute unoptimised; `.ci/run` and `just validate` run it in release"]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
 fn the_block_of_the_paper_converges_with_order_two() {
     let place = Place::new();
     place.succeed(&["new", "l-block"]);

@@ -306,7 +306,7 @@ fn a_run_that_is_killed_goes_on() {
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn a_run_that_is_killed_two_hundred_times_goes_on() {
     let [early, late] = kill_again_and_again(200);
     println!(

@@ -73,20 +73,20 @@ fn five_hundred_steps() {
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_dgm() {
     assert_drift("DGM", 10_000, 1e-9);
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_as8() {
     assert_drift("AS(8)", 10_000, 1e-9);
 }
 
 /// The inner rule of five points leaves an error of its own: 6e-9 of H in 700 steps.
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_as5() {
     assert_drift("AS(5)", 10_000, 1e-6);
 }
@@ -103,13 +103,13 @@ fn ten_thousand_steps_of_two_cells() {
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn a_million_steps_dgm() {
     assert_small_drift("DGM", 1_000_000);
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it in release"]
+#[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn a_million_steps_as8() {
     assert_small_drift("AS(8)", 1_000_000);
 }
