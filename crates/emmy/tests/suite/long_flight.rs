@@ -1,7 +1,7 @@
 //! Long free flight of the large-strain block (Betsch and Steinmann 2001, Section 5.1.2) at h = 0.04: energy and angular
 //! momentum stay what they are, for thousands of steps.
 //!
-//! The quick form runs with the other tests; the full one, 10,000 steps, by `just validate`.
+//! The quick form runs with the other tests; the full one, 10,000 steps, by `.ci/run` and `just validate`.
 
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
 use emmy::material::NeoHooke;
