@@ -36,11 +36,13 @@ class Viewer {
     const displacement = element("label", {}, "Displacement ", this.factor);
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
-        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement, views),
+        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
-        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()),
-        toggle("Range of frame", "perFrame", () => this.refresh())));
-    this.toggles.perFrame.parentNode.title = "colours from the smallest to the largest value of the frame instead of the run";
+        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()), views));
+    this.range = element("button", { class: "tool", type: "button", title: "colours span the values of the run, or of the frame", onclick: () => {
+      this.settings.perFrame = !this.settings.perFrame;
+      this.refresh();
+    } });
     this.toggles.follow.parentNode.title = "keep the body in the middle";
   }
 
@@ -168,12 +170,18 @@ class Viewer {
   }
 
   showLegend(field, low, high) {
-    const key = [field.name, low, high].join();
+    const key = [field.name, low, high, this.settings.perFrame].join();
     if (this.legend.dataset.shown === key) return;
     this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
-    this.legend.replaceChildren(element("div", {}, field.label), map,
+    const head = element("div", { class: "head" }, element("span", {}, field.label), this.range);
+    this.range.textContent = this.settings.perFrame ? "range of the frame" : "range of the run";
+    // The button keeps its place, and with it the focus.
+    if (this.range.isConnected) this.legend.querySelector(".head span").textContent = field.label;
+    else this.legend.append(head);
+    [...this.legend.children].slice(1).forEach((child) => child.remove());
+    this.legend.append(map,
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
   }
 
