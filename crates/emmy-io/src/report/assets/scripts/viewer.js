@@ -43,6 +43,8 @@ class Viewer {
       this.settings.perFrame = !this.settings.perFrame;
       this.refresh();
     } });
+    [this.shownField, this.scale] = [element("span"), element("div")];
+    this.legend.append(element("div", { class: "head" }, this.shownField, this.range), this.scale);
     this.toggles.follow.parentNode.title = "keep the body in the middle";
   }
 
@@ -175,13 +177,9 @@ class Viewer {
     this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
-    const head = element("div", { class: "head" }, element("span", {}, field.label), this.range);
+    this.shownField.textContent = field.label;
     this.range.textContent = this.settings.perFrame ? "range of the frame" : "range of the run";
-    // The button keeps its place, and with it the focus.
-    if (this.range.isConnected) this.legend.querySelector(".head span").textContent = field.label;
-    else this.legend.append(head);
-    [...this.legend.children].slice(1).forEach((child) => child.remove());
-    this.legend.append(map,
+    this.scale.replaceChildren(map,
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
   }
 
