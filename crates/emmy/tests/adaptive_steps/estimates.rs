@@ -319,7 +319,9 @@ fn the_reconstruction_is_a_good_start() {
             };
             let counts = [false, true].map(iterations);
             println!("{name}, k = {degree}: iterations of degree k + 1 in 20 steps {counts:?}");
-            assert!(counts[1] < counts[0], "{name}, k = {degree}: {counts:?}");
+            // The book's 12 to 31 % over all motions.
+            let saved = 1.0 - counts[1] as f64 / counts[0] as f64;
+            assert!((0.1..0.33).contains(&saved), "{name}, k = {degree}: {counts:?}");
         }
     }
 }
