@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 
-from chromium import Chromium, colours
+from chromium import Chromium, colours, pixels
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 RUNS = {
@@ -185,6 +185,15 @@ def check_windows(browser, directory):
             at = f"document.elementFromPoint({x}, {y})?.closest('.chart, .viewer') !== null"
             assert page.value(at), f"{width} x {height}: nothing at {x}, {y}"
         page.close()
+
+
+def check_whole_body(browser, directory):
+    """A long body fits into a picture that is higher than wide."""
+    page = browser.page(f"{directory}/report.html", width=1440, height=1300)
+    rows, size = pixels(page.picture("#viewport"))
+    edge = [row[size * x:size * x + 3] for row in rows for x in [1, 2, -3, -2]]
+    assert all(sum(pixel) > 300 for pixel in edge if pixel), "the body is cut off at the side"
+    page.close()
 
 
 def check_range(browser, directory):
@@ -360,6 +369,7 @@ def main():
         n += check_single(browser, f"{place}/two-materials", kept)
         check_long_numbers(browser, emmy, f"{place}/charts-only", f"{place}/long-numbers")
         check_windows(browser, f"{place}/l-block")
+        check_whole_body(browser, f"{place}/two-materials")
         check_range(browser, f"{place}/l-block")
         check_probe(browser, f"{place}/two-materials", "tip")
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")

@@ -112,8 +112,9 @@ class Viewer {
       this.hasChosenFollow = true;
     }
     const size = this.settings.follow ? 1.4 * this.reference.size : this.motion.size;
-    const aspect = Math.min(this.scene?.camera.aspect ?? 1, 1);
-    if (this.orbit) this.orbit.distance = (0.47 * size) / Math.tan((32 * Math.PI) / 360) / Math.sqrt(aspect);
+    const high = Math.tan((32 * Math.PI) / 360), wide = high * (this.scene?.camera.aspect ?? 1);
+    // A ball of this size fits across; corners may touch the upper and the lower edge.
+    if (this.orbit) this.orbit.distance = size * Math.max(0.47 / high, 0.5 / Math.sin(Math.atan(wide)));
     this.refresh();
   }
 
