@@ -148,7 +148,7 @@ fn few_steps_of_a_steady_motion_are_estimated() {
             let mut errors = [Estimator::Sampled, Estimator::Residual].map(|estimator| {
                 LocalError::new(&body, (DGM, degree), estimator, settings(), &start).unwrap()
             });
-            let (mut estimated, mut ratios) = (0, [f64::INFINITY, 0.0f64]);
+            let (mut estimated, mut ratios) = (0i32, [f64::INFINITY, 0.0f64]);
             for step in 1..=80 {
                 let before = motion.state().clone();
                 motion.step(h, h * f64::from(step)).unwrap();
@@ -170,7 +170,7 @@ fn few_steps_of_a_steady_motion_are_estimated() {
             );
             let (range, count) = quoted[degree - 1];
             // Rounding may decide once whether a step is estimated.
-            assert!((estimated - count as i32).abs() <= 2, "{name}, k = {degree}: {estimated}, {count}");
+            assert!((estimated - count).abs() <= 2, "{name}, k = {degree}: {estimated}, {count}");
             (0..2).for_each(|i| assert_quoted(name, ratios[i], range[i], 0.05));
         }
     }
