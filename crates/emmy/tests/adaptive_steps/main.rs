@@ -359,6 +359,18 @@ fn a_short_phase_after_a_long_one_is_done() {
     assert_eq!(end.time, 1e8 + 2.0);
 }
 
+/// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across for x and z, and along y
+/// a sixth of the mass at 3/2 on both sides, a third at 1/2.
+#[test]
+fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
+    let rubber = Region::new(None, 2.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let body = Body::new(mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap(), vec![rubber], &[], &[]).unwrap();
+    let lumped = (0.25 + 0.25 + 2.0 * (2.25f64 / 6.0 + 0.25 / 3.0)).sqrt();
+    assert!((body.radius_of_gyration() - lumped).abs() < 1e-14, "{}", body.radius_of_gyration());
+    assert_quoted("lumped", lumped, 1.19, 1e-3);
+    assert_quoted("own", (11.0f64 / 12.0).sqrt(), 0.957, 1e-3);
+}
+
 #[test]
 fn what_has_no_scale_or_no_estimate_is_refused() {
     let (body, state) = orbit(0.5);
