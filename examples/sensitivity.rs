@@ -100,4 +100,15 @@ mod tests {
         let error = tip.place - place(MU, 3, 0.05);
         assert!((0.8..1.25).contains(&(tip.error / error)), "{tip:?} {error}");
     }
+
+    /// The ratios that the book quotes.
+    #[test]
+    fn errors_are_estimated_the_better_the_smaller_the_steps() {
+        let exact = place(MU, 4, 0.05);
+        for (step_size, quoted) in [(0.1, 1.11), (0.05, 0.99)] {
+            let tip = tip(step_size).unwrap();
+            let ratio = tip.error / (tip.place - exact);
+            assert!((ratio - quoted).abs() < 0.01, "{step_size}: {ratio}");
+        }
+    }
 }

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 
-from chromium import Chromium, colours
+from chromium import Chromium, colours, pixels
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 RUNS = {
@@ -25,6 +25,7 @@ RUNS = {
     "newmark": ["examples/l-block.toml", "--set", "time.scheme=Newmark(0.25,0.5)"],
     "spring-network": ["examples/spring-network.toml", "--set", "output.format=vtkhdf"],
     "comet": ["examples/comet.toml"],
+    "two-materials": ["examples/two-materials.toml"],
     "charts-only": ["examples/plane-beam.toml", "--set", "output.every=0"],
 }
 
@@ -126,6 +127,109 @@ def check_layout(page):
     assert wide <= 0, f"{wide} pixels too wide"
     heights = page.value("[...document.querySelectorAll('.plot .u-over')].map(e => e.clientHeight)")
     assert heights and min(heights) > 40, heights
+
+
+# Boxes of the lines of text in the head of the page, with the text.
+HEAD_LINES = """[...document.querySelectorAll('.page-head, #verdict')].flatMap(place => {
+  const walker = document.createTreeWalker(place, NodeFilter.SHOW_TEXT), found = [];
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const range = document.createRange();
+    range.selectNodeContents(node);
+    for (const r of range.getClientRects()) if (node.data.trim()) found.push([node.data, r.left, r.top, r.right, r.bottom]);
+  }
+  return found;
+})"""
+
+
+def check_head(page):
+    """No line of text in the head lies on another one, or out of its frame."""
+    lines = page.value(HEAD_LINES)
+    left, _, width, _ = page.box("#verdict > *")
+    assert len(lines) > 15, lines
+    for i, (text, x0, y0, x1, y1) in enumerate(lines):
+        assert x0 >= left - 1 and x1 <= left + width + 1, f"{text!r} stands out of the head"
+        for other, u0, v0, u1, v1 in lines[:i]:
+            # Line boxes of one paragraph touch; what overlaps is deeper than that.
+            wide, high = min(x1, u1) - max(x0, u0), min(y1, v1) - max(y0, v0)
+            assert wide <= 1 or high <= 4, f"{text!r} lies on {other!r}"
+
+
+def check_long_numbers(browser, emmy, source, directory):
+    """The head has room for the numbers of a large run, at every width."""
+    os.makedirs(directory)
+    for name in ["input.toml", "history.csv"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    summary = json.load(open(f"{source}/summary.json"))
+    summary |= {"cells": 1291, "nodes": 2749, "dofs": 1_234_567, "wall_seconds": 32.6, "steps": 100_000,
+                "newton_iterations": 1_234_567, "scheme": "generalized-alpha(0.85)"}
+    json.dump(summary, open(f"{directory}/summary.json", "w"))
+    subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+    for width in [400, 721, 1119, 1120, 1300, 1920]:
+        page = browser.page(f"{directory}/report.html", width=width, height=900)
+        check_head(page)
+        check_layout(page)
+        page.close()
+
+
+def check_windows(browser, directory):
+    """The motion is in sight at once, and in a high window no column ends half-way down."""
+    for width, height in [(1300, 900), (1300, 1800), (1440, 1300), (1920, 1080)]:
+        page = browser.page(f"{directory}/report.html", width=width, height=height)
+        check_head(page)
+        check_layout(page)
+        _, top, _, high = page.box("#viewer")
+        bar = page.box("#transport")[1]
+        assert top + high <= bar, f"{width} x {height}: the motion ends at {top + high}, behind the bar at {bar}"
+        for part in [0.25, 0.75]:
+            x, y = part * width, bar - 40
+            at = f"document.elementFromPoint({x}, {y})?.closest('.chart, .viewer') !== null"
+            assert page.value(at), f"{width} x {height}: nothing at {x}, {y}"
+        page.close()
+
+
+def check_whole_body(browser, directory):
+    """A long body fits into a picture that is higher than wide."""
+    page = browser.page(f"{directory}/report.html", width=1440, height=1300)
+    rows, size = pixels(page.picture("#viewport"))
+    edge = [row[size * x:size * x + 3] for row in rows for x in [1, 2, -3, -2]]
+    assert all(sum(pixel) > 300 for pixel in edge if pixel), "the body is cut off at the side"
+    page.close()
+
+
+def check_range(browser, directory):
+    """The colours span the values of the run, and those of the frame after a click at the scale. The second frame is hardly stressed."""
+    page = browser.page(f"{directory}/report.html")
+    page.press("Home")
+    ends = "[...document.querySelectorAll('#legend .ends span')].map(e => e.textContent)"
+    page.press("ArrowRight")
+    of_run, picture = page.value(ends), page.picture("#viewport")
+    x, y, width, height = page.box("#legend button")
+    page.drag([(x + width / 2, y + height / 2)])
+    assert page.value("document.querySelector('#legend button').textContent") == "range of the frame"
+    of_frame = page.value(ends)
+    assert float(of_frame[-1]) < 0.5 * float(of_run[-1]), (of_frame, of_run)
+    assert page.picture("#viewport") != picture, "the colours do not change with their range"
+    page.drag([(x + width / 2, y + height / 2)])
+    assert page.value(ends) == of_run
+    check_silence(page)
+    page.close()
+
+
+def check_probe(browser, directory, name):
+    """A probe's chart begins at zero and ends at the displacement of the history."""
+    rows = open(f"{directory}/history.csv").read().splitlines()
+    head, cells = rows[0].split(","), [row.split(",") for row in rows[1:]]
+    column = lambda axis: [float(row[head.index(f"{name}_{axis}")]) for row in cells]
+    page = browser.page(f"{directory}/report.html")
+    values = f"[...document.querySelectorAll('[aria-label=\"Probe {name}\"] .key .value')].map(e => e.textContent)"
+    page.press("Home")
+    assert page.value(values) == ["0", "0", "0"], page.value(values)
+    page.press("End")
+    for axis, text in zip("xyz", page.value(values)):
+        value, half = shown(text)
+        expected = column(axis)[-1] - column(axis)[0]
+        assert abs(value - expected) <= half * (1 + 1e-9), (axis, text, expected)
+    page.close()
 
 
 def check_silence(page):
@@ -262,6 +366,12 @@ def main():
         n += check_single(browser, f"{place}/spring-network", kept)
         n += check_single(browser, f"{place}/charts-only", kept, has_motion=False)
         n += check_single(browser, f"{place}/comet", kept)
+        n += check_single(browser, f"{place}/two-materials", kept)
+        check_long_numbers(browser, emmy, f"{place}/charts-only", f"{place}/long-numbers")
+        check_windows(browser, f"{place}/l-block")
+        check_whole_body(browser, f"{place}/two-materials")
+        check_range(browser, f"{place}/l-block")
+        check_probe(browser, f"{place}/two-materials", "tip")
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
         check_schemes(browser, f"{place}/l-block")

@@ -146,7 +146,10 @@ fn the_papers_block_does_no_step_twice() {
     assert_eq!(summary["refusals"], 0);
     let sizes = history["step_size"][1..].iter().copied();
     let (least, most) = (sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max));
-    assert!(most > 8.0 * least, "{least} {most}");
+    // What the book says: 140 steps, from 2.6e-3 to 0.027. Modes that no step resolves amplify rounding: a few steps more or less.
+    let steps = summary["steps"].as_f64().unwrap();
+    assert!((steps - 140.0).abs() <= 5.0, "{steps}");
+    assert!((least / 2.6e-3 - 1.0).abs() < 0.05 && (most / 0.027 - 1.0).abs() < 0.05, "{least} {most}");
     assert!(
         summary["worst_energy_residual"].as_f64() < Some(1e-12 * summary["largest_energy"].as_f64().unwrap())
     );

@@ -43,7 +43,7 @@ pub struct Rule {
     b: Vec<f64>,
     /// a_ij = L_j(c_i), row by row.
     a: Vec<f64>,
-    /// Values p_i of the Legendre polynomial of degree k - 1 at the Gauss points.
+    /// Values p_i of the Legendre polynomial of degree k - 1 and norm one at the Gauss points.
     fastest: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,

@@ -24,7 +24,8 @@ impl Body {
         (sum / masses.iter().sum::<f64>()).sqrt()
     }
 
-    /// Radius of gyration about the centre of mass, in the reference configuration \[length\].
+    /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. It divides [`Body::mean`], which is one of
+    /// the lumped masses as well; in a coarse mesh it is larger than that of the body.
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};

@@ -11,7 +11,8 @@ use crate::tensor::Elasticity;
 ///
 /// with the elasticity D_0 of the material at rest: `t_v` is what is known as stiffness-proportional (Rayleigh) damping in a linear
 /// body, where a mode of angular frequency omega has the damping ratio `t_v omega/2`. Rotations see nothing of it, and as an internal stress it
-/// leaves both momenta alone. It takes `E' : S` per time and volume out of the body.
+/// leaves both momenta alone. It takes `E' : S` per time and volume out of the body. Fibres that bear tension only have no stiffness at rest, hence no
+/// part in D_0: `t_v` damps the matrix around them, however much they are stretched.
 ///
 /// ```
 /// use emmy::body::Viscosity;

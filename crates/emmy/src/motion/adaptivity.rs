@@ -30,7 +30,7 @@ pub struct Adaptivity {
     pub largest: f64,
     /// Size of the first step; `None`: chosen from velocity and acceleration at the start.
     pub first: Option<f64>,
-    /// Scale l of positions \[length\]; `None`: the radius of gyration of the body in its reference configuration.
+    /// Scale l of positions \[length\]; `None`: [`crate::body::Body::radius_of_gyration`], of the lumped masses.
     pub length: Option<f64>,
     /// Scale of velocities \[length/time\]; `None`: errors of velocities do not count.
     pub velocity: Option<f64>,

@@ -6,8 +6,8 @@
 //! a_ij + beta p_i b_j p_j,    beta = chi / (2 (2 k - 1)),    chi = (1 - rho) / (1 + rho)
 //! ```
 //!
-//! in their place, p the Legendre polynomial of degree k - 1 at the Gauss points, it is algebraically stable, of order 2 k - 1, and has the spectral
-//! radius rho at infinity (Hairer and Wanner 1981, Algebraically stable and implementable Runge-Kutta methods of high order, SIAM Journal on Numerical
+//! in their place, p the Legendre polynomial of degree k - 1 at the Gauss points with the norm one on the unit interval, `p(1) = sqrt(2 k - 1)`, it is
+//! algebraically stable, of order 2 k - 1, and has the spectral radius rho at infinity (Hairer and Wanner 1981, Algebraically stable and implementable Runge-Kutta methods of high order, SIAM Journal on Numerical
 //! Analysis 18): from Gauss' method, rho = 1, to that of Radau IIA, rho = 0; for k = 1 from the mid-point rule to backward Euler. In a linear body the additional part is
 //! one of the strains and one of the velocities; both are kept here in a form that takes energy out of any motion of any body:
 //!

@@ -1,10 +1,11 @@
 //! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
 
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support, Viscosity};
-use emmy::material::{Link, NeoHooke};
+use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
 use emmy::time::{LocalError, Scheme};
+use emmy::{polynomial, quadrature};
 
 use crate::shared::points::{masses, moving, network};
 
@@ -98,6 +99,93 @@ fn a_viscous_spring_and_a_braked_mass_decay_as_in_theory() {
             let error = (motion.state().displacement[3] - exact) * w / v;
             assert!(error.abs() < limit, "{text} {viscous} {drag}: {error:e}");
         }
+    }
+}
+
+/// A unit cube of one cell whose face x = 1 moves with a velocity, while the rest is held: F = I + t velocity x e_x.
+fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
+    let along = |v: f64| (v != 0.0).then(|| History::smooth("v*t", move |t| [v * t, v, 0.0]));
+    let held = Support { group: "x-min".into(), fix: [true; 3], ..Support::default() };
+    let moved = Support {
+        group: "x-max".into(),
+        fix: velocity.map(|v| v == 0.0),
+        displacement: velocity.map(along),
+        ..Support::default()
+    };
+    Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![region], &[held, moved], &[]).unwrap()
+}
+
+/// What is dissipated in a given deformation is an integral over time, done by hand.
+#[test]
+fn a_given_deformation_dissipates_what_its_formula_says() {
+    // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per volume of
+    // S = t_v (lambda tr E' I + 2 mu E') + 2 eta dev E' + zeta tr E' I is
+    // (t_v lambda + zeta - 2/3 eta) (tr E')^2 + 2 (t_v mu + eta) E' : E'.
+    let (lambda, mu, until) = (30.0, 15.0, 0.6);
+    let materials: [&dyn Fn() -> Region; 3] = [
+        &|| Region::new(None, 1.0, NeoHooke::new(lambda, mu).unwrap()),
+        &|| Region::new(None, 1.0, SaintVenantKirchhoff::new(lambda, mu).unwrap()),
+        // Fibres have no stiffness at rest, so no part in D_0, though the motion stretches them.
+        &|| {
+            let (bulk, fibres) = (lambda + 2.0 / 3.0 * mu, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+            let law = Volumetric::default();
+            let tissue = HolzapfelGasserOgden::new(mu, [5.0, 0.3], 0.0, &fibres, bulk, law).unwrap();
+            Region::new(None, 1.0, tissue)
+        },
+    ];
+    for velocity in [[0.0, 0.7, 0.0], [0.5, 0.0, 0.0], [-0.3, 0.4, 0.6]] {
+        let square: f64 = velocity.iter().map(|v: &f64| v * v).sum();
+        let across = (velocity[1].powi(2) + velocity[2].powi(2)) / 2.0;
+        for (time, shear, bulk) in [(0.0, 0.8, 0.0), (0.0, 0.0, 1.3), (0.02, 0.0, 0.0), (0.01, 0.5, 0.2)] {
+            let viscosity = Viscosity { time, shear, bulk };
+            let (of_trace, of_rate) = (time * lambda + bulk - 2.0 / 3.0 * shear, 2.0 * (time * mu + shear));
+            for region in &materials {
+                let body = deformed_cube(region().with_viscosity(viscosity), velocity);
+                for (text, degree) in [("DGM", 1), ("DGM", 2), ("AS(3)", 3), ("FE(2)", 2)] {
+                    let n = 6;
+                    let h = until / f64::from(n);
+                    let state = State::initial(&body, 0.0, &[]).unwrap();
+                    let taken = records(&body, scheme(text), degree, state, h, n as usize)[n as usize - 1]
+                        .dissipated_energy;
+                    // (E'_xx)^2 integrated: exactly by two Gauss points and more, by the mid-points for k = 1, which miss h^2 |v|^4/12.
+                    let cube = |t: f64| (velocity[0] + t * square).powi(3) / (3.0 * square);
+                    let missed = if degree == 1 { h * h * square * square / 12.0 * until } else { 0.0 };
+                    let squared = cube(until) - cube(0.0) - missed;
+                    let exact = of_trace * squared + of_rate * (squared + across * until);
+                    assert!(
+                        (taken - exact).abs() < 1e-13 * exact,
+                        "{velocity:?} {viscosity:?} {text} {degree}: {taken} is not {exact}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A cell that vibrates along x with a face held, small strain: `rho L^2/3 u'' + V u' + (lambda + 2 mu) u = 0` with the consistent
+/// mass and V = t_v (lambda + 2 mu) + 4/3 eta + zeta.
+#[test]
+fn a_viscous_block_decays_as_in_theory() {
+    let (lambda, mu, density, v, t) = (4.0, 3.0, 2.0, 1e-8, 3.0);
+    for (time, shear, bulk) in [(0.04, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.4), (0.02, 0.1, 0.1)] {
+        let elastic = SaintVenantKirchhoff::new(lambda, mu).unwrap();
+        let region = Region::new(None, density, elastic).with_viscosity(Viscosity { time, shear, bulk });
+        let fixed = Support { group: "x-min".into(), fix: [true; 3], ..Support::default() };
+        let guided = Support { group: "x-max".into(), fix: [false, true, true], ..Support::default() };
+        let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
+        let body = Body::new(mesh, vec![region], &[fixed, guided], &[]).unwrap();
+        let pushed =
+            InitialVelocity { group: Some("x-max".into()), velocity: [v, 0.0, 0.0], ..Default::default() };
+        let state = State::initial(&body, 0.0, &[pushed]).unwrap();
+        let viscous = time * (lambda + 2.0 * mu) + 4.0 / 3.0 * shear + bulk;
+        let delta = 1.5 * viscous / density;
+        let w = (3.0 * (lambda + 2.0 * mu) / density - delta * delta).sqrt();
+        let mut motion = Motion::new(&body, scheme("DGM"), 3, settings(), state).unwrap();
+        (1..=60).for_each(|i| drop(motion.step(t / 60.0, t / 60.0 * f64::from(i)).unwrap().clone()));
+        let exact = v / w * (-delta * t).exp() * (w * t).sin();
+        let found = motion.state().displacement[3 * body.mesh().nearest_node([1.0; 3])];
+        // The time element's phase error, (w h)^6 w t/100800, is 1e-8; strains of 1e-8 add as much to a linear solution.
+        assert!((found - exact).abs() * w / v < 1e-7, "{time} {shear} {bulk}: {found} is not {exact}");
     }
 }
 
@@ -263,6 +351,77 @@ fn fast_oscillations_decay_by_the_spectral_radius_and_slow_ones_hardly() {
         let lost = 1.0 - slow[9].total_energy / 0.5e-12;
         assert!(lost < 10.0 * 0.05f64.powi(2 * degree as i32), "{degree} {radius}: {lost:e}");
     }
+}
+
+/// The coefficients `a_ij + beta p_i b_j p_j` as the book prints them, with p written out for k = 1, 2, 3.
+#[test]
+fn the_formula_of_the_book_has_the_spectral_radius_and_is_the_scheme() {
+    for degree in [1usize, 2, 3] {
+        let rule = quadrature::gauss(degree);
+        let points: Vec<f64> = rule.points.iter().map(|&[point]| point).collect();
+        let p: Vec<f64> = points
+            .iter()
+            .map(|s| match degree {
+                1 => 1.0,
+                2 => 3f64.sqrt() * (2.0 * s - 1.0),
+                _ => 5f64.sqrt() * (6.0 * s * s - 6.0 * s + 1.0),
+            })
+            .collect();
+        for radius in [0.0, 0.3, 0.8] {
+            let beta = (1.0 - radius) / (1.0 + radius) / (2.0 * (2.0 * degree as f64 - 1.0));
+            let a: Vec<Vec<f64>> = (0..degree)
+                .map(|i| {
+                    (0..degree)
+                        .map(|j| {
+                            polynomial::lagrange_integral(&points, j, points[i])
+                                + beta * p[i] * rule.weights[j] * p[j]
+                        })
+                        .collect()
+                })
+                .collect();
+            // R(z) = det(1 - z a + z 1 b^T)/det(1 - z a); at infinity det(a - 1 b^T)/det a.
+            let shifted = |z: [f64; 2], with_b: f64, one: f64| {
+                let entry = |i: usize, j: usize| {
+                    let number = a[i][j] - with_b * rule.weights[j];
+                    [if i == j { one } else { 0.0 } - z[0] * number, -z[1] * number]
+                };
+                determinant(degree, &entry)
+            };
+            let [at_infinity, of_a] = [1.0, 0.0].map(|with_b| shifted([-1.0, 0.0], with_b, 0.0)[0]);
+            assert!(((at_infinity / of_a).abs() - radius).abs() < 1e-14, "{degree} {radius}");
+            // A step of the scheme on an oscillator, from x = 0 with the velocity v: x = Im R v/omega, x' = Re R v.
+            let (omega, h, v) = (5.0, 0.3, 1e-7);
+            let [top, bottom] = [1.0, 0.0].map(|with_b| shifted([0.0, omega * h], with_b, 1.0));
+            let size = bottom[0] * bottom[0] + bottom[1] * bottom[1];
+            let real = (top[0] * bottom[0] + top[1] * bottom[1]) / size;
+            let imaginary = (top[1] * bottom[0] - top[0] * bottom[1]) / size;
+            let body = oscillator(omega * omega, 0.0, 0.0);
+            let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+            let start = moving(&body, &[[0.0; 3], [v, 0.0, 0.0]]);
+            let mut motion = Motion::new(&body, dissipative, degree, settings(), start).unwrap();
+            motion.step(h, h).unwrap();
+            let found = [motion.state().displacement[3] * omega / v, motion.state().velocity[3] / v];
+            assert!(
+                (found[0] - imaginary).abs() < 1e-6 && (found[1] - real).abs() < 1e-6,
+                "{degree} {radius}: {found:?} is not {imaginary} {real}"
+            );
+        }
+    }
+}
+
+/// Determinant of a complex matrix of up to three rows, by its first row.
+fn determinant(n: usize, entry: &dyn Fn(usize, usize) -> [f64; 2]) -> [f64; 2] {
+    if n == 0 {
+        return [1.0, 0.0];
+    }
+    (0..n).fold([0.0; 2], |sum, column| {
+        let minor = determinant(n - 1, &|i, j| entry(i + 1, if j < column { j } else { j + 1 }));
+        let (e, sign) = (entry(0, column), if column % 2 == 0 { 1.0 } else { -1.0 });
+        [
+            sum[0] + sign * (e[0] * minor[0] - e[1] * minor[1]),
+            sum[1] + sign * (e[0] * minor[1] + e[1] * minor[0]),
+        ]
+    })
 }
 
 #[test]

@@ -150,6 +150,70 @@ fn a_driven_face_keeps_a_spin() {
     assert!((0..4).all(|dof| state.displacement[dof].abs() < 1e-13));
 }
 
+/// All of a block is turned by a given angle, about an axis that is none of its own: no strain, the velocities are those of
+/// the rotation, angle' e x r, L = I e angle' and T = I angle'^2/2, at the end of every step and whatever its size.
+#[test]
+fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
+    let (axis, about) = ([2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], [0.3, -0.4, 0.2]);
+    let turns = [
+        History::smooth("0.7 t + sin(2 t)", |t| {
+            let (sin, cos) = (2.0 * t).sin_cos();
+            [0.7 * t + sin, 0.7 + 2.0 * cos, -4.0 * sin]
+        }),
+        // A kink inside a step; its rate is that of the piece on the right.
+        table(&[(0.0, 0.0), (0.35, 0.9), (2.0, -0.3)]),
+    ];
+    let rate_at = |which: usize, t: f64| match which {
+        0 => 0.7 + 2.0 * (2.0 * t).cos(),
+        _ if t < 0.35 => 0.9 / 0.35,
+        _ => -1.2 / 1.65,
+    };
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    // Inertia about the axis: of the centre, m d^2, and about it, m (a^2/12 of each edge, across the axis).
+    let (edges, mass) = ([1.0, 2.0, 0.5], 1.5);
+    let arm = cross(axis, [0, 1, 2].map(|d| edges[d] / 2.0 - about[d]));
+    let own: f64 = (0..3).map(|d| edges[d].powi(2) / 12.0 * (1.0 - axis[d].powi(2))).sum();
+    let inertia = mass * (arm.iter().map(|x| x * x).sum::<f64>() + own);
+    for (which, angle) in turns.into_iter().enumerate() {
+        let supports = [turned("body", axis.map(|e| 3.0 * e), about, angle)];
+        let stiff = Region::new(None, 1.5, SaintVenantKirchhoff::new(10.0, 10.0).unwrap());
+        let mesh = mesh::block(edges, [2, 2, 1]).unwrap();
+        let body = Body::new(mesh, vec![stiff], &supports, &[]).unwrap();
+        for degree in 1..=3 {
+            let mut state = State::initial(&body, 0.0, &[]).unwrap();
+            for end in [0.0, 0.2, 0.4, 0.6, 0.8] {
+                let energy = if end == 0.0 {
+                    None
+                } else {
+                    let settings = NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() };
+                    let mut motion =
+                        Motion::new(&body, Scheme::DiscreteGradient, degree, settings, state).unwrap();
+                    let energy = motion.step(0.2, end).unwrap().kinetic_energy;
+                    state = motion.state().clone();
+                    Some(energy)
+                };
+                let rate = rate_at(which, end);
+                for (node, point) in body.mesh().points().iter().enumerate() {
+                    let q = [0, 1, 2].map(|d| point[d] + state.displacement[3 * node + d] - about[d]);
+                    let expected = cross(axis, q).map(|x| rate * x);
+                    let found = [0, 1, 2].map(|d| state.velocity[3 * node + d]);
+                    assert!(
+                        (0..3).all(|d| (found[d] - expected[d]).abs() < 1e-13),
+                        "k = {degree}, t = {end}, node {node}: {found:?} is not {expected:?}"
+                    );
+                }
+                let expected = 0.5 * inertia * rate * rate;
+                assert!(
+                    energy.is_none_or(|energy| (energy - expected).abs() < 1e-12),
+                    "{energy:?} {expected}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn order_is_twice_the_degree() {
     let turn = turned("y-min", [0.3, 0.2, 1.0], [0.5, 0.0, 0.5], sine(0.3, 2.0));

@@ -61,39 +61,42 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn assert_drift(scheme: &str, steps: usize, energy_bound: f64) {
+/// What is rounding differs from machine to machine: bounds for that. `error`: the drift of the energy that a scheme has by its own.
+fn assert_drift(scheme: &str, steps: usize, error: f64, rounding: f64) {
     let (energy, momentum) = drift_of_block(scheme, steps);
-    assert!(energy < energy_bound, "{scheme}: energy drifts by {energy:e}");
-    assert!(momentum < 1e-9, "{scheme}: angular momentum drifts by {momentum:e}");
+    assert!((energy - error).abs() < 0.02 * error + rounding, "{scheme}: energy drifts by {energy:e}");
+    assert!(momentum < rounding, "{scheme}: angular momentum drifts by {momentum:e}");
 }
 
 #[test]
 fn five_hundred_steps() {
-    assert_drift("DGM", 500, 1e-10);
+    assert_drift("DGM", 500, 0.0, 1e-13);
 }
 
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_dgm() {
-    assert_drift("DGM", 10_000, 1e-9);
+    assert_drift("DGM", 10_000, 0.0, 1e-12);
 }
 
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_as8() {
-    assert_drift("AS(8)", 10_000, 1e-9);
+    assert_drift("AS(8)", 10_000, 5.5e-10, 1e-12);
 }
 
-/// The inner rule of five points leaves an error of its own: 6e-9 of H in 700 steps.
+/// The inner rule of five points leaves an error of its own, that of eight a smaller one: the README's.
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_as5() {
-    assert_drift("AS(5)", 10_000, 1e-6);
+    assert_drift("AS(5)", 10_000, 7.6e-7, 1e-12);
 }
 
+/// The book's bound for a million steps; a tenth of it for ten thousand.
 fn assert_small_drift(scheme: &str, steps: usize) {
     let (energy, momentum) = drift_of_two_cells(scheme, steps);
-    assert!(energy < 1e-8 && momentum < 1e-8, "{scheme}: H drifts by {energy:e}, L by {momentum:e}");
+    let bound = if steps > 10_000 { 1e-10 } else { 1e-11 };
+    assert!(energy < bound && momentum < bound, "{scheme}: H drifts by {energy:e}, L by {momentum:e}");
 }
 
 #[test]

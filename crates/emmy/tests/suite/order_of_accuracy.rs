@@ -2,7 +2,7 @@
 //! the steppers that are not time elements, but for Newmark's method with gamma other than 1/2.
 
 use emmy::body::{Body, InitialVelocity, Region};
-use emmy::material::NeoHooke;
+use emmy::material::{HolzapfelGasserOgden, NeoHooke, Volumetric};
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
@@ -48,6 +48,26 @@ fn order_is_twice_the_degree() {
             assert!((order - 2.0 * degree as f64).abs() < 0.25, "{scheme} k = {degree}: order {order}");
         }
     }
+}
+
+/// Fibres that go slack during the motion: the tangent has a kink there, which no polynomial in time sees.
+#[test]
+fn fibres_that_go_slack_cost_the_order() {
+    let tissue = |k1: f64| {
+        let fibres = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let tissue =
+            HolzapfelGasserOgden::new(5.0, [k1, 0.5], 0.0, &fibres, 20.0, Volumetric::default()).unwrap();
+        let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+        Body::new(mesh, vec![Region::new(None, 1.0, tissue)], &[], &[]).unwrap()
+    };
+    let mean_order = |body: &Body| {
+        let reference = displacement(body, Scheme::DiscreteGradient, 4, 0.00125);
+        let orders =
+            [0.1, 0.05, 0.025].map(|size| order(body, &reference, Scheme::DiscreteGradient, 3, size));
+        orders.iter().sum::<f64>() / 3.0
+    };
+    let (without, with) = (mean_order(&tissue(1e-9)), mean_order(&tissue(10.0)));
+    assert!(without > 5.7 && with < 4.5, "{without} {with}");
 }
 
 #[test]

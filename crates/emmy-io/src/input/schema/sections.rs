@@ -266,7 +266,12 @@ fn adaptive() -> Value {
         .may("min_size", positive("Smallest step; a step that is too inaccurate even then ends the run"))
         .may("max_size", positive("Largest step"))
         .may("first_size", positive("First step; left out: chosen from velocity and acceleration"))
-        .may("length", positive("Scale of positions [length]; left out: the body's radius of gyration"))
+        .may(
+            "length",
+            positive(
+                "Scale of positions [length]; left out: the radius of gyration of the body's lumped masses",
+            ),
+        )
         .may(
             "velocity",
             positive("Scale of velocities [length/time]; left out: errors of velocities do not count"),

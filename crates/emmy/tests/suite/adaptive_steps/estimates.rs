@@ -78,6 +78,26 @@ fn driven_block() -> (Body, State) {
     (body, state)
 }
 
+/// Smallest and largest estimate over true local error in the book, of degrees 1, 2, 3.
+const BOOK: [(&str, &str, [[f64; 2]; 3]); 6] = [
+    ("orbit", "differences or the element", [[0.96, 0.99], [0.99, 1.03], [0.97, 1.14]]),
+    ("orbit", "residual", [[0.999, 1.000], [0.99, 1.08], [0.97, 1.28]]),
+    ("springs", "differences or the element", [[0.87, 1.18], [0.997, 0.999], [0.994, 1.003]]),
+    ("springs", "residual", [[1.000, 1.000], [0.997, 1.000], [0.996, 1.002]]),
+    ("soft block", "differences or the element", [[0.72, 1.37], [0.991, 0.997], [0.984, 0.992]]),
+    ("soft block", "residual", [[0.998, 0.999], [0.991, 0.998], [0.984, 0.992]]),
+];
+
+/// What the book quotes, or what is in no table of it: differences are of the size of the error, the others exact in the limit of small steps.
+fn expected_range(name: &str, estimator: Estimator, degree: usize) -> ([f64; 2], bool) {
+    let row = if estimator == Estimator::Residual { "residual" } else { "differences or the element" };
+    match BOOK.iter().find(|(problem, by, _)| (*problem, *by) == (name, row)) {
+        Some((.., ranges)) if degree > 1 || estimator != Estimator::Element => (ranges[degree - 1], true),
+        _ if estimator == Estimator::Difference => ([0.7, 1.4], false),
+        _ => ([0.98, 1.01], false),
+    }
+}
+
 #[test]
 fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
     for (name, problem, size) in [
@@ -98,9 +118,14 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
                     "{name}, k = {degree}, {}: displacement {least:.3} .. {most:.3}, velocity {least_v:.3} .. {most_v:.3}",
                     estimator.name()
                 );
-                assert!(least > 0.5 && most < 2.0, "{name}, k = {degree}: {ratios:.3?}");
+                let ([low, high], is_quoted) = expected_range(name, estimator, degree);
+                assert!(least > low - 0.01 && most < high + 0.01, "{name}, k = {degree}: {ratios:.3?}");
+                if is_quoted {
+                    assert_quoted(name, least, low, 0.01);
+                    assert_quoted(name, most, high, 0.01);
+                }
                 if estimator != Estimator::Difference {
-                    assert!(least_v > 0.5 && most_v < 2.0, "{name}, k = {degree}: {ratios:.3?}");
+                    assert!(least_v > 0.85 && most_v < 1.35, "{name}, k = {degree}: {ratios:.3?}");
                 }
             }
         }
@@ -111,14 +136,19 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
 /// that is too large does no harm (`LocalError::confirm`). What it does to the sizes of steps is next to nothing (`carried_errors_choose_the_sizes_that_estimated_ones_do`).
 #[test]
 fn few_steps_of_a_steady_motion_are_estimated() {
-    for (name, (body, start), size) in [("springs", springs(), 0.02), ("soft block", soft_block(), 0.01)] {
+    // The book's table: smallest and largest carried error, and estimated steps.
+    let of_springs = [([0.56, 2.6], 20), ([0.33, 2.9], 16), ([0.30, 7.5], 64)];
+    let of_block = [([0.25, 2.8], 32), ([0.25, 4.0], 58), ([0.60, 3.2], 59)];
+    for (name, (body, start), size, quoted) in
+        [("springs", springs(), 0.02, of_springs), ("soft block", soft_block(), 0.01, of_block)]
+    {
         for degree in [1, 2, 3] {
             let h = size * [1.0, 3.0, 5.0][degree - 1];
             let mut motion = Motion::new(&body, DGM, degree, settings(), start.clone()).unwrap();
             let mut errors = [Estimator::Sampled, Estimator::Residual].map(|estimator| {
                 LocalError::new(&body, (DGM, degree), estimator, settings(), &start).unwrap()
             });
-            let (mut estimated, mut ratios) = (0, [f64::INFINITY, 0.0f64]);
+            let (mut estimated, mut ratios) = (0i32, [f64::INFINITY, 0.0f64]);
             for step in 1..=80 {
                 let before = motion.state().clone();
                 motion.step(h, h * f64::from(step)).unwrap();
@@ -138,8 +168,10 @@ fn few_steps_of_a_steady_motion_are_estimated() {
             println!(
                 "{name}, k = {degree}: carried error over that of the residual {ratios:.3?}, {estimated} of 80 estimated"
             );
-            assert!(estimated <= 70, "{name}, k = {degree}: {estimated}");
-            assert!(ratios[0] > 0.2 && ratios[1] < 10.0, "{name}, k = {degree}: {ratios:?}");
+            let (range, count) = quoted[degree - 1];
+            // Rounding may decide once whether a step is estimated.
+            assert!((estimated - count).abs() <= 2, "{name}, k = {degree}: {estimated}, {count}");
+            (0..2).for_each(|i| assert_quoted(name, ratios[i], range[i], 0.05));
         }
     }
 }
@@ -165,7 +197,8 @@ fn the_residual_estimates_the_errors_of_every_rule() {
         let ratios = effectivities(&soft_block(), kind, Estimator::Residual, h, 8);
         let ranges = [0, 1].map(|i| range(&ratios, i));
         println!("{scheme}, k = {degree}: {ranges:.3?}");
-        assert!(ranges.iter().all(|[least, most]| *least > 0.5 && *most < 2.0), "{scheme}: {ratios:.3?}");
+        // Exact in the limit of small steps.
+        assert!(ranges.iter().all(|[least, most]| *least > 0.9 && *most < 1.1), "{scheme}: {ratios:.3?}");
     }
 }
 
@@ -286,7 +319,9 @@ fn the_reconstruction_is_a_good_start() {
             };
             let counts = [false, true].map(iterations);
             println!("{name}, k = {degree}: iterations of degree k + 1 in 20 steps {counts:?}");
-            assert!(counts[1] < counts[0], "{name}, k = {degree}: {counts:?}");
+            // The book's 12 to 31 % over all motions.
+            let saved = 1.0 - counts[1] as f64 / counts[0] as f64;
+            assert!((0.1..0.33).contains(&saved), "{name}, k = {degree}: {counts:?}");
         }
     }
 }

@@ -46,3 +46,8 @@ pub fn exact(body: &Body, state: &State, time: f64) -> State {
     }
     motion.state().clone()
 }
+
+/// Asserts that a number is the one that the book quotes, to a part of it.
+pub fn assert_quoted(what: &str, found: f64, quoted: f64, part: f64) {
+    assert!((found - quoted).abs() <= part * quoted.abs(), "{what}: {found} is not the book's {quoted}");
+}

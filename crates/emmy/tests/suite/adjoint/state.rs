@@ -49,7 +49,7 @@ fn gradients_by_the_initial_state_are_differences_of_motions() {
         for scheme in schemes(k) {
             let error = error_by_differences(&body, (scheme, k), &start, &plan, &goal);
             println!("{scheme}, k = {k}: {error:.1e}");
-            assert!(error < 1e-8, "{scheme}, k = {k}: {error:e}");
+            assert!(error < 1e-9, "{scheme}, k = {k}: {error:e}");
         }
     }
 }
@@ -63,7 +63,7 @@ fn gradients_of_links_and_ground_terms_are_differences_of_motions() {
         for scheme in schemes(k) {
             let error = error_by_differences(&body, (scheme, k), &start, &plan, &goal);
             println!("{scheme}, k = {k}: {error:.1e}");
-            assert!(error < 1e-8, "{scheme}, k = {k}: {error:e}");
+            assert!(error < 1e-9, "{scheme}, k = {k}: {error:e}");
         }
     }
 }
@@ -91,7 +91,7 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
         for (scheme, k) in [(Scheme::Standard(1), 1), (Scheme::AssumedStrain(3), 2), (DGM, 1), (DGM, 2)] {
             let error = error_by_differences(&body, (scheme, k), &start, &equal(0.45, 0.15), &goal);
             println!("{name}, {scheme}, k = {k}: {error:.1e}");
-            assert!(error < 1e-8, "{name}, {scheme}, k = {k}: {error:e}");
+            assert!(error < 1e-9, "{name}, {scheme}, k = {k}: {error:e}");
         }
     }
 }

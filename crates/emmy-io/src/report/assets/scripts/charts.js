@@ -51,8 +51,10 @@ function chartsOfRun(run, clock) {
       lines: [line("min det F", nulled(determinant), "--c0")] }));
   }
   for (const probe of run.probes) {
-    specs.push(ofRun(run, { title: `Probe ${probe}`, unit: "position", height: 150,
-      lines: AXES.map(([axis, colour, dash]) => line(axis, column(`${probe}_${axis}`), colour, dash)) }));
+    const at = AXES.map(([axis]) => column(`${probe}_${axis}`));
+    // Of a position nothing would be seen but where the node is.
+    specs.push(ofRun(run, { title: `Probe ${probe}`, unit: `displacement from (${at.map((values) => number(values[0])).join(", ")})`, height: 150,
+      lines: AXES.map(([axis, colour, dash], i) => line(`u${axis}`, at[i].map((value) => value - at[i][0]), colour, dash)) }));
   }
   return specs;
 }

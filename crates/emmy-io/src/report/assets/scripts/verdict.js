@@ -71,13 +71,13 @@ function facts(run) {
   const s = run.summary;
   const fact = (term, ...value) => element("div", {}, element("dt", {}, term), element("dd", {}, ...value));
   const small = (text) => element("small", {}, text);
-  const mean = s.steps > 0 ? ` ${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
+  const mean = s.steps > 0 ? `${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
   return element("dl", { class: "facts" },
-    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`, degree ${s.degree}`)),
-    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(` to t = ${number(s.time)}`)),
+    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`degree ${s.degree}`)),
+    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(`to t = ${number(s.time)}`)),
     fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
-    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
+    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`${grouped(s.nodes)} nodes`)),
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
 }
 

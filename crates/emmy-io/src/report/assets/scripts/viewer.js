@@ -36,11 +36,15 @@ class Viewer {
     const displacement = element("label", {}, "Displacement ", this.factor);
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
-        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement, views),
+        element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
-        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()),
-        toggle("Range of frame", "perFrame", () => this.refresh())));
-    this.toggles.perFrame.parentNode.title = "colours from the smallest to the largest value of the frame instead of the run";
+        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()), views));
+    this.range = element("button", { class: "tool", type: "button", title: "colours span the values of the run, or of the frame", onclick: () => {
+      this.settings.perFrame = !this.settings.perFrame;
+      this.refresh();
+    } });
+    [this.shownField, this.scale] = [element("span"), element("div")];
+    this.legend.append(element("div", { class: "head" }, this.shownField, this.range), this.scale);
     this.toggles.follow.parentNode.title = "keep the body in the middle";
   }
 
@@ -108,8 +112,9 @@ class Viewer {
       this.hasChosenFollow = true;
     }
     const size = this.settings.follow ? 1.4 * this.reference.size : this.motion.size;
-    const aspect = Math.min(this.scene?.camera.aspect ?? 1, 1);
-    if (this.orbit) this.orbit.distance = (0.47 * size) / Math.tan((32 * Math.PI) / 360) / Math.sqrt(aspect);
+    const high = Math.tan((32 * Math.PI) / 360), wide = high * (this.scene?.camera.aspect ?? 1);
+    // A ball of this size fits across; corners may touch the upper and the lower edge.
+    if (this.orbit) this.orbit.distance = size * Math.max(0.47 / high, 0.5 / Math.sin(Math.atan(wide)));
     this.refresh();
   }
 
@@ -168,12 +173,14 @@ class Viewer {
   }
 
   showLegend(field, low, high) {
-    const key = [field.name, low, high].join();
+    const key = [field.name, low, high, this.settings.perFrame].join();
     if (this.legend.dataset.shown === key) return;
     this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
-    this.legend.replaceChildren(element("div", {}, field.label), map,
+    this.shownField.textContent = field.label;
+    this.range.textContent = this.settings.perFrame ? "range of the frame" : "range of the run";
+    this.scale.replaceChildren(map,
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
   }
 

@@ -1,0 +1,257 @@
+"""The motions of four examples by other means: the numbers that `examples.rs` compares with.
+
+The same meshes of hex8 and hex20 cells with consistent mass, integrated in time by the classical Runge-Kutta method with
+steps so small that halving them changes no digit that is printed. Nothing of Emmy is in it. Needs numpy and scipy:
+
+    python3 crates/emmy-cli/tests/cli/examples.py [cantilever|driven-beam|balloon|two-materials]...
+"""
+
+import itertools
+import pathlib
+import sys
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import splu
+
+CORNERS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+# Gmsh's order of the nodes on the edges.
+EDGES = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)]
+NATURAL = np.vstack([CORNERS, [(CORNERS[a] + CORNERS[b]) / 2 for a, b in EDGES]])
+
+
+def shape(at, n):
+    """Shape functions of 8 or 20 nodes and their gradients at a point of the reference cube."""
+    N, dN = np.empty(n), np.empty((n, 3))
+    for node, corner in enumerate(NATURAL[:n]):
+        on_edge = np.flatnonzero(corner == 0)
+        factors = [1 - x * x if i in on_edge else 1 + c * x for i, (c, x) in enumerate(zip(corner, at))]
+        slopes = [-2 * x if i in on_edge else c for i, (c, x) in enumerate(zip(corner, at))]
+        value = np.prod(factors)
+        gradient = np.array([slopes[i] * np.prod(np.delete(factors, i)) for i in range(3)])
+        if n == 8 or len(on_edge):
+            scale, lowered, slope = (1 / 8 if n == 8 else 1 / 4), 1, np.zeros(3)
+        else:
+            scale, lowered, slope = 1 / 8, corner @ at - 2, corner
+        N[node] = scale * value * lowered
+        dN[node] = scale * (gradient * lowered + value * slope)
+    return N, dN
+
+
+def gauss(n):
+    points, weights = np.polynomial.legendre.leggauss(n)
+    return [(np.array(p), np.prod(w)) for p, w in zip(itertools.product(points, repeat=3), itertools.product(weights, repeat=3))]
+
+
+def saint_venant_kirchhoff(E, nu):
+    lam, mu = lame(E, nu)
+
+    def stress(F):
+        strain = 0.5 * (np.einsum("...ki,...kj->...ij", F, F) - np.eye(3))
+        trace = np.trace(strain, axis1=-2, axis2=-1)
+        energy = 0.5 * lam * trace**2 + mu * np.sum(strain**2, axis=(-2, -1))
+        return F @ (lam * trace[..., None, None] * np.eye(3) + 2 * mu * strain), energy
+
+    return stress
+
+
+def neo_hooke(E, nu):
+    lam, mu = lame(E, nu)
+
+    def stress(F):
+        J = np.log(np.linalg.det(F))
+        inverse = np.swapaxes(np.linalg.inv(F), -2, -1)
+        energy = 0.5 * mu * (np.sum(F**2, axis=(-2, -1)) - 3) + 0.5 * lam * J**2 - mu * J
+        return mu * (F - inverse) + lam * J[..., None, None] * inverse, energy
+
+    return stress
+
+
+def lame(E, nu):
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+class Body:
+    def __init__(self, points, parts):
+        """`parts`: cells, density and stress of each region."""
+        self.points, self.parts, n = points, [], len(points)
+        rows, columns, entries = [], [], []
+        for cells, density, stress in parts:
+            k = cells.shape[1]
+            shapes = [(*shape(at, k), w) for at, w in gauss(2 if k == 8 else 3)]
+            jacobian = [np.einsum("cni,nj->cij", points[cells], dN) for _, dN, _ in shapes]
+            gradients = np.array([dN @ np.linalg.inv(J) for (_, dN, _), J in zip(shapes, jacobian)])
+            weights = np.array([w * np.linalg.det(J) for (*_, w), J in zip(shapes, jacobian)])
+            N = np.array([N for N, *_ in shapes])
+            mass = density * np.einsum("pc,pa,pb->cab", weights, N, N)
+            rows.append(np.repeat(cells, k, axis=1).ravel())
+            columns.append(np.tile(cells, (1, k)).ravel())
+            entries.append(mass.ravel())
+            self.parts.append((cells, stress, gradients, weights))
+        triplets = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
+        self.mass = csc_matrix(triplets, shape=(n, n))
+
+    def internal(self, u):
+        force, energy = np.zeros_like(u), 0.0
+        for cells, stress, gradients, weights in self.parts:
+            F = np.eye(3) + np.einsum("cai,pcaj->pcij", u[cells], gradients)
+            P, W = stress(F)
+            np.add.at(force, cells, np.einsum("pcij,pcaj,pc->cai", P, gradients, weights))
+            energy += np.sum(weights * W)
+        return force, energy
+
+    def energy(self, u, v):
+        return 0.5 * np.sum(v * (self.mass @ v)) + self.internal(u)[1]
+
+
+def box(size, cells):
+    nx, ny, nz = cells
+    ticks = [np.linspace(0, s, n + 1) for s, n in zip(size, cells)]
+    points = np.array(list(itertools.product(*ticks)))
+    node = lambda i, j, k: (i * (ny + 1) + j) * (nz + 1) + k
+    corner = (CORNERS + 1) // 2
+    cubes = itertools.product(range(nx), range(ny), range(nz))
+    return points, np.array([[node(i + a, j + b, k + c) for a, b, c in corner] for i, j, k in cubes])
+
+
+def march(body, held, external, until, size, start=None, watch=lambda t, u, v: None):
+    """Runge-Kutta's method of order four; `held`: nodes with displacement, velocity and acceleration over time."""
+    free = np.setdiff1d(np.arange(len(body.points)), held[0])
+    factor = splu(body.mass[free][:, free])
+    t, (u, v) = start if start else (0.0, (np.zeros_like(body.points), np.zeros_like(body.points)))
+    given = held[1]
+
+    def rates(t, u, v):
+        place, velocity, acceleration = given(t)
+        u, v, a = u.copy(), v.copy(), np.zeros_like(u)
+        u[held[0]], v[held[0]], a[held[0]] = place, velocity, acceleration
+        force = external(t, u) - body.internal(u)[0] - body.mass @ a
+        a[free] = factor.solve(force[free])
+        return v, a
+
+    n = round((until - t) / size)
+    h = (until - t) / n
+    for _ in range(n):
+        k1 = rates(t, u, v)
+        k2 = rates(t + h / 2, u + h / 2 * k1[0], v + h / 2 * k1[1])
+        k3 = rates(t + h / 2, u + h / 2 * k2[0], v + h / 2 * k2[1])
+        k4 = rates(t + h, u + h * k3[0], v + h * k3[1])
+        u = u + h / 6 * (k1[0] + 2 * k2[0] + 2 * k3[0] + k4[0])
+        v = v + h / 6 * (k1[1] + 2 * k2[1] + 2 * k3[1] + k4[1])
+        t += h
+        u[held[0]], v[held[0]], _ = given(t)
+        watch(t, u, v)
+    return t, (u, v)
+
+
+def at_rest(nodes):
+    zero = np.zeros((len(nodes), 3))
+    return nodes, lambda t: (zero, zero, zero)
+
+
+def cantilever(step=1.0):
+    points, cells = box([1.0, 8.0, 1.0], [2, 16, 2])
+    body = Body(points, [(cells, 1000.0, neo_hooke(2e7, 0.3))])
+    weight = body.mass @ np.tile([0.0, 0.0, -9.81], (len(points), 1))
+    end = np.argmin(np.linalg.norm(points - [0.5, 8.0, 0.5], axis=1))
+    seen = []
+    watch = lambda t, u, v: seen.append((points[end, 2] + u[end, 2], t))
+    march(body, at_rest(np.flatnonzero(points[:, 1] == 0)), lambda t, u: weight, 2.0, step * 5e-4, watch=watch)
+    print("cantilever: lowest end_z %.5f at t = %.4f" % min(seen))
+
+
+def driven_beam(step=1.0):
+    points, cells = box([1.0, 8.0, 1.0], [1, 8, 1])
+    body = Body(points, [(cells, 1000.0, neo_hooke(2e7, 0.3))])
+    foot = np.flatnonzero(points[:, 1] == 0)
+    arm = points[foot] - [0.5, 0.0, 0.0]
+    turned = lambda c, s: np.stack([c * arm[:, 0] - s * arm[:, 1], s * arm[:, 0] + c * arm[:, 1], 0 * arm[:, 0]], axis=1)
+
+    def given(t):
+        c, s, rate = np.cos(t * t), np.sin(t * t), 2 * t
+        return turned(c, s) - turned(1, 0), rate * turned(-s, c), 2 * turned(-s, c) - rate**2 * turned(c, s)
+
+    none = lambda t, u: 0.0
+    start = march(body, (foot, given), none, 1.0, step * 5e-4)
+    energy = body.energy(*start[1])
+    end = np.argmin(np.linalg.norm(points - [1.0, 8.0, 0.0], axis=1))
+    _, (u, _) = march(body, at_rest(np.array([], dtype=int)), none, 3.0, step * 2.5e-4, start)
+    print("driven-beam: energy at the release %.2f, end at t = 3 %s" % (energy, np.round((points + u)[end], 2)))
+
+
+def balloon(step=1.0):
+    points, cells = box([0.2, 0.2, 0.01], [8, 8, 1])
+    body = Body(points, [(cells, 1000.0, neo_hooke(1e6, 0.4))])
+    rim = np.flatnonzero((points[:, :2] == 0.0).any(axis=1) | np.isclose(points[:, :2], 0.2).any(axis=1))
+    faces = cells[:, :4]
+    signs = CORNERS[:4, :2]
+    corners = [np.array(p) for p in itertools.product([-1 / 3**0.5, 1 / 3**0.5], repeat=2)]
+
+    def pressure(t, u):
+        force, q = np.zeros_like(points), (points + u)[faces]
+        for x, y in corners:
+            N = 0.25 * (1 + signs[:, 0] * x) * (1 + signs[:, 1] * y)
+            along = np.einsum("cai,a->ci", q, 0.25 * signs[:, 0] * (1 + signs[:, 1] * y))
+            across = np.einsum("cai,a->ci", q, 0.25 * signs[:, 1] * (1 + signs[:, 0] * x))
+            # Onto the body from below.
+            np.add.at(force, faces, np.einsum("ci,a->cai", np.cross(along, across), N))
+        return 3e4 * min(t / 0.01, 1.0) * force
+
+    middle = np.argmin(np.linalg.norm(points - [0.1, 0.1, 0.01], axis=1))
+    seen = []
+    watch = lambda t, u, v: seen.append((points[middle, 2] + u[middle, 2], t))
+    march(body, at_rest(rim), pressure, 0.05, step * 2e-5, watch=watch)
+    print("balloon: highest middle_z %.6f at t = %.4f, %.6f at t = 0.05" % (*max(seen), seen[-1][0]))
+
+
+def two_materials(step=1.0):
+    root = pathlib.Path(__file__).resolve().parents[4]
+    points, stiff, soft = read_gmsh(root / "examples/meshes/two-materials.msh")
+    materials = [(stiff, 2.0, saint_venant_kirchhoff(1e5, 0.25)), (soft, 1.0, neo_hooke(1e3, 0.4))]
+    body = Body(points, materials)
+    # Shares of a resultant that is spread evenly over the face x = 12: integrals of the shape functions over it.
+    spread = np.zeros(len(points))
+    for cell in soft:
+        face = np.flatnonzero(np.isclose(points[cell, 0], 12))
+        if len(face) != 8:
+            continue
+        axis = next(a for a in range(3) if abs(NATURAL[face, a].sum()) == 8)
+        side = NATURAL[face[0], axis]
+        for (x, wx), (y, wy) in itertools.product(zip(*np.polynomial.legendre.leggauss(3)), repeat=2):
+            at = np.insert([x, y], axis, side)
+            N, dN = shape(at, 20)
+            tangents = [points[cell].T @ dN[:, a] for a in range(3) if a != axis]
+            spread[cell] += wx * wy * np.linalg.norm(np.cross(*tangents)) * N
+    spread /= spread.sum()
+    force = np.outer(spread, [5.0, 0.0, 15.0])
+    tip = np.argmin(np.linalg.norm(points - [12, 2, 1], axis=1))
+    held = at_rest(np.flatnonzero(np.isclose(points[:, 0], 0)))
+    t, (u, v) = march(body, held, lambda t, u: max(0.0, 1 - abs(t - 0.2) / 0.2) * force, 1.0, step * 1e-3)
+    print("two-materials: energy %.5f, tip at t = 1 %s" % (body.energy(u, v), np.round((points + u)[tip], 5)))
+
+
+def read_gmsh(path):
+    """Points and the cells of the two volumes of a file of version 4.1."""
+    text = path.read_text().split("\n")
+    at = text.index("$Nodes") + 1
+    blocks, n = map(int, text[at].split()[:2])
+    points, line = np.empty((n, 3)), at + 1
+    for _ in range(blocks):
+        count = int(text[line].split()[3])
+        for i in range(count):
+            points[int(text[line + 1 + i]) - 1] = [float(x) for x in text[line + 1 + count + i].split()]
+        line += 1 + 2 * count
+    at = text.index("$Elements") + 1
+    line, volumes = at + 1, {}
+    for _ in range(int(text[at].split()[0])):
+        dim, tag, _, count = map(int, text[line].split())
+        if dim == 3:
+            volumes[tag] = np.array([text[line + 1 + i].split()[1:] for i in range(count)], dtype=int) - 1
+        line += 1 + count
+    return points, volumes[1], volumes[2]
+
+
+if __name__ == "__main__":
+    motions = {"cantilever": cantilever, "driven-beam": driven_beam, "balloon": balloon, "two-materials": two_materials}
+    for name in sys.argv[1:] or motions:
+        motions[name]()
