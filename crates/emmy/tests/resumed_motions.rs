@@ -164,6 +164,101 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
     }
 }
 
+/// One scheme of each family with degrees, and a solver.
+fn families() -> Vec<(Scheme, usize, Solver)> {
+    let degrees: [(&str, &[usize]); 11] = [
+        ("FE(2)", &[1, 2]),
+        ("AS(3)", &[1, 2]),
+        ("DGM", &[1, 2, 3]),
+        ("Lobatto(3)", &[2]),
+        ("trapezoidal", &[1]),
+        ("DGM(0.5)", &[1, 2]),
+        ("AS(4, 0.2)", &[2]),
+        ("Newmark(0.3, 0.6)", &[1]),
+        ("HHT(0.05)", &[1]),
+        ("generalized-alpha(0.8)", &[1]),
+        ("Bathe", &[1]),
+    ];
+    let of = |(text, degrees): (&str, &[usize])| {
+        let scheme: Scheme = text.parse().unwrap();
+        let both =
+            degrees.iter().flat_map(|degree| [(*degree, Solver::Direct), (*degree, Solver::Iterative)]);
+        both.map(|(degree, solver)| (scheme, degree, solver)).collect::<Vec<_>>()
+    };
+    degrees.into_iter().flat_map(of).collect()
+}
+
+fn pressure() -> Load {
+    let kind = LoadKind::Pressure { group: "x-max".into(), pressure: 40.0 };
+    Load { kind, history: table(&[(0.0, 1.0), (0.3, 0.6), (0.4, 0.0)]) }
+}
+
+#[test]
+fn a_free_body_under_pressure_goes_on_in_every_bit() {
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(block(), vec![rubber()], &[], &[pressure(), force()]).unwrap();
+    // The pressure ends at 0.4: nothing of it may be left in the steps after.
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (scheme, degree, solver) in families() {
+        assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
+    }
+}
+
+#[test]
+fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
+    let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(block(), vec![rubber()], &[released], &[pressure()]).unwrap();
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (scheme, degree, solver) in families() {
+        assert_same(&body, (scheme, degree), settings(solver), &InitialVelocity::default(), &plan);
+    }
+}
+
+#[test]
+fn trial_iterations() {
+    for (what, stiffness, p) in
+        [("soft", 30.0, 1.5), ("rubber", 500.0, 40.0), ("stiff", 1e5, 40.0), ("soft, large", 30.0, 15.0)]
+    {
+        let region = || Region::new(None, 1.2, NeoHooke::new(2.0 * stiffness, stiffness).unwrap());
+        for w in [0.0, 1.0, 10.0] {
+            let load = Load {
+                kind: LoadKind::Pressure { group: "x-max".into(), pressure: p },
+                history: History::constant(),
+            };
+            let body =
+                Body::new(mesh::block([1.0, 4.0, 1.0], [1, 3, 1]).unwrap(), vec![region()], &[], &[load])
+                    .unwrap();
+            let spin = InitialVelocity {
+                angular_velocity: [0.3 * w, 0.1 * w, w],
+                about: [0.5, 2.0, 0.5],
+                ..Default::default()
+            };
+            for (scheme, degree) in [
+                ("DGM", 1),
+                ("DGM", 2),
+                ("AS(4)", 2),
+                ("FE(1)", 1),
+                ("Newmark(0.25, 0.5)", 1),
+                ("HHT(0.05)", 1),
+                ("Bathe", 1),
+            ] {
+                for h in [0.01, 0.05, 0.2] {
+                    let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
+                    let mut motion =
+                        Motion::new(&body, scheme.parse().unwrap(), degree, settings(Solver::Direct), state)
+                            .unwrap();
+                    motion.allow_cuts(None);
+                    let mut watch = Watch::default();
+                    let ok = motion.march(&plan(&[(100.0 * h, h)]), &mut [&mut watch]).is_ok();
+                    let sum: usize = watch.records.iter().map(|r| r.newton_iterations).sum();
+                    println!("ITER {what} w={w} {scheme} {degree} h={h} {} {sum} {ok}", watch.records.len());
+                }
+            }
+        }
+    }
+}
+
 /// A body, started with velocities that turn its cells inside out within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());
