@@ -68,7 +68,11 @@ fn damage(bytes: &mut Vec<u8>, rng: &mut Rng) {
 
 fn insert_noise(bytes: &mut Vec<u8>, rng: &mut Rng) {
     let at = rng.usize(..=bytes.len());
-    let noise: Vec<u8> = (0..1 << rng.usize(..6)).map(|_| rng.u8(..)).collect();
+    let noise: Vec<u8> = match rng.usize(..20) {
+        // A line of a length that no message may have.
+        0 => vec![b"0 (,=x"[rng.usize(..6)]; 100_000],
+        _ => (0..1 << rng.usize(..6)).map(|_| rng.u8(..)).collect(),
+    };
     bytes.splice(at..at, noise);
 }
 

@@ -215,50 +215,6 @@ fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
     }
 }
 
-#[test]
-fn trial_iterations() {
-    for (what, stiffness, p) in
-        [("soft", 30.0, 1.5), ("rubber", 500.0, 40.0), ("stiff", 1e5, 40.0), ("soft, large", 30.0, 15.0)]
-    {
-        let region = || Region::new(None, 1.2, NeoHooke::new(2.0 * stiffness, stiffness).unwrap());
-        for w in [0.0, 1.0, 10.0] {
-            let load = Load {
-                kind: LoadKind::Pressure { group: "x-max".into(), pressure: p },
-                history: History::constant(),
-            };
-            let body =
-                Body::new(mesh::block([1.0, 4.0, 1.0], [1, 3, 1]).unwrap(), vec![region()], &[], &[load])
-                    .unwrap();
-            let spin = InitialVelocity {
-                angular_velocity: [0.3 * w, 0.1 * w, w],
-                about: [0.5, 2.0, 0.5],
-                ..Default::default()
-            };
-            for (scheme, degree) in [
-                ("DGM", 1),
-                ("DGM", 2),
-                ("AS(4)", 2),
-                ("FE(1)", 1),
-                ("Newmark(0.25, 0.5)", 1),
-                ("HHT(0.05)", 1),
-                ("Bathe", 1),
-            ] {
-                for h in [0.01, 0.05, 0.2] {
-                    let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
-                    let mut motion =
-                        Motion::new(&body, scheme.parse().unwrap(), degree, settings(Solver::Direct), state)
-                            .unwrap();
-                    motion.allow_cuts(None);
-                    let mut watch = Watch::default();
-                    let ok = motion.march(&plan(&[(100.0 * h, h)]), &mut [&mut watch]).is_ok();
-                    let sum: usize = watch.records.iter().map(|r| r.newton_iterations).sum();
-                    println!("ITER {what} w={w} {scheme} {degree} h={h} {} {sum} {ok}", watch.records.len());
-                }
-            }
-        }
-    }
-}
-
 /// A body, started with velocities that turn its cells inside out within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());

@@ -83,19 +83,9 @@ impl Iteration {
     /// evaluated along h v, not where the last iteration left them: a motion that is resumed has no such memory.
     pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
         if system.body.n_followers() > 0 {
-            match std::env::var("EMMY_TRIAL").as_deref() {
-                Ok("old") => {}
-                Ok("rest") => {
-                    self.rates.fill(0.0);
-                    system.drive(&mut self.rates);
-                    system.evaluate_followers(&self.rates);
-                }
-                _ => {
-                    self.set_straight(state, step_size);
-                    system.drive(&mut self.rates);
-                    system.evaluate_followers(&self.rates);
-                }
-            }
+            self.set_straight(state, step_size);
+            system.drive(&mut self.rates);
+            system.evaluate_followers(&self.rates);
         }
         self.prediction.start(system, state);
         system.turn(self.prediction.rotation());
