@@ -97,7 +97,7 @@ impl Draft {
         let size = if is_explicit { 0.001 } else { [0.01, 0.02, 0.05][rng.usize(..3)] };
         let steps = match length {
             Length::Short => 12.0,
-            Length::Long => 400.0,
+            Length::Long => 150.0,
         };
         let until = if is_explicit { 5.0 } else { 1.0 } * steps * size;
         Draft { is_plane: rng.usize(..4) == 0, is_element, is_explicit, scheme, degree, until, size }
