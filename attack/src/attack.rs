@@ -1,5 +1,6 @@
 //! What an attack is, and a campaign of several.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -135,7 +136,9 @@ impl Campaign {
     fn trial(&self, attack: &Attack, number: u64) -> Option<Finding> {
         let rng = Rng::with_seed(number);
         let mut trial = Trial { emmy: &self.emmy, place: Place::new(), rng, number };
-        let fault = (attack.trial)(&mut trial).err()?;
+        // The library may panic in the trial itself.
+        let outcome = catch_unwind(AssertUnwindSafe(|| (attack.trial)(&mut trial)));
+        let fault = outcome.unwrap_or_else(|_| Err("panic in the trial: see above".into())).err()?;
         let kept = trial.place.keep();
         eprintln!("{} {number}: {fault}\n  kept in {}", attack.name, kept.display());
         Some(Finding { number, fault, kept })
