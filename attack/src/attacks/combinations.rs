@@ -45,7 +45,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     }
     let directory = trial.place.path("run");
     faults::is_finite(&directory.join("history.csv")).map_err(|fault| format!("{fault}\n{what}"))?;
-    balances(trial.emmy, &directory, name, &scheme, degree).map_err(|fault| format!("{fault}: {what}"))
+    balances(&directory, name, &scheme, degree).map_err(|fault| format!("{fault}: {what}"))
 }
 
 /// A scheme with its arguments for a degree.
@@ -119,7 +119,7 @@ fn input(scheme: &str, degree: usize, model: &str) -> String {
 }
 
 /// Checks the balances that a scheme promises for a free body.
-fn balances(_: &Emmy, directory: &Path, name: &str, scheme: &str, degree: usize) -> Result<(), String> {
+fn balances(directory: &Path, name: &str, scheme: &str, degree: usize) -> Result<(), String> {
     let text = fs::read_to_string(directory.join("summary.json")).map_err(|error| error.to_string())?;
     let summary: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
     let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
