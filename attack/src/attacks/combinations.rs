@@ -6,7 +6,6 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::attack::{Attack, Cases, Trial};
-use crate::emmy::Emmy;
 use crate::faults;
 
 /// The attack.
