@@ -36,6 +36,11 @@ notices:
 deny:
     .ci/deny
 
+# The built command under attack, five minutes (CONTRIBUTING.md): `just attack --quick`, `just attack kills --minutes 20`.
+attack *ARGS:
+    cargo build -p emmy-cli
+    cargo run -p emmy-attack -- {{ARGS}}
+
 # Times and memory, beside other programs, with a verdict on each goal (benches/README.md): `just bench --peers`, `just bench schemes`.
 bench *ARGS:
     cargo run --release -p emmy-bench -- {{ARGS}}

@@ -181,7 +181,7 @@ impl<'a> TimeElementStepper<'a> {
     ) -> Result<bool> {
         let (correction, least) = correction;
         self.start(state, step_size);
-        self.iteration.begin(&mut self.system, state);
+        self.iteration.begin(&mut self.system, state, step_size);
         self.iteration.take(given, &self.system);
         if !correction.solve(&mut self.system, &mut self.iteration.rates, least)? {
             return Ok(false);

@@ -79,8 +79,14 @@ impl Iteration {
         self.newton.history()
     }
 
-    /// Begins a step whose equations are set: finds its rigid motion, with which the kept stiffness turns.
-    pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State) {
+    /// Begins a step whose equations are set: finds its rigid motion, with which the kept stiffness turns. Loads that follow are
+    /// evaluated along h v, not where the last iteration left them: a motion that is resumed has no such memory.
+    pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
+        if system.body.n_followers() > 0 {
+            self.set_straight(state, step_size);
+            system.drive(&mut self.rates);
+            system.evaluate_followers(&self.rates);
+        }
         self.prediction.start(system, state);
         system.turn(self.prediction.rotation());
     }
@@ -102,7 +108,7 @@ impl Iteration {
         step_size: f64,
         given: Option<&[f64]>,
     ) -> Result<Outcome> {
-        self.begin(system, state);
+        self.begin(system, state, step_size);
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
             if !self.predict(guess, system, state, step_size, given) {
@@ -173,6 +179,13 @@ impl Iteration {
         true
     }
 
+    /// Sets the rates to h v.
+    fn set_straight(&mut self, state: &State, step_size: f64) {
+        for rates in self.rates.chunks_exact_mut(state.velocity.len()) {
+            rates.iter_mut().zip(&state.velocity).for_each(|(x, v)| *x = step_size * v);
+        }
+    }
+
     /// Sets the rates to a starting point; false if there is none of this kind.
     fn predict(
         &mut self,
@@ -182,7 +195,6 @@ impl Iteration {
         step_size: f64,
         given: Option<&[f64]>,
     ) -> bool {
-        let n = state.displacement.len();
         match guess {
             Guess::Given => match given {
                 Some(given) => self.rates.copy_from_slice(given),
@@ -198,11 +210,7 @@ impl Iteration {
                     return false;
                 }
             }
-            Guess::Velocity => {
-                for rates in self.rates.chunks_exact_mut(n) {
-                    rates.iter_mut().zip(&state.velocity).for_each(|(x, v)| *x = step_size * v);
-                }
-            }
+            Guess::Velocity => self.set_straight(state, step_size),
             Guess::Rest => self.rates.fill(0.0),
         }
         system.drive(&mut self.rates);

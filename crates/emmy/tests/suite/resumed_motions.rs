@@ -161,6 +161,57 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
     }
 }
 
+/// One scheme of each family with degrees, and a solver.
+fn families() -> Vec<(Scheme, usize, Solver)> {
+    let degrees: [(&str, &[usize]); 11] = [
+        ("FE(2)", &[1, 2]),
+        ("AS(3)", &[1, 2]),
+        ("DGM", &[1, 2, 3]),
+        ("Lobatto(3)", &[2]),
+        ("trapezoidal", &[1]),
+        ("DGM(0.5)", &[1, 2]),
+        ("AS(4, 0.2)", &[2]),
+        ("Newmark(0.3, 0.6)", &[1]),
+        ("HHT(0.05)", &[1]),
+        ("generalized-alpha(0.8)", &[1]),
+        ("Bathe", &[1]),
+    ];
+    let of = |(text, degrees): (&str, &[usize])| {
+        let scheme: Scheme = text.parse().unwrap();
+        let both =
+            degrees.iter().flat_map(|degree| [(*degree, Solver::Direct), (*degree, Solver::Iterative)]);
+        both.map(|(degree, solver)| (scheme, degree, solver)).collect::<Vec<_>>()
+    };
+    degrees.into_iter().flat_map(of).collect()
+}
+
+fn pressure() -> Load {
+    let kind = LoadKind::Pressure { group: "x-max".into(), pressure: 40.0 };
+    Load { kind, history: table(&[(0.0, 1.0), (0.3, 0.6), (0.4, 0.0)]) }
+}
+
+#[test]
+fn a_free_body_under_pressure_goes_on_in_every_bit() {
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(block(), vec![rubber()], &[], &[pressure(), force()]).unwrap();
+    // The pressure ends at 0.4: nothing of it may be left in the steps after.
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (scheme, degree, solver) in families() {
+        assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
+    }
+}
+
+#[test]
+fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
+    let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let body = Body::new(block(), vec![rubber()], &[released], &[pressure()]).unwrap();
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (scheme, degree, solver) in families() {
+        assert_same(&body, (scheme, degree), settings(solver), &InitialVelocity::default(), &plan);
+    }
+}
+
 /// A body, started with velocities that turn its cells inside out within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());

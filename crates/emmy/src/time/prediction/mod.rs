@@ -85,7 +85,7 @@ impl Prediction {
         Ok(())
     }
 
-    /// Finds the rigid motion of a step whose known vectors and loads are set.
+    /// Finds the rigid motion of a step whose known vectors and loads are set, those that follow included.
     pub fn start(&mut self, system: &StageSystem<'_>, state: &State) {
         let (body, form) = (system.body, &system.form);
         let k = form.rule.degree();
