@@ -158,7 +158,9 @@ fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
     if !path.exists() {
         // What is to be made needs a directory to be made in.
         return match path.ancestors().skip(1).find(|above| above.exists()) {
-            Some(above) if !above.is_dir() => Err(DirectoryError::NotADirectory { path: above.to_path_buf() }),
+            Some(above) if !above.is_dir() => {
+                Err(DirectoryError::NotADirectory { path: above.to_path_buf() })
+            }
             _ => Ok(None),
         };
     }
@@ -206,8 +208,9 @@ fn remove_run(path: &Path) -> io::Result<()> {
 
 /// Names of the collections of frames in a directory.
 pub(crate) fn collections(path: &Path) -> io::Result<Vec<String>> {
-    let is_own =
-        |name: &String| fs::read_to_string(path.join(format!("{name}.pvd"))).is_ok_and(|text| text.contains(COLLECTION_MARK));
+    let is_own = |name: &String| {
+        fs::read_to_string(path.join(format!("{name}.pvd"))).is_ok_and(|text| text.contains(COLLECTION_MARK))
+    };
     let names = names(path)?.into_iter().filter_map(|name| Some(name.strip_suffix(".pvd")?.to_string()));
     Ok(names.filter(is_own).collect())
 }
@@ -217,7 +220,8 @@ pub(crate) fn is_removed(path: &Path, name: &str) -> bool {
     // Names of files that are not whole yet are nobody else's.
     let is_unfinished = UNFINISHED.iter().any(|ending| name.ends_with(ending));
     let is_collection = || {
-        name.ends_with(".pvd") && fs::read_to_string(path.join(name)).is_ok_and(|text| text.contains(COLLECTION_MARK))
+        name.ends_with(".pvd")
+            && fs::read_to_string(path.join(name)).is_ok_and(|text| text.contains(COLLECTION_MARK))
     };
     is_unfinished || is_collection() || name.ends_with(".vtkhdf") && is_series(&path.join(name))
 }

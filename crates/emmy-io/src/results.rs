@@ -18,10 +18,10 @@ use crate::lock::Lock;
 use crate::log::RunLog;
 use crate::newton::NewtonFile;
 use crate::report::{self, ReportError};
+use crate::sources;
 use crate::summary::{self, Heading, Status};
 use crate::tally::Tally;
 use crate::vtk::{Format, FrameWriter};
-use crate::sources;
 
 /// Why results cannot be written on.
 #[derive(Debug, thiserror::Error)]
@@ -289,10 +289,14 @@ pub struct Ending {
 fn lost_frames(lost: &[(usize, f64)]) -> Option<String> {
     let [(_, first), .., (_, last)] = lost else {
         let (step, time) = lost.first()?;
-        return Some(format!("the frame of step {step}, t = {time}, is lost: it is not among the files of the run"));
+        return Some(format!(
+            "the frame of step {step}, t = {time}, is lost: it is not among the files of the run"
+        ));
     };
     let n = lost.len();
-    Some(format!("{n} frames from t = {first} to t = {last} are lost: they are not among the files of the run"))
+    Some(format!(
+        "{n} frames from t = {first} to t = {last} are lost: they are not among the files of the run"
+    ))
 }
 
 /// The frames with what is in them.

@@ -69,7 +69,11 @@ impl RowFile {
         let message = match std::fs::metadata(&self.path) {
             Ok(found) if found.len() == self.length => return Ok(()),
             Ok(found) => {
-                format!("it was changed during the run: it has {} bytes instead of {}", found.len(), self.length)
+                format!(
+                    "it was changed during the run: it has {} bytes instead of {}",
+                    found.len(),
+                    self.length
+                )
             }
             Err(error) => format!("it was removed during the run ({error})"),
         };

@@ -61,7 +61,8 @@ fn frame(problem: &Problem) -> f64 {
     }
     let corners: usize = mesh.cells().map(|cell| cell.nodes.len()).sum();
     let groups = mesh.groups();
-    let marks = groups.nodes.len() * mesh.n_nodes() + (groups.cells.len() + groups.facets.len()) * mesh.n_cells();
+    let marks =
+        groups.nodes.len() * mesh.n_nodes() + (groups.cells.len() + groups.facets.len()) * mesh.n_cells();
     let same = 24 * mesh.n_nodes() + 13 * mesh.n_cells() + 8 * corners + marks;
     4.0 / 3.0 * (fields + same as f64)
 }

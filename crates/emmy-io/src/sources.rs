@@ -14,8 +14,11 @@ use crate::{checkpoint, lock};
 /// [`DirectoryError::Source`].
 pub fn check(directory: &Path, files: &[PathBuf]) -> Result<(), DirectoryError> {
     let Ok(whole) = directory.canonicalize() else { return Ok(()) };
-    let is_in_danger =
-        |file: &Path| places(file).iter().any(|place| place.strip_prefix(&whole).is_ok_and(|inside| is_of_a_run(directory, inside)));
+    let is_in_danger = |file: &Path| {
+        places(file)
+            .iter()
+            .any(|place| place.strip_prefix(&whole).is_ok_and(|inside| is_of_a_run(directory, inside)))
+    };
     match files.iter().find(|file| is_in_danger(file)) {
         Some(file) => Err(DirectoryError::Source { path: directory.to_path_buf(), file: file.clone() }),
         None => Ok(()),
@@ -44,8 +47,12 @@ fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
     let own = name_of(directory);
     match parts.as_deref() {
         Some([file]) => {
-            let is_own = [".pvd", ".vtkhdf"].iter().any(|ending| file.strip_suffix(ending) == Some(&own));
-            directory::FILES.contains(file) || *file == lock::FILE || is_own || directory::is_removed(directory, file)
+            let is_own =
+                [".pvd", ".vtkhdf"].iter().any(|ending| file.strip_suffix(ending) == Some(own.as_str()));
+            directory::FILES.contains(file)
+                || *file == lock::FILE
+                || is_own
+                || directory::is_removed(directory, file)
         }
         Some([checkpoint::DIRECTORY, file]) => checkpoint::FILES.contains(&file.trim_end_matches(PART)),
         Some(["frames", file]) => {
@@ -84,8 +91,14 @@ mod tests {
         ] {
             assert!(is_taken(file), "{file}");
         }
-        for file in ["input.toml", "mesh.msh", "other.pvd", "frames/mesh.vtu", "frames/other_000001.vtu", "sub/history.csv"]
-        {
+        for file in [
+            "input.toml",
+            "mesh.msh",
+            "other.pvd",
+            "frames/mesh.vtu",
+            "frames/other_000001.vtu",
+            "sub/history.csv",
+        ] {
             assert!(!is_taken(file), "{file}");
         }
         assert!(check(&temp.path().join("new"), &[out.join("history.csv")]).is_ok());

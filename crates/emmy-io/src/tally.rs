@@ -39,11 +39,19 @@ pub struct Displacement {
 
 impl Displacement {
     fn see(&mut self, view: View<'_>) {
-        let squares = view.state.displacement.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
-        let (node, square) = squares.enumerate().fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most });
+        let squares =
+            view.state.displacement.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
+        let (node, square) =
+            squares.enumerate().fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most });
         if square.sqrt() > self.value {
             let (step, time) = (view.record.step, view.record.time);
-            *self = Displacement { value: square.sqrt(), step, time, node, point: view.body.mesh().points()[node] };
+            *self = Displacement {
+                value: square.sqrt(),
+                step,
+                time,
+                node,
+                point: view.body.mesh().points()[node],
+            };
         }
     }
 }

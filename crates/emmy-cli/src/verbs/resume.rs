@@ -111,7 +111,10 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
     let (time, end) = (number(state.time), number(problem.plan.end()));
     let message =
         format!("the run is at t = {time} (step {}) already; its plan ends at t = {end}", state.step);
-    let help = format!("give a later end with --until T; `emmy report {}` writes the page again", directory.display());
+    let help = format!(
+        "give a later end with --until T; `emmy report {}` writes the page again",
+        directory.display()
+    );
     Err(usage(message, &help))
 }
 

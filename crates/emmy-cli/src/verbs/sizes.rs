@@ -30,7 +30,8 @@ pub fn text(problem: &Problem) -> String {
 /// A number of bytes with two or three digits.
 fn bytes(n: f64) -> String {
     let units = ["B", "kB", "MB", "GB", "TB"];
-    let power = (0..units.len() - 1).find(|&power| n < 1000f64.powi(power as i32 + 1)).unwrap_or(units.len() - 1);
+    let power =
+        (0..units.len() - 1).find(|&power| n < 1000f64.powi(power as i32 + 1)).unwrap_or(units.len() - 1);
     let value = n / 1000f64.powi(power as i32);
     let digits = usize::from(value < 10.0 && power > 0);
     format!("{value:.digits$} {}", units[power])

@@ -56,7 +56,8 @@ fn verbs() -> Vec<(Vec<&'static str>, i32)> {
 }
 
 /// Verbs whose result is on standard output.
-const PRINTING: [&str; 8] = ["check", "compare", "converge", "report", "list", "schema", "--help", "--version"];
+const PRINTING: [&str; 8] =
+    ["check", "compare", "converge", "report", "list", "schema", "--help", "--version"];
 
 fn place_with_a_run() -> Place {
     let place = Place::with(BOX);
@@ -98,7 +99,8 @@ fn results_that_cannot_be_written_end_with_1_and_without_a_reader_with_0() {
 #[test]
 fn a_reader_that_goes_away_does_not_end_a_run() {
     let place = Place::with(&even_box(0.5, 0.05));
-    let script = format!("'{}' run box.toml 2>&1 | head -1; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_emmy"));
+    let script =
+        format!("'{}' run box.toml 2>&1 | head -1; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_emmy"));
     let output = Command::new("bash").args(["-c", &script]).current_dir(place.path("")).output().unwrap();
     assert!(String::from_utf8_lossy(&output.stdout).ends_with("\n0\n"), "{output:?}");
     assert_eq!(place.summary("out")["status"], "done");
@@ -126,8 +128,10 @@ fn paths_that_are_no_text_serve_every_verb() {
         [words(&["check"]), vec![file.clone()]].concat(),
         [words(&["resume"]), vec![out.clone()], words(&["--until", "0.4"])].concat(),
         [words(&["report"]), vec![out.clone()]].concat(),
-        [words(&["compare"]), vec![out.clone(), name(b"b\xfe")], words(&["--output"]), vec![name(b"c\xff")]].concat(),
-        [words(&["converge"]), vec![file], words(&["--sizes", "0.1,0.05", "--output"]), vec![name(b"s\xff")]].concat(),
+        [words(&["compare"]), vec![out.clone(), name(b"b\xfe")], words(&["--output"]), vec![name(b"c\xff")]]
+            .concat(),
+        [words(&["converge"]), vec![file], words(&["--sizes", "0.1,0.05", "--output"]), vec![name(b"s\xff")]]
+            .concat(),
     ];
     for arguments in cases {
         let ended = status(&place, &arguments, Stdio::null(), Stdio::null());
@@ -212,8 +216,11 @@ fn a_limit_on_the_size_of_files_is_an_error_as_any() {
 
 #[test]
 fn a_history_that_is_gone_or_changed_at_the_end_is_noticed() {
-    let spoil: [fn(&Path); 2] = [|path| fs::remove_file(path).unwrap(), |path| fs::write(path, "step\n").unwrap()];
-    for (spoil, says) in spoil.into_iter().zip(["it was removed during the run", "it was changed during the run"]) {
+    let spoil: [fn(&Path); 2] =
+        [|path| fs::remove_file(path).unwrap(), |path| fs::write(path, "step\n").unwrap()];
+    for (spoil, says) in
+        spoil.into_iter().zip(["it was removed during the run", "it was changed during the run"])
+    {
         let place = Place::with(&long_box());
         let run = start(&place, &["run", "box.toml"]);
         wait_for_rows(&place, "out", 30);
@@ -227,7 +234,9 @@ fn a_history_that_is_gone_or_changed_at_the_end_is_noticed() {
 
 #[test]
 fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
-    for (signals, code) in [(&["-USR1"][..], 130), (&["-XCPU", "-XCPU"], 130), (&["-QUIT"], 130), (&["-INT", "-INT"], 130)] {
+    for (signals, code) in
+        [(&["-USR1"][..], 130), (&["-XCPU", "-XCPU"], 130), (&["-QUIT"], 130), (&["-INT", "-INT"], 130)]
+    {
         let place = Place::with(&long_box());
         let run = start(&place, &["run", "box.toml"]);
         wait_for_rows(&place, "out", 30);
@@ -329,7 +338,9 @@ fn logs_can_be_thinned_and_left_out() {
         place.succeed(&["run", "box.toml", "--quiet", "--set", &format!("output.log_every={every}")]);
         assert_eq!(steps(&place), expected, "{every}");
         assert_eq!(place.history("out")["step"].len(), 9);
-        assert!(place.read("out/run.log").contains("linear solver: ") && place.path("out/report.html").is_file());
+        assert!(
+            place.read("out/run.log").contains("linear solver: ") && place.path("out/report.html").is_file()
+        );
     }
 }
 
@@ -365,9 +376,15 @@ fn the_largest_displacement_is_that_of_the_tip() {
     // All nodes of the loaded face move nearly as far.
     let own = (x * x + y * y + z * z).sqrt();
     assert!(largest >= own && largest < 1.01 * own, "{largest} {own}");
-    assert_eq!((&summary["largest_displacement_step"], &summary["largest_displacement_time"]), (&8.into(), &0.5.into()));
+    assert_eq!(
+        (&summary["largest_displacement_step"], &summary["largest_displacement_time"]),
+        (&8.into(), &0.5.into())
+    );
     assert_eq!(summary["largest_displacement_point"][1], 2.0);
-    assert!(closing.contains("largest displacement: ") && closing.contains(" at t = 0.5, node "), "{closing}");
+    assert!(
+        closing.contains("largest displacement: ") && closing.contains(" at t = 0.5, node "),
+        "{closing}"
+    );
 }
 
 #[test]

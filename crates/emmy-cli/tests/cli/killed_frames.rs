@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use emmy_io::vtk::SeriesReader;
 
-use super::resume::{even_box, frames, start, wait_for_rows};
 use super::Place;
+use super::resume::{even_box, frames, start, wait_for_rows};
 
 /// A box with a frame each step, and checkpoints now and then.
 fn filmed_box(format: &str) -> String {
@@ -52,11 +52,14 @@ fn a_run_that_is_killed_has_every_frame_once_it_is_resumed() {
 #[test]
 fn frames_that_are_lost_are_told() {
     for (format, file) in [("vtu", "frames/out_000003.vtu"), ("vtkhdf", "out.vtkhdf")] {
-        let place = Place::with(&even_box(0.3, 0.05).replace("every = 2", &format!("every = 1\nformat = \"{format}\"")));
+        let place = Place::with(
+            &even_box(0.3, 0.05).replace("every = 2", &format!("every = 1\nformat = \"{format}\"")),
+        );
         place.succeed(&["run", "box.toml", "--quiet"]);
         std::fs::remove_file(place.path(&format!("out/{file}"))).unwrap();
         let outcome = place.succeed(&["resume", "out", "--quiet", "--until", "0.5"]);
-        let says = if format == "vtu" { "the frame of step 3, t = 0.15" } else { "7 frames from t = 0 to t = 0.3" };
+        let says =
+            if format == "vtu" { "the frame of step 3, t = 0.15" } else { "7 frames from t = 0 to t = 0.3" };
         for text in [outcome.stderr, place.read("out/events.csv"), place.read("out/run.log")] {
             assert!(text.contains(says), "{text}");
         }

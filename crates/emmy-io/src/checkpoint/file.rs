@@ -61,9 +61,12 @@ impl Parts {
     pub fn read(bytes: &[u8]) -> Result<Self, String> {
         if !bytes.starts_with(HEADER) {
             let is_other = bytes.starts_with(&HEADER[..16]);
-            return Err(
-                if is_other { "is of another version of Emmy, which this one cannot resume" } else { "is no checkpoint" }.into()
-            );
+            return Err(if is_other {
+                "is of another version of Emmy, which this one cannot resume"
+            } else {
+                "is no checkpoint"
+            }
+            .into());
         }
         let (content, sum) = bytes.split_last_chunk::<4>().ok_or(DAMAGED)?;
         if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
@@ -158,7 +161,10 @@ mod tests {
             }
         }
         let older = [b"emmy checkpoint 1\n", &whole[HEADER.len()..]].concat();
-        assert_eq!(Parts::read(&older), Err("is of another version of Emmy, which this one cannot resume".into()));
+        assert_eq!(
+            Parts::read(&older),
+            Err("is of another version of Emmy, which this one cannot resume".into())
+        );
         assert_eq!(Parts::read(b"hello"), Err("is no checkpoint".into()));
     }
 }

@@ -53,7 +53,13 @@ impl HistoryFile {
     ///
     /// # Errors
     /// [`HistoryError`] if the file is damaged, has other columns or other rows, or ends before the step.
-    pub fn resume(path: &Path, extent: &Extent, step: usize, time: f64, sum: u32) -> Result<Self, HistoryError> {
+    pub fn resume(
+        path: &Path,
+        extent: &Extent,
+        step: usize,
+        time: f64,
+        sum: u32,
+    ) -> Result<Self, HistoryError> {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
         let mut reader = BufReader::new(File::open(path).map_err(system)?);
         let mut line = Vec::new();
@@ -141,6 +147,8 @@ fn with_time(row: &[u8], time: f64) -> Vec<u8> {
 fn replace_end(path: &Path, place: u64, end: &[u8]) -> io::Result<()> {
     let part = with_ending(path, PART);
     let mut new = File::create(&part).map_err(named(&part))?;
-    io::copy(&mut File::open(path)?.take(place), &mut new).and_then(|_| new.write_all(end)).map_err(named(&part))?;
+    io::copy(&mut File::open(path)?.take(place), &mut new)
+        .and_then(|_| new.write_all(end))
+        .map_err(named(&part))?;
     fs::rename(&part, path)
 }

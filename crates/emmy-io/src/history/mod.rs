@@ -262,7 +262,8 @@ impl Rows {
         self.reader.read_line(&mut line)?;
         self.n_lines += 1;
         let Some(whole) = line.strip_suffix('\n') else { return Ok(None) };
-        line.truncate(whole.trim_end_matches('\r').len());
+        let length = whole.trim_end_matches('\r').len();
+        line.truncate(length);
         Ok(Some(line))
     }
 }

@@ -98,7 +98,8 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     let mut parts = Parts::read(&tree, directory, overrides)?;
     // As text it may have lost what is not UTF-8.
     parts.output.directory = output.unwrap_or(parts.output.directory);
-    let mesh_file = parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
+    let mesh_file =
+        parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
     complete::resolve(&mut tree, mesh_file, &parts.time.plan)?;
     let mut problem = parts.problem(write::toml(&tree))?;
     problem.files.insert(0, path.to_path_buf());
@@ -176,7 +177,9 @@ impl Parts {
 
     /// The problem, once the mesh is made and every group found.
     fn problem(mut self, resolved: String) -> Result<Problem, InputError> {
-        let Some(MeshFile { mesh, mut notes, files }) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
+        let Some(MeshFile { mesh, mut notes, files }) =
+            self.faults.keep(self.shape.mesh(&link_groups(&self.regions)))
+        else {
             return Err(finished(self.faults));
         };
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);

@@ -187,10 +187,12 @@ impl Shape {
             Source::Box { size, cells } => made(emmy::mesh::block(*size, *cells)),
             Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells)),
             Source::Network(network) => made(network.mesh()),
-            Source::File(path) => crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
-                Some(name) => at(&error).help(format!("did you mean `{name}`?")),
-                None => at(&error),
-            }),
+            Source::File(path) => {
+                crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
+                    Some(name) => at(&error).help(format!("did you mean `{name}`?")),
+                    None => at(&error),
+                })
+            }
         }?;
         let mesh = file.mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
         Ok(MeshFile { mesh, ..file })

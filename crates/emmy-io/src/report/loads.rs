@@ -12,11 +12,15 @@ pub(super) fn loads(input: &Table) -> Vec<Value> {
     };
     let loads = entries("load").filter(|load| !load.contains_key("attraction")).map(load);
     let is_driven = |support: &&Table| support.contains_key("move") || support.contains_key("rotate");
-    let mut loads: Vec<Load> = loads.chain(entries("support").filter(is_driven).map(driven_support)).collect();
+    let mut loads: Vec<Load> =
+        loads.chain(entries("support").filter(is_driven).map(driven_support)).collect();
     if loads.len() > MAX_LOADS {
         loads = together(loads);
     }
-    loads.into_iter().map(|Load { label, intervals }| json!({ "label": label, "intervals": intervals })).collect()
+    loads
+        .into_iter()
+        .map(|Load { label, intervals }| json!({ "label": label, "intervals": intervals }))
+        .collect()
 }
 
 /// Loads that a page tells apart at most.
@@ -35,7 +39,8 @@ struct Load {
 
 /// Those that act throughout as one, and the others as one.
 fn together(loads: Vec<Load>) -> Vec<Load> {
-    let (timed, always): (Vec<Load>, Vec<Load>) = loads.into_iter().partition(|load| load.intervals.is_some());
+    let (timed, always): (Vec<Load>, Vec<Load>) =
+        loads.into_iter().partition(|load| load.intervals.is_some());
     let (n_timed, n_always) = (timed.len(), always.len());
     let all = joined(timed.into_iter().filter_map(|load| load.intervals).flatten().collect());
     let timed = (n_timed > 0).then(|| Load { label: counted(n_timed), intervals: Some(all) });
@@ -168,11 +173,18 @@ mod tests {
 
     #[test]
     fn very_many_loads_and_intervals_become_few() {
-        let load = |i: usize| format!("[[load]]\ngroup = \"g{i}\"\nforce = [1, 0, 0]\nhistory = [[{i}, 0], [{i}.5, 1], [{i}.75, 0]]\n");
+        let load = |i: usize| {
+            format!(
+                "[[load]]\ngroup = \"g{i}\"\nforce = [1, 0, 0]\nhistory = [[{i}, 0], [{i}.5, 1], [{i}.75, 0]]\n"
+            )
+        };
         let pulses: String = (0..10_000).map(load).collect();
         let input: Table = format!("{pulses}[[load]]\nacceleration = [0, 0, -9.81]\n").parse().unwrap();
         let found = loads(&input);
-        assert_eq!((found.len(), &found[0]["label"], &found[1]["label"]), (2, &json!("10000 loads"), &json!("1 load")));
+        assert_eq!(
+            (found.len(), &found[0]["label"], &found[1]["label"]),
+            (2, &json!("10000 loads"), &json!("1 load"))
+        );
         // 20 pulses each.
         let intervals = found[0]["intervals"].as_array().unwrap();
         assert_eq!((intervals.len(), &intervals[1]), (500, &json!([20.0, 39.75])));

@@ -39,7 +39,8 @@ impl RunData {
         comparison::check(directory)?;
         let mut frames = Frames::find(directory);
         let times = frames.as_ref().map_or(&[][..], |(_, frames)| frames.times());
-        let history = Thinned::read(&directory.join("history.csv"), room.rows, times).map_err(RunError::from)?;
+        let history =
+            Thinned::read(&directory.join("history.csv"), room.rows, times).map_err(RunError::from)?;
         frames.iter_mut().for_each(|(_, frames)| frames.number(&history.steps));
         let summary = comparison::summary(directory)?;
         let name = place.name.unwrap_or_else(|| name_of(directory));
@@ -88,7 +89,8 @@ const MAX_INPUT: usize = 100_000;
 fn shortened(mut input: String) -> String {
     let length = input.len();
     if length > MAX_INPUT {
-        input.truncate(input.floor_char_boundary(MAX_INPUT));
+        let end = (0..=MAX_INPUT).rev().find(|&end| input.is_char_boundary(end));
+        input.truncate(end.unwrap_or(0));
         input += &format!("\n...\n# This is the beginning; all {length} bytes are in input.toml.\n");
     }
     input

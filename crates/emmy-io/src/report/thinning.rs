@@ -57,7 +57,10 @@ mod tests {
     fn kept_of(rows: &[Vec<f64>], limit: usize) -> (Vec<usize>, usize) {
         let all = rows.iter().cloned().map(Ok::<_, ()>);
         let (kept, stretches) = kept_rows(all, rows.len(), &[1, 2], limit).unwrap();
-        assert!(kept.iter().all(|(index, row)| row.iter().zip(&rows[*index]).all(|(a, b)| a.to_bits() == b.to_bits())));
+        assert!(
+            kept.iter()
+                .all(|(index, row)| row.iter().zip(&rows[*index]).all(|(a, b)| a.to_bits() == b.to_bits()))
+        );
         (kept.into_iter().map(|(index, _)| index).collect(), stretches)
     }
 

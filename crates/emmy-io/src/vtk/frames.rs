@@ -56,7 +56,7 @@ impl Frames {
     /// What the system refuses.
     pub fn resume(&mut self, kept: &[(usize, f64)], step: usize) -> io::Result<Vec<(usize, f64)>> {
         let is_there = |(own, _): &(usize, f64)| self.directory.join(self.file(*own)).is_file();
-        let (there, lost): (Vec<_>, Vec<_>) = kept.iter().partition(|frame| is_there(frame));
+        let (there, lost): (Vec<_>, Vec<_>) = kept.iter().copied().partition(|frame| is_there(frame));
         self.times = there;
         self.write_collection()?;
         let steps: BTreeSet<usize> = self.times.iter().map(|(own, _)| *own).collect();

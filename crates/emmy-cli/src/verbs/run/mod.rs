@@ -92,9 +92,15 @@ pub fn march<'a>(
     let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);
     let ended = results.finish(motion, status, message.as_deref());
-    // What went wrong first says more.
-    let unwritten = ended.error.map(|error| Failure::Other(format!("the results cannot be written: {error}")));
-    let failure = failure.or(unwritten);
+    let unwritten = ended.error.map(|error| format!("the results cannot be written: {error}"));
+    let failure = match (failure, unwritten) {
+        // What went wrong first says more.
+        (Some(failure), Some(unwritten)) if failure.message() != unwritten => {
+            message!("note: {unwritten}");
+            Some(failure)
+        }
+        (failure, unwritten) => failure.or(unwritten.map(Failure::Other)),
+    };
     // The numbers are safe: a page that cannot be written does not make a run fail.
     let report = results.report().inspect_err(|error| message!("note: no report was written: {error}")).ok();
     let printed = if manner.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };

@@ -104,7 +104,8 @@ impl Series {
         let journal = with_ending(&path, journal::ENDING);
         let (copy, mut entries) = (SeriesReader::open(&path).ok(), Entries::read(&journal).ok());
         let journal = Journal::open(&journal)?;
-        let (mut series, mut lost) = (Series::new(path, journal, precision, mesh, region_of_cell)?, Vec::new());
+        let (mut series, mut lost) =
+            (Series::new(path, journal, precision, mesh, region_of_cell)?, Vec::new());
         for &(step, time) in kept {
             let mut fields = copy.as_ref().map_or(Ok(None), |copy| copy.frame_at(time))?;
             if let (None, Some(entries)) = (&fields, &mut entries) {
