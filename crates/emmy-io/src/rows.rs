@@ -80,6 +80,11 @@ impl RowFile {
         Err(named(&self.path)(io::Error::other(message)))
     }
 
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Has the system put all rows on the disk itself.
     ///
     /// # Errors

@@ -207,6 +207,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn states_that_are_not_finite_are_not_taken() {
+        let with = |x: f64| {
+            let state = State { displacement: vec![0.0, x, 0.0], ..Default::default() };
+            bytes(&Checkpoint {
+                version: "0.1.0".into(),
+                identity: Identity { input: String::new(), mesh: String::new() },
+                snapshot: Snapshot { state, ..Default::default() },
+                tally: Tally::default(),
+                frames: vec![(3, 0.5)],
+                history: 0xdead_beef,
+                wall_seconds: 1.0,
+            })
+        };
+        let whole = read(&with(1.0)).unwrap();
+        assert_eq!((whole.history, whole.frames), (0xdead_beef, vec![(3, 0.5)]));
+        for x in [f64::NAN, f64::INFINITY] {
+            assert_eq!(read(&with(x)), Err("has a state that is not finite".into()));
+        }
+    }
+
+    #[test]
     fn counts_are_whole_numbers_of_a_size_that_can_be() {
         assert_eq!(whole(1e12), Ok(1_000_000_000_000));
         for number in [-1.0, 0.5, 1e19, f64::NAN, f64::INFINITY] {

@@ -27,7 +27,8 @@ struct RowSum {
 impl RowSum {
     fn add(&mut self, row: &[u8]) {
         self.before.update(&self.last);
-        self.last = row.to_vec();
+        self.last.clear();
+        self.last.extend(row);
     }
 
     fn value(&self) -> u32 {
@@ -100,12 +101,28 @@ impl HistoryFile {
         self.sum.value()
     }
 
-    /// Checks that the file is still there, with all its rows.
+    /// Checks that the file is still there, with all its rows. Reads it.
     ///
     /// # Errors
     /// An error that says what is wrong.
     pub fn verify(&self) -> io::Result<()> {
-        self.rows.verify()
+        self.rows.verify()?;
+        let path = self.rows.path();
+        let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(named(path))?);
+        let (mut found, mut line, mut is_row) = (RowSum::default(), Vec::new(), false);
+        while reader.read_until(b'\n', &mut line).map_err(named(path))? > 0 {
+            if is_row {
+                found.add(&line);
+            }
+            is_row = true;
+            line.clear();
+        }
+        if found.value() == self.sum.value() {
+            return Ok(());
+        }
+        Err(named(path)(io::Error::other(
+            "it was changed during the run: its rows are not those that were written",
+        )))
     }
 
     /// Has the system put all rows on the disk itself.

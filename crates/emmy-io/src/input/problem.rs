@@ -100,11 +100,19 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     parts.output.directory = output.unwrap_or(parts.output.directory);
     let mesh_file =
         parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
+    let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
     complete::resolve(&mut tree, mesh_file, &parts.time.plan)?;
     let mut problem = parts.problem(write::toml(&tree))?;
+    if is_lost {
+        problem.notes.push(LOST_MESH.to_string());
+    }
     problem.files.insert(0, path.to_path_buf());
     Ok(problem)
 }
+
+/// A path of the mesh that no TOML file can hold.
+const LOST_MESH: &str = "the path of the mesh is not UTF-8, which the input of the output directory cannot hold: `emmy resume` \
+                         needs `--set mesh.file=PATH` with another name of it";
 
 /// What is read from the tree, before the mesh is made.
 struct Parts {

@@ -178,7 +178,7 @@ impl Shape {
     /// The mesh, scaled, with what its reader remarked. Lines of a file in one of the groups `links` are cells.
     pub(super) fn mesh(&self, links: &[String]) -> Result<MeshFile, Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
-        let made = |mesh: emmy::Result<Mesh>| {
+        let made = |mesh: emmy::Result<Mesh>| -> Result<MeshFile, Fault> {
             let mesh = mesh.map_err(|error| at(&error))?;
             Ok(MeshFile { mesh, notes: Vec::new(), files: Vec::new() })
         };

@@ -127,7 +127,8 @@ fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
 
 /// The way from a directory to another one as a link, with a slash behind; an absolute one where there is no other.
 pub(crate) fn relative(from: &Path, to: &Path) -> String {
-    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| absolute(path));
     let (from, to) = (whole(from), whole(to));
     let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (from.components().collect(), to.components().collect());
