@@ -70,7 +70,7 @@ impl Heading {
 
     /// The summary as JSON. Numbers that are not finite become `null`, which is all that JSON has for them.
     pub fn summary(&self, tally: &Tally, status: Status, message: Option<&str>, wall_seconds: f64) -> Value {
-        json!({
+        let mut summary = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "title": self.title,
             "scheme": self.scheme,
@@ -100,11 +100,6 @@ impl Heading {
             "worst_angular_momentum_residual_step": tally.angular_momentum.step,
             "energy_drift": tally.energy_drift(),
             "angular_momentum_drift": tally.angular_momentum_drift(),
-            "largest_displacement": tally.displacement.value,
-            "largest_displacement_step": tally.displacement.step,
-            "largest_displacement_time": tally.displacement.time,
-            "largest_displacement_node": tally.displacement.node,
-            "largest_displacement_point": tally.displacement.point,
             "largest_energy": tally.largest_energy,
             "largest_linear_momentum": tally.largest_linear_momentum,
             "largest_angular_momentum": tally.largest_angular_momentum,
@@ -116,7 +111,15 @@ impl Heading {
             "estimated_error": null,
             "status": status.name(),
             "message": message,
-        })
+        });
+        // One object of all would be too much for the macro.
+        let (most, name) = (&tally.displacement, "largest_displacement");
+        summary[name] = most.value.into();
+        summary[format!("{name}_step")] = most.step.into();
+        summary[format!("{name}_time")] = most.time.into();
+        summary[format!("{name}_node")] = most.node.into();
+        summary[format!("{name}_point")] = json!(most.point);
+        summary
     }
 }
 
