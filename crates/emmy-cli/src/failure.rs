@@ -6,6 +6,8 @@ use emmy_io::directory::DirectoryError;
 use emmy_io::input::InputError;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
 
+use crate::message::message;
+
 /// Exit code of a program that has a fault of its own.
 pub const FAULT_OF_THE_PROGRAM: u8 = 101;
 
@@ -47,6 +49,11 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The failure to print a result.
+    pub fn from_stdout(error: std::io::Error) -> Self {
+        Failure::Other(format!("cannot write to standard output: {error}"))
+    }
+
     /// Exit code.
     pub fn code(&self) -> u8 {
         match self {
@@ -77,7 +84,7 @@ impl Failure {
             Failure::Input(error) => {
                 error.faults().iter().for_each(|fault| show(fault));
                 if error.faults().len() > 1 {
-                    eprintln!("{} faults in the input; nothing was run or written", error.faults().len());
+                    message!("{} faults in the input; nothing was run or written", error.faults().len());
                 }
             }
             Failure::Usage { message, help } => plain(message, help.as_deref()),
@@ -109,8 +116,8 @@ fn show(diagnostic: &dyn Diagnostic) {
     };
     let mut text = String::new();
     match handler.render_report(&mut text, diagnostic) {
-        Ok(()) => eprintln!("{}", text.trim_end()),
-        Err(_) => eprintln!("{diagnostic}"),
+        Ok(()) => message!("{}", text.trim_end()),
+        Err(_) => message!("{diagnostic}"),
     }
 }
 

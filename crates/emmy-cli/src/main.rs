@@ -1,6 +1,10 @@
 //! The command line of Emmy. One verb a file, in `verbs`; only results go to standard output.
 
+// Both panic where they cannot write; `message` and `print::result` do not.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
 mod failure;
+mod message;
 mod print;
 mod progress;
 mod signals;
@@ -9,6 +13,10 @@ mod verbs;
 use std::process::ExitCode;
 
 use clap::Parser;
+use emmy_io::summary::{self, Status};
+
+use crate::failure::Failure;
+use crate::message::message;
 
 /// Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
 #[derive(Debug, Parser)]
@@ -23,10 +31,20 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|info| {
-        eprintln!("emmy: a fault of the program itself: {info}; please report it");
+        message!("emmy: internal error: {info}. Please report it.");
+        summary::abandon(Status::Failed, &format!("internal error: {info}"));
         std::process::exit(failure::FAULT_OF_THE_PROGRAM.into());
     }));
-    match Arguments::parse().verb.run() {
+    let ended = match Arguments::try_parse() {
+        Ok(arguments) => arguments.verb.run(),
+        Err(error) if error.use_stderr() => {
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+        // Help or version, which are results.
+        Err(text) => text.print().or_else(print::without_reader).map_err(Failure::from_stdout),
+    };
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             failure.show();

@@ -7,12 +7,13 @@ use crate::failure::Failure;
 /// Prints a result. A reader that has gone away (`emmy list schemes | head -1`) is no failure.
 pub fn result(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Other(format!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    written.or_else(without_reader).map_err(Failure::from_stdout)
+}
+
+/// Success after all, if nobody reads on.
+pub fn without_reader(error: io::Error) -> io::Result<()> {
+    if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
 }
 
 /// A number with up to ten significant digits, without trailing zeros.

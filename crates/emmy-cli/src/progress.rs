@@ -5,6 +5,7 @@ use std::io::{IsTerminal, stderr};
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::message::message;
 use crate::print::number;
 
 /// Shows how far a run is.
@@ -113,7 +114,7 @@ impl Observer for Progress {
             _ => {
                 let end = number(self.span[1]);
                 let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
-                eprintln!("{}step {done}{of}, {message} (end: t = {end})", self.what);
+                message!("{}step {done}{of}, {message} (end: t = {end})", self.what);
                 self.form = Form::Lines { shown: tenths };
             }
         }
@@ -125,7 +126,7 @@ impl Observer for Progress {
         let text = format!("{}step {}: {}", self.what, event.step, event.message);
         match &self.form {
             Form::Bar(bar) if is_seldom => bar.println(text),
-            Form::Lines { .. } if is_seldom => eprintln!("{text}"),
+            Form::Lines { .. } if is_seldom => message!("{text}"),
             _ => {}
         }
         Ok(())

@@ -1,23 +1,59 @@
-//! Ctrl-C and SIGTERM: a run stops at the end of its step; a second one ends the program at once.
+//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, a second one ends the program at once. No signal that can be handled
+//! leaves a run that says `running`.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use emmy::motion::{Observer, View};
+use emmy_io::summary::{self, Status};
 
 use crate::failure::{Failure, INTERRUPTED};
+use crate::message::message;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Has signals heard from now on.
+/// Listens to signals from now on.
 pub fn listen() -> Result<(), Failure> {
+    let deaf = |error: &dyn fmt::Display| Failure::Other(format!("cannot listen to signals: {error}"));
+    listen_to_others().map_err(|error| deaf(&error))?;
     let heard = || {
         if ASKED.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED.into());
+            end("stopped at once by a second signal");
         }
-        eprintln!("stopping at the end of this step; once more ends at once");
+        message!("stopping at the end of this step; once more ends at once");
     };
-    ctrlc::set_handler(heard).map_err(|error| Failure::Other(format!("cannot listen to signals: {error}")))
+    ctrlc::set_handler(heard).map_err(|error| deaf(&error))
+}
+
+/// Ends the program at once.
+fn end(why: &str) -> ! {
+    summary::abandon(Status::Interrupted, why);
+    std::process::exit(INTERRUPTED.into());
+}
+
+/// Signals beside those of `ctrlc`, which would end the program without a word.
+#[cfg(unix)]
+fn listen_to_others() -> std::io::Result<()> {
+    use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
+    // A file beyond the limit of its size is then an error of the write, as a full disk is.
+    signal_hook::flag::register(SIGXFSZ, Default::default())?;
+    // Batch systems send these before they kill, some of them more than once.
+    let mut signals = signal_hook::iterator::Signals::new([SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU])?;
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            if signal == SIGQUIT {
+                end("stopped at once by SIGQUIT");
+            } else if !ASKED.swap(true, Ordering::SeqCst) {
+                message!("stopping at the end of this step, as signal {signal} asks");
+            }
+        }
+    });
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn listen_to_others() -> std::io::Result<()> {
+    Ok(())
 }
 
 /// Ends a march once a signal has come.

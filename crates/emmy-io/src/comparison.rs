@@ -47,15 +47,9 @@ impl Run {
     /// # Errors
     /// [`RunError`] if `history.csv` or `summary.json` is not there or damaged.
     pub fn read(directory: &Path) -> Result<Self, RunError> {
-        if !directory.is_dir() {
-            return Err(RunError::NotADirectory { path: directory.to_path_buf() });
-        }
+        check(directory)?;
         let history = History::read(&directory.join("history.csv"))?;
-        let path = directory.join("summary.json");
-        let fail = |reason: String| RunError::Summary { path: path.clone(), reason };
-        let text = std::fs::read_to_string(&path).map_err(|error| fail(error.to_string()))?;
-        let summary =
-            serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))?;
+        let summary = summary(directory)?;
         let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_else(|| directory.display().to_string());
         Ok(Run { name, history, summary })
@@ -79,6 +73,19 @@ impl Run {
         let [x, y, z] = ["x", "y", "z"].map(|axis| self.column(&format!("angular_momentum_{axis}")));
         x.iter().zip(&y).zip(&z).map(|((x, y), z)| (x * x + y * y + z * z).sqrt()).collect()
     }
+}
+
+/// Checks that there is a directory.
+pub(crate) fn check(directory: &Path) -> Result<(), RunError> {
+    if directory.is_dir() { Ok(()) } else { Err(RunError::NotADirectory { path: directory.to_path_buf() }) }
+}
+
+/// The summary of a run.
+pub(crate) fn summary(directory: &Path) -> Result<Value, RunError> {
+    let path = directory.join("summary.json");
+    let fail = |reason: String| RunError::Summary { path: path.clone(), reason };
+    let text = std::fs::read_to_string(&path).map_err(|error| fail(error.to_string()))?;
+    serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))
 }
 
 /// The charts of some runs, each with the end of its file's name.

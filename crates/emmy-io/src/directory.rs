@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 
 use rust_hdf5::H5File;
 
+use crate::input::Problem;
 use crate::vtk::CREATOR;
-use crate::{checkpoint, lock};
+use crate::{checkpoint, lock, sources};
 
 /// First words of every `input.toml` that Emmy writes.
 pub const MARK: &str = "# Written by Emmy";
@@ -25,9 +26,10 @@ pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
 pub(crate) const PART: &str = ".part";
 
 /// Endings of what a run that was killed may leave beside its files.
-const UNFINISHED: [&str; 7] = [
+const UNFINISHED: [&str; 8] = [
     ".vtkhdf.part",
     ".vtkhdf.copy",
+    ".vtkhdf.journal",
     ".pvd.part",
     "history.csv.part",
     "summary.json.part",
@@ -84,6 +86,17 @@ pub enum DirectoryError {
         /// The path.
         path: PathBuf,
     },
+    /// The run would remove or overwrite what it reads.
+    #[error(
+        "the run reads {file}, which is among the files in {path} that it would remove or overwrite; nothing was changed, \
+         name another directory with --output or move that file"
+    )]
+    Source {
+        /// The directory.
+        path: PathBuf,
+        /// The file.
+        file: PathBuf,
+    },
     /// The system refused.
     #[error("cannot write to {path}: {error}")]
     System {
@@ -104,6 +117,16 @@ pub fn check(path: &Path) -> Result<(), DirectoryError> {
         Some(example) if !is_run(path) => Err(DirectoryError::Foreign { path: path.to_path_buf(), example }),
         _ => Ok(()),
     }
+}
+
+/// Checks that a run may write into its directory, and that nothing that it reads lies there in its way. Nothing is changed.
+///
+/// # Errors
+/// [`DirectoryError`].
+pub fn check_run(problem: &Problem) -> Result<(), DirectoryError> {
+    let directory = &problem.output.directory;
+    check(directory)?;
+    sources::check(directory, &problem.files)
 }
 
 /// Makes a directory ready for results other than those of a run: it may be new, empty, or hold earlier ones, which
@@ -133,7 +156,13 @@ pub fn check_kind(path: &Path, kind: &'static str, witness: &'static str) -> Res
 /// Name of some file in a directory that is there and not empty.
 fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
     if !path.exists() {
-        return Ok(None);
+        // What is to be made needs a directory to be made in.
+        return match path.ancestors().skip(1).find(|above| above.exists()) {
+            Some(above) if !above.is_dir() => {
+                Err(DirectoryError::NotADirectory { path: above.to_path_buf() })
+            }
+            _ => Ok(None),
+        };
     }
     if !path.is_dir() {
         return Err(DirectoryError::NotADirectory { path: path.to_path_buf() });
@@ -167,18 +196,42 @@ fn remove_run(path: &Path) -> io::Result<()> {
     for name in FILES {
         remove(&path.join(name))?;
     }
-    let collections = names(path)?.into_iter().filter(|name| name.ends_with(".pvd"));
-    for name in collections {
-        let text = fs::read_to_string(path.join(&name)).unwrap_or_default();
-        if text.contains(COLLECTION_MARK) {
-            remove_frames(&path.join("frames"), name.trim_end_matches(".pvd"))?;
-            remove(&path.join(&name))?;
-        }
+    for name in collections(path)? {
+        remove_frames(&path.join("frames"), &name)?;
+        remove(&path.join(format!("{name}.pvd")))?;
     }
+    for name in names(path)?.into_iter().filter(|name| is_removed(path, name)) {
+        remove(&path.join(&name))?;
+    }
+    Ok(())
+}
+
+/// Names of the collections of frames in a directory.
+pub(crate) fn collections(path: &Path) -> io::Result<Vec<String>> {
+    let is_own = |name: &String| {
+        fs::read_to_string(path.join(format!("{name}.pvd"))).is_ok_and(|text| text.contains(COLLECTION_MARK))
+    };
+    let names = names(path)?.into_iter().filter_map(|name| Some(name.strip_suffix(".pvd")?.to_string()));
+    Ok(names.filter(is_own).collect())
+}
+
+/// Whether a file is one whose name is not known beforehand and which the next run removes: a collection, a series, or what is not whole.
+pub(crate) fn is_removed(path: &Path, name: &str) -> bool {
+    // Names of files that are not whole yet are nobody else's.
+    let is_unfinished = UNFINISHED.iter().any(|ending| name.ends_with(ending));
+    let is_collection = || {
+        name.ends_with(".pvd")
+            && fs::read_to_string(path.join(name)).is_ok_and(|text| text.contains(COLLECTION_MARK))
+    };
+    is_unfinished || is_collection() || name.ends_with(".vtkhdf") && is_series(&path.join(name))
+}
+
+/// Removes what a run that was killed left beside its files, but for a series of frames that grows on.
+pub(crate) fn remove_unfinished(path: &Path, has_series: bool) -> io::Result<()> {
+    let is_of_series = |name: &str| name.ends_with(".vtkhdf.part") || name.ends_with(".vtkhdf.journal");
     for name in names(path)? {
-        // Names of files that are not whole yet are nobody else's.
         let is_unfinished = UNFINISHED.iter().any(|ending| name.ends_with(ending));
-        if is_unfinished || name.ends_with(".vtkhdf") && is_series(&path.join(&name)) {
+        if is_unfinished && !(has_series && is_of_series(&name)) {
             remove(&path.join(&name))?;
         }
     }
@@ -198,7 +251,7 @@ fn remove_checkpoints(folder: &Path) -> io::Result<()> {
     }
     for name in checkpoint::FILES {
         remove(&folder.join(name))?;
-        remove(&folder.join(format!("{name}.part")))?;
+        remove(&folder.join(format!("{name}{PART}")))?;
     }
     if names(folder)?.is_empty() { fs::remove_dir(folder) } else { Ok(()) }
 }
@@ -219,22 +272,26 @@ pub(crate) fn remove_frames_where(
     is_unwanted: impl Fn(usize) -> bool,
 ) -> io::Result<()> {
     for file in names(frames)? {
-        let whole = file.strip_suffix(PART).unwrap_or(&file);
-        let number = whole.strip_prefix(name).and_then(|rest| rest.strip_prefix('_')?.strip_suffix(".vtu"));
-        let is_number = |number: &&str| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit());
-        let step = number.filter(is_number).and_then(|number| number.parse().ok());
-        if step.is_some_and(&is_unwanted) {
+        if step_of_frame(&file, name).is_some_and(|step| file.ends_with(PART) || is_unwanted(step)) {
             remove(&frames.join(file))?;
         }
     }
     Ok(())
 }
 
+/// The step of a frame, whole or not, by the name of its file.
+pub(crate) fn step_of_frame(file: &str, name: &str) -> Option<usize> {
+    let whole = file.strip_suffix(PART).unwrap_or(file);
+    let number = whole.strip_prefix(name)?.strip_prefix('_')?.strip_suffix(".vtu")?;
+    let is_number = number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit());
+    number.parse().ok().filter(|_| is_number)
+}
+
 fn names(path: &Path) -> io::Result<Vec<String>> {
     fs::read_dir(path)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
 }
 
-fn remove(file: &Path) -> io::Result<()> {
+pub(crate) fn remove(file: &Path) -> io::Result<()> {
     match fs::remove_file(file) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         result => result,

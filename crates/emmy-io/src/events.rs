@@ -41,7 +41,19 @@ impl EventsFile {
     /// # Errors
     /// What the system refuses.
     pub fn write(&mut self, event: &Event) -> io::Result<()> {
-        let message = event.message.replace('"', "\"\"").replace('\n', " ");
-        self.rows.write(&format!("{},{:?},{},\"{message}\"", event.step, event.time, event.kind.name()))
+        self.write_row(event.step, event.time, event.kind.name(), &event.message)
+    }
+
+    /// Writes that frames which a run had written are not there any more, with how many.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write_lost_frames(&mut self, step: usize, time: f64, message: &str) -> io::Result<()> {
+        self.write_row(step, time, "lost-frames", message)
+    }
+
+    fn write_row(&mut self, step: usize, time: f64, kind: &str, message: &str) -> io::Result<()> {
+        let message = message.replace('"', "\"\"").replace('\n', " ");
+        self.rows.write(&format!("{step},{time:?},{kind},\"{message}\""))
     }
 }

@@ -21,6 +21,9 @@
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`tally`] | balances over a whole run |
 //! | [`limits`] | `[limits]` |
+//! | [`sizes`] | how large the files of a run become |
+
+#![deny(clippy::print_stderr, clippy::print_stdout)]
 
 pub mod chart;
 pub mod checkpoint;
@@ -40,6 +43,8 @@ mod picture;
 pub mod report;
 pub mod results;
 mod rows;
+pub mod sizes;
+mod sources;
 pub mod summary;
 pub mod tally;
 pub mod vtk;

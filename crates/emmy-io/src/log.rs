@@ -49,15 +49,23 @@ impl RunLog {
         self.file.write_all(format!("{text}\n").as_bytes()).map_err(named(&self.path))
     }
 
-    /// Writes a step, and its linear solver where that is another than before.
+    /// Writes the linear solver of a step, where it is another than before.
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn step(&mut self, record: &Record) -> io::Result<()> {
+    pub fn solver(&mut self, record: &Record) -> io::Result<()> {
         if let Some(solver) = record.solver.filter(|solver| self.solver != Some(*solver)) {
             self.line(&format!("linear solver: {solver}"))?;
             self.solver = Some(solver);
         }
+        Ok(())
+    }
+
+    /// Writes a step.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn step(&mut self, record: &Record) -> io::Result<()> {
         let Record { step, time, step_size, newton_iterations, linear_iterations, .. } = record;
         self.line(&format!(
             "step {step}  t = {time}  h = {step_size}  Newton {newton_iterations} (linear {linear_iterations})  \
@@ -85,7 +93,7 @@ impl RunLog {
 }
 
 fn heading(problem: &Problem) -> Vec<String> {
-    let command: Vec<String> = std::env::args().collect();
+    let command: Vec<String> = std::env::args_os().map(|part| part.to_string_lossy().into_owned()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let mesh = problem.body.mesh();
     let mut lines = vec![

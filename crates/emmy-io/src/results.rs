@@ -8,7 +8,7 @@ use emmy::body::fields::{FieldName, Fields};
 use emmy::motion::{Event, Motion, Observer, State, StepPlan, View};
 use serde_json::Value;
 
-use crate::checkpoint::{Checkpoint, Checkpoints};
+use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, MARK, replace};
 use crate::events::EventsFile;
 use crate::history::{self, Extent, HistoryError, HistoryFile};
@@ -18,9 +18,10 @@ use crate::lock::Lock;
 use crate::log::RunLog;
 use crate::newton::NewtonFile;
 use crate::report::{self, ReportError};
+use crate::sources;
 use crate::summary::{self, Heading, Status};
 use crate::tally::Tally;
-use crate::vtk::FrameWriter;
+use crate::vtk::{Format, FrameWriter};
 
 /// Why results cannot be written on.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +29,9 @@ pub enum ResumeError {
     /// The history cannot be continued.
     #[error(transparent)]
     History(#[from] HistoryError),
+    /// The run would remove what it reads.
+    #[error(transparent)]
+    Directory(#[from] DirectoryError),
     /// The system refused.
     #[error("cannot write the results: {0}")]
     System(#[from] io::Error),
@@ -57,6 +61,8 @@ pub struct Results {
     seconds_before: f64,
     /// Estimated error of the positions, if it was asked for.
     estimated_error: Option<f64>,
+    /// What the user should know of the files.
+    notes: Vec<String>,
     _lock: Lock,
 }
 
@@ -74,7 +80,7 @@ impl Results {
     pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
         let directory = &problem.output.directory;
         let system = |error| DirectoryError::System { path: directory.clone(), error };
-        directory::check(directory)?;
+        directory::check_run(problem)?;
         std::fs::create_dir_all(directory).map_err(system)?;
         let lock = Lock::take(directory)?;
         directory::prepare(directory)?;
@@ -91,7 +97,10 @@ impl Results {
     pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
         let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
         let path = directory.join("history.csv");
-        let history = HistoryFile::resume(&path, &Extent::of(problem), state.step, state.time)?;
+        // The directory's own input is the one that is written again.
+        sources::check(directory, &problem.files[1..])?;
+        let history =
+            HistoryFile::resume(&path, &Extent::of(problem), state.step, state.time, checkpoint.history)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         Ok(Results::open(problem, lock, history, Some(checkpoint))?)
     }
@@ -105,18 +114,26 @@ impl Results {
         let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
         let place = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
         let events = directory.join("events.csv");
-        let events = match place {
+        let mut events = match place {
             Some((step, _)) => EventsFile::resume(&events, step)?,
             None => EventsFile::create(&events)?,
         };
-        let log = RunLog::open(&directory.join("run.log"), problem, place)?;
+        let mut log = RunLog::open(&directory.join("run.log"), problem, place)?;
         let newton = directory.join("newton.csv");
         let newton = match place {
             Some((step, _)) => NewtonFile::resume(&newton, step)?,
             None => NewtonFile::create(&newton)?,
         };
         let frames = || Frames::open(problem, after);
-        let frames = output.has_frames().then(frames).transpose()?;
+        let (frames, lost) = output.has_frames().then(frames).transpose()?.unzip();
+        let notes: Vec<String> = lost.and_then(|lost| lost_frames(&lost)).into_iter().collect();
+        if let Some((step, time)) = place {
+            directory::remove_unfinished(directory, frames.is_some() && output.format == Format::Vtkhdf)?;
+            for note in &notes {
+                events.write_lost_frames(step, time, note)?;
+                log.line(&format!("note: {note}"))?;
+            }
+        }
         let checkpoints =
             (output.checkpoint_every > 0).then(|| Checkpoints::new(problem, after)).transpose()?;
         let heading = Heading::new(problem);
@@ -141,35 +158,47 @@ impl Results {
             report_due: seconds_before + BETWEEN_REPORTS,
             seconds_before,
             estimated_error: None,
+            notes,
             _lock: lock,
         })
     }
 
-    /// Ends the run: the last state is written as a frame and as a checkpoint if it is not there yet, then the summary, which is
-    /// returned.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn finish(
-        &mut self,
-        motion: &Motion<'_>,
-        status: Status,
-        message: Option<&str>,
-    ) -> io::Result<Value> {
-        if let Some(frames) = &mut self.frames {
-            frames.write(motion.state())?;
-            frames.files.finish()?;
-        }
-        let end = format!("{} at step {}, t = {}", status.name(), self.tally.steps, self.tally.time);
-        self.log.line(&message.map_or(end.clone(), |message| format!("{end}: {message}")))?;
-        let mut summary = self.heading.summary(&self.tally, status, message, self.wall_seconds());
-        summary["estimated_error"] = self.estimated_error.into();
-        summary::write(&self.directory().join("summary.json"), &summary)?;
+    /// Ends the run: the last state is written as a frame and as a checkpoint if it is not there yet, then the summary. All is tried,
+    /// whatever fails of it; a run that was done has then failed.
+    pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
         // A step that could not be written is not one to go on from.
-        if status != Status::Failed {
-            self.write_checkpoint(motion, true)?;
-        }
-        Ok(summary)
+        let is_sound = status != Status::Failed;
+        let mut errors = vec![self.end_frames(motion, is_sound)];
+        errors.extend(is_sound.then(|| self.write_checkpoint(motion, true)));
+        errors.push(self.history.verify());
+        let mut error = errors.into_iter().find_map(Result::err);
+        let status = if error.is_some() && status == Status::Done { Status::Failed } else { status };
+        let unwritten = error.as_ref().map(|error| format!("the results cannot be written: {error}"));
+        let message = message.map(str::to_string).or(unwritten);
+        let end = format!("{} at step {}, t = {}", status.name(), self.tally.steps, self.tally.time);
+        let end = message.as_ref().map_or(end.clone(), |message| format!("{end}: {message}"));
+        let logged = self.log.line(&end);
+        let mut summary = self.heading.summary(&self.tally, status, message.as_deref(), self.wall_seconds());
+        summary["estimated_error"] = self.estimated_error.into();
+        let written = summary::write(&self.summary_path(), &summary);
+        error = error.or(logged.err()).or(written.err());
+        Ending { status, summary, error }
+    }
+
+    /// Ends the files of the frames, with the last state among them if that `is_sound`.
+    fn end_frames(&mut self, motion: &Motion<'_>, is_sound: bool) -> io::Result<()> {
+        let Some(frames) = &mut self.frames else { return Ok(()) };
+        let written = if is_sound { frames.write(motion.state()) } else { Ok(()) };
+        written.and(frames.files.finish())
+    }
+
+    fn summary_path(&self) -> PathBuf {
+        self.directory().join("summary.json")
+    }
+
+    /// What the user should know of the files of a run that was resumed.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Notes the estimated error of the positions at the end, a mean over the mass \[length\], for the summary.
@@ -191,7 +220,7 @@ impl Results {
         let begin = self.wall_seconds();
         if begin >= self.report_due {
             let summary = self.heading.summary(&self.tally, Status::Running, None, begin);
-            summary::write(&self.directory().join("summary.json"), &summary)?;
+            summary::write(&self.summary_path(), &summary)?;
             let _ = self.report();
             let now = self.wall_seconds();
             self.report_due = now + BETWEEN_REPORTS.max(SPARINGLY * (now - begin));
@@ -233,8 +262,41 @@ impl Results {
             // A checkpoint must not know of more steps than the history has.
             self.history.sync()?;
         }
-        checkpoints.write(motion, &self.tally, frames, seconds, is_safe)
+        let progress = Progress { frames, history: self.history.sum(), wall_seconds: seconds };
+        checkpoints.write(motion, &self.tally, progress, is_safe)
     }
+}
+
+impl Drop for Results {
+    /// A run that ends without [`Results::finish`] has failed.
+    fn drop(&mut self) {
+        summary::abandon_one(&self.summary_path(), Status::Failed, "the run ended before its time");
+    }
+}
+
+/// How the files of a run ended.
+#[derive(Debug)]
+pub struct Ending {
+    /// Status in the summary.
+    pub status: Status,
+    /// The summary.
+    pub summary: Value,
+    /// What could not be written first.
+    pub error: Option<io::Error>,
+}
+
+/// A note on frames that are not there any more.
+fn lost_frames(lost: &[(usize, f64)]) -> Option<String> {
+    let [(_, first), .., (_, last)] = lost else {
+        let (step, time) = lost.first()?;
+        return Some(format!(
+            "the frame of step {step}, t = {time}, is lost: it is not among the files of the run"
+        ));
+    };
+    let n = lost.len();
+    Some(format!(
+        "{n} frames from t = {first} to t = {last} are lost: they are not among the files of the run"
+    ))
 }
 
 /// The frames with what is in them.
@@ -248,8 +310,8 @@ struct Frames {
 }
 
 impl Frames {
-    /// The frames of a run; of one that goes on, with those up to its checkpoint.
-    fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
+    /// The frames of a run; of one that is resumed, with those up to its checkpoint, and which of them are lost.
+    fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<(Self, Vec<(usize, f64)>)> {
         let (body, output) = (&problem.body, &problem.output);
         let fields = Fields::new(body);
         let names = output.fields.iter().copied().filter(|&name| fields.has(name)).collect();
@@ -257,15 +319,16 @@ impl Frames {
         let (mesh, regions) = (body.mesh(), body.region_of_cell());
         let Some(checkpoint) = after else {
             let files = FrameWriter::create(form, directory, mesh, regions)?;
-            return Ok(Frames { files, fields, names, times: Vec::new() });
+            return Ok((Frames { files, fields, names, times: Vec::new() }, Vec::new()));
         };
         // The last state of a run that ended is a frame out of turn.
         let step = checkpoint.snapshot.state.step;
         let is_kept = |own: usize, time| own != step || output.is_frame(&problem.plan, own, time);
         let written = checkpoint.frames.iter().copied();
-        let times: Vec<_> = written.filter(|(own, time)| is_kept(*own, *time)).collect();
-        let files = FrameWriter::resume(form, directory, mesh, regions, (&times, step))?;
-        Ok(Frames { files, fields, names, times })
+        let mut times: Vec<_> = written.filter(|(own, time)| is_kept(*own, *time)).collect();
+        let (files, lost) = FrameWriter::resume(form, directory, mesh, regions, (&times, step))?;
+        times.retain(|frame| !lost.contains(frame));
+        Ok((Frames { files, fields, names, times }, lost))
     }
 
     /// Writes a state, unless its step has been written.
@@ -284,13 +347,20 @@ impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let row = history::row(view, &self.extent, self.wall_seconds());
         self.history.write(&row)?;
-        self.newton.write(view)?;
+        let every = self.output.log_every;
+        let is_logged = every > 0 && view.record.step.is_multiple_of(every);
+        if is_logged {
+            self.newton.write(view)?;
+        }
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
         if let Some(frames) = self.frames.as_mut().filter(|_| is_frame) {
             frames.write(view.state)?;
         }
         self.tally.add(view);
-        self.log.step(view.record)?;
+        self.log.solver(view.record)?;
+        if is_logged {
+            self.log.step(view.record)?;
+        }
         let every = self.output.checkpoint_every;
         if every > 0 && view.record.step.is_multiple_of(every) {
             self.write_checkpoint(view.motion, false)?;

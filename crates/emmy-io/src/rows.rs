@@ -1,7 +1,7 @@
 //! Files of rows, one a step or more, whose first column is the number of the step.
 
 use std::fs::File;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::directory::named;
@@ -27,14 +27,21 @@ impl RowFile {
         Ok(rows)
     }
 
-    /// A file that goes on after a step: rows of later ones, and one that is not whole, are cut off.
+    /// A file that is resumed after a step: rows of later ones, and one that is not whole, are cut off.
     ///
     /// # Errors
     /// What the system refuses.
     pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(named(path))?;
+        let reader = BufReader::new(File::open(path).map_err(named(path))?);
+        RowFile::resume_at(path, kept(reader, step).map_err(named(path))?)
+    }
+
+    /// A file that is resumed after some bytes of whole rows.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn resume_at(path: &Path, length: u64) -> io::Result<Self> {
         let mut file = File::options().write(true).open(path).map_err(named(path))?;
-        let length = kept(&text, step) as u64;
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(named(path))?;
         Ok(RowFile { file, path: path.to_path_buf(), length })
     }
@@ -54,6 +61,30 @@ impl RowFile {
         Ok(())
     }
 
+    /// Checks that the file is still there, with all its rows.
+    ///
+    /// # Errors
+    /// An error that says what is wrong.
+    pub fn verify(&self) -> io::Result<()> {
+        let message = match std::fs::metadata(&self.path) {
+            Ok(found) if found.len() == self.length => return Ok(()),
+            Ok(found) => {
+                format!(
+                    "it was changed during the run: it has {} bytes instead of {}",
+                    found.len(),
+                    self.length
+                )
+            }
+            Err(error) => format!("it was removed during the run ({error})"),
+        };
+        Err(named(&self.path)(io::Error::other(message)))
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Has the system put all rows on the disk itself.
     ///
     /// # Errors
@@ -63,18 +94,35 @@ impl RowFile {
     }
 }
 
+/// The step of a row that has its end.
+pub(crate) fn step_of(line: &[u8]) -> Option<usize> {
+    let number = line.strip_suffix(b"\n")?.split(|&byte| byte == b',').next()?;
+    std::str::from_utf8(number).ok()?.parse().ok()
+}
+
 /// Bytes of the header and the whole rows up to a step.
-fn kept(text: &str, step: usize) -> usize {
-    let mut length = 0;
-    for (i, line) in text.split_inclusive('\n').enumerate() {
-        let of_row = line.split(',').next().and_then(|number| number.parse::<usize>().ok());
-        let is_kept = i == 0 || of_row.is_some_and(|own| own <= step);
-        if !line.ends_with('\n') || !is_kept {
-            break;
+fn kept(mut reader: impl BufRead, step: usize) -> io::Result<u64> {
+    let (mut length, mut line, mut is_first) = (0, Vec::new(), true);
+    loop {
+        line.clear();
+        reader.read_until(b'\n', &mut line)?;
+        let is_kept = match is_first {
+            true => line.ends_with(b"\n"),
+            false => step_of(&line).is_some_and(|own| own <= step),
+        };
+        if !is_kept {
+            return Ok(length);
         }
-        length += line.len();
+        length += line.len() as u64;
+        is_first = false;
     }
-    length
+}
+
+/// A path with something added to the name of the file.
+pub(crate) fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(ending);
+    path.with_file_name(name)
 }
 
 #[cfg(test)]
@@ -93,12 +141,17 @@ mod tests {
         let mut rows = RowFile::resume(&path, 1).unwrap();
         rows.write("2,0.7").unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "step,x\n0,0.5\n1,0.5\n1,0.5\n2,0.7\n");
+        rows.verify().unwrap();
+        std::fs::write(&path, "step,x\n").unwrap();
+        assert!(rows.verify().unwrap_err().to_string().contains("it has 7 bytes instead of 31"));
+        std::fs::remove_file(&path).unwrap();
+        assert!(rows.verify().unwrap_err().to_string().contains("rows.csv: it was removed during the run"));
     }
 
     #[test]
     fn a_row_that_was_not_finished_is_cut_off() {
-        assert_eq!(kept("step,x\n0,1\n1,", 5), 11);
-        assert_eq!(kept("step,x\n0,1\n10,2\n", 1), 11);
-        assert_eq!(kept("step,x", 1), 0);
+        assert_eq!(kept(&b"step,x\n0,1\n1,"[..], 5).unwrap(), 11);
+        assert_eq!(kept(&b"step,x\n0,1\n10,2\n"[..], 1).unwrap(), 11);
+        assert_eq!(kept(&b"step,x"[..], 1).unwrap(), 0);
     }
 }

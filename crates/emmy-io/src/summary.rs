@@ -1,7 +1,8 @@
 //! `summary.json`: a run in one object.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::{Value, json};
 
@@ -69,7 +70,7 @@ impl Heading {
 
     /// The summary as JSON. Numbers that are not finite become `null`, which is all that JSON has for them.
     pub fn summary(&self, tally: &Tally, status: Status, message: Option<&str>, wall_seconds: f64) -> Value {
-        json!({
+        let mut summary = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "title": self.title,
             "scheme": self.scheme,
@@ -110,7 +111,15 @@ impl Heading {
             "estimated_error": null,
             "status": status.name(),
             "message": message,
-        })
+        });
+        // One object of all would be too much for the macro.
+        let (most, name) = (&tally.displacement, "largest_displacement");
+        summary[name] = most.value.into();
+        summary[format!("{name}_step")] = most.step.into();
+        summary[format!("{name}_time")] = most.time.into();
+        summary[format!("{name}_node")] = most.node.into();
+        summary[format!("{name}_point")] = json!(most.point);
+        summary
     }
 }
 
@@ -119,5 +128,51 @@ impl Heading {
 /// # Errors
 /// What the system refuses.
 pub fn write(path: &Path, summary: &Value) -> io::Result<()> {
-    replace(path, format!("{summary:#}\n").as_bytes())
+    let mut running = running();
+    replace(path, format!("{summary:#}\n").as_bytes())?;
+    running.retain(|own| own != path);
+    if summary["status"] == Status::Running.name() {
+        running.push(path.to_path_buf());
+    }
+    Ok(())
+}
+
+/// Summaries of this process that say `running`.
+static RUNNING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn running() -> MutexGuard<'static, Vec<PathBuf>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the summaries that say `running`, for a process that ends here and now: nothing is written to them afterwards.
+pub fn abandon(status: Status, message: &str) {
+    // Whoever writes one at this moment is let finish. One that panicked while it wrote does not: that is not waited for.
+    for _ in 0..100 {
+        if let Ok(mut running) = RUNNING.try_lock() {
+            running.drain(..).for_each(|path| end(&path, status, message));
+            // Other threads may go on for a moment.
+            return std::mem::forget(running);
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+}
+
+/// Ends one summary, if it still says `running`.
+pub(crate) fn abandon_one(path: &Path, status: Status, message: &str) {
+    let mut running = running();
+    let is_there = running.iter().any(|own| own == path);
+    running.retain(|own| own != path);
+    if is_there {
+        end(path, status, message);
+    }
+}
+
+/// What cannot be written any more stays as it is.
+fn end(path: &Path, status: Status, message: &str) {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    if let Ok(Value::Object(mut summary)) = serde_json::from_str(&text) {
+        summary.insert("status".into(), status.name().into());
+        summary.insert("message".into(), message.into());
+        let _ = replace(path, format!("{:#}\n", Value::Object(summary)).as_bytes());
+    }
 }

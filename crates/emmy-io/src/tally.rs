@@ -22,6 +22,40 @@ impl Worst {
     }
 }
 
+/// The largest displacement of a node, and where and when it was.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Displacement {
+    /// Its norm \[length\].
+    pub value: f64,
+    /// Number of the step.
+    pub step: usize,
+    /// Time \[time\].
+    pub time: f64,
+    /// Index of the node.
+    pub node: usize,
+    /// The node in the reference configuration.
+    pub point: [f64; 3],
+}
+
+impl Displacement {
+    fn see(&mut self, view: View<'_>) {
+        let squares =
+            view.state.displacement.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
+        let (node, square) =
+            squares.enumerate().fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most });
+        if square.sqrt() > self.value {
+            let (step, time) = (view.record.step, view.record.time);
+            *self = Displacement {
+                value: square.sqrt(),
+                step,
+                time,
+                node,
+                point: view.body.mesh().points()[node],
+            };
+        }
+    }
+}
+
 /// What a run adds up to.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tally {
@@ -47,6 +81,8 @@ pub struct Tally {
     pub linear_momentum: Worst,
     /// Worst defect of a step's angular momentum balance.
     pub angular_momentum: Worst,
+    /// Largest displacement of a node.
+    pub displacement: Displacement,
     /// Largest T + |V| \[energy\]: the total energy, but where an attraction makes V negative.
     pub largest_energy: f64,
     /// Largest norm of the linear momentum.
@@ -106,11 +142,12 @@ impl Tally {
         self.angular_momentum.see(record.angular_momentum_residual, record.step);
         (self.total_energy, self.external_work) = (record.total_energy, record.external_work);
         self.dissipated_energy = record.dissipated_energy;
+        self.displacement.see(view);
         self.add_balances(record, view.body);
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 29] {
+    pub(crate) fn numbers(&self) -> [f64; 36] {
         [
             self.steps as f64,
             self.time,
@@ -141,11 +178,18 @@ impl Tally {
             self.dissipated_energy,
             self.degree_changes as f64,
             self.degree as f64,
+            self.displacement.value,
+            self.displacement.step as f64,
+            self.displacement.time,
+            self.displacement.node as f64,
+            self.displacement.point[0],
+            self.displacement.point[1],
+            self.displacement.point[2],
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 29], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 36], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -175,6 +219,13 @@ impl Tally {
             dissipated_energy: n[26],
             degree_changes: n[27] as usize,
             degree: n[28] as usize,
+            displacement: Displacement {
+                value: n[29],
+                step: n[30] as usize,
+                time: n[31],
+                node: n[32] as usize,
+                point: [n[33], n[34], n[35]],
+            },
         }
     }
 

@@ -11,8 +11,9 @@ use emmy::mesh::Mesh;
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 
-use super::Input;
+use super::{Input, sizes};
 use crate::failure::Failure;
+use crate::message::message;
 use crate::print::{self, number, vector};
 
 /// Arguments of the verb.
@@ -34,8 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.start(&problem)?;
     report.time(&problem);
     report.output(&problem);
-    if let Err(error) = emmy_io::directory::check(&problem.output.directory) {
-        eprintln!("note: `emmy run` will refuse this: {error}");
+    if let Err(error) = emmy_io::directory::check_run(&problem) {
+        message!("note: `emmy run` will refuse this: {error}");
     }
     print::result(&report.text)
 }
@@ -283,18 +284,14 @@ impl Report {
 
     fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
-        let duration = problem.plan.end() - problem.plan.start();
-        let frames = match output.every {
-            _ if let Some(interval) = output.interval => {
-                // The last one may lie on the end, or differ from it by rounding.
-                let n = (duration / interval * (1.0 - 1e-12)).ceil() as usize + 1;
-                format!("{n} frames, one every {} of time", number(interval))
-            }
-            0 => "no frames".to_string(),
-            every if problem.plan.adaptivity().is_some() => format!("a frame every {every} steps"),
-            every => format!("{} frames", problem.plan.n_steps().div_ceil(every) + 1),
+        let frames = match (output.n_frames(&problem.plan), output.interval) {
+            (Some(n), Some(interval)) => format!("{n} frames, one every {} of time", number(interval)),
+            (Some(0), None) => "no frames".to_string(),
+            (Some(n), None) => format!("{n} frames"),
+            (None, _) => format!("a frame every {} steps", output.every),
         };
         self.line("output", &format!("{}, {frames}", output.directory.display()));
+        self.line("files", &sizes::text(problem));
         for probe in &output.probes {
             let at = vector(problem.body.mesh().points()[probe.node]);
             self.line("probe", &format!("{}: node {} at {at}", probe.name, probe.node));

@@ -9,6 +9,7 @@ use emmy_io::report;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+use crate::message::message;
 use crate::print;
 
 /// Arguments of the verb.
@@ -42,8 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&if arguments.json { lines(&runs) } else { table(&runs) })?;
     if !arguments.quiet {
         let stem = arguments.output.join("compare");
-        eprintln!("written: {0}.svg, {0}.png, and each chart by itself, {0}-*", stem.display());
-        eprintln!("to look at: {}", page.display());
+        message!("written: {0}.svg, {0}.png, and each chart by itself, {0}-*", stem.display());
+        message!("to look at: {}", page.display());
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `emmy list WHAT`: one item a line, its key word first.
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use emmy::body::fields::FieldName;
 use emmy::mesh::CellKind;
@@ -14,8 +15,8 @@ use crate::print;
 /// Arguments of the verb.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to list
-    what: What,
+    /// What to list; without it, the words are listed
+    what: Option<What>,
     /// As JSON: a list of objects with `name` and `description`
     #[arg(long)]
     json: bool,
@@ -128,7 +129,8 @@ const MESHES: [Item; 5] = [
 
 /// Prints the list.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let items: Vec<Item> = match arguments.what {
+    let Some(what) = arguments.what else { return words(arguments.json) };
+    let items: Vec<Item> = match what {
         What::Schemes => SCHEMES.to_vec(),
         What::Estimators => ESTIMATORS.map(|(name, _, description)| (name, description)).to_vec(),
         What::Materials => MATERIALS.to_vec(),
@@ -139,6 +141,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Templates => TEMPLATES.map(|template| (template.name, template.title())).to_vec(),
     };
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
+}
+
+/// Prints what can be listed.
+fn words(as_json: bool) -> Result<(), Failure> {
+    let values: Vec<_> = What::value_variants().iter().filter_map(What::to_possible_value).collect();
+    let help = |value: &PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();
+    let items: Vec<(&str, String)> = values.iter().map(|value| (value.get_name(), help(value))).collect();
+    let items: Vec<(&str, &str)> = items.iter().map(|(name, help)| (*name, help.as_str())).collect();
+    print::result(&if as_json { self::as_json(&items) } else { as_lines(&items) })
 }
 
 fn description(kind: CellKind) -> &'static str {
@@ -160,12 +171,12 @@ fn description(kind: CellKind) -> &'static str {
     }
 }
 
-fn as_lines(items: &[Item]) -> String {
+fn as_lines(items: &[(&str, &str)]) -> String {
     let width = items.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     items.iter().map(|(name, description)| format!("{name:width$}  {description}\n")).collect()
 }
 
-fn as_json(items: &[Item]) -> String {
-    let object = |(name, description): &Item| json!({ "name": name, "description": description });
+fn as_json(items: &[(&str, &str)]) -> String {
+    let object = |(name, description): &(&str, &str)| json!({ "name": name, "description": description });
     format!("{:#}\n", serde_json::Value::Array(items.iter().map(object).collect()))
 }

@@ -10,6 +10,7 @@ mod report;
 mod resume;
 mod run;
 mod schema;
+mod sizes;
 
 use std::path::PathBuf;
 
@@ -17,6 +18,7 @@ use clap::{Args, Subcommand};
 use emmy_io::input::Overrides;
 
 use crate::failure::Failure;
+use crate::message::message;
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -105,7 +107,7 @@ impl Input {
             ..Overrides::default()
         };
         let problem = emmy_io::input::read(&self.file, &overrides)?;
-        problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        problem.notes.iter().for_each(|note| message!("note: {note}"));
         Ok(problem)
     }
 }

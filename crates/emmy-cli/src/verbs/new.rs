@@ -6,6 +6,7 @@ use std::io::{ErrorKind, Write};
 use clap::Args;
 
 use crate::failure::Failure;
+use crate::message::message;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -64,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     opened
         .and_then(|mut opened| opened.write_all(template.text.as_bytes()))
         .map_err(|error| not_written(&file, &error))?;
-    eprintln!("{file} is written; `emmy check {file}` reports on it, `emmy run {file}` runs it");
+    message!("{file} is written; `emmy check {file}` reports on it, `emmy run {file}` runs it");
     Ok(())
 }
 

@@ -15,6 +15,7 @@ use serde_json::Value;
 use super::run::{self, Manner, march};
 use super::with_threads;
 use crate::failure::Failure;
+use crate::message::message;
 use crate::print::number;
 
 /// Arguments of the verb.
@@ -51,7 +52,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let lock = Lock::take(&arguments.directory)?;
     let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
         .map_err(|error| usage(error.to_string(), "`emmy run` on its input.toml starts it again"))?;
-    note.into_iter().for_each(|note| eprintln!("note: {note}; the other checkpoint is taken"));
+    note.into_iter().for_each(|note| message!("note: {note}; the other checkpoint is taken"));
     let problem = problem(arguments, &checkpoint)?;
     run::check(&problem, &arguments.manner)?;
     let identity = Identity::new(&problem);
@@ -67,7 +68,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let results = results.map_err(|error| usage(error.to_string(), "nothing but this was done"))?;
     if !arguments.manner.quiet {
         let state = motion.state();
-        eprintln!("going on after step {}, t = {}", state.step, number(state.time));
+        message!("going on after step {}, t = {}", state.step, number(state.time));
     }
     march(&problem, &mut motion, results, &arguments.manner, Motion::march_on)
 }
@@ -85,27 +86,36 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Fa
         step: arguments.step.map(|size| (checkpoint.snapshot.state.time, size)),
     };
     let problem = input::read(&arguments.directory.join("input.toml"), &overrides)?;
-    problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    problem.notes.iter().for_each(|note| message!("note: {note}"));
     Ok(problem)
 }
 
-/// Refuses a run that has nothing left to do, unless it was killed before it could say so.
+/// Rejects a run that has nothing left to do, unless it ended before all its files were written.
 fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> {
-    let state = &checkpoint.snapshot.state;
-    let was_stopped = || {
-        let text = fs::read_to_string(problem.output.directory.join("summary.json")).unwrap_or_default();
+    let (state, directory) = (&checkpoint.snapshot.state, &problem.output.directory);
+    let is_unfinished = || {
+        let text = fs::read_to_string(directory.join("summary.json")).unwrap_or_default();
         let summary: Value = serde_json::from_str(&text).unwrap_or_default();
-        let stopped = [Status::Running, Status::Interrupted].map(Status::name);
         let is_at_end = problem.plan.end() >= state.time;
-        is_at_end && summary["status"].as_str().is_some_and(|status| stopped.contains(&status))
+        let has_page = directory.join("report.html").is_file();
+        match summary["status"].as_str() {
+            Some(status) if status == Status::Done.name() => is_at_end && !has_page,
+            // The state exceeds the limit, wherever the plan ends.
+            Some(status) => is_at_end && status != Status::LimitExceeded.name(),
+            None => is_at_end,
+        }
     };
-    if problem.plan.steps_from(state.time).next().is_some() || was_stopped() {
+    if problem.plan.steps_from(state.time).next().is_some() || is_unfinished() {
         return Ok(());
     }
     let (time, end) = (number(state.time), number(problem.plan.end()));
     let message =
         format!("the run is at t = {time} (step {}) already; its plan ends at t = {end}", state.step);
-    Err(usage(message, "give a later end with --until T"))
+    let help = format!(
+        "give a later end with --until T; `emmy report {}` writes the page again",
+        directory.display()
+    );
+    Err(usage(message, &help))
 }
 
 /// Puts the time onto the plan's grid, and leaves the stepper's memory behind where it does not hold on.

@@ -10,7 +10,7 @@ use emmy_io::vtk::SeriesReader;
 use super::{BOX, Place};
 
 /// The box with steps of one size.
-fn even_box(until: f64, size: f64) -> String {
+pub fn even_box(until: f64, size: f64) -> String {
     BOX.replace(
         "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]",
         &format!("steps = [{{ until = {until}, size = {size} }}]"),
@@ -19,7 +19,7 @@ fn even_box(until: f64, size: f64) -> String {
 }
 
 /// A box that takes some thousand steps, with few frames and many checkpoints.
-fn long_box() -> String {
+pub fn long_box() -> String {
     even_box(4.0, 0.002).replace("every = 2", "every = 500\ncheckpoint_every = 20")
 }
 
@@ -41,7 +41,7 @@ pub fn assert_same_rows(place: &Place, own: &str, expected: &str) {
     assert!(own == expected, "{} and {} rows, the first that differs: {first:?}", own.len(), expected.len());
 }
 
-fn frames(place: &Place, directory: &str) -> Vec<String> {
+pub fn frames(place: &Place, directory: &str) -> Vec<String> {
     let text = place.read(&format!("{directory}/{directory}.pvd"));
     text.lines()
         .filter(|line| line.contains("<DataSet"))

@@ -152,6 +152,12 @@ fn list_has_the_key_word_first() {
         assert!(text.lines().zip(&named).all(|(line, name)| line.starts_with(name)), "{what}: {text}");
         assert!(words.iter().all(|word| named.contains(word)), "{what}: {text}");
     }
+    let words = place.succeed(&["list"]).stdout;
+    for what in ["schemes", "estimators", "materials", "elements", "meshes", "solvers", "fields", "templates"]
+    {
+        let line = words.lines().find(|line| line.split_whitespace().next() == Some(what)).unwrap();
+        assert!(line.split_whitespace().count() > 2, "{line}");
+    }
     for line in place.succeed(&["list", "materials"]).stdout.lines() {
         let is_link = ["bar", "spring", "attraction"].iter().any(|link| line.starts_with(link));
         let parts = [if is_link { "V = " } else { "W(C) = " }, "; parameter"];

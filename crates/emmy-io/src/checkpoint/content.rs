@@ -15,7 +15,7 @@ const CONTROL: &str = "control.";
 
 /// The bytes of the file of a checkpoint.
 pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { version, identity, snapshot, tally, frames, wall_seconds } = checkpoint;
+    let Checkpoint { version, identity, snapshot, tally, frames, history, wall_seconds } = checkpoint;
     let Snapshot { state, record, division, control, releases, was_at_rounding_floor, memory } = snapshot;
     let texts = [("version", version), ("input", &identity.input), ("mesh", &identity.mesh)];
     let place = [
@@ -39,6 +39,7 @@ pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         ("record.solver".to_string(), solver_numbers(record.solver)),
         ("tally".to_string(), tally.numbers().to_vec()),
         ("tally.solver".to_string(), solver_numbers(tally.solver)),
+        ("history".to_string(), vec![f64::from(*history)]),
         ("frames.steps".to_string(), frames.iter().map(|(step, _)| *step as f64).collect()),
         ("frames.times".to_string(), frames.iter().map(|(_, time)| *time).collect()),
     ];
@@ -62,6 +63,11 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
         momentum: parts.list("momentum")?.to_vec(),
         velocity: parts.list("velocity")?.to_vec(),
     };
+    if !is_finite(&state) {
+        return Err("has a state that is not finite".into());
+    }
+    let [history] = parts.array("history")?;
+    let history = whole(history)? as u32;
     // More would not fit into the counter of parts.
     if whole(level)? > 60 {
         return Err("has a step that is divided too often".into());
@@ -93,8 +99,16 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
         snapshot,
         tally: Tally::of(parts.array("tally")?, solver(parts.list("tally.solver")?)),
         frames,
+        history,
         wall_seconds,
     })
+}
+
+/// Whether all numbers of a state are finite.
+pub fn is_finite(state: &State) -> bool {
+    let State { time, displacement, momentum, velocity, .. } = state;
+    let lists = [displacement, momentum, velocity];
+    time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }
 
 /// A number that counts something; more than a million millions is none.
@@ -191,6 +205,27 @@ fn record(numbers: [f64; 29], solver: Option<SolverChoice>) -> Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn states_that_are_not_finite_are_not_taken() {
+        let with = |x: f64| {
+            let state = State { displacement: vec![0.0, x, 0.0], ..Default::default() };
+            bytes(&Checkpoint {
+                version: "0.1.0".into(),
+                identity: Identity { input: String::new(), mesh: String::new() },
+                snapshot: Snapshot { state, ..Default::default() },
+                tally: Tally::default(),
+                frames: vec![(3, 0.5)],
+                history: 0xdead_beef,
+                wall_seconds: 1.0,
+            })
+        };
+        let whole = read(&with(1.0)).unwrap();
+        assert_eq!((whole.history, whole.frames), (0xdead_beef, vec![(3, 0.5)]));
+        for x in [f64::NAN, f64::INFINITY] {
+            assert_eq!(read(&with(x)), Err("has a state that is not finite".into()));
+        }
+    }
 
     #[test]
     fn counts_are_whole_numbers_of_a_size_that_can_be() {

@@ -2,14 +2,14 @@
 //!
 //! | part | form |
 //! |---|---|
-//! | header | `emmy checkpoint 1` and a line feed |
+//! | header | `emmy checkpoint 2` and a line feed |
 //! | texts | their number, then name and text of each, with their lengths before them |
 //! | lists | their number, then name, number of entries and entries of each |
 //! | checksum | CRC-32 of everything before it |
 //!
 //! Lengths and counts are 64-bit whole numbers, entries 64-bit floating-point numbers, all with the lowest byte first.
 
-const HEADER: &[u8] = b"emmy checkpoint 1\n";
+const HEADER: &[u8] = b"emmy checkpoint 2\n";
 
 /// Texts and lists of numbers with names.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -61,9 +61,12 @@ impl Parts {
     pub fn read(bytes: &[u8]) -> Result<Self, String> {
         if !bytes.starts_with(HEADER) {
             let is_other = bytes.starts_with(&HEADER[..16]);
-            return Err(
-                if is_other { "is of another version of the program" } else { "is no checkpoint" }.into()
-            );
+            return Err(if is_other {
+                "is of another version of Emmy, which this one cannot resume"
+            } else {
+                "is no checkpoint"
+            }
+            .into());
         }
         let (content, sum) = bytes.split_last_chunk::<4>().ok_or(DAMAGED)?;
         if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
@@ -157,8 +160,11 @@ mod tests {
                 assert_eq!(read.lists.len(), 2, "{at}");
             }
         }
-        let newer = [b"emmy checkpoint 2\n", &whole[HEADER.len()..]].concat();
-        assert_eq!(Parts::read(&newer), Err("is of another version of the program".into()));
+        let older = [b"emmy checkpoint 1\n", &whole[HEADER.len()..]].concat();
+        assert_eq!(
+            Parts::read(&older),
+            Err("is of another version of Emmy, which this one cannot resume".into())
+        );
         assert_eq!(Parts::read(b"hello"), Err("is no checkpoint".into()));
     }
 }

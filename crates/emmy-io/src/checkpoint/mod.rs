@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use emmy::motion::{Motion, Snapshot};
 
-use crate::directory::{named, replace, replace_durably};
+use crate::directory::{PART, named, remove, replace, replace_durably};
 use crate::input::Problem;
 use crate::tally::Tally;
 pub use identity::{Identity, Mismatch};
@@ -42,6 +42,8 @@ pub struct Checkpoint {
     pub tally: Tally,
     /// Frames that were written: step and time.
     pub frames: Vec<(usize, f64)>,
+    /// Checksum of the rows of the history up to here.
+    pub history: u32,
     /// Seconds that the run took so far.
     pub wall_seconds: f64,
 }
@@ -99,6 +101,17 @@ pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
     content::read(bytes)
 }
 
+/// How far the files of a run are.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress<'a> {
+    /// Frames that were written: step and time.
+    pub frames: &'a [(usize, f64)],
+    /// Checksum of the rows of the history.
+    pub history: u32,
+    /// Seconds that the run took.
+    pub wall_seconds: f64,
+}
+
 /// Writes the checkpoints of a run.
 #[derive(Debug)]
 pub struct Checkpoints {
@@ -120,6 +133,10 @@ impl Checkpoints {
     pub fn new(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
         let folder = problem.output.directory.join(DIRECTORY);
         std::fs::create_dir_all(&folder).map_err(named(&folder))?;
+        for name in FILES {
+            // What a run that was killed left of a checkpoint.
+            remove(&folder.join(format!("{name}{PART}"))).map_err(named(&folder))?;
+        }
         let last_step = after.map(|checkpoint| checkpoint.snapshot.state.step);
         let is_kept = |name: &&str| {
             let step = std::fs::read(folder.join(name)).ok().and_then(|bytes| content::read(&bytes).ok());
@@ -138,7 +155,8 @@ impl Checkpoints {
         self.synced.is_none_or(|then| then.elapsed() >= BETWEEN_SYNCS)
     }
 
-    /// Writes a checkpoint of a motion, unless there is one of this step; on the disk for certain if `is_safe`.
+    /// Writes a checkpoint of a motion, unless there is one of this step or the state is not finite: nothing could be resumed from that.
+    /// On the disk for certain if `is_safe`.
     ///
     /// # Errors
     /// What the system refuses; the one before is then still there.
@@ -146,12 +164,11 @@ impl Checkpoints {
         &mut self,
         motion: &Motion<'_>,
         tally: &Tally,
-        frames: &[(usize, f64)],
-        wall_seconds: f64,
+        progress: Progress<'_>,
         is_safe: bool,
     ) -> io::Result<()> {
         let step = motion.state().step;
-        if self.last_step == Some(step) {
+        if self.last_step == Some(step) || !content::is_finite(motion.state()) {
             return Ok(());
         }
         let checkpoint = Checkpoint {
@@ -159,8 +176,9 @@ impl Checkpoints {
             identity: self.identity.clone(),
             snapshot: motion.snapshot(),
             tally: tally.clone(),
-            frames: frames.to_vec(),
-            wall_seconds,
+            frames: progress.frames.to_vec(),
+            history: progress.history,
+            wall_seconds: progress.wall_seconds,
         };
         let other = 1 - self.safe;
         let (path, bytes) = (self.folder.join(FILES[other]), content::bytes(&checkpoint));

@@ -7,6 +7,7 @@ use emmy::motion::{Phase, StepPlan};
 use super::fault::{InputError, Place};
 use super::tree::{self, Node, Value};
 use super::{material, settings};
+use crate::report;
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
@@ -53,16 +54,29 @@ fn fill(own: &mut Node, defaults: Node) {
     }
 }
 
-/// The directory of the command line, else that of the file, else the name of the file.
-pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>) {
+/// Puts in the directory of the command line, else that of the file, else the name of the file; returns it where it is not that of
+/// the file.
+pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>) -> Option<PathBuf> {
     let place = tree.place.clone();
-    let Some(output) = tree.get_mut("output") else { return };
+    let output = tree.get_mut("output")?;
     let stem = path.file_stem().map(PathBuf::from);
     let missing = output.get_mut("directory").is_none();
     let directory = asked.map(PathBuf::from).or(stem.filter(|_| missing));
-    if let Some(directory) = directory {
+    if let Some(directory) = &directory {
         output.put("directory", string(&directory.to_string_lossy(), &place));
     }
+    directory
+}
+
+/// The path of a mesh file as text can hold it: absolute, or else by the way from the output directory, in which the text stands.
+pub(super) fn spellable(file: PathBuf, output: &Path) -> PathBuf {
+    if file.to_str().is_some() {
+        return file;
+    }
+    let way = report::relative(output, &file);
+    let way = way.trim_end_matches('/');
+    let is_whole = !way.contains(char::REPLACEMENT_CHARACTER) && !way.starts_with("file:");
+    if is_whole { PathBuf::from(way) } else { file }
 }
 
 fn string(text: &str, place: &Place) -> Node {

@@ -119,7 +119,17 @@ pub(super) const NEWTON: Keys = keys("[newton]", &["tolerance", "max_iterations"
 pub(super) const SOLVER: Keys = keys("[solver]", &["kind"]);
 pub(super) const OUTPUT: Keys = keys(
     "[output]",
-    &["directory", "every", "interval", "format", "precision", "fields", "checkpoint_every", "probes"],
+    &[
+        "directory",
+        "every",
+        "interval",
+        "format",
+        "precision",
+        "fields",
+        "checkpoint_every",
+        "log_every",
+        "probes",
+    ],
 );
 pub(super) const PROBE: Keys = keys("a probe", &["name", "point"]);
 pub(super) const LIMITS: Keys = keys("[limits]", &["energy", "angular_momentum"]);

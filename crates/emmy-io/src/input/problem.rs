@@ -17,6 +17,7 @@ use super::{
     adaptive, complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape,
     support, time, write,
 };
+use crate::mesh::MeshFile;
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -76,6 +77,8 @@ pub struct Problem {
     pub limits: Limits,
     /// Remarks: of the mesh reader, and on keys without effect.
     pub notes: Vec<String>,
+    /// The files that it was read from: the input, then those of the mesh.
+    pub files: Vec<PathBuf>,
     /// The input with all values that hold, as TOML that gives the same run.
     pub resolved: String,
 }
@@ -90,12 +93,26 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
         set::apply(&mut tree, flag)?;
     }
     complete::fill_defaults(&mut tree)?;
-    complete::fill_directory(&mut tree, path, overrides.output.as_deref());
+    let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
     let directory = path.parent().unwrap_or(Path::new(""));
-    let parts = Parts::read(&tree, directory, overrides)?;
-    complete::resolve(&mut tree, parts.shape.absolute_file(), &parts.time.plan)?;
-    parts.problem(write::toml(&tree))
+    let mut parts = Parts::read(&tree, directory, overrides)?;
+    // As text it may have lost what is not UTF-8.
+    parts.output.directory = output.unwrap_or(parts.output.directory);
+    let mesh_file =
+        parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
+    let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
+    complete::resolve(&mut tree, mesh_file, &parts.time.plan)?;
+    let mut problem = parts.problem(write::toml(&tree))?;
+    if is_lost {
+        problem.notes.push(LOST_MESH.to_string());
+    }
+    problem.files.insert(0, path.to_path_buf());
+    Ok(problem)
 }
+
+/// A path of the mesh that no TOML file can hold.
+const LOST_MESH: &str = "the path of the mesh is not UTF-8, which the input of the output directory cannot hold: `emmy resume` \
+                         needs `--set mesh.file=PATH` with another name of it";
 
 /// What is read from the tree, before the mesh is made.
 struct Parts {
@@ -168,7 +185,9 @@ impl Parts {
 
     /// The problem, once the mesh is made and every group found.
     fn problem(mut self, resolved: String) -> Result<Problem, InputError> {
-        let Some((mesh, mut notes)) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
+        let Some(MeshFile { mesh, mut notes, files }) =
+            self.faults.keep(self.shape.mesh(&link_groups(&self.regions)))
+        else {
             return Err(finished(self.faults));
         };
         groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
@@ -202,6 +221,7 @@ impl Parts {
             output: self.output,
             limits: self.limits,
             notes,
+            files,
             resolved,
         })
     }
@@ -217,7 +237,7 @@ fn with_groups(
     initial: &[Placed<InitialVelocity>],
     mut faults: Faults,
 ) -> InputError {
-    if let Some((mesh, _)) = faults.keep(shape.mesh(&link_groups(regions))) {
+    if let Some(MeshFile { mesh, .. }) = faults.keep(shape.mesh(&link_groups(regions))) {
         groups::check(&mesh, regions, loads, supports, initial, &mut faults);
         groups::check_nodes(&mesh, nodal.groups(), &mut faults);
     }

@@ -28,6 +28,8 @@ pub struct Output {
     pub fields: Vec<FieldName>,
     /// Steps between checkpoints; 0: no checkpoints.
     pub checkpoint_every: usize,
+    /// Steps between rows of `newton.csv` and between steps in `run.log`; 0: none of these.
+    pub log_every: usize,
     /// Points whose path is written into the history.
     pub probes: Vec<Probe>,
 }
@@ -60,7 +62,7 @@ pub(super) const DEFAULTS: &str = "\
     fields = [\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
     \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
     \"strain_energy_density\", \"axial_force\"]\n\
-    checkpoint_every = 50\nprobes = []\n";
+    checkpoint_every = 50\nlog_every = 1\nprobes = []\n";
 
 pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
     let table = item.table(keys::NEWTON)?;
@@ -102,6 +104,7 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
         precision: precision(table.require("precision")?)?,
         fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
+        log_every: table.require("log_every")?.whole(0)?,
         probes: probes.into_iter().map(|(probe, _)| probe).collect(),
     })
 }
@@ -137,6 +140,18 @@ impl Output {
     /// Whether frames are written.
     pub fn has_frames(&self) -> bool {
         self.every > 0 || self.interval.is_some()
+    }
+
+    /// Number of the frames of a plan; not known where every so many adaptive steps are one.
+    pub fn n_frames(&self, plan: &StepPlan) -> Option<usize> {
+        let duration = plan.end() - plan.start();
+        match (self.interval, self.every) {
+            // The last one may lie on the end, or differ from it by rounding.
+            (Some(interval), _) => Some((duration / interval * (1.0 - 1e-12)).ceil() as usize + 1),
+            (None, 0) => Some(0),
+            (None, _) if plan.adaptivity().is_some() => None,
+            (None, every) => Some(plan.n_steps().div_ceil(every) + 1),
+        }
     }
 
     /// Whether a state is one for a frame, by its step or by its time in a plan.

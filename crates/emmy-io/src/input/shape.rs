@@ -8,6 +8,7 @@ use super::fault::{Fault, Place};
 use super::keys;
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
+use crate::mesh::MeshFile;
 
 /// Where the mesh comes from.
 #[derive(Debug)]
@@ -175,30 +176,26 @@ const INVERTED: &str = "cells count from 0 in the order of the file; check the o
 
 impl Shape {
     /// The mesh, scaled, with what its reader remarked. Lines of a file in one of the groups `links` are cells.
-    pub(super) fn mesh(&self, links: &[String]) -> Result<(Mesh, Vec<String>), Fault> {
+    pub(super) fn mesh(&self, links: &[String]) -> Result<MeshFile, Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
-        let (mesh, notes) = match &self.source {
-            Source::LBlock { cell_size } => {
-                (emmy::mesh::l_block(*cell_size).map_err(|e| at(&e))?, Vec::new())
-            }
-            Source::Box { size, cells } => {
-                (emmy::mesh::block(*size, *cells).map_err(|e| at(&e))?, Vec::new())
-            }
-            Source::Rectangle { size, cells } => {
-                (emmy::mesh::rectangle(*size, *cells).map_err(|e| at(&e))?, Vec::new())
-            }
-            Source::Network(network) => (network.mesh().map_err(|e| at(&e))?, Vec::new()),
+        let made = |mesh: emmy::Result<Mesh>| -> Result<MeshFile, Fault> {
+            let mesh = mesh.map_err(|error| at(&error))?;
+            Ok(MeshFile { mesh, notes: Vec::new(), files: Vec::new() })
+        };
+        let file = match &self.source {
+            Source::LBlock { cell_size } => made(emmy::mesh::l_block(*cell_size)),
+            Source::Box { size, cells } => made(emmy::mesh::block(*size, *cells)),
+            Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells)),
+            Source::Network(network) => made(network.mesh()),
             Source::File(path) => {
-                let file = crate::mesh::read_with_links(path, links);
-                let file = file.map_err(|error| match neighbour(path) {
+                crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
                     Some(name) => at(&error).help(format!("did you mean `{name}`?")),
                     None => at(&error),
-                })?;
-                (file.mesh, file.notes)
+                })
             }
-        };
-        let mesh = mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
-        Ok((mesh, notes))
+        }?;
+        let mesh = file.mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
+        Ok(MeshFile { mesh, ..file })
     }
 
     /// The fault of a mesh that no body can be made of.

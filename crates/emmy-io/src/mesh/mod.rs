@@ -6,7 +6,7 @@ mod gmsh;
 pub(crate) mod vtu;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use emmy::mesh::{Mesh, MeshBuilder};
 
@@ -24,6 +24,8 @@ pub struct MeshFile {
     pub mesh: Mesh,
     /// Sentences such as `C3D8R is read as hex8 and integrated fully`.
     pub notes: Vec<String>,
+    /// The files that it was read from: itself, and what it includes.
+    pub files: Vec<PathBuf>,
 }
 
 /// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input) or of VTK (unstructured grid in XML,
@@ -158,7 +160,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
         notes.push(format!("node group \"{name}\" has no node of a cell"));
     }
     notes.extend(note_on_coincident_nodes(&mesh));
-    Ok(MeshFile { mesh, notes })
+    Ok(MeshFile { mesh, notes, files: vec![file()] })
 }
 
 /// No cell may be there twice or be inverted.

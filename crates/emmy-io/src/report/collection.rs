@@ -8,7 +8,6 @@ use roxmltree::Document;
 
 use super::ReportError;
 use crate::directory::COLLECTION_MARK;
-use crate::history::History;
 use crate::mesh::{MeshError, vtu};
 use crate::vtk::SeriesReader;
 
@@ -23,9 +22,24 @@ pub(super) enum Frames {
 
 impl Frames {
     /// The frames in a directory with the name of their file: a collection before a series.
-    pub(super) fn find(directory: &Path, history: &History) -> Option<(String, Frames)> {
+    pub(super) fn find(directory: &Path) -> Option<(String, Frames)> {
         let files = collection(directory).map(|(name, listed)| (name, Frames::Files(listed)));
-        files.or_else(|| series(directory, history))
+        files.or_else(|| series(directory))
+    }
+
+    /// Times of frames that do not know their steps.
+    pub(super) fn times(&self) -> &[f64] {
+        match self {
+            Frames::Files(_) => &[],
+            Frames::Series(series, _) => series.times(),
+        }
+    }
+
+    /// Gives them their steps.
+    pub(super) fn number(&mut self, numbers: &[u32]) {
+        if let Frames::Series(_, steps) = self {
+            *steps = numbers.to_vec();
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -85,17 +99,12 @@ fn refused(series: &SeriesReader, error: std::io::Error) -> ReportError {
 }
 
 /// The series of a directory, if there is one that Emmy wrote.
-fn series(directory: &Path, history: &History) -> Option<(String, Frames)> {
+fn series(directory: &Path) -> Option<(String, Frames)> {
     let path = in_order(directory, "vtkhdf").into_iter().next()?;
     let series =
         SeriesReader::open(&path).ok().filter(|series| series.fields().contains(&FieldName::Displacement))?;
     // The file knows times only; those of the history are the same numbers.
-    let (step, time) = (history.column("step")?, history.column("time")?);
-    let of_time = |own: &f64| {
-        let row = time.partition_point(|time| time < own);
-        step.get(row).or(step.last()).map_or(0, |step| *step as u32)
-    };
-    let steps = series.times().iter().map(of_time).collect();
+    let steps = vec![0; series.times().len()];
     Some((path.file_name()?.to_string_lossy().into_owned(), Frames::Series(series, steps)))
 }
 

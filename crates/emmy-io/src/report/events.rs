@@ -1,9 +1,35 @@
 //! `events.csv`: what happened beside the plan, `step,time,event,message`.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
 use serde_json::{Value, json};
 
+/// Events that a page has at most.
+const MAX_EVENTS: usize = 1000;
+
+/// Bytes that are read to find them.
+const MAX_BYTES: u64 = 1_000_000;
+
+/// The first events of a file, and how many more there are, about.
+pub(super) fn read(path: &Path) -> (Vec<Value>, usize) {
+    let mut bytes = Vec::new();
+    let whole = File::open(path).and_then(|file| {
+        let length = file.metadata()?.len();
+        file.take(MAX_BYTES).read_to_end(&mut bytes)?;
+        Ok(length)
+    });
+    let mut events = events(&String::from_utf8_lossy(&bytes));
+    let per_byte = events.len() as f64 / bytes.len().max(1) as f64;
+    let all = (per_byte * whole.unwrap_or_default() as f64).round() as usize;
+    events.truncate(MAX_EVENTS);
+    let more = all.saturating_sub(events.len());
+    (events, more)
+}
+
 /// Events of the file's text; rows that are damaged or still being written are left out.
-pub(super) fn events(text: &str) -> Vec<Value> {
+fn events(text: &str) -> Vec<Value> {
     let mut records = records(text).into_iter();
     let head = records.next().unwrap_or_default();
     let column = |name: &str| head.iter().position(|column| column == name);

@@ -12,26 +12,83 @@ pub(super) fn loads(input: &Table) -> Vec<Value> {
     };
     let loads = entries("load").filter(|load| !load.contains_key("attraction")).map(load);
     let is_driven = |support: &&Table| support.contains_key("move") || support.contains_key("rotate");
-    loads.chain(entries("support").filter(is_driven).map(driven_support)).collect()
+    let mut loads: Vec<Load> =
+        loads.chain(entries("support").filter(is_driven).map(driven_support)).collect();
+    if loads.len() > MAX_LOADS {
+        loads = together(loads);
+    }
+    loads
+        .into_iter()
+        .map(|Load { label, intervals }| json!({ "label": label, "intervals": intervals }))
+        .collect()
 }
 
-fn driven_support(support: &Table) -> Value {
+/// Loads that a page tells apart at most.
+const MAX_LOADS: usize = 200;
+
+/// Intervals of a load at most; of more, some that follow each other become one.
+const MAX_INTERVALS: usize = 500;
+
+type Interval = [Option<f64>; 2];
+
+/// What does work on the body; without intervals throughout.
+struct Load {
+    label: String,
+    intervals: Option<Vec<Interval>>,
+}
+
+/// Those that act throughout as one, and the others as one.
+fn together(loads: Vec<Load>) -> Vec<Load> {
+    let (timed, always): (Vec<Load>, Vec<Load>) =
+        loads.into_iter().partition(|load| load.intervals.is_some());
+    let (n_timed, n_always) = (timed.len(), always.len());
+    let all = joined(timed.into_iter().filter_map(|load| load.intervals).flatten().collect());
+    let timed = (n_timed > 0).then(|| Load { label: counted(n_timed), intervals: Some(all) });
+    let always = (n_always > 0).then(|| Load { label: counted(n_always), intervals: None });
+    timed.into_iter().chain(always).collect()
+}
+
+fn counted(n: usize) -> String {
+    if n == 1 { "1 load".to_string() } else { format!("{n} loads") }
+}
+
+/// Intervals in their order, those that overlap as one, and not too many.
+fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {
+    let end = |interval: &Interval| interval[1].unwrap_or(f64::INFINITY);
+    let start = |interval: &Interval| interval[0].unwrap_or(f64::NEG_INFINITY);
+    intervals.sort_by(|a, b| start(a).total_cmp(&start(b)));
+    let mut joined: Vec<Interval> = Vec::new();
+    for own in intervals {
+        match joined.last_mut() {
+            Some(last) if start(&own) <= end(last) => {
+                if end(&own) > end(last) {
+                    last[1] = own[1];
+                }
+            }
+            _ => joined.push(own),
+        }
+    }
+    let length = joined.len().div_ceil(MAX_INTERVALS).max(1);
+    joined.chunks(length).map(|some| [some[0][0], some[some.len() - 1][1]]).collect()
+}
+
+fn driven_support(support: &Table) -> Load {
     let group = support.get("group").and_then(toml::Value::as_str).unwrap_or_default();
     let until = support.get("until").and_then(number);
-    json!({ "label": format!("driven {group}"), "intervals": until.map(|until| [[0.0, until]]) })
+    Load { label: format!("driven {group}"), intervals: until.map(|until| vec![[Some(0.0), Some(until)]]) }
 }
 
 fn number(value: &toml::Value) -> Option<f64> {
     value.as_float().or(value.as_integer().map(|whole| whole as f64))
 }
 
-fn load(load: &Table) -> Value {
+fn load(load: &Table) -> Load {
     let kind = load.keys().find(|key| !matches!(key.as_str(), "group" | "history"));
     let kind = kind.map_or("load", String::as_str).replace('_', " ");
     let group = load.get("group").and_then(toml::Value::as_str);
     let label = group.map_or(kind.clone(), |group| format!("{kind} on {group}"));
     let table = load.get("history").and_then(toml::Value::as_array).map(|points| table(points));
-    json!({ "label": label, "intervals": table.and_then(|points| intervals(&points)) })
+    Load { label, intervals: table.and_then(|points| intervals(&points)).map(joined) }
 }
 
 /// Times and factors of a history; what is none of them is left out, for the input has been checked.
@@ -44,8 +101,8 @@ fn table(points: &[toml::Value]) -> Vec<[f64; 2]> {
 }
 
 /// Intervals in which a table is not zero, joined; `None` if it is zero nowhere.
-fn intervals(points: &[[f64; 2]]) -> Option<Vec<[Option<f64>; 2]>> {
-    let mut intervals: Vec<[Option<f64>; 2]> = Vec::new();
+fn intervals(points: &[[f64; 2]]) -> Option<Vec<Interval>> {
+    let mut intervals: Vec<Interval> = Vec::new();
     let [first, last] = [points.first()?, points.last()?];
     if points.iter().all(|[_, factor]| *factor != 0.0) {
         return None;
@@ -112,5 +169,24 @@ mod tests {
                 json!({ "label": "driven y-min", "intervals": [[0.0, 1.0]] }),
             ]
         );
+    }
+
+    #[test]
+    fn very_many_loads_and_intervals_become_few() {
+        let load = |i: usize| {
+            format!(
+                "[[load]]\ngroup = \"g{i}\"\nforce = [1, 0, 0]\nhistory = [[{i}, 0], [{i}.5, 1], [{i}.75, 0]]\n"
+            )
+        };
+        let pulses: String = (0..10_000).map(load).collect();
+        let input: Table = format!("{pulses}[[load]]\nacceleration = [0, 0, -9.81]\n").parse().unwrap();
+        let found = loads(&input);
+        assert_eq!(
+            (found.len(), &found[0]["label"], &found[1]["label"]),
+            (2, &json!("10000 loads"), &json!("1 load"))
+        );
+        // 20 pulses each.
+        let intervals = found[0]["intervals"].as_array().unwrap();
+        assert_eq!((intervals.len(), &intervals[1]), (500, &json!([20.0, 39.75])));
     }
 }

@@ -6,6 +6,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | `run` | gathers a directory: small things as JSON, numbers as packed arrays |
+//! | `history` | histories, and what is kept of them |
 //! | `thinning` | chooses rows of a long history, so that every peak stays |
 //! | `loads` | when loads act |
 //! | `events` | `events.csv` |
@@ -20,6 +21,7 @@ mod coarse;
 mod collection;
 mod events;
 mod frames;
+mod history;
 mod loads;
 mod pack;
 mod page;
@@ -124,8 +126,9 @@ fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
 }
 
 /// The way from a directory to another one as a link, with a slash behind; an absolute one where there is no other.
-fn relative(from: &Path, to: &Path) -> String {
-    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+pub(crate) fn relative(from: &Path, to: &Path) -> String {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| absolute(path));
     let (from, to) = (whole(from), whole(to));
     let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (from.components().collect(), to.components().collect());

@@ -1,29 +1,46 @@
-//! Which rows of a long history are kept.
+//! Which rows of a long history are kept: chosen while it is read, so that no more of them than those are in memory.
 
-/// Rows that are kept, ascending: all of them up to `limit`; else of each of some stretches the first one and those with the
+use std::rc::Rc;
+
+/// A row with its index.
+pub(super) type Row = (usize, Rc<Vec<f64>>);
+
+/// Rows that are kept of `n` rows, ascending: all of them up to `limit`; else of each of some stretches the first one and those with the
 /// smallest and the largest number of every column that is asked for, and the last one of all. With the number of stretches.
-pub(super) fn kept_rows(rows: &[Vec<f64>], columns: &[usize], limit: usize) -> (Vec<usize>, usize) {
-    if rows.len() <= limit {
-        return ((0..rows.len()).collect(), rows.len());
-    }
-    let stretches = (limit / (2 * columns.len() + 1)).max(1);
-    let length = rows.len().div_ceil(stretches);
-    let mut kept = Vec::new();
-    for (index, stretch) in rows.chunks(length).enumerate() {
-        let first = index * length;
-        kept.push(first);
-        for &column in columns {
-            // A number that is none is an extreme of its own.
-            let by = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
-            let numbers = || stretch.iter().map(|row| row[column]).enumerate();
-            kept.extend(numbers().min_by(by).map(|(at, _)| first + at));
-            kept.extend(numbers().max_by(by).map(|(at, _)| first + at));
+pub(super) fn kept_rows<E>(
+    rows: impl Iterator<Item = Result<Vec<f64>, E>>,
+    n: usize,
+    columns: &[usize],
+    limit: usize,
+) -> Result<(Vec<Row>, usize), E> {
+    let stretches = if n <= limit { n } else { (limit / (2 * columns.len() + 1)).max(1) };
+    let length = n.div_ceil(stretches.max(1)).max(1);
+    let (mut kept, mut extremes): (Vec<Row>, Vec<[Row; 2]>) = (Vec::new(), Vec::new());
+    let mut last = None;
+    for (index, row) in rows.take(n).enumerate() {
+        let row: Row = (index, Rc::new(row?));
+        if index % length == 0 {
+            kept.extend(extremes.drain(..).flatten());
+            kept.push(row.clone());
+            extremes = vec![[row.clone(), row.clone()]; if length > 1 { columns.len() } else { 0 }];
         }
+        for ([least, most], &column) in extremes.iter_mut().zip(columns) {
+            // A number that is none is an extreme of its own.
+            let by = |other: &Row| row.1[column].total_cmp(&other.1[column]);
+            if by(least).is_lt() {
+                *least = row.clone();
+            }
+            if by(most).is_ge() {
+                *most = row.clone();
+            }
+        }
+        last = Some(row);
     }
-    kept.push(rows.len() - 1);
-    kept.sort_unstable();
-    kept.dedup();
-    (kept, rows.len().div_ceil(length))
+    kept.extend(extremes.into_iter().flatten());
+    kept.extend(last);
+    kept.sort_unstable_by_key(|row| row.0);
+    kept.dedup_by_key(|row| row.0);
+    Ok((kept, n.div_ceil(length)))
 }
 
 #[cfg(test)]
@@ -37,9 +54,20 @@ mod tests {
             .collect()
     }
 
+    fn kept_of(rows: &[Vec<f64>], limit: usize) -> (Vec<usize>, usize) {
+        let all = rows.iter().cloned().map(Ok::<_, ()>);
+        let (kept, stretches) = kept_rows(all, rows.len(), &[1, 2], limit).unwrap();
+        assert!(
+            kept.iter()
+                .all(|(index, row)| row.iter().zip(&rows[*index]).all(|(a, b)| a.to_bits() == b.to_bits()))
+        );
+        (kept.into_iter().map(|(index, _)| index).collect(), stretches)
+    }
+
     #[test]
     fn short_histories_stay_whole() {
-        assert_eq!(kept_rows(&noise(100), &[1, 2], 100).0, (0..100).collect::<Vec<_>>());
+        assert_eq!(kept_of(&noise(100), 100).0, (0..100).collect::<Vec<_>>());
+        assert_eq!(kept_of(&[], 100).0, [0; 0]);
     }
 
     #[test]
@@ -47,7 +75,7 @@ mod tests {
         let mut rows = noise(50_000);
         rows[31_007][2] = f64::NAN;
         rows[47_011][1] = 1e6;
-        let (kept, stretches) = kept_rows(&rows, &[1, 2], 1000);
+        let (kept, stretches) = kept_of(&rows, 1000);
         assert!(kept.len() <= 1001 && kept.len() > 600, "{}", kept.len());
         assert!(kept.is_sorted() && kept[0] == 0 && kept.last() == Some(&49_999));
         assert!(kept.contains(&31_007) && kept.contains(&47_011));

@@ -1,5 +1,6 @@
 //! One `.vtu` for each frame, and the collection of them.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -48,15 +49,20 @@ impl Frames {
         Ok(frames)
     }
 
-    /// Has the collection go on with some of the frames, steps and times, up to a step; the others are removed.
+    /// Resumes the collection with some of the frames, steps and times, up to a step; the others are removed. Returns those that
+    /// are not there.
     ///
     /// # Errors
     /// What the system refuses.
-    pub fn go_on(&mut self, kept: &[(usize, f64)], step: usize) -> io::Result<()> {
-        let is_kept = |number: usize| number <= step && kept.iter().any(|(own, _)| *own == number);
-        self.times = kept.to_vec();
+    pub fn resume(&mut self, kept: &[(usize, f64)], step: usize) -> io::Result<Vec<(usize, f64)>> {
+        let is_there = |(own, _): &(usize, f64)| self.directory.join(self.file(*own)).is_file();
+        let (there, lost): (Vec<_>, Vec<_>) = kept.iter().copied().partition(|frame| is_there(frame));
+        self.times = there;
         self.write_collection()?;
-        remove_frames_where(&self.directory.join("frames"), &self.name, |number| !is_kept(number))
+        let steps: BTreeSet<usize> = self.times.iter().map(|(own, _)| *own).collect();
+        let is_unwanted = |number: usize| number > step || !steps.contains(&number);
+        remove_frames_where(&self.directory.join("frames"), &self.name, is_unwanted)?;
+        Ok(lost)
     }
 
     /// Writes the fields of a step, unless it has been written.

@@ -70,7 +70,7 @@ impl Precision {
     }
 
     /// Bytes of a number.
-    const fn width(self) -> usize {
+    pub(crate) const fn width(self) -> usize {
         match self {
             Precision::Double => 8,
             Precision::Single => 4,
@@ -107,34 +107,29 @@ impl FrameWriter {
         })
     }
 
-    /// Frames of a run that goes on after a step, with some of those that are there: steps and times. A series is written anew from
-    /// the one that is there, as far as that goes.
+    /// Frames of a run that is resumed after a step, with some of those that are there: steps and times. Returned with those that
+    /// should be there and are not.
     ///
     /// # Errors
     /// What the system refuses.
     pub fn resume(
-        form: (Format, Precision),
+        (format, precision): (Format, Precision),
         directory: &Path,
         mesh: &Mesh,
         region_of_cell: &[u32],
         (kept, step): (&[(usize, f64)], usize),
-    ) -> io::Result<Self> {
-        // The new series takes the place of the old one later; until then that is open.
-        let old = directory.join(format!("{}.vtkhdf", name_of(directory)));
-        let old = SeriesReader::open(&old).ok().filter(|_| form.0 == Format::Vtkhdf);
-        let mut frames = FrameWriter::create(form, directory, mesh, region_of_cell)?;
-        if let FrameWriter::Vtu(frames) = &mut frames {
-            frames.go_on(kept, step)?;
+    ) -> io::Result<(Self, Vec<(usize, f64)>)> {
+        match format {
+            Format::Vtu => {
+                let mut frames = Frames::create(directory, precision, mesh, region_of_cell)?;
+                let lost = frames.resume(kept, step)?;
+                Ok((FrameWriter::Vtu(frames), lost))
+            }
+            Format::Vtkhdf => {
+                let (series, lost) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
+                Ok((FrameWriter::Vtkhdf(Box::new(series)), lost))
+            }
         }
-        for (old, &(step, time)) in old.iter().flat_map(|old| kept.iter().map(move |kept| (old, kept))) {
-            // The last time may be off by its rounding: the plan has changed.
-            let is_same = |own: &f64| (own - time).abs() <= 1e-9 * time.abs();
-            let Some(index) = old.times().iter().position(is_same) else { continue };
-            let values = |name| Ok(FieldValues { name, numbers: old.values(name, index)? });
-            let fields: io::Result<Vec<FieldValues>> = old.fields().into_iter().map(values).collect();
-            frames.write(step, time, &fields?)?;
-        }
-        Ok(frames)
     }
 
     /// Writes the fields of a step, unless it has been written.
@@ -202,13 +197,17 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
     }
 }
 
-/// Last part of a path, also of `.` and `..`.
-fn name_of(directory: &Path) -> String {
+/// Last part of a path, also of `.` and `..`. Characters that XML cannot hold become `_`.
+pub(crate) fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
-    whole.file_name().map_or("emmy".into(), |name| name.to_string_lossy().into_owned())
+    let name = whole.file_name().map_or("emmy".into(), |name| name.to_string_lossy().into_owned());
+    let is_possible = |c: char| !c.is_control() || matches!(c, '\t' | '\n' | '\r' | '\u{7f}'..='\u{9f}');
+    name.replace(|c| !is_possible(c) || matches!(c, '\u{fffe}' | '\u{ffff}'), "_")
 }
 
 /// Text as the value of an XML attribute.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let escaped = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    // A reader would make these blanks.
+    escaped.replace('\t', "&#9;").replace('\n', "&#10;").replace('\r', "&#13;")
 }

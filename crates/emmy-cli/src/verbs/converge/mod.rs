@@ -13,6 +13,7 @@ use emmy_io::input::{self, Overrides, Problem};
 
 use super::with_threads;
 use crate::failure::Failure;
+use crate::message::message;
 use crate::print;
 
 /// Arguments of the verb.
@@ -70,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Converges in the thread that it is called in.
 fn converge(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
-    problem.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    problem.notes.iter().for_each(|note| message!("note: {note}"));
     let study = study::read(arguments, &problem)?;
     let times = study.sample_times()?;
     let directory = arguments.directory(&problem);
@@ -89,7 +90,7 @@ fn converge(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     if !arguments.quiet {
         let stem = directory.join("convergence");
-        eprintln!("written: {0}.csv, {0}.svg, {0}.png", stem.display());
+        message!("written: {0}.csv, {0}.svg, {0}.png", stem.display());
     }
     ending(&rows)
 }

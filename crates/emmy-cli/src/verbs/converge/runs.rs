@@ -10,6 +10,7 @@ use emmy_io::input::Problem;
 
 use super::not_written;
 use crate::failure::{Failure, with_causes};
+use crate::message::message;
 use crate::print::number;
 use crate::progress::Progress;
 
@@ -53,7 +54,7 @@ pub fn reference(
     let n_interpolated = study.n_interpolated(times)?;
     let path = key.path(directory);
     if n_interpolated > 0 {
-        eprintln!(
+        message!(
             "note: {n_interpolated} of {} times lie inside a step of the reference and are interpolated (order 4 in its \
              step); a --reference that divides the sizes has them all",
             times.len()
@@ -62,11 +63,11 @@ pub fn reference(
     match kept::find(directory, &key, times, study.tolerance()) {
         Found::Samples(samples) => {
             if !quiet {
-                eprintln!("reference: kept from an earlier study in {}", path.display());
+                message!("reference: kept from an earlier study in {}", path.display());
             }
             return Ok(Reference { samples, is_kept: true, wall_seconds: 0.0, n_interpolated });
         }
-        Found::Unusable(reason) => eprintln!("note: {} {reason}; it is computed anew", path.display()),
+        Found::Unusable(reason) => message!("note: {} {reason}; it is computed anew", path.display()),
         Found::Nothing => {}
     }
     let started = Instant::now();
@@ -101,7 +102,7 @@ pub fn members(problem: &Problem, study: &Study, state: &State, samples: &Sample
 fn report(row: &Row) {
     let size = number(row.step_size);
     match row.error() {
-        Some(error) => eprintln!("h = {size}: error {error:.3e} in {:.2} s", row.wall_seconds),
-        None => eprintln!("h = {size}: no convergence"),
+        Some(error) => message!("h = {size}: error {error:.3e} in {:.2} s", row.wall_seconds),
+        None => message!("h = {size}: no convergence"),
     }
 }

@@ -7,40 +7,46 @@ use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use emmy_io::tally::Worst;
 
-use crate::print::number;
+use crate::message::message;
+use crate::print::{number, vector};
 
 /// Prints how far the run came, its worst balances, and where the files are.
 pub fn report(results: &Results, status: Status, page: Option<&Path>) {
     let tally = results.tally();
     let (steps, time, seconds) = (tally.steps, number(tally.time), results.wall_seconds());
     let iterations = tally.newton_iterations;
-    eprintln!(
+    message!(
         "{}: {steps} steps to t = {time} in {seconds:.2} s, {iterations} Newton iterations",
         status.name()
     );
     if let Some(solver) = tally.solver {
         let (renewals, exact) = (tally.renewals, tally.steps_with_exact_tangent);
-        eprintln!(
+        message!(
             "linear solver: {solver}; stiffness made anew {renewals} times, exact tangent in {exact} steps"
         );
     }
     if tally.steps_at_rounding_floor > 0 {
         let floor = tally.steps_at_rounding_floor;
-        eprintln!("steps that ended at the rounding floor, above the tolerance: {floor}");
+        message!("steps that ended at the rounding floor, above the tolerance: {floor}");
     }
     let part = |worst: Worst, whole: f64| if whole > 0.0 { worst.value / whole } else { 0.0 };
-    eprintln!("worst balance of a step:");
+    message!("worst balance of a step:");
     worst("energy", tally.energy, Some((part(tally.energy, tally.largest_energy), "T + V")));
     worst("linear momentum", tally.linear_momentum, None);
     let angular = part(tally.angular_momentum, tally.largest_angular_momentum);
     worst("angular momentum", tally.angular_momentum, Some((angular, "|L|")));
+    let most = tally.displacement;
+    if most.value > 0.0 {
+        let (value, time, at) = (number(most.value), number(most.time), vector(most.point));
+        message!("largest displacement: {value} at t = {time}, node {} at {at}", most.node);
+    }
     let directory = results.directory();
     let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
     files.extend(results.collection());
     let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    eprintln!("written: {}", files.join(", "));
+    message!("written: {}", files.join(", "));
     if let Some(page) = page {
-        eprintln!("to look at: {}", page.display());
+        message!("to look at: {}", page.display());
     }
 }
 
@@ -49,10 +55,10 @@ pub fn error(body: &Body, error: f64) {
     let part = error / body.radius_of_gyration();
     let part =
         if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
-    eprintln!("estimated error of the positions at the end: {error:.1e} in the mean{part}");
+    message!("estimated error of the positions at the end: {error:.1e} in the mean{part}");
 }
 
 fn worst(name: &str, worst: Worst, relative: Option<(f64, &str)>) {
     let relative = relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
-    eprintln!("  {name:<17}{:.2e} (step {}{relative})", worst.value, worst.step);
+    message!("  {name:<17}{:.2e} (step {}{relative})", worst.value, worst.step);
 }

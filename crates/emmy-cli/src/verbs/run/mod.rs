@@ -14,6 +14,7 @@ use emmy_io::summary::Status;
 
 use super::{Input, with_threads};
 use crate::failure::{Failure, with_causes};
+use crate::message::message;
 use crate::print;
 use crate::progress::Progress;
 use crate::signals::{self, Interrupted, Stop};
@@ -54,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
     check(&problem, &arguments.manner)?;
-    directory::check(&problem.output.directory)?;
+    directory::check_run(&problem)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
     let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
     motion.allow_cuts(problem.smallest_step);
@@ -75,6 +76,7 @@ pub fn march<'a>(
     march: March<'a>,
 ) -> Result<(), Failure> {
     signals::listen()?;
+    results.notes().iter().for_each(|note| message!("note: {note}"));
     let mut progress = Progress::new(&problem.plan, manner.quiet);
     progress.start_at(motion.state());
     let mut json = JsonLines::new(manner.json, problem);
@@ -89,23 +91,24 @@ pub fn march<'a>(
     error.into_iter().for_each(|error| results.note_error(error));
     let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);
-    let summary = results.finish(motion, status, message.as_deref());
-    let (summary, failure) = match (summary, failure) {
+    let ended = results.finish(motion, status, message.as_deref());
+    let unwritten = ended.error.map(|error| format!("the results cannot be written: {error}"));
+    let failure = match (failure, unwritten) {
         // What went wrong first says more.
-        (Err(_), Some(failure)) => return Err(failure),
-        (Err(error), None) => return Err(Failure::Other(format!("the results cannot be written: {error}"))),
-        (Ok(summary), failure) => (summary, failure),
+        (Some(failure), Some(unwritten)) if failure.message() != unwritten => {
+            message!("note: {unwritten}");
+            Some(failure)
+        }
+        (failure, unwritten) => failure.or(unwritten.map(Failure::Other)),
     };
-    if manner.json {
-        print::result(&format!("{summary}\n"))?;
-    }
     // The numbers are safe: a page that cannot be written does not make a run fail.
-    let report = results.report().inspect_err(|error| eprintln!("note: no report was written: {error}")).ok();
+    let report = results.report().inspect_err(|error| message!("note: no report was written: {error}")).ok();
+    let printed = if manner.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
     if !manner.quiet {
-        closing::report(&results, status, report.as_deref());
+        closing::report(&results, ended.status, report.as_deref());
         error.into_iter().for_each(|error| closing::error(&problem.body, error));
     }
-    failure.map_or(Ok(()), Err)
+    failure.map_or(printed, Err)
 }
 
 /// Checks that what is asked for can be done, before anything is written.

@@ -4,6 +4,7 @@ use super::{Mistake, changed, whole};
 
 pub(super) fn all() -> Vec<Mistake> {
     vec![
+        changed("log-interval", "every = 2", "every = 2\nlog_evry = 10"),
         changed("key-misspelt", "density", "densty"),
         changed("key-in-capitals", "density", "Density"),
         changed("key-with-a-hyphen", "max_iterations", "max-iterations"),

@@ -35,6 +35,7 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("tolerance-that-is-none", "tolerance = 1e-10", "tolerance = 2"),
         changed("no-iterations", "max_iterations = 20", "max_iterations = 0"),
         changed("frames-backwards", "every = 2", "every = -1"),
+        changed("log-backwards", "every = 2", "every = 2\nlog_every = -1"),
         changed("no-limit", "energy = 1e-2", "energy = 0"),
         changed("solver-of-another-program", "kind = \"auto\"", "kind = \"pardiso\""),
     ]

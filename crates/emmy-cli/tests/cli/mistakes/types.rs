@@ -32,6 +32,7 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("component-in-quotes", TRACTION, "traction = [0.0, 0.0, \"10.0\"]"),
         changed("vector-in-round-brackets", TRACTION, "traction = (0.0, 0.0, 10.0)"),
         changed("two-rows", "velocity = [0, 0, 0]", "gradient = [[0, 0, 0], [0, 0, 0]]"),
+        changed("switch-for-a-log", "every = 2", "every = 2\nlog_every = false"),
         changed("half-a-degree", "degree = 1", "degree = 1.5"),
         changed("degree-in-quotes", "degree = 1", "degree = \"1\""),
         changed("text-for-a-table", MATERIAL, "material = \"neo-hooke\""),

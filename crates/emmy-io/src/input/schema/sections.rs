@@ -331,6 +331,7 @@ fn output() -> Value {
         )
         .may("fields", fields)
         .may("checkpoint_every", whole(0, "Steps between checkpoints; 0: none"))
+        .may("log_every", whole(0, "Steps between rows of newton.csv and between steps in run.log; 0: none"))
         .may("probes", list(0, probe(), "Nodes whose path goes into the history"))
         .schema()
 }

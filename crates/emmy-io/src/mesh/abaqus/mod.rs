@@ -14,5 +14,6 @@ use deck::Deck;
 
 /// The mesh in the bytes of an input file.
 pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
-    assembled::mesh(file, &Deck::read(file, without_mark(bytes))?)
+    let deck = Deck::read(file, without_mark(bytes))?;
+    Ok(MeshFile { files: deck.files.clone(), ..assembled::mesh(file, &deck)? })
 }

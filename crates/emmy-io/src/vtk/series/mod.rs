@@ -14,6 +14,7 @@
 //! all are compressed side by side. A slash in the name of a group, which HDF5 would take for a path, is written as U+2215.
 
 mod chunks;
+mod journal;
 mod reader;
 mod writer;
 

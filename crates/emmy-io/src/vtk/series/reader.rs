@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
-use emmy::body::fields::{FieldName, Place};
+use emmy::body::fields::{FieldName, FieldValues, Place};
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 
@@ -99,6 +99,14 @@ impl SeriesReader {
             return Ok(numbers.into_iter().map(f64::from).collect());
         }
         dataset.read_slice(start, count).map_err(refused)
+    }
+
+    /// All fields of the frame at a time, if there is one; its time may be off by rounding.
+    pub(super) fn frame_at(&self, time: f64) -> io::Result<Option<Vec<FieldValues>>> {
+        let is_same = |own: &f64| (own - time).abs() <= 1e-9 * time.abs();
+        let Some(frame) = self.times.iter().position(is_same) else { return Ok(None) };
+        let values = |name| Ok(FieldValues { name, numbers: self.values(name, frame)? });
+        self.fields().into_iter().map(values).collect::<io::Result<_>>().map(Some)
     }
 
     /// The mesh with its groups.

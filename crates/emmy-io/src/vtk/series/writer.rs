@@ -11,8 +11,10 @@ use rust_hdf5::types::H5Type;
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group};
 
 use super::chunks::Chunks;
-use super::{CREATOR, groups, refused, without_slash};
+use super::journal::{self, Entries, Journal};
+use super::{CREATOR, SeriesReader, groups, refused, without_slash};
 use crate::directory::PART;
+use crate::rows::with_ending;
 use crate::vtk::array::LEVEL;
 use crate::vtk::marks::marks;
 use crate::vtk::{Place, Precision, cell_type, name_of};
@@ -21,10 +23,12 @@ use crate::vtk::{Place, Precision, cell_type, name_of};
 ///
 /// HDF5 files cannot be read while they change. The one that grows is `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy of it, put in place
 /// by renaming, of the first frame and then whenever the time that copying takes is a twentieth of what has gone by. In the end
-/// the growing file takes its place. So a run that is killed leaves a whole file, without the frames since the last copy.
+/// the growing file takes its place. The frames since the last copy are also in `NAME.vtkhdf.journal`, as plain numbers: a run that is
+/// killed leaves a whole file, and when it is resumed it has every frame.
 pub struct Series {
     path: PathBuf,
     growing: PathBuf,
+    journal: Journal,
     /// Not there once the series has ended.
     file: Option<H5File>,
     precision: Precision,
@@ -81,12 +85,58 @@ impl Series {
     ) -> io::Result<Self> {
         fs::create_dir_all(directory)?;
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
+        let journal = Journal::create(&with_ending(&path, journal::ENDING))?;
+        Series::new(path, journal, precision, mesh, region_of_cell)
+    }
+
+    /// The series of a run that is resumed, with the frames that it had, steps and times; returned with those that are lost. Until
+    /// all are in the new file, the old ones stay as they are.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn resume(
+        directory: &Path,
+        precision: Precision,
+        (mesh, region_of_cell): (&Mesh, &[u32]),
+        kept: &[(usize, f64)],
+    ) -> io::Result<(Self, Vec<(usize, f64)>)> {
+        let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
+        let journal = with_ending(&path, journal::ENDING);
+        let (copy, mut entries) = (SeriesReader::open(&path).ok(), Entries::read(&journal).ok());
+        let journal = Journal::open(&journal)?;
+        let (mut series, mut lost) =
+            (Series::new(path, journal, precision, mesh, region_of_cell)?, Vec::new());
+        for &(step, time) in kept {
+            let mut fields = copy.as_ref().map_or(Ok(None), |copy| copy.frame_at(time))?;
+            if let (None, Some(entries)) = (&fields, &mut entries) {
+                fields = entries.fields(step)?;
+            }
+            match fields {
+                Some(fields) => series.append(step, time, &fields)?,
+                None => lost.push((step, time)),
+            }
+        }
+        drop(copy);
+        if series.n_frames > 0 {
+            series.publish()?;
+        }
+        Ok((series, lost))
+    }
+
+    fn new(
+        path: PathBuf,
+        journal: Journal,
+        precision: Precision,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+    ) -> io::Result<Self> {
         let growing = with_ending(&path, PART);
         let file = H5File::options().best_effort_locking().create(&growing).map_err(refused)?;
         write_static(&file, mesh, region_of_cell).map_err(refused)?;
         Ok(Series {
             path,
             growing,
+            journal,
             file: Some(file),
             precision,
             n_nodes: mesh.n_nodes(),
@@ -107,6 +157,15 @@ impl Series {
         if self.last_step == Some(step) {
             return Ok(());
         }
+        self.append(step, time, fields)?;
+        match self.cost {
+            Some(cost) if self.published.elapsed() < SHARE * cost => self.journal.add(step, time, fields),
+            _ => self.publish(),
+        }
+    }
+
+    /// Writes a frame into the growing file.
+    fn append(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         let names = fields.iter().map(|field| field.name);
         if self.n_frames > 0 && !names.eq(self.fields.iter().map(|field| field.name)) {
             let message = "a series of frames has the same fields in every frame";
@@ -120,10 +179,7 @@ impl Series {
         }
         self.write_step(time).map_err(refused)?;
         (self.n_frames, self.last_step) = (self.n_frames + 1, Some(step));
-        match self.cost {
-            Some(cost) if self.published.elapsed() < SHARE * cost => Ok(()),
-            _ => self.publish(),
-        }
+        Ok(())
     }
 
     /// Ends the series: the growing file is the one to read.
@@ -134,7 +190,8 @@ impl Series {
         let Some(file) = self.file.take() else { return Ok(()) };
         self.fields.clear();
         file.close_no_sync().map_err(refused)?;
-        fs::rename(&self.growing, &self.path)
+        fs::rename(&self.growing, &self.path)?;
+        self.journal.remove()
     }
 
     /// Path of the file to read.
@@ -161,6 +218,7 @@ impl Series {
             field.reopen(&file).map_err(refused)?;
         }
         self.file = Some(file);
+        self.journal.clear()?;
         self.published = Instant::now();
         self.cost = Some(self.published - start);
         Ok(())
@@ -317,11 +375,4 @@ fn steps(file: &H5File) -> rust_hdf5::Result<H5Group> {
 /// A text of fixed length, as VTK's reader wants it.
 fn text(text: &str) -> DatatypeMessage {
     DatatypeMessage::fixed_string(text.len() as u32)
-}
-
-/// A path with something added to the name of the file.
-fn with_ending(path: &Path, ending: &str) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(ending);
-    path.with_file_name(name)
 }

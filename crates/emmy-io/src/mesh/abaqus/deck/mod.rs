@@ -21,7 +21,7 @@ pub(super) struct Deck {
     pub(super) parts: Vec<(String, Body)>,
     pub(super) instances: Vec<Instance>,
     pub(super) notes: BTreeSet<String>,
-    files: Vec<PathBuf>,
+    pub(super) files: Vec<PathBuf>,
     depth: usize,
     /// Nodes, elements and set members that the instances copied of their parts.
     copied: usize,

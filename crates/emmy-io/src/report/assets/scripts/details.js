@@ -55,7 +55,7 @@ function inputText(run, title) {
 function eventTable(run) {
   const row = (event) => element("tr", {}, ...[event.step, number(event.time), event.event, event.message].map((cell) => element("td", {}, String(cell))));
   const shown = run.events.slice(0, 200);
-  const rest = run.events.length - shown.length;
+  const rest = run.events.length - shown.length + run.more_events;
   return element("section", { class: "card" }, element("h2", {}, "Events"), element("table", { class: "events" },
     element("thead", {}, element("tr", {}, ...["step", "t", "event", ""].map((head) => element("th", { scope: "col" }, head)))),
     element("tbody", {}, ...shown.map(row))), rest > 0 ? element("p", { class: "note" }, `and ${rest} more in events.csv`) : null);

@@ -1,14 +1,15 @@
 //! `history.csv`: one row for the start and one a step; written, and read back.
 
+mod file;
+
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Record, View};
 
-use crate::directory::replace;
 use crate::input::{Probe, Problem};
-use crate::rows::RowFile;
+pub use file::HistoryFile;
 
 /// Columns that every history has.
 pub const COLUMNS: [&str; 18] = [
@@ -125,69 +126,6 @@ fn own_columns(record: &Record, wall_seconds: f64) -> Vec<Number> {
     row
 }
 
-/// The file; every row is on disk once it is written.
-#[derive(Debug)]
-pub struct HistoryFile {
-    rows: RowFile,
-}
-
-impl HistoryFile {
-    /// A new file with its header.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn create(path: &Path, extent: &Extent) -> io::Result<Self> {
-        Ok(HistoryFile { rows: RowFile::create(path, &columns(extent).join(","))? })
-    }
-
-    /// The history of a run that goes on after a step; later rows are taken out. The time of the step's own row becomes that of its
-    /// state, which differs by rounding where the plan had ended there.
-    ///
-    /// # Errors
-    /// [`HistoryError`] if the file is damaged, has other columns, or ends before the step.
-    pub fn resume(path: &Path, extent: &Extent, step: usize, time: f64) -> Result<Self, HistoryError> {
-        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
-        let history = History::read(path)?;
-        if history.columns != columns(extent) {
-            return Err(HistoryError::Columns { path: path.to_path_buf() });
-        }
-        let times = history.column("time").unwrap_or_default();
-        let Some(&written) = times.get(step) else {
-            return Err(HistoryError::Short { path: path.to_path_buf(), step });
-        };
-        if written != time {
-            let text = std::fs::read_to_string(path).map_err(system)?;
-            let row = |(i, line): (usize, &str)| match line.split(',').nth(1) {
-                Some(old) if i == step + 1 => line.replacen(old, &format!("{time:.16e}"), 1),
-                _ => line.to_string(),
-            };
-            let rows: String = text.split_inclusive('\n').enumerate().map(row).collect();
-            replace(path, rows.as_bytes()).map_err(system)?;
-        }
-        Ok(HistoryFile { rows: RowFile::resume(path, step).map_err(system)? })
-    }
-
-    /// Has the system put all rows on the disk itself.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn sync(&self) -> io::Result<()> {
-        self.rows.sync()
-    }
-
-    /// Writes a row with 17 significant digits, which is what it takes to read back the same numbers.
-    ///
-    /// # Errors
-    /// What the system refuses.
-    pub fn write(&mut self, row: &[Number]) -> io::Result<()> {
-        let text = |number: &Number| match number {
-            Number::Whole(value) => value.to_string(),
-            Number::Real(value) => format!("{value:.16e}"),
-        };
-        self.rows.write(&row.iter().map(text).collect::<Vec<_>>().join(","))
-    }
-}
-
 /// Why a history cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum HistoryError {
@@ -226,6 +164,15 @@ pub enum HistoryError {
         /// Step of the checkpoint.
         step: usize,
     },
+    /// Its rows are not those that the run wrote.
+    #[error(
+        "{path} was changed after the run wrote it: its rows do not have the checksum of the checkpoint; bring back the file as it was, \
+         or start again with `emmy run`"
+    )]
+    Changed {
+        /// The path.
+        path: PathBuf,
+    },
     /// A row is damaged.
     #[error("{path}:{line}: {reason}")]
     Row {
@@ -251,22 +198,8 @@ impl History {
     /// # Errors
     /// [`HistoryError`] with the line.
     pub fn read(path: &Path) -> Result<Self, HistoryError> {
-        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
-        let mut lines = WholeLines { reader: BufReader::new(File::open(path).map_err(system)?) };
-        let head = lines.next().transpose().map_err(system)?.unwrap_or_default();
-        let columns: Vec<String> = head.split(',').map(str::to_string).collect();
-        if let Some(column) = COLUMNS.into_iter().find(|name| !columns.iter().any(|column| column == name)) {
-            return Err(HistoryError::Column { path: path.to_path_buf(), column });
-        }
-        let row = |(i, line): (usize, io::Result<String>)| {
-            numbers(&line.map_err(system)?, columns.len()).map_err(|reason| HistoryError::Row {
-                path: path.to_path_buf(),
-                line: i + 2,
-                reason,
-            })
-        };
-        let rows = lines.enumerate().map(row).collect::<Result<_, _>>()?;
-        Ok(History { columns, rows })
+        let rows = Rows::open(path)?;
+        Ok(History { columns: rows.columns.clone(), rows: rows.collect::<Result<_, _>>()? })
     }
 
     /// A column by its name.
@@ -291,22 +224,60 @@ impl History {
     }
 }
 
-/// Lines of a file, without the last one if it has no end.
-struct WholeLines {
+/// The rows of a history, read one by one.
+#[derive(Debug)]
+pub struct Rows {
+    path: PathBuf,
     reader: BufReader<File>,
+    columns: Vec<String>,
+    /// Lines that were read.
+    n_lines: usize,
 }
 
-impl Iterator for WholeLines {
-    type Item = io::Result<String>;
+impl Rows {
+    /// Opens a history.
+    ///
+    /// # Errors
+    /// [`HistoryError`] if it cannot be read, or is another file.
+    pub fn open(path: &Path) -> Result<Self, HistoryError> {
+        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
+        let reader = BufReader::new(File::open(path).map_err(system)?);
+        let mut rows = Rows { path: path.to_path_buf(), reader, columns: Vec::new(), n_lines: 0 };
+        let head = rows.line().map_err(system)?.unwrap_or_default();
+        rows.columns = head.split(',').map(str::to_string).collect();
+        match COLUMNS.into_iter().find(|name| !rows.columns.iter().any(|column| column == name)) {
+            Some(column) => Err(HistoryError::Column { path: path.to_path_buf(), column }),
+            None => Ok(rows),
+        }
+    }
+
+    /// Names of the columns.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// The next line, if it has its end: the last one may still be being written.
+    fn line(&mut self) -> io::Result<Option<String>> {
+        let mut line = String::new();
+        self.reader.read_line(&mut line)?;
+        self.n_lines += 1;
+        let Some(whole) = line.strip_suffix('\n') else { return Ok(None) };
+        let length = whole.trim_end_matches('\r').len();
+        line.truncate(length);
+        Ok(Some(line))
+    }
+}
+
+impl Iterator for Rows {
+    type Item = Result<Vec<f64>, HistoryError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut line = String::new();
-        if let Err(error) = self.reader.read_line(&mut line) {
-            return Some(Err(error));
-        }
-        let end = line.strip_suffix('\n')?.trim_end_matches('\r').len();
-        line.truncate(end);
-        Some(Ok(line))
+        let line = match self.line() {
+            Ok(line) => line?,
+            Err(error) => return Some(Err(HistoryError::System { path: self.path.clone(), error })),
+        };
+        let row = |reason| HistoryError::Row { path: self.path.clone(), line: self.n_lines, reason };
+        Some(numbers(&line, self.columns.len()).map_err(row))
     }
 }
 

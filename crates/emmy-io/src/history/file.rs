@@ -1,0 +1,171 @@
+//! The file as it grows, with a checksum of its rows.
+
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::Path;
+
+use crc32fast::Hasher;
+
+use super::{Extent, HistoryError, Number, columns};
+use crate::directory::{PART, named};
+use crate::rows::{RowFile, step_of, with_ending};
+
+/// The file; every row is on disk once it is written.
+#[derive(Debug)]
+pub struct HistoryFile {
+    rows: RowFile,
+    sum: RowSum,
+}
+
+/// Checksum of rows, without the time of the last one: a run that is resumed with another plan may change its rounding.
+#[derive(Debug, Default)]
+struct RowSum {
+    before: Hasher,
+    last: Vec<u8>,
+}
+
+impl RowSum {
+    fn add(&mut self, row: &[u8]) {
+        self.before.update(&self.last);
+        self.last.clear();
+        self.last.extend(row);
+    }
+
+    fn value(&self) -> u32 {
+        let mut sum = self.before.clone();
+        let cells = self.last.split(|&byte| byte == b',').enumerate().filter(|(i, _)| *i != 1);
+        cells.for_each(|(_, cell)| [cell, b","].iter().for_each(|part| sum.update(part)));
+        sum.finalize()
+    }
+}
+
+impl HistoryFile {
+    /// A new file with its header.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn create(path: &Path, extent: &Extent) -> io::Result<Self> {
+        let rows = RowFile::create(path, &columns(extent).join(","))?;
+        Ok(HistoryFile { rows, sum: RowSum::default() })
+    }
+
+    /// The history of a run that is resumed after a step; later rows are cut off. `sum`: checksum of the others. The time of the
+    /// step's own row becomes the time of its state, which differs by rounding where the plan had ended there.
+    ///
+    /// # Errors
+    /// [`HistoryError`] if the file is damaged, has other columns or other rows, or ends before the step.
+    pub fn resume(
+        path: &Path,
+        extent: &Extent,
+        step: usize,
+        time: f64,
+        sum: u32,
+    ) -> Result<Self, HistoryError> {
+        let system = |error| HistoryError::System { path: path.to_path_buf(), error };
+        let mut reader = BufReader::new(File::open(path).map_err(system)?);
+        let mut line = Vec::new();
+        let mut length = reader.read_until(b'\n', &mut line).map_err(system)?;
+        if line.trim_ascii_end() != columns(extent).join(",").as_bytes() {
+            return Err(HistoryError::Columns { path: path.to_path_buf() });
+        }
+        let (mut own, mut last) = (RowSum::default(), None);
+        loop {
+            line.clear();
+            reader.read_until(b'\n', &mut line).map_err(system)?;
+            match step_of(&line) {
+                Some(number) if number <= step => last = Some(number),
+                _ => break,
+            }
+            length += line.len();
+            own.add(&line);
+        }
+        if last != Some(step) {
+            return Err(HistoryError::Short { path: path.to_path_buf(), step });
+        }
+        if own.value() != sum {
+            return Err(HistoryError::Changed { path: path.to_path_buf() });
+        }
+        let row = with_time(&own.last, time);
+        if row != own.last {
+            let before = (length - own.last.len()) as u64;
+            length = before as usize + row.len();
+            replace_end(path, before, &row).map_err(system)?;
+            own.last = row;
+        }
+        let rows = RowFile::resume_at(path, length as u64).map_err(system)?;
+        Ok(HistoryFile { rows, sum: own })
+    }
+
+    /// Checksum of the rows so far.
+    pub fn sum(&self) -> u32 {
+        self.sum.value()
+    }
+
+    /// Checks that the file is still there, with all its rows. Reads it.
+    ///
+    /// # Errors
+    /// An error that says what is wrong.
+    pub fn verify(&self) -> io::Result<()> {
+        self.rows.verify()?;
+        let path = self.rows.path();
+        let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(named(path))?);
+        let (mut found, mut line, mut is_row) = (RowSum::default(), Vec::new(), false);
+        while reader.read_until(b'\n', &mut line).map_err(named(path))? > 0 {
+            if is_row {
+                found.add(&line);
+            }
+            is_row = true;
+            line.clear();
+        }
+        if found.value() == self.sum.value() {
+            return Ok(());
+        }
+        Err(named(path)(io::Error::other(
+            "it was changed during the run: its rows are not those that were written",
+        )))
+    }
+
+    /// Has the system put all rows on the disk itself.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn sync(&self) -> io::Result<()> {
+        self.rows.sync()
+    }
+
+    /// Writes a row with 17 significant digits, which is what it takes to read back the same numbers.
+    ///
+    /// # Errors
+    /// What the system refuses.
+    pub fn write(&mut self, row: &[Number]) -> io::Result<()> {
+        let text = |number: &Number| match number {
+            Number::Whole(value) => value.to_string(),
+            Number::Real(value) => real(*value),
+        };
+        let row = row.iter().map(text).collect::<Vec<_>>().join(",");
+        self.rows.write(&row)?;
+        self.sum.add(format!("{row}\n").as_bytes());
+        Ok(())
+    }
+}
+
+fn real(value: f64) -> String {
+    format!("{value:.16e}")
+}
+
+/// A row with another time.
+fn with_time(row: &[u8], time: f64) -> Vec<u8> {
+    let time = real(time).into_bytes();
+    let cells = row.split(|&byte| byte == b',').enumerate();
+    cells.map(|(i, cell)| if i == 1 { &time[..] } else { cell }).collect::<Vec<_>>().join(&b',')
+}
+
+/// Replaces all after a place in a file, so that at every moment either the old or the new file is there, whole.
+fn replace_end(path: &Path, place: u64, end: &[u8]) -> io::Result<()> {
+    let part = with_ending(path, PART);
+    let mut new = File::create(&part).map_err(named(&part))?;
+    io::copy(&mut File::open(path)?.take(place), &mut new)
+        .and_then(|_| new.write_all(end))
+        .map_err(named(&part))?;
+    fs::rename(&part, path)
+}

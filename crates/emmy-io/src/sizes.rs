@@ -1,0 +1,68 @@
+//! How large the files of a run become, about, before it runs.
+
+use emmy::body::fields::{Fields, Place};
+
+use crate::history::{Extent, columns};
+use crate::input::Problem;
+use crate::vtk::Format;
+
+/// Bytes of a number with 17 digits and its comma in `history.csv`: a sign now and then, an exponent of one or two digits.
+const NUMBER: f64 = 22.5;
+
+/// Bytes of a count and its comma.
+const COUNT: f64 = 5.0;
+
+/// Columns that are counts: `step`, `newton_iterations`.
+const COUNTS: usize = 2;
+
+/// Bytes of a step in `newton.csv`, with six evaluations of the residual, and in `run.log`.
+const LOGGED_STEP: f64 = 6.0 * 33.0 + 117.0;
+
+/// Bytes of the files of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// A row of `history.csv`.
+    pub row: f64,
+    /// A step in `newton.csv` and `run.log`, on the average over those that are not written.
+    pub logged_step: f64,
+    /// A frame, at most: before compression.
+    pub frame: f64,
+    /// A checkpoint.
+    pub checkpoint: f64,
+}
+
+impl Sizes {
+    /// Those of a problem.
+    pub fn of(problem: &Problem) -> Self {
+        let output = &problem.output;
+        let n_columns = columns(&Extent::of(problem)).len();
+        let n_dofs = problem.body.n_dofs() as f64;
+        Sizes {
+            row: (n_columns - COUNTS) as f64 * NUMBER + COUNTS as f64 * COUNT,
+            logged_step: if output.log_every == 0 { 0.0 } else { LOGGED_STEP / output.log_every as f64 },
+            frame: frame(problem),
+            // The state, and what a stepper of degree k remembers.
+            checkpoint: 8.0 * (5 + problem.degree) as f64 * n_dofs + problem.resolved.len() as f64,
+        }
+    }
+}
+
+/// Bytes of a frame before compression: its fields; with a file each also points, cells and groups, and as text of 64 characters.
+fn frame(problem: &Problem) -> f64 {
+    let (mesh, output) = (problem.body.mesh(), &problem.output);
+    let there = Fields::new(&problem.body);
+    let fields = output.fields.iter().filter(|name| there.has(**name)).map(|name| {
+        let n = if name.place() == Place::Nodes { mesh.n_nodes() } else { mesh.n_cells() };
+        (n * name.components().len() * output.precision.width()) as f64
+    });
+    let fields: f64 = fields.sum();
+    if output.format == Format::Vtkhdf {
+        return fields;
+    }
+    let corners: usize = mesh.cells().map(|cell| cell.nodes.len()).sum();
+    let groups = mesh.groups();
+    let marks =
+        groups.nodes.len() * mesh.n_nodes() + (groups.cells.len() + groups.facets.len()) * mesh.n_cells();
+    let same = 24 * mesh.n_nodes() + 13 * mesh.n_cells() + 8 * corners + marks;
+    4.0 / 3.0 * (fields + same as f64)
+}
