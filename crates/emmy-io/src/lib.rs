@@ -21,6 +21,7 @@
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`tally`] | balances over a whole run |
 //! | [`limits`] | `[limits]` |
+//! | [`message`] | texts as a terminal may have them |
 
 pub mod chart;
 pub mod checkpoint;
@@ -29,12 +30,14 @@ pub mod convergence;
 pub mod directory;
 pub mod drawing;
 pub mod events;
+mod file;
 pub mod history;
 pub mod input;
 pub mod limits;
 pub mod lock;
 pub mod log;
 pub mod mesh;
+pub mod message;
 pub mod newton;
 mod picture;
 pub mod report;

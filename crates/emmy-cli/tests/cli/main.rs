@@ -6,6 +6,7 @@ mod bad_material;
 mod compare;
 mod converge;
 mod examples;
+mod hostile;
 mod links;
 mod messages;
 mod mistakes;

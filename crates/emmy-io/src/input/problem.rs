@@ -14,9 +14,10 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    adaptive, complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape,
-    support, time, write,
+    adaptive, complete, derived, groups, history, initial, keys, load, nodal, probes, region, set, settings,
+    shape, support, time, write,
 };
+use crate::message::shown;
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,12 +90,15 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     for flag in &overrides.set {
         set::apply(&mut tree, flag)?;
     }
+    let note = complete::clean_title(&mut tree);
     complete::fill_defaults(&mut tree)?;
     complete::fill_directory(&mut tree, path, overrides.output.as_deref());
     let directory = path.parent().unwrap_or(Path::new(""));
     let parts = Parts::read(&tree, directory, overrides)?;
     complete::resolve(&mut tree, parts.shape.absolute_file(), &parts.time.plan)?;
-    parts.problem(write::toml(&tree))
+    let mut problem = parts.problem(write::toml(&tree))?;
+    problem.notes.extend(note);
+    Ok(problem)
 }
 
 /// What is read from the tree, before the mesh is made.
@@ -178,6 +182,8 @@ impl Parts {
         support::check_together(&mesh, &self.supports, &self.time)?;
         self.nodal.check_damping(&self.regions, &self.time)?;
         probes::find(&mesh, &mut self.output.probes, &mut notes);
+        let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
+        let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
         let drag = self.nodal.drag();
@@ -187,13 +193,18 @@ impl Parts {
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;
+        let initial = values(self.initial);
+        places.check(&body, &loads, &initial, self.time.plan.start())?;
+        if !is_moved && nodal.attractions.is_empty() {
+            notes.push(derived::NOTHING_MOVES.to_string());
+        }
         Ok(Problem {
             title: self.title,
             body,
             supports,
             nodal,
             loads,
-            initial: values(self.initial),
+            initial,
             scheme: self.time.scheme,
             degree: self.time.degree,
             plan: self.time.plan,
@@ -201,7 +212,7 @@ impl Parts {
             newton: self.newton,
             output: self.output,
             limits: self.limits,
-            notes,
+            notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
             resolved,
         })
     }

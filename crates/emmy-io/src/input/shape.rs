@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::fault::{Fault, Place};
-use super::keys;
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
+use super::{derived, keys};
+use crate::message;
 
 /// Where the mesh comes from.
 #[derive(Debug)]
@@ -34,6 +35,7 @@ struct Network {
     links: Vec<[u32; 2]>,
     groups: Vec<(String, Vec<u32>)>,
     link_groups: Vec<(String, Vec<u32>)>,
+    notes: Vec<String>,
 }
 
 impl Network {
@@ -52,12 +54,14 @@ impl Network {
             }
             None => Ok(Vec::new()),
         };
-        Ok(Network {
-            groups: groups("groups", "points", points.len())?,
-            link_groups: groups("link_groups", "links", links.len())?,
-            points,
-            links,
-        })
+        let groups_of_links = groups("link_groups", "links", links.len())?;
+        let groups = groups("groups", "points", points.len())?;
+        let names = groups.iter().chain(&groups_of_links).map(|(name, _)| name);
+        let notes = names.filter_map(|name| message::note_on_name(name)).collect();
+        let read = |groups: Vec<(String, Vec<u32>)>| {
+            groups.into_iter().map(|(name, members)| (message::name(&name).into_owned(), members)).collect()
+        };
+        Ok(Network { groups: read(groups), link_groups: read(groups_of_links), points, links, notes })
     }
 
     fn mesh(&self) -> emmy::Result<Mesh> {
@@ -187,7 +191,7 @@ impl Shape {
             Source::Rectangle { size, cells } => {
                 (emmy::mesh::rectangle(*size, *cells).map_err(|e| at(&e))?, Vec::new())
             }
-            Source::Network(network) => (network.mesh().map_err(|e| at(&e))?, Vec::new()),
+            Source::Network(network) => (network.mesh().map_err(|e| at(&e))?, network.notes.clone()),
             Source::File(path) => {
                 let file = crate::mesh::read_with_links(path, links);
                 let file = file.map_err(|error| match neighbour(path) {
@@ -198,6 +202,7 @@ impl Shape {
             }
         };
         let mesh = mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
+        derived::check_extent(&mesh, &self.place)?;
         Ok((mesh, notes))
     }
 

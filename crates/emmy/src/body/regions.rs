@@ -122,8 +122,11 @@ impl RegionOfCell {
         self.0
     }
 
-    fn cells(&self, region: usize) -> impl Iterator<Item = u32> + '_ {
-        (0..self.0.len() as u32).filter(move |&cell| self.0[cell as usize] == region as u32)
+    /// Cells of each region, ascending.
+    fn cells_by_region(&self, n_regions: usize) -> Vec<Vec<u32>> {
+        let mut cells = vec![Vec::new(); n_regions];
+        self.0.iter().zip(0..).for_each(|(&region, cell)| cells[region as usize].push(cell));
+        cells
     }
 }
 
@@ -142,10 +145,10 @@ impl Region {
 /// One term for each region and kind of cell.
 pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Result<Vec<Box<dyn Term>>> {
     let mut terms = Vec::new();
-    for (index, region) in regions.iter().enumerate() {
+    for (region, of_region) in regions.iter().zip(of_cell.cells_by_region(regions.len())) {
         for kind in CellKind::ALL {
-            let cells: Vec<u32> =
-                of_cell.cells(index).filter(|&cell| mesh.cell(cell as usize).kind == kind).collect();
+            let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind;
+            let cells: Vec<u32> = of_region.iter().copied().filter(is_of_kind).collect();
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
@@ -204,11 +207,8 @@ pub(super) fn lumped_mass(mesh: &Mesh, density_of_cell: &[f64]) -> Vec<f64> {
 }
 
 pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Vec<RegionSummary> {
-    regions
-        .iter()
-        .enumerate()
-        .map(|(index, region)| summary(mesh, region, of_cell.cells(index).collect()))
-        .collect()
+    let cells = of_cell.cells_by_region(regions.len());
+    regions.iter().zip(cells).map(|(region, cells)| summary(mesh, region, cells)).collect()
 }
 
 fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {

@@ -294,7 +294,7 @@ impl ApproximateTangent {
     fn make_solvers(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let sweep = (choice.is_iterative || has_pairs).then(|| Arc::new(SweepOrder::new(body.pattern())));
-        let order = body.node_order();
+        let order = body.node_order()?;
         for mode in &self.modes {
             self.solvers.push(match (&sweep, choice.is_iterative, mode.n_columns()) {
                 (Some(sweep), true, 1) => Box::new(Iterative::<1>::new(body, sweep.clone())),

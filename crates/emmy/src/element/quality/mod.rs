@@ -63,7 +63,8 @@ pub fn quality(mesh: &Mesh) -> Quality {
 /// Checks that no cell is inverted or degenerate.
 ///
 /// # Errors
-/// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points.
+/// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points,
+/// [`Error::NotFinite`] if it is so large that it is no number.
 ///
 /// ```
 /// let mesh = emmy::mesh::l_block(1.0)?;
@@ -74,6 +75,10 @@ pub fn check(mesh: &Mesh) -> Result<()> {
     let samples = samples();
     for (index, cell) in mesh.cells().enumerate() {
         let measures = samples[&cell.kind].measures(&positions(mesh, cell));
+        if !(measures.smallest_det.is_finite() && measures.volume.is_finite()) {
+            let what = format!("the volume of cell {index} ({})", cell.kind);
+            return Err(Error::NotFinite { what, value: measures.volume });
+        }
         if measures.is_inverted() {
             return Err(Error::InvertedCell { cell: index, kind: cell.kind, det: measures.smallest_det });
         }
