@@ -367,3 +367,30 @@ pub enum Error {
         reason: String,
     },
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_messages_have_the_digits_that_are_meant() {
+        let error = Error::StepTooLarge {
+            step: 3,
+            time: 0.00045000000000000004,
+            step_size: 0.00029296875000000003,
+            critical: 9.497169926235665e-8,
+            limit: 1.0 / 3.0,
+        };
+        let message = error.to_string();
+        for part in ["t = 0.00045:", "0.000292969 is", "critical step is 9.49717e-8 now", "at most 0.333333,"]
+        {
+            assert!(message.contains(part), "{message}");
+        }
+        let position = [1e20, 0.1 + 0.2, -1.0];
+        let error = Error::NotANumber { step: 1, time: 1e-300, node: 7, position };
+        assert!(
+            error.to_string().contains("t = 1e-300: the forces at node 7 near [1e20, 0.3, -1]"),
+            "{error}"
+        );
+    }
+}

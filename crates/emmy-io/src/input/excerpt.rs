@@ -77,7 +77,7 @@ fn cut(source: &str, marks: &[Range<usize>]) -> (String, Vec<Range<usize>>) {
     let lines_of: Vec<[usize; 2]> = marks.iter().map(|mark| [mark.start, mark.end].map(line_of)).collect();
     let mut begin = 0;
     for (number, line) in source.split_inclusive('\n').enumerate() {
-        let content = line.trim_end_matches(['\n', '\r']);
+        let content = line.strip_suffix('\n').unwrap_or(line);
         if lines_of
             .iter()
             .any(|[first, last]| (*first..=last + CONTEXT).contains(&number) || number + CONTEXT == *first)
@@ -100,8 +100,8 @@ fn cut(source: &str, marks: &[Range<usize>]) -> (String, Vec<Range<usize>>) {
 
 /// Adds a line of the source, which begins there at an offset, and says where the ends of marks in it have come.
 fn push_line(text: &mut String, line: &str, begin: usize, marks: &[Range<usize>], moved: &mut [[usize; 2]]) {
-    // The end of a line counts as a place in it, and so does one between its carriage return and its line feed.
-    let within = |at: usize| (begin..=begin + line.len() + 1).contains(&at);
+    // The end of a line counts as a place in it.
+    let within = |at: usize| (begin..=begin + line.len()).contains(&at);
     let ends: Vec<usize> = marks
         .iter()
         .flat_map(|mark| [mark.start, mark.end])
@@ -124,7 +124,10 @@ fn push_line(text: &mut String, line: &str, begin: usize, marks: &[Range<usize>]
         let kept = is_kept(at);
         if kept {
             note(begin + at, text.len());
-            push_escaped(text, c);
+            // A carriage return at the end belongs to the line feed.
+            if c != '\r' || at + 1 < line.len() {
+                push_escaped(text, c);
+            }
         } else if !is_gap {
             text.push('…');
         }
@@ -151,7 +154,8 @@ impl Diagnostic for Excerpt {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        (!self.labels.is_empty()).then(|| Box::new(self.labels.iter().cloned()) as Box<_>)
+        (!self.labels.is_empty())
+            .then(|| Box::new(self.labels.iter().cloned()) as Box<dyn Iterator<Item = LabeledSpan>>)
     }
 }
 

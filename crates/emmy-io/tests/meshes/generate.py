@@ -96,7 +96,7 @@ def for_abaqus():
         gmsh.model.occ.synchronize()
         gmsh.model.addPhysicalGroup(3, [1], name="body")
         for group, z in [("foot", 0), ("top", 2)]:
-            gmsh.model.addPhysicalGroup(2, [tag for _, tag in on(2, z=z)], name=group)
+            gmsh.model.addPhysicalGroup(2, on(2, z=z), name=group)
         gmsh.option.setNumber("Mesh.MeshSizeMin", 1)
         gmsh.option.setNumber("Mesh.MeshSizeMax", 1)
         gmsh.model.mesh.generate(3)
