@@ -109,7 +109,12 @@ fn heading(problem: &Problem) -> Vec<String> {
             mesh.n_cells(),
             problem.body.n_dofs()
         ),
-        format!("scheme: {} of degree {}, to t = {}", problem.scheme, problem.degree, short(problem.plan.end())),
+        format!(
+            "scheme: {} of degree {}, to t = {}",
+            problem.scheme,
+            problem.degree,
+            short(problem.plan.end())
+        ),
     ];
     lines.extend(problem.notes.iter().map(|note| format!("note: {note}")));
     lines

@@ -11,7 +11,8 @@ use std::borrow::Borrow;
 /// assert_eq!(short(-1234567.0), "-1.23457e6");
 /// ```
 pub fn short(value: impl Borrow<f64>) -> String {
-    let value = *value.borrow();
+    let value: &f64 = value.borrow();
+    let value = *value;
     if !value.is_finite() {
         return value.to_string();
     }
@@ -31,7 +32,8 @@ pub fn short(value: impl Borrow<f64>) -> String {
 
 /// The components of a vector in brackets, each as [`short`] has it.
 pub fn short_vector(vector: impl Borrow<[f64; 3]>) -> String {
-    format!("[{}]", vector.borrow().map(short).join(", "))
+    let vector: &[f64; 3] = vector.borrow();
+    format!("[{}]", vector.map(short).join(", "))
 }
 
 fn trimmed(digits: &str) -> &str {

@@ -67,7 +67,7 @@ fn control_characters_are_escaped_in_every_failure() {
     }
     let place = Place::with(BOX);
     for arguments in [
-        ["check", "no\u{1b}such.toml", "--quiet"].get(..2).unwrap(),
+        &["check", "no\u{1b}such.toml"][..],
         &["resume", "no\u{1b}such"],
         &["report", "no\u{1b}such"],
         &["compare", "no\u{1b}such", "nor\u{7}this"],
@@ -111,19 +111,10 @@ fn messages_of_long_lines_show_the_neighbourhood_of_the_mark() {
     for (input, says) in [
         (BOX.replacen("density = 2.0", &format!("{long} = 2.0"), 1), "unknown key `kkk"),
         (BOX.replacen("density = 2.0", &line.replacen("2.0", "-2.0", 1), 1), "density = -2.0 # kkk"),
-        (
-            BOX.replacen(
-                "traction = [0.0",
-                &format!("{}[0.0", format!("traction ={}", " ".repeat(100_000))),
-                1,
-            ),
-            "",
-        ),
         (BOX.replacen("\"y-max\"", &format!("\"{long}\""), 1), "the mesh has no group `kkk"),
     ] {
         let outcome = Place::with(&input).emmy(&["check", "box.toml"]);
-        let is_fault = !says.is_empty();
-        assert_eq!(outcome.code, if is_fault { 2 } else { 0 });
+        assert_eq!(outcome.code, 2);
         assert!(outcome.stderr.len() < 5_000, "{} bytes", outcome.stderr.len());
         assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
     }
@@ -148,7 +139,7 @@ fn what_follows_from_the_values_must_be_a_number() {
     for ((from, to), says) in [
         (
             ("lambda = 1000.0, mu = 500.0", "youngs_modulus = 1e149, poissons_ratio = 0.49999999999999994"),
-            "done",
+            "the Lame parameters that follow",
         ),
         (
             ("lambda = 1000.0, mu = 500.0", "youngs_modulus = 1e308, poissons_ratio = 0.4999999999"),
@@ -172,10 +163,6 @@ fn what_follows_from_the_values_must_be_a_number() {
         assert_ne!(input, BOX);
         for verb in ["check", "run"] {
             let outcome = Place::with(&input).emmy(&[verb, "box.toml"]);
-            if says == "done" {
-                assert_ne!(outcome.code, 101, "{}", outcome.stderr);
-                continue;
-            }
             assert_eq!(outcome.code, 2, "{verb} {to}: {}", outcome.stderr);
             assert!(
                 outcome.stderr.contains(says) && outcome.stderr.contains("box.toml:"),

@@ -54,6 +54,18 @@ pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
     }
 }
 
+/// Checks the Lame parameters that follow from Young's modulus and Poisson's ratio.
+pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {
+    // Parameters out of their ranges have a fault of their own.
+    match emmy::material::lame("", youngs_modulus, poissons_ratio) {
+        Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
+            let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
+            Err(item.fault(message, "too large").help(HELP))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Checks that volumes and moments of inertia of a mesh can be computed.
 pub(super) fn check_extent(mesh: &Mesh, place: &Place) -> Result<(), Fault> {
     let farthest = mesh.points().iter().flatten().fold(0.0, |farthest: f64, x| farthest.max(x.abs()));
@@ -136,7 +148,7 @@ impl Places {
 }
 
 fn check_vector(place: &Place, what: &str, values: &[f64]) -> Result<(), Fault> {
-    match values.iter().find(|value| !(value.abs() <= LARGEST)) {
+    match values.iter().find(|value| value.abs() > LARGEST || value.is_nan()) {
         Some(&value) => {
             let message = format!("the {what} is {}", short(value));
             Err(Fault::at(place, message, "too large").help(HELP))

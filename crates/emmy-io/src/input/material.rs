@@ -127,6 +127,9 @@ fn from_a_pair<M>(item: Item<'_>, new: [FromTwo<M>; 2]) -> Result<M, Fault> {
         }
     };
     let [a, b] = parameters.numbers(PAIRS[pair])?;
+    if pair == 1 {
+        derived::check_lame(&item, a, b)?;
+    }
     parameters.checked(new[pair](a, b))
 }
 
