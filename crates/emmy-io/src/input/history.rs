@@ -2,6 +2,7 @@
 
 use emmy::body::History;
 use emmy::motion::StepPlan;
+use emmy::number::short;
 
 use super::expression::{self, Mistake};
 use super::fault::{Fault, Faults};

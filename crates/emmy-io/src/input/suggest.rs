@@ -59,7 +59,7 @@ mod tests {
         assert_eq!(nearest("youngs", ["lambda", "mu", "youngs_modulus"]), Some("youngs_modulus"));
         assert_eq!(nearest("Poissons", ["youngs_modulus", "poissons_ratio"]), Some("poissons_ratio"));
         assert_eq!(nearest("po", ["youngs_modulus", "poissons_ratio"]), None);
-        assert_eq!(nearest("density", ["densities", "density_of_cells"]), Some("densities"));
+        assert_eq!(nearest("density", ["densities", "density_of_cells"]), Some("density_of_cells"));
     }
 
     #[test]
