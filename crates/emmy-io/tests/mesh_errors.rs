@@ -238,8 +238,7 @@ fn bad_abaqus_assemblies() {
 
 #[test]
 fn cells_that_are_inverted_or_there_twice_have_their_own_numbers() {
-    let inverted =
-        "is inverted or degenerate: det(dX/dxi) = -1e0 at one of its points; check its orientation";
+    let inverted = "is inverted or degenerate: det(dX/dxi) = -1 at one of its points; check its orientation";
     let (one, other) =
         ("a.msh: element 7 (tet4) ", "a.msh: element 9 has the nodes of element 7; remove one");
     let elements = |text: &str| format!("{V2}$Elements\n{text}$EndElements\n");
