@@ -143,7 +143,12 @@ fn factorization_seconds(body: &Body, count: usize) -> Result<Option<f64>, Strin
     if count == 0 {
         return Ok(None);
     }
-    let factor = BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order());
+    let factor = BlockCholesky::new(
+        body.pattern(),
+        3,
+        body.fixed(),
+        body.node_order().expect("an order of the nodes"),
+    );
     let mut factor = factor.map_err(|error| error.to_string())?;
     let mass = body.mass();
     // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.

@@ -4,12 +4,16 @@ use std::io::{IsTerminal, stderr};
 
 use emmy_io::directory::DirectoryError;
 use emmy_io::input::InputError;
+use emmy_io::message::shown;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
 
 use crate::message::message;
 
 /// Exit code of a program that has a fault of its own.
 pub const FAULT_OF_THE_PROGRAM: u8 = 101;
+
+/// Most faults that are shown one by one.
+const MOST_FAULTS: usize = 20;
 
 /// Exit code of a run that was stopped from outside.
 pub const INTERRUPTED: u8 = 130;
@@ -82,7 +86,7 @@ impl Failure {
     pub fn show(&self) {
         match self {
             Failure::Input(error) => {
-                error.faults().iter().for_each(|fault| show(fault));
+                error.faults().iter().take(MOST_FAULTS).for_each(|fault| show(&fault.excerpt()));
                 if error.faults().len() > 1 {
                     message!("{} faults in the input; nothing was run or written", error.faults().len());
                 }
@@ -101,9 +105,9 @@ impl Failure {
 }
 
 fn plain(message: &str, help: Option<&str>) {
-    let diagnostic = MietteDiagnostic::new(message);
+    let diagnostic = MietteDiagnostic::new(shown(message));
     match help {
-        Some(help) => show(&diagnostic.with_help(help)),
+        Some(help) => show(&diagnostic.with_help(shown(help))),
         None => show(&diagnostic),
     }
 }

@@ -22,6 +22,7 @@
 //! | [`tally`] | balances over a whole run |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | how large the files of a run become |
+//! | [`message`] | texts as a terminal may have them |
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
@@ -32,12 +33,14 @@ pub mod convergence;
 pub mod directory;
 pub mod drawing;
 pub mod events;
+mod file;
 pub mod history;
 pub mod input;
 pub mod limits;
 pub mod lock;
 pub mod log;
 pub mod mesh;
+pub mod message;
 pub mod newton;
 mod picture;
 pub mod report;

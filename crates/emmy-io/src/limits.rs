@@ -1,12 +1,16 @@
 //! `[limits]`: when a run has lost too much of what it should keep.
 
+use emmy::number::short;
+
 use crate::input::Limits;
 use crate::tally::Tally;
 
 /// A limit was exceeded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "step {step}, t = {time}: the accumulated {quantity} residual is {drift:.3e} of the largest {of}; the limit is {limit:e}"
+    "step {step}, t = {}: the accumulated {quantity} residual is {drift:.3e} of the largest {of}; the limit is {}",
+    short(.time),
+    short(.limit)
 )]
 pub struct LimitExceeded {
     /// The quantity, as its key in `[limits]` spells it.

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Event, Record};
+use emmy::number::short;
 use emmy::sparse::SolverChoice;
 
 use crate::directory::named;
@@ -33,7 +34,10 @@ impl RunLog {
         let file = options.open(path).map_err(named(path))?;
         let mut log = RunLog { file, path: path.to_path_buf(), solver: None };
         if let Some((step, time)) = after {
-            log.line(&format!("\nresumed after step {step}, t = {time}; later steps above are taken back"))?;
+            log.line(&format!(
+                "\nresumed after step {step}, t = {}; later steps above are taken back",
+                short(time)
+            ))?;
         }
         for line in heading(problem) {
             log.line(&line)?;
@@ -66,7 +70,8 @@ impl RunLog {
     /// # Errors
     /// What the system refuses.
     pub fn step(&mut self, record: &Record) -> io::Result<()> {
-        let Record { step, time, step_size, newton_iterations, linear_iterations, .. } = record;
+        let Record { step, newton_iterations, linear_iterations, .. } = record;
+        let (time, step_size) = (short(record.time), short(record.step_size));
         self.line(&format!(
             "step {step}  t = {time}  h = {step_size}  Newton {newton_iterations} (linear {linear_iterations})  \
              E {:.6e}  balances: E {:.1e}, p {:.1e}, L {:.1e}",
@@ -86,7 +91,7 @@ impl RunLog {
             "{} (step {}, t = {}): {}",
             event.kind.name(),
             event.step,
-            event.time,
+            short(event.time),
             event.message
         ))
     }
@@ -112,7 +117,12 @@ fn heading(problem: &Problem) -> Vec<String> {
             mesh.n_cells(),
             problem.body.n_dofs()
         ),
-        format!("scheme: {} of degree {}, to t = {}", problem.scheme, problem.degree, problem.plan.end()),
+        format!(
+            "scheme: {} of degree {}, to t = {}",
+            problem.scheme,
+            problem.degree,
+            short(problem.plan.end())
+        ),
     ];
     lines.extend(problem.notes.iter().map(|note| format!("note: {note}")));
     lines

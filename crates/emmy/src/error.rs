@@ -1,6 +1,7 @@
 //! Everything that can go wrong in the library, as one enum with fields.
 
 use crate::mesh::CellKind;
+use crate::number::{short, short_vector};
 
 /// Result of the library.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -41,7 +42,9 @@ pub enum Error {
     /// Cells of a body in plane strain that do not lie in one plane z = const.
     #[error(
         "cells in plane strain must lie in one plane z = const, but node {node} is at z = {z} and the first one at \
-         z = {plane}; turn the mesh into the x-y plane, or mesh a volume"
+         z = {plane}; turn the mesh into the x-y plane, or mesh a volume",
+        z = short(.z),
+        plane = short(.plane)
     )]
     NotInPlane {
         /// Index of the node.
@@ -52,7 +55,7 @@ pub enum Error {
         plane: f64,
     },
     /// A scale factor or size that must be positive and finite.
-    #[error("{what} must be positive and finite, not {value}")]
+    #[error("{what} must be positive and finite, not {}", short(.value))]
     NotPositive {
         /// The quantity.
         what: String,
@@ -60,7 +63,7 @@ pub enum Error {
         value: f64,
     },
     /// A viscosity or a drag that is negative or not a number.
-    #[error("viscosity: {name} must be finite and not negative (of links: zero), not {value}")]
+    #[error("viscosity: {name} must be finite and not negative (of links: zero), not {}", short(.value))]
     Viscosity {
         /// Which number.
         name: &'static str,
@@ -68,13 +71,13 @@ pub enum Error {
         value: f64,
     },
     /// A cell size that does not divide the edges of the l-block.
-    #[error("the l-block needs a cell size of 1, 1/2, 1/3, ..., so that it divides its edges; not {value}")]
+    #[error("the l-block needs a cell size of 1, 1/2, 1/3, ..., so that it divides its edges; not {}", short(.value))]
     CellSize {
         /// The cell size.
         value: f64,
     },
     /// A value that must be a finite number.
-    #[error("{what} must be a finite number, not {value}")]
+    #[error("{what} must be a finite number, not {}", short(.value))]
     NotFinite {
         /// The quantity.
         what: String,
@@ -90,7 +93,7 @@ pub enum Error {
         nodes: Vec<u32>,
     },
     /// A cell that is inverted or degenerate in the reference configuration.
-    #[error("cell {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {det:e} at one of its points")]
+    #[error("cell {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {} at one of its points", short(.det))]
     InvertedCell {
         /// Index of the cell.
         cell: usize,
@@ -129,8 +132,9 @@ pub enum Error {
     },
     /// A node without mass that is free to move.
     #[error(
-        "node {node} at {position:?} has no mass: springs and attractions have none; give it a point mass, or hold it in all \
-         directions"
+        "node {node} at {} has no mass: springs and attractions have none; give it a point mass, or hold it in all \
+         directions",
+        short_vector(.position)
     )]
     NoMass {
         /// Index of the node.
@@ -139,7 +143,7 @@ pub enum Error {
         position: [f64; 3],
     },
     /// A parameter of a material outside its range.
-    #[error("{material}: {parameter} = {value} {requirement}")]
+    #[error("{material}: {parameter} = {} {requirement}", short(.value))]
     MaterialParameter {
         /// Key word of the material.
         material: &'static str,
@@ -168,8 +172,10 @@ pub enum Error {
     },
     /// A prescribed motion that does not start at rest's place: the body is undeformed then.
     #[error(
-        "a prescribed motion starts with a displacement of {distance:e} at t = {time}, where the body is undeformed; let it \
-         start from zero"
+        "a prescribed motion starts with a displacement of {} at t = {}, where the body is undeformed; let it \
+         start from zero",
+        short(.distance),
+        short(.time)
     )]
     DrivenStart {
         /// Time of the start.
@@ -194,7 +200,7 @@ pub enum Error {
         reason: String,
     },
     /// A step whose error is above the tolerance of adaptive steps.
-    #[error("its error {error:.1e} is above the tolerance {tolerance:e}")]
+    #[error("its error {error:.1e} is above the tolerance {}", short(.tolerance))]
     Tolerance {
         /// Error of the step, relative to the scales.
         error: f64,
@@ -210,7 +216,7 @@ pub enum Error {
         reason: String,
     },
     /// A body whose determinant of the deformation gradient became zero or negative, or NaN.
-    #[error("cell {cell} is turned inside out: det F = {det:e}; try a smaller step")]
+    #[error("cell {cell} is turned inside out: det F = {}; try a smaller step", short(.det))]
     Inverted {
         /// Index of the cell.
         cell: usize,
@@ -220,7 +226,11 @@ pub enum Error {
     /// A step beyond the stability limit of an explicit scheme.
     #[error(
         "step {step}, to t = {time}: {step_size} is too large for an explicit scheme, whose critical step is \
-         {critical:e} now (2/omega_max); try at most {limit:e}, or an implicit scheme"
+         {critical} now (2/omega_max); try at most {limit}, or an implicit scheme",
+        time = short(.time),
+        step_size = short(.step_size),
+        critical = short(.critical),
+        limit = short(.limit)
     )]
     StepTooLarge {
         /// Number of the step that was refused.
@@ -237,7 +247,9 @@ pub enum Error {
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} iterations \
-         (wanted {target:.3e}), largest at node {node} near {position:.5?}; try a smaller step, or more iterations"
+         (wanted {target:.3e}), largest at node {node} near {position}; try a smaller step, or more iterations",
+        time = short(.time),
+        position = short_vector(.position)
     )]
     NoConvergence {
         /// Number of the step that failed.
@@ -257,7 +269,8 @@ pub enum Error {
     },
     /// A step whose equations cannot be solved from any starting point.
     #[error(
-        "step {step}, to t = {time}, cannot be solved; try a smaller step, and look at the loads and the material"
+        "step {step}, to t = {}, cannot be solved; try a smaller step, and look at the loads and the material",
+        short(.time)
     )]
     StepFailed {
         /// Number of the step that failed.
@@ -270,8 +283,11 @@ pub enum Error {
     },
     /// A step in which a cell is turned inside out.
     #[error(
-        "step {step}, to t = {time}: cell {cell} ({kind}) near {position:.5?} is turned inside out, det F = {det:e}; try a smaller \
-         step, a finer mesh there, or a material that resists compression, and look at the loads there"
+        "step {step}, to t = {time}: cell {cell} ({kind}) near {position} is turned inside out, det F = {det}; try a smaller \
+         step, a finer mesh there, or a material that resists compression, and look at the loads there",
+        time = short(.time),
+        position = short_vector(.position),
+        det = short(.det)
     )]
     CellInverted {
         /// Number of the step that failed.
@@ -289,8 +305,10 @@ pub enum Error {
     },
     /// A step in which something is not a number.
     #[error(
-        "step {step}, to t = {time}: the forces at node {node} near {position:.5?} are not numbers; look at the histories of the \
-         loads and at the material there"
+        "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the histories of the \
+         loads and at the material there",
+        short(.time),
+        short_vector(.position)
     )]
     NotANumber {
         /// Number of the step that failed.
@@ -305,7 +323,9 @@ pub enum Error {
     /// A step that failed with every size down to the smallest one.
     #[error(
         "step {step} from t = {start} failed with every size down to {step_size}; try another scheme or material, a finer mesh, \
-         or a smaller `smallest_step`, and look at the loads at this time"
+         or a smaller `smallest_step`, and look at the loads at this time",
+        start = short(.start),
+        step_size = short(.step_size)
     )]
     SmallestStep {
         /// Number of the step.
@@ -346,4 +366,31 @@ pub enum Error {
         /// What went wrong.
         reason: String,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_messages_have_the_digits_that_are_meant() {
+        let error = Error::StepTooLarge {
+            step: 3,
+            time: 0.00045000000000000004,
+            step_size: 0.00029296875000000003,
+            critical: 9.497169926235665e-8,
+            limit: 1.0 / 3.0,
+        };
+        let message = error.to_string();
+        for part in ["t = 0.00045:", "0.000292969 is", "critical step is 9.49717e-8 now", "at most 0.333333,"]
+        {
+            assert!(message.contains(part), "{message}");
+        }
+        let position = [1e20, 0.1 + 0.2, -1.0];
+        let error = Error::NotANumber { step: 1, time: 1e-300, node: 7, position };
+        assert!(
+            error.to_string().contains("t = 1e-300: the forces at node 7 near [1e20, 0.3, -1]"),
+            "{error}"
+        );
+    }
 }

@@ -17,6 +17,7 @@ pub mod material;
 pub mod mesh;
 pub mod motion;
 pub mod newton;
+pub mod number;
 pub mod polynomial;
 pub mod quadrature;
 pub mod sparse;

@@ -1,5 +1,6 @@
 //! `emmy check FILE`: what an input stands for. Runs nothing and writes nothing.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use clap::Args;
@@ -10,6 +11,7 @@ use emmy::element::{Worst, quality};
 use emmy::mesh::Mesh;
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
+use emmy_io::message::shown;
 
 use super::{Input, sizes};
 use crate::failure::Failure;
@@ -52,7 +54,7 @@ struct Report {
 
 impl Report {
     fn line(&mut self, word: &str, text: &str) {
-        let _ = writeln!(self.text, "{word:<11}{text}");
+        let _ = writeln!(self.text, "{word:<11}{}", shown(text));
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
@@ -155,13 +157,14 @@ impl Report {
         }
         self.line("parts", &format!("{} that do not hang together", parts.len()));
         for cells in parts.iter().take(MOST_PARTS) {
-            let count = |region: usize| {
-                cells.iter().filter(|&&cell| body.region_of_cell()[cell as usize] as usize == region).count()
-            };
-            let shares = body.regions().iter().enumerate().map(|(index, region)| (count(index), region));
-            let shares = shares.filter(|(count, _)| *count > 0).map(|(count, region)| {
+            let mut counts = BTreeMap::<u32, usize>::new();
+            cells
+                .iter()
+                .for_each(|&cell| *counts.entry(body.region_of_cell()[cell as usize]).or_default() += 1);
+            let shares = counts.into_iter().map(|(region, count)| {
                 let cells = if count == 1 { "cell" } else { "cells" };
-                format!("{count} {cells} of {}", region.group.as_deref().unwrap_or("the body"))
+                let group = body.regions()[region as usize].group.as_deref();
+                format!("{count} {cells} of {}", group.unwrap_or("the body"))
             });
             let (shares, first) = (shares.collect::<Vec<_>>().join(", "), cells[0]);
             self.line("", &format!("{shares}, the first is cell {first}"));

@@ -313,7 +313,7 @@ fn supports_must_agree_with_each_other_and_with_the_scheme() {
     refused(
         &twice,
         &["run", "box.toml"],
-        &["`x` of the node at [0.0, 0.0, 0.0]", "two supports", "first", "second"],
+        &["`x` of the node at [0, 0, 0]", "two supports", "first", "second"],
     );
     let plane = "rectangle = { size = [1, 2], cells = [1, 2] }";
     let plane = BOX.replacen(MESH, plane, 1).replacen(FIX, "rotate = { axis = [0, 1, 0], angle = \"t\" }", 1);

@@ -134,7 +134,7 @@ fn materials_and_masses_go_with_their_cells() {
         "density = 0.1\nmaterial.bar = { youngs_modulus = 100.0, area = 0.5 }",
         "material.attraction = { strength = 1.0 }",
     );
-    refused(&light, &["node 0 at [0.0, 0.0, 0.0] has no mass", "give it a point mass"]);
+    refused(&light, &["node 0 at [0, 0, 0] has no mass", "give it a point mass"]);
 }
 
 #[test]

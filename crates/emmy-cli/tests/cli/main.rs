@@ -7,6 +7,7 @@ mod compare;
 mod converge;
 mod endings;
 mod examples;
+mod hostile;
 mod killed_frames;
 mod links;
 mod messages;

@@ -7,7 +7,7 @@ use emmy::motion::{Phase, StepPlan};
 use super::fault::{InputError, Place};
 use super::tree::{self, Node, Value};
 use super::{material, settings};
-use crate::report;
+use crate::{message, report};
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
@@ -52,6 +52,14 @@ fn fill(own: &mut Node, defaults: Node) {
             own.put(&entry.key, Node { place, ..entry.node });
         }
     }
+}
+
+/// Replaces what a file cannot hold in the title, with a remark if there is any.
+pub(super) fn clean_title(tree: &mut Node) -> Option<String> {
+    let Value::String(title) = &mut tree.get_mut("title")?.value else { return None };
+    let note = message::note_on_name(title).map(|note| note.replacen("the name", "the title", 1));
+    *title = message::name(title).into_owned();
+    note
 }
 
 /// Puts in the directory of the command line, else that of the file, else the name of the file; returns it where it is not that of

@@ -4,7 +4,10 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use miette::NamedSource;
+
+use super::excerpt::Excerpt;
+use crate::message::shown;
 
 /// A place in a source: in the input file, or in a flag of the command line.
 #[derive(Debug, Clone)]
@@ -78,7 +81,7 @@ impl Place {
     }
 }
 
-/// One fault of the input. As a [`Diagnostic`] it shows the lines it speaks of.
+/// One fault of the input.
 #[derive(Debug, Clone)]
 pub struct Fault {
     message: String,
@@ -129,6 +132,16 @@ impl Fault {
         self.labels.first().map(|(place, _)| place)
     }
 
+    /// The places with what is said about them.
+    pub(super) fn labels(&self) -> &[(Place, String)] {
+        &self.labels
+    }
+
+    /// The fault with the lines it speaks of, ready to be shown.
+    pub fn excerpt(&self) -> Excerpt {
+        Excerpt::new(self)
+    }
+
     /// Advice.
     pub fn advice(&self) -> Option<&str> {
         self.help.as_deref()
@@ -142,28 +155,6 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
-
-impl Diagnostic for Fault {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.labels.first().map(|(place, _)| &*place.source as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        if self.labels.is_empty() {
-            return None;
-        }
-        let span = |place: &Place| (place.span.start, place.span.len());
-        Some(Box::new(
-            self.labels
-                .iter()
-                .map(move |(place, label)| LabeledSpan::new_with_span(Some(label.clone()), span(place))),
-        ))
-    }
-}
 
 /// Everything that is wrong with an input, in the order of the reading.
 #[derive(Debug, Clone)]
@@ -191,15 +182,18 @@ impl fmt::Display for InputError {
                 writeln!(f)?;
             }
             if let Some(place) = fault.place() {
-                write!(f, "{}:{}:{}: ", place.source_name(), place.line(), place.column())?;
+                write!(f, "{}:{}:{}: ", shown(place.source_name()), place.line(), place.column())?;
             }
-            write!(f, "{fault}")?;
+            f.write_str(&shown(fault.message()))?;
         }
         Ok(())
     }
 }
 
 impl std::error::Error for InputError {}
+
+/// More faults than anyone reads: looking for the nearest word of each takes its time.
+const MANY: usize = 100;
 
 /// Faults gathered on the way, so that one reading shows all of them.
 #[derive(Debug, Default)]
@@ -211,6 +205,11 @@ impl Faults {
     /// The value, or `None` with the fault kept.
     pub(super) fn keep<T>(&mut self, result: Result<T, Fault>) -> Option<T> {
         result.map_err(|fault| self.faults.push(fault)).ok()
+    }
+
+    /// Whether there are more than anyone reads.
+    pub(super) fn are_many(&self) -> bool {
+        self.faults.len() >= MANY
     }
 
     /// Fails if there was any fault.

@@ -31,6 +31,9 @@ pub(super) fn check(
     named.extend(initial.iter().map(|initial| (&initial.group, Members::Nodes)));
     for (group, members) in named {
         let Some((name, place)) = group else { continue };
+        if faults.are_many() {
+            break;
+        }
         faults.keep(find(mesh, name, place, members));
     }
 }
@@ -42,6 +45,9 @@ pub(super) fn check_nodes<'a>(
     faults: &mut Faults,
 ) {
     for (name, place) in groups.flatten() {
+        if faults.are_many() {
+            break;
+        }
         faults.keep(find(mesh, name, place, Members::Nodes));
     }
 }
@@ -56,24 +62,25 @@ fn members(load: &Load) -> Members {
 
 fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), Fault> {
     let groups = mesh.groups();
+    let is_there = groups.cells.contains_key(name)
+        || groups.facets.contains_key(name)
+        || groups.nodes.contains_key(name);
+    let is_empty = match members {
+        Members::Cells => groups.cells.get(name).map(Vec::is_empty),
+        Members::Facets => groups.facets.get(name).map(Vec::is_empty),
+        Members::Nodes => is_there.then(|| mesh.group_nodes(name).is_err()),
+    };
+    match is_empty {
+        Some(true) => return Err(Fault::at(place, format!("group `{name}` is empty"), "empty")),
+        Some(false) => return Ok(()),
+        None => {}
+    }
     let (what, known): (_, Vec<&str>) = match members {
         Members::Cells => ("cells", groups.cells.keys().map(String::as_str).collect()),
         Members::Facets => ("facets", groups.facets.keys().map(String::as_str).collect()),
         Members::Nodes => ("nodes, facets or cells", groups.names()),
     };
-    if known.contains(&name) {
-        let empty = match members {
-            Members::Cells => groups.cells[name].is_empty(),
-            Members::Facets => groups.facets[name].is_empty(),
-            Members::Nodes => mesh.group_nodes(name).is_err(),
-        };
-        return if empty {
-            Err(Fault::at(place, format!("group `{name}` is empty"), "empty"))
-        } else {
-            Ok(())
-        };
-    }
-    let other = groups.names().contains(&name).then(|| format!("`{name}` is there, but has no {what}"));
+    let other = is_there.then(|| format!("`{name}` is there, but has no {what}"));
     let label =
         other.or_else(|| did_you_mean(name, known.iter().copied())).unwrap_or_else(|| "not there".into());
     let message = format!("the mesh has no group `{name}` of {what}");

@@ -2,10 +2,11 @@
 
 use emmy::body::History;
 use emmy::motion::StepPlan;
+use emmy::number::short;
 
 use super::expression::{self, Mistake};
 use super::fault::{Fault, Faults};
-use super::table::{Item, spelled};
+use super::table::Item;
 use super::tree::{Node, Value};
 
 /// Reads a history: a list of `[time, value]`, or the text of an expression.
@@ -66,7 +67,7 @@ fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fau
         for (what, value) in [("", history.value(time)), ("the rate of ", history.rate(time))] {
             if !value.is_finite() {
                 let message =
-                    format!("`{key}`: {what}`{text}` is not a finite number at t = {}", spelled(time));
+                    format!("`{key}`: {what}`{text}` is not a finite number at t = {}", short(time));
                 return Err(Fault::at(&node.place, message, format!("{value} there")));
             }
         }

@@ -6,6 +6,7 @@ use emmy::material::{
     MooneyRivlin, NeoHooke, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
 };
 
+use super::derived;
 use super::fault::Fault;
 use super::keys::{self, Keys};
 use super::table::{Item, Table};
@@ -63,7 +64,8 @@ impl<'a> Parameters<'a> {
     }
 
     fn number(&self, key: &str) -> Result<f64, Fault> {
-        self.table.require(key)?.number()
+        let item = self.table.require(key)?;
+        derived::within(&item, item.number()?)
     }
 
     fn numbers<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Fault> {
@@ -125,6 +127,9 @@ fn from_a_pair<M>(item: Item<'_>, new: [FromTwo<M>; 2]) -> Result<M, Fault> {
         }
     };
     let [a, b] = parameters.numbers(PAIRS[pair])?;
+    if pair == 1 {
+        derived::check_lame(&item, a, b)?;
+    }
     parameters.checked(new[pair](a, b))
 }
 

@@ -6,6 +6,8 @@
 
 mod adaptive;
 mod complete;
+mod derived;
+mod excerpt;
 mod expression;
 mod fault;
 mod groups;
@@ -30,6 +32,7 @@ mod time;
 mod tree;
 mod write;
 
+pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, Place};
 pub use problem::{Overrides, Problem, read};
 pub use schema::schema;

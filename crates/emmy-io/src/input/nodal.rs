@@ -35,6 +35,11 @@ impl PlacedNodal {
         masses.chain(springs).chain(self.attractions.iter().map(|attraction| &attraction.group))
     }
 
+    /// Places of the point masses.
+    pub(super) fn places_of_masses(&self) -> impl Iterator<Item = &Place> {
+        self.masses.iter().map(|mass| &mass.place)
+    }
+
     /// Rate of the drag, that of all of them together.
     pub(super) fn drag(&self) -> f64 {
         self.drags.iter().map(|drag| drag.value).sum()
@@ -80,7 +85,7 @@ fn each<T>(
 
 fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
     let table = item.table(keys::MASS)?;
-    let group = table.require("group")?.string()?.to_string();
+    let group = table.require("group")?.name()?;
     let mass = table.require("mass")?.positive()?;
     Placed::new(&table, PointMass { group, mass })
 }
@@ -93,7 +98,7 @@ pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
 
 fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
     let table = item.table(keys::SUPPORT)?;
-    let group = table.require("group")?.string()?.to_string();
+    let group = table.require("group")?.name()?;
     let stiffness = table.require("spring")?.positive()?;
     if let Some(until) = table.get("until") {
         let message = "`until` does not go with `spring`: springs to the ground stay; give what is released a support of its own";

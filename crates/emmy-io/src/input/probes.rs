@@ -1,6 +1,7 @@
 //! Probes: the nodes that are nearest to their points.
 
 use emmy::mesh::Mesh;
+use emmy::number::{short, short_vector};
 
 use super::settings::Probe;
 
@@ -16,8 +17,11 @@ pub(super) fn find(mesh: &Mesh, probes: &mut [Probe], notes: &mut Vec<String>) {
         let distance = (0..3).map(|i| (at[i] - probe.point[i]).powi(2)).sum::<f64>().sqrt();
         if distance > FAR * size {
             notes.push(format!(
-                "probe `{}`: the nearest node, {}, is {distance:.3e} away, at {at:?}",
-                probe.name, probe.node
+                "probe `{}`: the nearest node, {}, is {} away, at {}",
+                probe.name,
+                probe.node,
+                short(distance),
+                short_vector(at)
             ));
         }
     }

@@ -14,10 +14,11 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    adaptive, complete, groups, history, initial, keys, load, nodal, probes, region, set, settings, shape,
-    support, time, write,
+    adaptive, complete, derived, groups, history, initial, keys, load, nodal, probes, region, set, settings,
+    shape, support, time, write,
 };
 use crate::mesh::MeshFile;
+use crate::message::shown;
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -92,6 +93,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     for flag in &overrides.set {
         set::apply(&mut tree, flag)?;
     }
+    let note = complete::clean_title(&mut tree);
     complete::fill_defaults(&mut tree)?;
     let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
     let directory = path.parent().unwrap_or(Path::new(""));
@@ -107,6 +109,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
         problem.notes.push(LOST_MESH.to_string());
     }
     problem.files.insert(0, path.to_path_buf());
+    problem.notes.extend(note);
     Ok(problem)
 }
 
@@ -197,6 +200,8 @@ impl Parts {
         support::check_together(&mesh, &self.supports, &self.time)?;
         self.nodal.check_damping(&self.regions, &self.time)?;
         probes::find(&mesh, &mut self.output.probes, &mut notes);
+        let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
+        let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
         let held = support::places(&self.supports);
         let (supports, loads) = (values(self.supports), values(self.loads));
         let drag = self.nodal.drag();
@@ -206,13 +211,18 @@ impl Parts {
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;
+        let initial = values(self.initial);
+        places.check(&body, &loads, &initial, self.time.plan.start())?;
+        if !is_moved && nodal.attractions.is_empty() {
+            notes.push(derived::NOTHING_MOVES.to_string());
+        }
         Ok(Problem {
             title: self.title,
             body,
             supports,
             nodal,
             loads,
-            initial: values(self.initial),
+            initial,
             scheme: self.time.scheme,
             degree: self.time.degree,
             plan: self.time.plan,
@@ -220,7 +230,7 @@ impl Parts {
             newton: self.newton,
             output: self.output,
             limits: self.limits,
-            notes,
+            notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
             files,
             resolved,
         })

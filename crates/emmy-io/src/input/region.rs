@@ -23,7 +23,7 @@ impl<T> Placed<T> {
 /// The group of a table, if it names one.
 pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault> {
     let Some(item) = table.get("group") else { return Ok(None) };
-    Ok(Some((item.string()?.to_string(), item.place().clone())))
+    Ok(Some((item.name()?, item.place().clone())))
 }
 
 /// Reads one region.

@@ -4,7 +4,8 @@ use super::fault::{Fault, InputError, Place};
 use super::suggest::listed;
 use super::tree::{self, Entry, Node, Value};
 
-/// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0; the value is TOML, or
+/// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0 (that of an only table may be left
+/// out); the value is TOML, or
 /// else a string; what begins like a list, a table or a quoted text must be TOML. `KEY=` takes the key out.
 pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     let start = Place::start_of("--set", flag);
@@ -39,14 +40,19 @@ fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, Inp
     let text = flag[key.len() + 1..].trim();
     let place = start.at(key.len() + 1..flag.len());
     let as_string = || Node { value: Value::String(text.to_string()), place: place.clone() };
+    let is_toml = text.starts_with(['[', '{', '"', '\'']);
     let mut node = match tree::parse("--set", flag) {
         Ok(node) => node,
-        Err(error) if text.starts_with(['[', '{', '"', '\'']) => return Err(as_flag(error, flag)),
+        Err(error) if is_toml => return Err(as_flag(error, flag)),
         Err(_) => return Ok(as_string()),
     };
     for _ in 0..depth {
         match node.value {
             Value::Table(mut entries) if entries.len() == 1 => node = entries.remove(0).node,
+            _ if is_toml => {
+                let second = Fault::at(&place, "there is more than one value", "more than one value");
+                return Err(as_flag(second.into(), flag));
+            }
             _ => return Ok(as_string()),
         }
     }
@@ -67,6 +73,7 @@ fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) 
         return Ok(());
     };
     match &mut node.value {
+        Value::Array(items) if is_only_table(items, name) => assign(&mut items[0], parent, path, value),
         Value::Table(entries) => {
             not_a_list(entries, parent, name, place)?;
             assign(key_of(entries, name, place), name, rest, value)
@@ -83,6 +90,7 @@ fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) 
 fn take_out(node: &mut Node, parent: &str, path: &[(String, Place)]) -> Result<(), Fault> {
     let [(name, place), rest @ ..] = path else { return Ok(()) };
     match &mut node.value {
+        Value::Array(items) if is_only_table(items, name) => take_out(&mut items[0], parent, path),
         Value::Array(items) if !rest.is_empty() => take_out(item_of(items, parent, path)?, name, rest),
         Value::Table(entries) => {
             let at = entries.iter().position(|entry| entry.key == *name);
@@ -100,6 +108,11 @@ fn take_out(node: &mut Node, parent: &str, path: &[(String, Place)]) -> Result<(
 fn nothing_there(parent: &str, name: &str, place: &Place) -> Fault {
     let message = format!("--set: nothing after the `=` takes a key out, and `{parent}` has no key `{name}`");
     Fault::at(place, message, "not there").help(format!("an empty text is --set '{name}=\"\"'"))
+}
+
+/// Whether a list has one table alone, to which a key that is no number belongs.
+fn is_only_table(items: &[Node], name: &str) -> bool {
+    name.parse::<usize>().is_err() && matches!(items, [Node { value: Value::Table(_), .. }])
 }
 
 /// Tables in which a key may be a number.
@@ -170,12 +183,32 @@ mod tests {
     }
 
     #[test]
+    fn what_begins_like_toml_is_toml_alone() {
+        for flag in ["title=\"a\" # c\nx=1", "a=[1]\nb=2", "a={ b = 1 }\nc=2", "a='x'\n[b]"] {
+            let error = set("", flag).unwrap_err().to_string();
+            assert!(error.contains("more than one value"), "{flag:?}: {error}");
+        }
+        assert_eq!(set("", "title=\"a\" # c").unwrap(), "title = \"a\"\n");
+    }
+
+    #[test]
+    fn an_only_table_of_a_list_needs_no_number() {
+        let text = "[[support]]\ngroup = \"y-min\"\nfix = [\"x\"]\n";
+        let changed = text.replace("y-min", "y-max");
+        assert_eq!(set(text, "support.group=y-max").unwrap(), changed);
+        assert_eq!(set(text, "support.0.group=y-max").unwrap(), changed);
+        assert_eq!(set(text, "support.fix=").unwrap(), "[[support]]\ngroup = \"y-min\"\n");
+        let error = set(&text.repeat(2), "support.group=y-max").unwrap_err().to_string();
+        assert!(error.contains("`support` is a list; say which item"), "{error}");
+    }
+
+    #[test]
     fn items_of_lists_are_counted_from_zero() {
         let text = "[[load]]\ntraction = [1, 2, 3]\n";
         assert_eq!(set(text, "load.0.traction.1=7").unwrap(), "[[load]]\ntraction = [1, 7, 3]\n");
         for (flag, part) in [
             ("load.1.traction=[0,0,0]", "the list has 1"),
-            ("load.traction=[0,0,0]", "`load` is a list; say which item"),
+            ("load.0.traction.x=1", "`traction` is a list; say which item"),
             ("load.0.0.traction=[0,0,0]", "`0` is one table here"),
             ("load.0.traction.0.x=1", "`0` is a whole number, in which there is nothing to set"),
             ("load.0.traction=[1, 2", "not valid TOML"),

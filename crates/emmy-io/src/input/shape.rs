@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::fault::{Fault, Place};
-use super::keys;
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
+use super::{derived, keys};
 use crate::mesh::MeshFile;
+use crate::message;
 
 /// Where the mesh comes from.
 #[derive(Debug)]
@@ -35,6 +36,7 @@ struct Network {
     links: Vec<[u32; 2]>,
     groups: Vec<(String, Vec<u32>)>,
     link_groups: Vec<(String, Vec<u32>)>,
+    notes: Vec<String>,
 }
 
 impl Network {
@@ -53,12 +55,14 @@ impl Network {
             }
             None => Ok(Vec::new()),
         };
-        Ok(Network {
-            groups: groups("groups", "points", points.len())?,
-            link_groups: groups("link_groups", "links", links.len())?,
-            points,
-            links,
-        })
+        let groups_of_links = groups("link_groups", "links", links.len())?;
+        let groups = groups("groups", "points", points.len())?;
+        let names = groups.iter().chain(&groups_of_links).map(|(name, _)| name);
+        let notes = names.filter_map(|name| message::note_on_name(name)).collect();
+        let read = |groups: Vec<(String, Vec<u32>)>| {
+            groups.into_iter().map(|(name, members)| (message::name(&name).into_owned(), members)).collect()
+        };
+        Ok(Network { groups: read(groups), link_groups: read(groups_of_links), points, links, notes })
     }
 
     fn mesh(&self) -> emmy::Result<Mesh> {
@@ -178,15 +182,15 @@ impl Shape {
     /// The mesh, scaled, with what its reader remarked. Lines of a file in one of the groups `links` are cells.
     pub(super) fn mesh(&self, links: &[String]) -> Result<MeshFile, Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
-        let made = |mesh: emmy::Result<Mesh>| -> Result<MeshFile, Fault> {
+        let made = |mesh: emmy::Result<Mesh>, notes| -> Result<MeshFile, Fault> {
             let mesh = mesh.map_err(|error| at(&error))?;
-            Ok(MeshFile { mesh, notes: Vec::new(), files: Vec::new() })
+            Ok(MeshFile { mesh, notes, files: Vec::new() })
         };
         let file = match &self.source {
-            Source::LBlock { cell_size } => made(emmy::mesh::l_block(*cell_size)),
-            Source::Box { size, cells } => made(emmy::mesh::block(*size, *cells)),
-            Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells)),
-            Source::Network(network) => made(network.mesh()),
+            Source::LBlock { cell_size } => made(emmy::mesh::l_block(*cell_size), Vec::new()),
+            Source::Box { size, cells } => made(emmy::mesh::block(*size, *cells), Vec::new()),
+            Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells), Vec::new()),
+            Source::Network(network) => made(network.mesh(), network.notes.clone()),
             Source::File(path) => {
                 crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
                     Some(name) => at(&error).help(format!("did you mean `{name}`?")),
@@ -195,6 +199,7 @@ impl Shape {
             }
         }?;
         let mesh = file.mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
+        derived::check_extent(&mesh, &self.place)?;
         Ok(MeshFile { mesh, ..file })
     }
 

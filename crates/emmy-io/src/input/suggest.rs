@@ -1,18 +1,22 @@
 //! The nearest word to one that is not known.
 
-/// The nearest of the known words, if one is near enough to be meant.
+/// Letters of a word that may be the beginning of another.
+const SHORTEST_BEGINNING: usize = 3;
+
+/// Most words of a list in a message.
+const MOST_WORDS: usize = 60;
+
+/// The nearest of the known words, if one is near enough to be meant; else the first that begins with the word.
 pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = plain(word);
     let distance = |known: &&str| strsim::damerau_levenshtein(&plain, &self::plain(known));
     let length = plain.chars().count();
     // One letter is as near to every other one.
     let allowed = (length / 3).max(1).min(length.saturating_sub(1));
-    known
-        .into_iter()
-        .map(|word| (distance(&word), word))
-        .filter(|(d, _)| *d <= allowed)
-        .min()
-        .map(|(_, word)| word)
+    let known: Vec<&str> = known.into_iter().collect();
+    let near = known.iter().map(|word| (distance(word), *word)).filter(|(d, _)| *d <= allowed).min();
+    let begins = |word: &&&str| length >= SHORTEST_BEGINNING && self::plain(word).starts_with(&plain);
+    near.map(|(_, word)| word).or_else(|| known.iter().find(begins).copied())
 }
 
 /// "did you mean ...?", or nothing.
@@ -20,10 +24,15 @@ pub(super) fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a s
     nearest(word, known).map(|word| format!("did you mean `{word}`?"))
 }
 
-/// Words in one line, each in back-quotes.
+/// Words in one line, each in back-quotes; of very many the first.
 pub(super) fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
-    let words: Vec<String> = words.into_iter().map(|word| format!("`{word}`")).collect();
-    if words.is_empty() { "none".to_string() } else { words.join(", ") }
+    let mut words = words.into_iter();
+    let first: Vec<String> = words.by_ref().take(MOST_WORDS).map(|word| format!("`{word}`")).collect();
+    match (first.is_empty(), words.count()) {
+        (true, _) => "none".to_string(),
+        (false, 0) => first.join(", "),
+        (false, more) => format!("{} and {more} more", first.join(", ")),
+    }
 }
 
 /// Case, hyphens and underscores make no difference to what is meant.
@@ -43,5 +52,22 @@ mod tests {
         assert_eq!(nearest("w", ["x", "y", "z"]), None);
         assert_eq!(nearest("X", ["x", "y", "z"]), Some("x"));
         assert_eq!(nearest("mv", ["lambda", "mu"]), Some("mu"));
+    }
+
+    #[test]
+    fn the_beginning_of_a_word_is_near() {
+        assert_eq!(nearest("youngs", ["lambda", "mu", "youngs_modulus"]), Some("youngs_modulus"));
+        assert_eq!(nearest("Poissons", ["youngs_modulus", "poissons_ratio"]), Some("poissons_ratio"));
+        assert_eq!(nearest("po", ["youngs_modulus", "poissons_ratio"]), None);
+        assert_eq!(nearest("density", ["densities", "density_of_cells"]), Some("density_of_cells"));
+    }
+
+    #[test]
+    fn lists_have_an_end() {
+        let names: Vec<String> = (0..1000).map(|i| format!("g{i}")).collect();
+        let list = listed(names.iter().map(String::as_str));
+        assert!(list.ends_with("`g59` and 940 more"), "{list}");
+        assert_eq!(listed(["a", "b"]), "`a`, `b`");
+        assert_eq!(listed([]), "none");
     }
 }

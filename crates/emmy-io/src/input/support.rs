@@ -3,6 +3,7 @@
 use emmy::body::{History, Rotation, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
+use emmy::number::{short, short_vector};
 
 use super::fault::{Fault, Place};
 use super::region::Placed;
@@ -19,7 +20,7 @@ const KINDS: [&str; 5] = ["fix", "move", "rotate", "symmetry", "spring"];
 /// Reads one support.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
     let table = item.table(keys::SUPPORT)?;
-    let group = table.require("group")?.string()?.to_string();
+    let group = table.require("group")?.name()?;
     if KINDS.iter().all(|key| table.get(key).is_none()) {
         let message = "[[support]] needs at least one of `fix`, `move`, `rotate`, `symmetry`, `spring`";
         return Err(Fault::at(table.place(), message, "none of them is here"));
@@ -83,14 +84,17 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
 fn motion(item: Item<'_>) -> Result<History, Fault> {
     let (history, key) = (history::read(item)?, item.key());
     if let Some(time) = history.first_jump() {
-        let message = format!("`{key}`: a motion that jumps, at t = {time}; give the way there some time");
+        let message =
+            format!("`{key}`: a motion that jumps, at t = {}; give the way there some time", short(time));
         return Err(item.fault(message, "two values at one time"));
     }
     let start = history.value(0.0);
     // Rounding of an expression that is zero in mathematics is no displacement; other values wait for the size of the mesh.
     if start.abs() > 1e-9 {
-        let message =
-            format!("`{key}` is {start} at t = 0, where the body is undeformed; let it start from 0");
+        let message = format!(
+            "`{key}` is {} at t = 0, where the body is undeformed; let it start from 0",
+            short(start)
+        );
         return Err(item.fault(message, "not 0 at the start"));
     }
     Ok(history)
@@ -141,9 +145,8 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
             let other: Option<&Placed<Support>> = by[dof].replace(index).map(|other: usize| &supports[other]);
             let moves = |support: &Placed<Support>| support.value.drives(dof % 3);
             let Some(other) = other.filter(|other| moves(other) || moves(support)) else { continue };
-            let (component, point) = (COMPONENTS[dof % 3], mesh.points()[dof / 3]);
-            let message =
-                format!("component `{component}` of the node at {point:?} is given by two supports");
+            let (component, point) = (COMPONENTS[dof % 3], short_vector(mesh.points()[dof / 3]));
+            let message = format!("component `{component}` of the node at {point} is given by two supports");
             return Err(Fault::at(&support.place, message, "second").label(&other.place, "first"));
         }
     }

@@ -4,6 +4,7 @@ use super::fault::{Fault, Place};
 use super::keys::Keys;
 use super::suggest::{did_you_mean, listed};
 use super::tree::{Entry, Node, Value};
+use crate::message;
 
 /// A table whose keys are all known.
 #[derive(Debug, Clone, Copy)]
@@ -167,6 +168,11 @@ impl<'a> Item<'a> {
             Value::String(text) => Ok(text),
             _ => Err(self.mismatch("a string")),
         }
+    }
+
+    /// A name that files can hold, read as the names in meshes are.
+    pub(super) fn name(&self) -> Result<String, Fault> {
+        Ok(message::name(self.string()?).into_owned())
     }
 
     /// True or false.

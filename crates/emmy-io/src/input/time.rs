@@ -107,21 +107,21 @@ fn plan(item: Item<'_>) -> Result<StepPlan, Fault> {
         return Err(item.fault("`steps` is empty", "such as [ { until = 1.0, size = 0.01 } ]"));
     }
     let phases = items.iter().map(phase).collect::<Result<Vec<_>, _>>()?;
-    let numbers: Vec<f64> = phases.iter().flat_map(|phase| [phase.until, phase.size]).collect();
     StepPlan::new(0.0, phases).map_err(|error| match error {
-        emmy::Error::Plan { phase, .. } => items.get(phase).unwrap_or(&item).fault(
-            format!("phase {} of `steps`: {}", phase + 1, plan_reason(&error, &numbers)),
-            "this phase",
-        ),
+        emmy::Error::Plan { phase, reason } => items
+            .get(phase)
+            .unwrap_or(&item)
+            .fault(format!("phase {} of `steps`: {reason}", phase + 1), "this phase"),
         other => item.fault(other.to_string(), "here"),
     })
 }
 
-/// What is wrong with a plan, in which its own large numbers are written with exponents.
-fn plan_reason(error: &emmy::Error, numbers: &[f64]) -> String {
-    let emmy::Error::Plan { reason, .. } = error else { return error.to_string() };
-    let long = numbers.iter().filter(|number| number.to_string().len() > spelled(**number).len());
-    long.fold(reason.clone(), |reason, number| reason.replace(&number.to_string(), &spelled(*number)))
+/// What is wrong with a plan.
+fn plan_reason(error: emmy::Error) -> String {
+    match error {
+        emmy::Error::Plan { reason, .. } => reason,
+        error => error.to_string(),
+    }
 }
 
 fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
@@ -144,14 +144,14 @@ fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
         (None, None) => {}
     }
     plan.with_phases(phases)
-        .map_err(|error| Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[until])), "this time"))
+        .map_err(|error| Fault::at(&place, format!("{flag}: {}", plan_reason(error)), "this time"))
 }
 
 fn with_size_from(plan: &StepPlan, from: f64, size: f64) -> Result<StepPlan, Fault> {
     plan.with_size_from(from, size).map_err(|error| {
         let flag = format!("--step {}", spelled(size));
         let place = Place::start_of("--step", &flag).at("--step ".len()..flag.len());
-        Fault::at(&place, format!("{flag}: {}", plan_reason(&error, &[size])), "this size")
+        Fault::at(&place, format!("{flag}: {}", plan_reason(error)), "this size")
     })
 }
 

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use emmy::number::short;
+
 /// Position inside a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Position {
@@ -57,6 +59,28 @@ pub enum MeshError {
     UnknownFormat {
         /// The file.
         file: PathBuf,
+    },
+    /// A file of a format of other programs that is not read.
+    #[error(
+        "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp) and VTK (.vtu)", file.display()
+    )]
+    OtherFormat {
+        /// The file.
+        file: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// What converts it.
+        command: String,
+    },
+    /// A file with elements of surfaces alone, which do not lie in a plane.
+    #[error("{}: the file has {found} only and no solid cells, and they do not lie in one plane; {advice}", file.display())]
+    SurfaceAlone {
+        /// The file.
+        file: PathBuf,
+        /// What there is.
+        found: &'static str,
+        /// What to try.
+        advice: &'static str,
     },
     /// A version of the MSH format that is not read.
     #[error(
@@ -152,8 +176,8 @@ pub enum MeshError {
     },
     /// A cell that is inverted or degenerate.
     #[error(
-        "{}: {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {det:e} at one of its points; check its \
-         orientation (the order of its nodes) and its shape in the mesher", file.display()
+        "{}: {cell} ({kind}) is inverted or degenerate: det(dX/dxi) = {} at one of its points; check its \
+         orientation (the order of its nodes) and its shape in the mesher", file.display(), short(.det)
     )]
     InvertedCell {
         /// The file.

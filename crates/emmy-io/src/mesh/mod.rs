@@ -3,12 +3,13 @@
 mod abaqus;
 mod error;
 mod gmsh;
+mod other;
 pub(crate) mod vtu;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use emmy::mesh::{Mesh, MeshBuilder};
+use emmy::mesh::{Cell, Mesh, MeshBuilder};
+use emmy::number::short_vector;
 
 pub use error::{MeshError, Place, Position};
 
@@ -61,8 +62,8 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
-    let bytes =
-        fs::read(path).map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
+    let bytes = crate::file::read(path)
+        .map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
     parse_with_links(path, &bytes, links)
 }
 
@@ -86,6 +87,9 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
 /// # Errors
 /// Those of [`read`].
 pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
+    if let Some(error) = other::format(path) {
+        return Err(error);
+    }
     if bytes.trim_ascii().is_empty() {
         return Err(MeshError::Malformed {
             place: Place::line(path, 1),
@@ -95,7 +99,7 @@ pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<M
     }
     match format(path, bytes) {
         Some(Format::Gmsh) => gmsh::mesh(path, bytes, links),
-        Some(Format::Abaqus) => abaqus::mesh(path, bytes),
+        Some(Format::Abaqus) => abaqus::mesh(path, bytes, links),
         Some(Format::Vtu) => vtu::mesh(path, bytes, links),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
@@ -108,7 +112,7 @@ enum Format {
     Vtu,
 }
 
-/// Format by the first character, else (for the message of its reader) by the extension.
+/// Format by the first character (where the extension is not that of a known other one), else (for the message of its reader) by the extension.
 fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
     match without_mark(bytes).trim_ascii_start().first() {
         Some(b'$') => return Some(Format::Gmsh),
@@ -160,6 +164,7 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
         notes.push(format!("node group \"{name}\" has no node of a cell"));
     }
     notes.extend(note_on_coincident_nodes(&mesh));
+    notes.extend(note_on_collapsed_cells(&mesh, origin));
     Ok(MeshFile { mesh, notes, files: vec![file()] })
 }
 
@@ -180,10 +185,26 @@ fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
 /// Nodes at one place are what contact and cracks are made of, or else a mesh that was not joined.
 fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
     let pairs = mesh.coincident_nodes();
-    let [x, y, z] = mesh.points()[pairs.first()?[1] as usize];
+    let place = short_vector(mesh.points()[pairs.first()?[1] as usize]);
     let lie = counted(pairs.len(), "node lies", "nodes lie");
     Some(format!(
-        "{lie} where another one does, the first at [{x}, {y}, {z}]: cells on both sides are not joined there"
+        "{lie} where another one does, the first at {place}: cells on both sides are not joined there"
+    ))
+}
+
+/// Cells with two corners at one place are integrated as they are, but more likely they should have been wedges or pyramids.
+fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
+    let is_collapsed = |cell: &Cell<'_>| {
+        let corners = &cell.nodes[..cell.kind.n_corners()];
+        let place = |node: &u32| mesh.points()[*node as usize];
+        corners.iter().enumerate().any(|(i, a)| corners[..i].iter().any(|b| place(a) == place(b)))
+    };
+    let mut collapsed = mesh.cells().enumerate().filter(|(_, cell)| is_collapsed(cell));
+    let (first, cell) = collapsed.next()?;
+    let have = counted(1 + collapsed.count(), "cell has", "cells have");
+    let (name, kind) = ((origin.name)(first), cell.kind);
+    Some(format!(
+        "{have} two corners at one place (aspect ratio inf), the first is {name} ({kind}); is another kind of cell meant?"
     ))
 }
 

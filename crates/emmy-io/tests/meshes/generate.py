@@ -5,7 +5,8 @@ Physical groups: volumes "left part", "right part" and "whole" (both, so every c
 (x = 0), "tip" (x = 2), "skin" (x = 2 and z = 1) and one without a name, number 7 (the inner one at x = 1); curve
 "edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
 but with all elements (all-VERSION.msh). mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
-pyramids and tetrahedra in the right one. wedge18.msh and version-40.msh are for the errors.
+pyramids and tetrahedra in the right one. gmsh-solid.inp and gmsh-solid-quadratic.inp are a box [0, 1] x [0, 1] x [0, 2] as
+Gmsh writes it for Abaqus, with its faces; surfaces-alone.msh has its ends without its volume. wedge18.msh and version-40.msh are for the errors.
 """
 
 import gmsh
@@ -87,6 +88,27 @@ def for_errors():
     write("wedge18", 4.1, 1)
 
 
+def for_abaqus():
+    """A box with the groups body, foot (z = 0) and top (z = 2)."""
+    for order, name, all_elements in [(1, "gmsh-solid", 1), (2, "gmsh-solid-quadratic", 0)]:
+        gmsh.clear()
+        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 2)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1], name="body")
+        for group, z in [("foot", 0), ("top", 2)]:
+            gmsh.model.addPhysicalGroup(2, on(2, z=z), name=group)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", 1)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 1)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.option.setNumber("Mesh.SaveAll", all_elements)
+        gmsh.write(f"{name}.inp")
+        gmsh.option.setNumber("Mesh.SaveAll", 0)
+        if order == 1:
+            gmsh.model.removePhysicalGroups([(3, 1)])
+            write("surfaces-alone", 4.1, 0)
+
+
 def main():
     gmsh.initialize()
     gmsh.option.setNumber("General.Verbosity", 2)
@@ -106,6 +128,7 @@ def main():
             write("all-22", 2.2, 0, SaveAll=1)
             write("all-41", 4.1, 0, SaveAll=1)
     for_errors()
+    for_abaqus()
     gmsh.finalize()
 
 

@@ -39,6 +39,7 @@ fn read(text: &str, set: Vec<String>) {
         Err(error) => {
             assert!(!error.to_string().is_empty() && !error.faults().is_empty());
             for fault in error.faults() {
+                let fault = fault.excerpt();
                 let Some(code) = fault.source_code() else { continue };
                 let labels = fault.labels().unwrap();
                 labels.for_each(|label| assert!(code.read_span(label.inner(), 1, 1).is_ok(), "{text}"));

@@ -120,3 +120,111 @@ fn faces_of_the_brick_lie_where_abaqus_has_them() {
 fn a_brick_that_is_whole_has_no_notes() {
     assert!(parse_text("brick.inp", BRICK).unwrap().notes.is_empty());
 }
+
+#[test]
+fn plane_stress_elements_beside_solid_ones_are_faces() {
+    // Of Gmsh: a box [0, 1] x [0, 1] x [0, 2] with the groups body, foot (z = 0) and top (z = 2), all elements saved.
+    for (name, kind, faces) in
+        [("gmsh-solid.inp", CellKind::Tet4, "CPS3"), ("gmsh-solid-quadratic.inp", CellKind::Tet10, "CPS6")]
+    {
+        let file = read(name);
+        let (mesh, groups) = (&file.mesh, file.mesh.groups());
+        assert_eq!(mesh.counts_by_kind(), [(kind, groups.cells("body").unwrap().len())], "{name}");
+        assert!((volume(mesh) - 2.0).abs() < 1e-12, "{name}");
+        assert_plane(mesh, "foot", 2, 0.0);
+        assert_plane(mesh, "top", 2, 2.0);
+        for group in ["foot", "top"] {
+            assert!((area(mesh, group) - 1.0).abs() < 1e-12, "{name}: {group}");
+            assert!(
+                !groups.cells.contains_key(group) && !groups.nodes.contains_key(group),
+                "{name}: {group}"
+            );
+        }
+        let note = format!("elements of type {faces} are read as faces of the solid cells beside them");
+        assert!(file.notes.contains(&note), "{name}: {:?}", file.notes);
+    }
+}
+
+/// Area of the triangles of a group of facets.
+fn area(mesh: &emmy::mesh::Mesh, group: &str) -> f64 {
+    let of_facet = |&facet: &emmy::mesh::Facet| {
+        let corners: Vec<[f64; 3]> =
+            mesh.facet_nodes(facet).map(|node| mesh.points()[node as usize]).collect();
+        let [a, b] = [1, 2].map(|i| [0, 1, 2].map(|j| corners[i][j] - corners[0][j]));
+        let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        normal.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0
+    };
+    mesh.groups().facets(group).unwrap().iter().map(of_facet).sum()
+}
+
+#[test]
+fn lines_beside_faces_are_edges_unless_links_are_asked_for() {
+    let file = read("gmsh-solid.inp");
+    // A curve of a box is parallel to an axis: two coordinates are those of a corner.
+    let nodes = &file.mesh.groups().nodes["Line1"];
+    let points: Vec<[f64; 3]> = nodes.iter().map(|&node| file.mesh.points()[node as usize]).collect();
+    let constant = |axis: usize| points.iter().all(|point| point[axis] == points[0][axis]);
+    assert_eq!([0, 1, 2].into_iter().filter(|&axis| constant(axis)).count(), 2, "{points:?}");
+    assert!(file.notes.iter().any(|note| note.contains("lines are read as edges")), "{:?}", file.notes);
+    let links =
+        emmy_io::mesh::read_with_links(&meshes::path("gmsh-solid.inp"), &["Line1".to_string()]).unwrap();
+    assert!(links.mesh.counts_by_kind().iter().any(|(kind, _)| *kind == CellKind::Line2));
+}
+
+#[test]
+fn a_last_line_without_line_feed_may_be_cut_off() {
+    let text = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4\n1, 1,2,3,4\n";
+    assert!(parse_text("a.inp", text).unwrap().notes.is_empty());
+    let notes = parse_text("a.inp", text.trim_end()).unwrap().notes;
+    assert_eq!(notes, ["a.inp: the last line has no line feed at its end; is the file cut off?"]);
+}
+
+#[test]
+fn control_characters_in_names_are_replaced() {
+    let text = "*Node, nset=a\u{1b}b\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=c\u{7}\n1, 1,2,3,4\n";
+    let file = parse_text("a.inp", text).unwrap();
+    assert_eq!(file.mesh.groups().names(), ["a_b", "c_"]);
+    assert_eq!(
+        file.notes,
+        [
+            "a.inp, line 1: control characters are read as `_`",
+            "a.inp, line 6: control characters are read as `_`"
+        ]
+    );
+}
+
+#[test]
+fn a_collapsed_brick_is_noted() {
+    let nodes = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n";
+    let text = format!("{nodes}*Element, type=C3D8\n17, 1,2,3,4,5,6,7,7\n");
+    let notes = parse_text("a.inp", &text).unwrap().notes;
+    let expected = "1 cell has two corners at one place (aspect ratio inf), the first is element 17 (hex8)";
+    assert!(notes.iter().any(|note| note.starts_with(expected)), "{notes:?}");
+}
+
+/// Least time of three readings of a text.
+fn seconds(text: &str) -> f64 {
+    let times = (0..3).map(|_| {
+        let start = std::time::Instant::now();
+        parse_text("a.inp", text).unwrap();
+        start.elapsed().as_secs_f64()
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_time_for_an_assembly_grows_with_its_instances_alone() {
+    let assembly = |n: usize| {
+        let mut text = "*Part, name=P\n*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n\
+                        *Surface, name=s\n1, S1\n*End Part\n*Assembly, name=A\n"
+            .to_string();
+        (0..n).for_each(|i| {
+            text += &format!("*Instance, name=P-{i}, part=P\n{}, 0, 0\n*End Instance\n", 2 * i);
+            text += &format!("*Surface, name=s-{i}\nP-{i}.1, S2\n");
+        });
+        text
+    };
+    // Sixteen times as many take sixteen times as long, and would take 256 times as long if each were looked for among all.
+    let ratio = seconds(&assembly(16_000)) / seconds(&assembly(1_000));
+    assert!(ratio < 64.0, "{ratio}");
+}

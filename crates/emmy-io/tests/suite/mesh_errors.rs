@@ -23,7 +23,28 @@ fn assert_message(name: &str, text: &str, parts: &[&str]) {
 fn files_of_no_known_format() {
     let no_such = emmy_io::mesh::read("no/such.msh".as_ref()).unwrap_err().to_string();
     assert!(no_such.starts_with("no/such.msh: cannot be read: "), "{no_such}");
-    assert_message("a.stl", "solid cube", &["a.stl: not a mesh file", ".msh", ".inp"]);
+    assert_message("a.xyz", "solid cube", &["a.xyz: not a mesh file", ".msh", ".inp"]);
+    // Known other formats by their extension, whatever stands in them.
+    assert_message(
+        "a.bdf",
+        "$ Nastran\n",
+        &["a.bdf: a bulk data file of Nastran is not read", "`meshio convert a.bdf a.vtu`"],
+    );
+    assert_message("a.NAS", "$ Nastran\n", &["`meshio convert a.NAS a.vtu`"]);
+    assert_message(
+        "a.vtk",
+        "# vtk DataFile Version 2.0\n",
+        &["the legacy format of VTK", "`meshio convert a.vtk a.vtu`"],
+    );
+    assert_message("a.unv", "    -1\n", &["a mesh of I-deas", "`gmsh -3 a.unv -format msh41 -o a.msh`"]);
+    assert_message("a.med", "HDF", &["a mesh of Salome", "`meshio convert a.med a.vtu`"]);
+    assert_message("a.step", "ISO-10303-21;\n", &["a geometry, no mesh, is not read", "`gmsh -3 a.step"]);
+    assert_message("a.stl", "solid cube", &["a surface of triangles (STL) is not read", "Surface Loop"]);
+    assert_message(
+        "a.geo",
+        "Point(1) = {0, 0, 0, 1};\n",
+        &["a script of Gmsh is not read", "`gmsh -3 a.geo"],
+    );
     assert_message("a.msh", " \n", &["a.msh, line 1: the file is empty"]);
     assert_message("a.inp", "", &["a.inp, line 1: the file is empty"]);
     assert_message("a.msh", "GAMBIT\n1 2 3", &["line 1: the file does not begin with $MeshFormat"]);
@@ -215,8 +236,7 @@ fn bad_abaqus_assemblies() {
 
 #[test]
 fn cells_that_are_inverted_or_there_twice_have_their_own_numbers() {
-    let inverted =
-        "is inverted or degenerate: det(dX/dxi) = -1e0 at one of its points; check its orientation";
+    let inverted = "is inverted or degenerate: det(dX/dxi) = -1 at one of its points; check its orientation";
     let (one, other) =
         ("a.msh: element 7 (tet4) ", "a.msh: element 9 has the nodes of element 7; remove one");
     let elements = |text: &str| format!("{V2}$Elements\n{text}$EndElements\n");

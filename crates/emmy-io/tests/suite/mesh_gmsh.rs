@@ -150,3 +150,21 @@ $Elements\n2\n1 4 2 1 1 10 20 30 40\n2 2 2 3 1 20 30 50\n$EndElements\n";
     let error = parse_text("lid.msh", text).unwrap_err().to_string();
     assert!(error.starts_with("lid.msh: group \"lid\": the facet with corner nodes [20, 30, 50]"), "{error}");
 }
+
+#[test]
+fn surfaces_alone_are_told_from_a_mesh_in_a_plane() {
+    // A box whose foot and top are physical groups, but not its volume.
+    let error = emmy_io::mesh::read(&meshes::path("surfaces-alone.msh")).unwrap_err().to_string();
+    for part in ["the file has triangles only", "put the volume into one too", "Mesh.SaveAll = 1"] {
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn control_characters_in_names_are_replaced() {
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"a\u{1b}b\"\n$EndPhysicalNames\n\
+        $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+    let file = parse("a.msh".as_ref(), text.as_bytes()).unwrap();
+    assert_eq!(file.mesh.groups().names(), ["a_b"]);
+    assert_eq!(file.notes, ["the name \"a\\u{1b}b\" has control characters: it is read as \"a_b\""]);
+}

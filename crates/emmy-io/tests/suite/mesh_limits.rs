@@ -64,5 +64,5 @@ fn includes_of_includes() {
 #[cfg(unix)]
 #[test]
 fn includes_that_never_end() {
-    assert_refused("a.inp", "*Include, input=/dev/zero\n", &["line 1", "/dev/zero", "not an ordinary file"]);
+    assert_refused("a.inp", "*Include, input=/dev/zero\n", &["line 1", "/dev/zero", "not a regular file"]);
 }

@@ -29,7 +29,7 @@ impl MassSolver {
                 axes.push(axis);
                 continue;
             }
-            let mut factor = BlockCholesky::new(body.pattern(), 1, &fixed(axis), body.node_order())?;
+            let mut factor = BlockCholesky::new(body.pattern(), 1, &fixed(axis), body.node_order()?)?;
             factor.factorize(|position| body.mass()[position])?;
             factors.push((vec![axis], factor));
         }

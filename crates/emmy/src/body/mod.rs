@@ -25,7 +25,7 @@ mod term;
 mod viscosity;
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub use field::Field;
 pub use geometry::CellTable;
@@ -77,7 +77,8 @@ pub struct Body {
     ground: Arc<Vec<Box<dyn Term>>>,
     pattern: Arc<Pattern>,
     parts: Vec<Range<usize>>,
-    node_order: Vec<usize>,
+    /// Found when it is first asked for.
+    node_order: Arc<OnceLock<Result<Vec<usize>>>>,
     mass: Arc<Vec<f64>>,
     /// Rate of the mass-proportional damping.
     drag: f64,
@@ -97,7 +98,7 @@ impl Body {
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::RegionCover`] if the regions do not cover the cells, [`Error::NotPositive`]
-    /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Support`], [`Error::Linear`].
+    /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Support`].
     pub fn new(mesh: Mesh, regions: Vec<Region>, supports: &[Support], loads: &[Load]) -> Result<Self> {
         Body::with_nodal(mesh, regions, &Nodal::default(), supports, loads)
     }
@@ -156,7 +157,7 @@ impl Body {
             regions: regions_and_masses,
             region_of_cell: of_cell.into_indices(),
             made_of: Arc::new(regions),
-            node_order: nested_dissection(&pattern)?,
+            node_order: Arc::new(OnceLock::new()),
             terms: Arc::new(terms),
             ground: Arc::new(ground),
             pattern: Arc::new(pattern),
@@ -238,9 +239,16 @@ impl Body {
         &self.lumped_mass
     }
 
-    /// Fill-reducing order of the nodes, `order[new] = old`.
-    pub fn node_order(&self) -> &[usize] {
-        &self.node_order
+    /// Fill-reducing order of the nodes, `order[new] = old`. It is found when it is first asked for, so that what solves no linear
+    /// system does without.
+    ///
+    /// # Errors
+    /// [`Error::Linear`] if there is not enough memory for it.
+    pub fn node_order(&self) -> Result<&[usize]> {
+        match self.node_order.get_or_init(|| nested_dissection(&self.pattern)) {
+            Ok(order) => Ok(order),
+            Err(error) => Err(error.clone()),
+        }
     }
 
     /// Memory for the assembly with time elements of a degree.

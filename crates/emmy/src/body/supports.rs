@@ -4,6 +4,7 @@ use super::drive::Drive;
 use super::{Rotation, Support};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
+use crate::number::{short, short_vector};
 
 /// Degrees of freedom whose motion is given, and by what.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +54,7 @@ impl Given {
     fn drive(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
         let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
         if let Some(time) = support.histories().find_map(|history| history.first_jump()) {
-            return Err(fail(format!("its motion jumps at t = {time}; nothing moves so fast")));
+            return Err(fail(format!("its motion jumps at t = {}; nothing moves so fast", short(time))));
         }
         let rotation = support.rotation.as_ref().map(normalised).transpose().map_err(fail)?;
         let nodes = mesh.group_nodes(&support.group)?;
@@ -66,9 +67,9 @@ impl Given {
         for dof in drive.dofs() {
             if std::mem::replace(&mut self.fixed[dof], true) {
                 let component = ["x", "y", "z"][dof % 3];
-                let point = mesh.points()[dof / 3];
+                let point = short_vector(mesh.points()[dof / 3]);
                 let reason = "is fixed or driven by another support too";
-                return Err(fail(format!("component {component} of the node at {point:?} {reason}")));
+                return Err(fail(format!("component {component} of the node at {point} {reason}")));
             }
         }
         self.drives.push(drive);

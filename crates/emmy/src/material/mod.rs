@@ -111,7 +111,7 @@ pub trait Material: Clone + Send + Sync + 'static {
 /// ```
 ///
 /// # Errors
-/// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2.
+/// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2 and both parameters are finite.
 pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) -> Result<(f64, f64)> {
     let (E, nu) = (youngs_modulus, poissons_ratio);
     positive(material, "youngs_modulus", E)?;
@@ -124,7 +124,10 @@ pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) ->
             requirement,
         });
     }
-    Ok((E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu))))
+    let (lambda, mu) = (E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu)));
+    let requirement = "makes a Lame parameter lambda or mu that is too large for a number";
+    fulfils(lambda.is_finite() && mu.is_finite(), material, "youngs_modulus", E, requirement)?;
+    Ok((lambda, mu))
 }
 
 /// Checks that Lame parameters make a stable material: mu > 0 and lambda + 2/3 mu > 0.
@@ -209,6 +212,8 @@ mod tests {
             refuses("lambda", stable_lame("m", bad, 3.0));
         }
         assert!(stable_lame("m", -1.99, 3.0).is_ok());
+        // lambda is about 1e308 / (3 (1 - 2 nu)), beyond the largest double.
+        refuses("youngs_modulus", lame("m", 1e308, 0.4999999999));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::march::placed;
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
 use crate::body::Body;
 use crate::error::{Error, Result};
+use crate::number::short;
 use crate::time::{LocalError, Memory, StepOutcome};
 
 /// What chooses the step sizes of a motion.
@@ -203,7 +204,7 @@ impl<'a> Motion<'a> {
             }
         };
         let message =
-            format!("step of {size:.3e} done again with {:.3e}: {error}", control.controller.size());
+            format!("step of {} done again with {}: {error}", short(size), short(control.controller.size()));
         self.note(kind, self.state.step + 1, message);
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! How step sizes are chosen by the error: settings and controller.
 
 use crate::error::{Error, Result};
+use crate::number::short;
 use crate::time::{Estimator, MAX_DEGREE, Scheme};
 
 /// Steps whose sizes are chosen by the error that each of them makes.
@@ -104,14 +105,15 @@ impl Adaptivity {
             return fail("max_size", format!("must be positive, not {}", self.largest));
         }
         if self.smallest > self.largest {
-            let reason = format!("{} is larger than max_size = {}", self.smallest, self.largest);
+            let reason =
+                format!("{} is larger than max_size = {}", short(self.smallest), short(self.largest));
             return fail("min_size", reason);
         }
         for (setting, value) in
             [("first_size", self.first), ("length", self.length), ("velocity", self.velocity)]
         {
             if let Some(value) = value.filter(|value| !is_positive(*value)) {
-                return fail(setting, format!("must be positive and finite, not {value}"));
+                return fail(setting, format!("must be positive and finite, not {}", short(value)));
             }
         }
         match self.first {

@@ -8,6 +8,7 @@ use super::{
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
+use crate::number::short;
 use crate::time::{Memory, Scheme, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
@@ -208,7 +209,7 @@ impl<'a> Motion<'a> {
             self.body = body;
             self.releases += 1;
             self.released += 1;
-            let message = format!("a support was released (until = {time})");
+            let message = format!("a support was released (until = {})", short(time));
             self.note(EventKind::Release, self.state.step + 1, message);
         }
         Ok(())
@@ -336,7 +337,7 @@ impl<'a> Motion<'a> {
         }
         self.division.cut();
         self.cuts += 1;
-        self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", 0.5 * size));
+        self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", short(0.5 * size)));
         Ok(())
     }
 

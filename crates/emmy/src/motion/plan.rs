@@ -2,6 +2,7 @@
 
 use super::Adaptivity;
 use crate::error::{Error, Result};
+use crate::number::short;
 
 /// Phase of a plan: steps of one size until a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,12 +65,17 @@ impl StepPlan {
         let mut begin = start;
         for (phase, &Phase { until, size }) in phases.iter().enumerate() {
             if !(size > 0.0 && size.is_finite()) {
-                return fail(phase, format!("the step size must be positive and finite, not {size}"));
+                return fail(
+                    phase,
+                    format!("the step size must be positive and finite, not {}", short(size)),
+                );
             }
             if !until.is_finite() || until <= begin {
+                let [until, begin] = [until, begin].map(short);
                 return fail(phase, format!("it ends at {until}, but begins at {begin}: time goes forward"));
             }
             if (until - begin) / size > 1e12 {
+                let [size, until] = [size, until].map(short);
                 return fail(phase, format!("steps of {size} until {until} are more than 1e12 steps"));
             }
             begin = until;
@@ -245,6 +251,7 @@ impl StepPlan {
         });
         match missed.filter(|_| plan.adaptivity.is_none()) {
             Some((phase, size, time)) => {
+                let [size, time, interval] = [size, time, interval].map(short);
                 let reason =
                     format!("steps of {size} miss t = {time}, a multiple of the interval {interval}");
                 Err(Error::Plan { phase, reason })

@@ -294,13 +294,14 @@ impl ApproximateTangent {
     fn make_solvers(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let sweep = (choice.is_iterative || has_pairs).then(|| Arc::new(SweepOrder::new(body.pattern())));
-        let order = body.node_order();
         for mode in &self.modes {
             self.solvers.push(match (&sweep, choice.is_iterative, mode.n_columns()) {
                 (Some(sweep), true, 1) => Box::new(Iterative::<1>::new(body, sweep.clone())),
                 (Some(sweep), true, _) => Box::new(Iterative::<2>::new(body, sweep.clone())),
-                (Some(sweep), false, 2) => Box::new(DirectPair::new(body, order, sweep.clone())?),
-                _ => Box::new(Direct::new(body, order)?),
+                (Some(sweep), false, 2) => {
+                    Box::new(DirectPair::new(body, body.node_order()?, sweep.clone())?)
+                }
+                _ => Box::new(Direct::new(body, body.node_order()?)?),
             });
         }
         Ok(())

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may use each other: each only what stands before it. Modules on one line are
 /// independent of each other, but for polynomial, which integrates with a quadrature.
-const ORDER: [&[&str]; 14] = [
+const ORDER: [&[&str]; 15] = [
+    &["number"],
     &["error"],
     &["tensor"],
     &["quadrature"],

@@ -20,6 +20,7 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("material-misspelt", "neo-hooke", "neohook"),
         changed("material-in-quotes", "material.neo-hooke", "\"material.neo-hooke\""),
         changed("parameter-from-textbooks", "lambda = 1000.0, mu = 500.0", "E = 1000.0, nu = 0.3"),
+        changed("parameter-cut-short", "lambda = 1000.0, mu = 500.0", "youngs = 1000.0, poissons = 0.3"),
         changed("parameter-of-another-model", "lambda = 1000.0", "c10 = 1000.0"),
         changed("probe-with-another-key", "point = [0, 2, 0]", "at = [0, 2, 0]"),
         changed("viscosity-of-nothing", "density = 2.0", "density = 2.0\nviscosity = {}"),

@@ -68,6 +68,8 @@ fn formats() -> Vec<Mistake> {
         built_in("mesh-file-that-is-a-folder", "file = \".\"").unseen(),
         file("mesh-of-another-format", "part.stl", "solid part\n"),
         file("mesh-of-a-cad-program", "part.step", "ISO-10303-21;\n"),
+        file("mesh-of-nastran", "part.bdf", "$ Nastran\n"),
+        file("mesh-of-an-older-vtk", "part.vtk", "# vtk DataFile Version 2.0\n"),
         file("mesh-file-empty", "part.msh", ""),
         file("mesh-file-of-zeros", "part.msh", [0u8; 64]),
         file("gmsh-script", "part.geo", "Point(1) = {0, 0, 0, 1};\n"),
@@ -111,6 +113,14 @@ fn contents() -> Vec<Mistake> {
             "face-without-a-cell",
             "$PhysicalNames\n2\n2 2 \"y-max\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 5 5\n$EndNodes\n\
              $Elements\n2\n1 4 2 1 1 1 2 3 4\n2 2 2 2 2 1 2 5\n$EndElements\n",
+        ),
+        gmsh(
+            "surfaces-without-a-volume",
+            &format!("{GMSH_NODES}$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 2 4\n$EndElements\n"),
+        ),
+        abaqus(
+            "face-of-no-cell",
+            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Element, type=S3, elset=y-max\n2, 2, 3, 5\n",
         ),
         gmsh("groups-without-names", &format!("{GMSH_NODES}$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")),
     ]

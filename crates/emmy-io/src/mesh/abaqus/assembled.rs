@@ -1,18 +1,21 @@
 //! The mesh of an input file: bodies put in their places, sets and surfaces made groups.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use emmy::mesh::{Facet, MeshBuilder};
 
 use super::super::{MeshError, MeshFile, Origin, Result, counted, finished};
-use super::body::{Body, Member, Of, Row, Set, Surface};
+use super::body::{Body, Element, Member, Of, Row, Set, Surface};
 use super::deck::Deck;
 use super::element;
 use super::placement::Placement;
 
 /// The mesh of all instances and of what stands outside of parts.
 pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
-    let mut assembly = Assembly { file, deck, builder: MeshBuilder::new(), starts: Vec::new(), n_nodes: 0 };
+    let surfaces = deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect();
+    let mut assembly =
+        Assembly { file, deck, builder: MeshBuilder::new(), starts: Vec::new(), n_nodes: 0, surfaces };
     let mut notes: Vec<String> = deck.notes.iter().cloned().collect();
     assembly.add_body(&deck.root, Placement::default())?;
     for instance in &deck.instances {
@@ -28,6 +31,10 @@ pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
         MeshError::Mesh { reason: emmy::Error::EmptyMesh, .. } => no_cells(file, deck),
+        MeshError::Mesh { reason: emmy::Error::FacetWithoutCell { group, nodes }, file } => {
+            let nodes = nodes.iter().map(|&node| node_number(deck, &starts, node)).collect();
+            MeshError::FacetWithoutCell { file, group, nodes }
+        }
         error => error,
     })
 }
@@ -48,12 +55,35 @@ fn element_name(deck: &Deck, starts: &[[u32; 2]], cell: usize) -> String {
     format!("cell {cell}")
 }
 
+/// Number in the file of a node of the mesh, in its own body.
+fn node_number(deck: &Deck, starts: &[[u32; 2]], node: u32) -> u64 {
+    let bodies = std::iter::once(&deck.root).chain(deck.instances.iter().map(|instance| &instance.body));
+    let of_body = |(body, [first, _]): (&Body, &[u32; 2])| {
+        let index = node.checked_sub(*first).filter(|&index| (index as usize) < body.points.len())?;
+        body.nodes.iter().find(|(_, known)| **known == index).map(|(number, _)| *number)
+    };
+    bodies.zip(starts).find_map(of_body).unwrap_or(node.into())
+}
+
 fn no_cells(file: &Path, deck: &Deck) -> MeshError {
     let advice = match (deck.parts.is_empty(), deck.instances.is_empty()) {
         (false, true) => "it has parts but no *Instance of them: write the assembly too",
         _ => "the body must be in it as *Node and *Element lines",
     };
     MeshError::NoCells { file: file.to_path_buf(), advice }
+}
+
+/// Faces, by their corners, and nodes of edges of a set of elements.
+#[derive(Debug, Default)]
+struct Lower {
+    faces: Vec<Vec<u32>>,
+    nodes_of_edges: Vec<u32>,
+}
+
+impl Lower {
+    fn is_empty(&self) -> bool {
+        self.faces.is_empty() && self.nodes_of_edges.is_empty()
+    }
 }
 
 struct Assembly<'a> {
@@ -63,6 +93,8 @@ struct Assembly<'a> {
     /// First node and first cell of the root and of each instance.
     starts: Vec<[u32; 2]>,
     n_nodes: usize,
+    /// Names of the surfaces of the assembly in lower case.
+    surfaces: HashSet<String>,
 }
 
 impl<'a> Assembly<'a> {
@@ -74,12 +106,7 @@ impl<'a> Assembly<'a> {
         self.n_nodes += body.points.len();
         let mut first_cell = None;
         for element in &body.elements {
-            let index = |&node: &u64| {
-                let place = || self.deck.place(element.at);
-                let unknown = || MeshError::UnknownNode { place: place(), element: element.number, node };
-                body.nodes.get(&node).map(|index| first_node + index).ok_or_else(unknown)
-            };
-            let nodes = body.nodes_of(element).iter().map(index).collect::<Result<Vec<u32>>>()?;
+            let nodes = self.node_indices(body, element, body.nodes_of(element), first_node)?;
             let cell = self.builder.cell(element.kind, &nodes);
             let cell = cell.map_err(|reason| MeshError::Mesh { file: self.file.to_path_buf(), reason })?;
             first_cell.get_or_insert(cell);
@@ -102,7 +129,7 @@ impl<'a> Assembly<'a> {
         for of in [Of::Nodes, Of::Elements] {
             for (key, set) in body.sets(of).iter().filter(|(_, set)| !set.internal) {
                 let is_taken = self.deck.root.sets(of).contains_key(key);
-                self.add_set(of, instance, set, is_taken, notes);
+                self.add_set(of, instance, set, is_taken, notes)?;
             }
         }
         for surface in body.surfaces.iter().filter(|surface| !surface.internal) {
@@ -122,13 +149,21 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    fn add_set(&mut self, of: Of, instance: Option<u32>, set: &Set, is_taken: bool, notes: &mut Vec<String>) {
-        let mut indices = Vec::new();
+    fn add_set(
+        &mut self,
+        of: Of,
+        instance: Option<u32>,
+        set: &Set,
+        is_taken: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<()> {
+        let (mut indices, mut lower) = (Vec::new(), Lower::default());
         let mut n_missing = 0_u64;
         for &member in &set.members {
             let (found, missing) = self.indices(of, instance, member);
             indices.extend(found);
-            n_missing = n_missing.saturating_add(missing);
+            let n_lower = if of == Of::Elements { self.add_lower(instance, member, &mut lower)? } else { 0 };
+            n_missing = n_missing.saturating_add(missing - n_lower);
         }
         let names = self.names(instance, &set.name, is_taken);
         if n_missing > 0 {
@@ -142,9 +177,47 @@ impl<'a> Assembly<'a> {
         for name in names {
             match of {
                 Of::Nodes => self.builder.node_group(&name, indices.iter().copied()),
-                Of::Elements => self.builder.cell_group(&name, indices.iter().copied()),
+                Of::Elements => {
+                    if !indices.is_empty() || lower.is_empty() {
+                        self.builder.cell_group(&name, indices.iter().copied());
+                    }
+                    if !lower.faces.is_empty() {
+                        self.builder.facet_group_by_nodes(&name, lower.faces.clone());
+                    }
+                    if !lower.nodes_of_edges.is_empty() {
+                        self.builder.node_group(&name, lower.nodes_of_edges.iter().copied());
+                    }
+                }
             }
         }
+        Ok(())
+    }
+
+    /// Adds the faces and edges of a member of a set, and says how many they are.
+    fn add_lower(&self, instance: Option<u32>, member: Member, lower: &mut Lower) -> Result<u64> {
+        let instance = member.instance.or(instance);
+        let body = self.body(instance);
+        let (found, _) = member.indices(&body.lower_index);
+        for &index in &found {
+            let element = &body.lower[index as usize];
+            let corners = &body.nodes_of(element)[..element.kind.n_corners()];
+            let nodes = self.node_indices(body, element, corners, self.start(instance, Of::Nodes))?;
+            match element.kind.dimension() {
+                2 => lower.faces.push(nodes),
+                _ => lower.nodes_of_edges.extend(nodes),
+            }
+        }
+        Ok(found.len() as u64)
+    }
+
+    /// Indices in the mesh of nodes of an element.
+    fn node_indices(&self, body: &Body, element: &Element, nodes: &[u64], first: u32) -> Result<Vec<u32>> {
+        let index = |&node: &u64| {
+            let place = || self.deck.place(element.at);
+            let unknown = || MeshError::UnknownNode { place: place(), element: element.number, node };
+            body.nodes.get(&node).map(|index| first + index).ok_or_else(unknown)
+        };
+        nodes.iter().map(index).collect()
     }
 
     /// Indices in the mesh of a member of a set of a body, and how many do not exist.
@@ -156,8 +229,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn add_surface(&mut self, instance: Option<u32>, surface: &Surface) -> Result<()> {
-        let key = surface.name.to_lowercase();
-        let is_taken = self.deck.root.surfaces.iter().any(|other| other.name.to_lowercase() == key);
+        let is_taken = self.surfaces.contains(&surface.name.to_lowercase());
         let names = self.names(instance, &surface.name, is_taken);
         for row in &surface.rows {
             for member in self.row_members(instance, row)? {

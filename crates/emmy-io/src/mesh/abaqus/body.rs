@@ -18,6 +18,9 @@ pub(super) struct Body {
     pub(super) nodes: HashMap<u64, u32>,
     pub(super) elements: Vec<Element>,
     pub(super) element_index: HashMap<u64, u32>,
+    /// Faces and edges of cells that are listed as elements of their own.
+    pub(super) lower: Vec<Element>,
+    pub(super) lower_index: HashMap<u64, u32>,
     pub(super) connectivity: Vec<u64>,
     pub(super) node_sets: Sets,
     pub(super) element_sets: Sets,
@@ -101,7 +104,7 @@ impl Body {
         let sets = self.node_sets.values().chain(self.element_sets.values());
         let members: usize = sets.map(|set| set.members.len()).sum();
         let rows: usize = self.surfaces.iter().map(|surface| surface.rows.len()).sum();
-        self.points.len() + self.elements.len() + members + rows
+        self.points.len() + self.elements.len() + self.lower.len() + members + rows
     }
 
     /// The set of a name, made if it is new.
@@ -122,9 +125,23 @@ impl Body {
         }
     }
 
+    /// Makes the lines among the elements edges of cells.
+    pub(super) fn lower_lines(&mut self) {
+        let (lines, cells): (Vec<Element>, _) =
+            self.elements.drain(..).partition(|element| element.kind == CellKind::Line2);
+        self.elements = cells;
+        self.lower.extend(lines);
+        self.element_index = index(&self.elements);
+        self.lower_index = index(&self.lower);
+    }
+
     pub(super) fn nodes_of(&self, element: &Element) -> &[u64] {
         &self.connectivity[element.nodes..][..element.kind.n_nodes()]
     }
+}
+
+fn index(elements: &[Element]) -> HashMap<u64, u32> {
+    elements.iter().map(|element| element.number).zip(0..).collect()
 }
 
 impl Set {

@@ -27,6 +27,24 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
     }
 }
 
+/// Kind of the faces of solid cells that membranes, shells and cells in plane stress of a type can be, given in upper case: meshers write
+/// them beside the solid cells for the sake of their sets.
+pub(super) fn face_kind(element_type: &str) -> Option<CellKind> {
+    let shape = ["CPS", "M3D", "STRI", "SFM3D", "S"]
+        .into_iter()
+        .find_map(|prefix| element_type.strip_prefix(prefix))?;
+    // Behind the number of nodes stand letters, and a 5 where nodes have five degrees of freedom: S4R5.
+    let digits: String = shape.chars().take_while(char::is_ascii_digit).collect();
+    match digits.as_str() {
+        "3" => Some(CellKind::Tri3),
+        "4" => Some(CellKind::Quad4),
+        "6" | "65" => Some(CellKind::Tri6),
+        "8" => Some(CellKind::Quad8),
+        "9" => Some(CellKind::Quad9),
+        _ => None,
+    }
+}
+
 /// What the user should know about a type that is not read as it is.
 pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
     if kind == CellKind::Line2 {
@@ -83,6 +101,29 @@ mod tests {
             assert_eq!(locals, (0..n_faces).collect::<Vec<_>>());
             assert_eq!(local_facet(kind, 0), None);
             assert_eq!(local_facet(kind, n_faces + 1), None);
+        }
+    }
+
+    #[test]
+    fn membranes_and_shells_may_be_faces() {
+        let kinds = [
+            ("CPS3", CellKind::Tri3),
+            ("CPS4R", CellKind::Quad4),
+            ("CPS6", CellKind::Tri6),
+            ("CPS8R", CellKind::Quad8),
+            ("M3D3", CellKind::Tri3),
+            ("M3D8", CellKind::Quad8),
+            ("S3", CellKind::Tri3),
+            ("S4R5", CellKind::Quad4),
+            ("S6", CellKind::Tri6),
+            ("S8R", CellKind::Quad8),
+            ("STRI65", CellKind::Tri6),
+        ];
+        for (element_type, kind) in kinds {
+            assert_eq!(face_kind(element_type), Some(kind), "{element_type}");
+        }
+        for element_type in ["C3D8", "SPRINGA", "SC8R", "CPE4", "S", "T3D2"] {
+            assert_eq!(face_kind(element_type), None, "{element_type}");
         }
     }
 

@@ -12,8 +12,8 @@ use std::path::Path;
 use super::{MeshFile, Result, without_mark};
 use deck::Deck;
 
-/// The mesh in the bytes of an input file.
-pub(super) fn mesh(file: &Path, bytes: &[u8]) -> Result<MeshFile> {
-    let deck = Deck::read(file, without_mark(bytes))?;
+/// The mesh in the bytes of an input file; `links`: groups of lines that are cells.
+pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
+    let deck = Deck::read(file, without_mark(bytes), links)?;
     Ok(MeshFile { files: deck.files.clone(), ..assembled::mesh(file, &deck)? })
 }

@@ -1,6 +1,6 @@
 //! What an MSH file holds, until all of it is read and can be checked.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;
 
@@ -15,6 +15,8 @@ const NONE: u32 = u32::MAX;
 /// Nodes and elements under the numbers of the file, and physical groups by dimension and number.
 pub(super) struct Draft {
     pub(super) names: HashMap<(u8, u64), String>,
+    /// Remarks on the names.
+    pub(super) notes: Vec<String>,
     version: Version,
     points: Vec<[f64; 3]>,
     node_numbers: Vec<u64>,
@@ -46,6 +48,7 @@ impl Draft {
     pub(super) fn new(version: Version) -> Self {
         Draft {
             names: HashMap::new(),
+            notes: Vec::new(),
             version,
             points: Vec::new(),
             node_numbers: Vec::new(),
@@ -117,8 +120,9 @@ impl Draft {
     /// Finds the lines that are cells: those of two nodes in some groups.
     fn find_links(&mut self, links: &[String]) {
         self.is_link = vec![false; self.elements.len()];
+        let links: HashSet<&str> = links.iter().map(String::as_str).collect();
         for (&(dim, tag), members) in &self.groups {
-            if dim == 1 && links.contains(&self.name(dim, tag)) {
+            if dim == 1 && links.contains(&*self.name(dim, tag)) {
                 let lines = members.iter().map(|&member| member as usize);
                 lines
                     .filter(|&at| self.elements[at].shape.n_nodes == 2)
@@ -290,7 +294,19 @@ impl Draft {
             let are = if count == 1 { "is" } else { "are" };
             format!("{elements} of dimension {dim} in no physical group {are} ignored")
         };
-        ignored.map(note).collect()
+        self.notes.iter().cloned().chain(ignored.map(note)).collect()
+    }
+
+    /// What elements of surfaces there are.
+    fn surface_elements(&self) -> &'static str {
+        let has = |n_corners: usize| {
+            self.elements.iter().any(|element| element.shape.dim == 2 && element.shape.n_corners == n_corners)
+        };
+        match (has(3), has(4)) {
+            (true, false) => "triangles",
+            (false, _) => "quadrilaterals",
+            (true, true) => "triangles and quadrilaterals",
+        }
     }
 
     fn in_numbers_of_the_file(&self, error: MeshError) -> MeshError {
@@ -302,14 +318,16 @@ impl Draft {
             MeshError::Mesh { file, reason: emmy::Error::FacetWithoutCell { group, nodes } } => {
                 MeshError::FacetWithoutCell { file, group, nodes: nodes.iter().map(number).collect() }
             }
-            MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
-                let node = self.node_numbers[node] as usize;
-                MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } }
+            MeshError::Mesh { file, reason: emmy::Error::NotInPlane { .. } } => {
+                MeshError::SurfaceAlone { file, found: self.surface_elements(), advice: SURFACE_ALONE }
             }
             error => error,
         }
     }
 }
+
+const SURFACE_ALONE: &str = "Gmsh saves only what is in a physical group: put the volume into one too, or set `Mesh.SaveAll = 1`, and mesh it \
+                             (`gmsh -3`)";
 
 const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), and where there are physical groups put it in one: \
                         Gmsh saves only what is in a group";

@@ -9,6 +9,7 @@ mod v4;
 use std::path::Path;
 
 use super::{MeshError, MeshFile, Result, without_mark};
+use crate::message;
 use cursor::{Cursor, Encoding};
 use draft::Draft;
 use shape::Shape;
@@ -57,9 +58,8 @@ fn version(cursor: &mut Cursor) -> Result<Version> {
     let line = cursor.line()?;
     let fields: Vec<&str> = line.split_whitespace().collect();
     let [number, binary, data_size] = fields[..] else {
-        return Err(
-            cursor.malformed(start, format!("expected version, file type, data size; found \"{line}\""))
-        );
+        return Err(cursor
+            .malformed(start, format!("expected version, file type, data size; found \"{}\"", cut(line))));
     };
     let version = match number.parse::<f64>() {
         Ok(2.2) => Version::V2,
@@ -111,11 +111,11 @@ fn physical_names(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
         let start = cursor.offset();
         let line = cursor.line()?;
         let Some((key, name)) = physical_name(line) else {
-            return Err(
-                cursor.malformed(start, format!("expected dimension, number and \"name\", found {line}"))
-            );
+            return Err(cursor
+                .malformed(start, format!("expected dimension, number and \"name\", found {}", cut(line))));
         };
-        draft.names.insert(key, name.to_string());
+        draft.notes.extend(message::note_on_name(name));
+        draft.names.insert(key, message::name(name).into_owned());
     }
     Ok(())
 }
@@ -127,6 +127,11 @@ fn physical_name(line: &str) -> Option<((u8, u64), &str)> {
     let dim = numbers.next()?.parse().ok()?;
     let tag = numbers.next()?.parse::<i64>().ok()?;
     Some(((dim, tag.unsigned_abs()), name))
+}
+
+/// What was found, short enough for a message.
+fn cut(line: &str) -> String {
+    line.chars().take(80).collect()
 }
 
 /// The element type with a number.

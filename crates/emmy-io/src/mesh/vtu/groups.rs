@@ -1,6 +1,6 @@
 //! Groups in the arrays of a grid.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use emmy::mesh::Facet;
 
@@ -44,6 +44,7 @@ pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>])
 /// Which cells of the file are lines in one of the groups `links`.
 pub(super) fn links(grid: &Grid<'_, '_>, draft: &Draft, links: &[String]) -> Result<Vec<bool>> {
     let mut is_link = vec![false; grid.n_cells];
+    let links: HashSet<&str> = links.iter().map(String::as_str).collect();
     for array in grid.arrays("CellData").iter().filter(|array| is_label(array) && !links.is_empty()) {
         let values = whole(grid, array, grid.n_cells)?;
         for (index, &value) in values.iter().enumerate().filter(|(index, _)| draft.shapes[*index].1.dim == 1)
@@ -52,7 +53,7 @@ pub(super) fn links(grid: &Grid<'_, '_>, draft: &Draft, links: &[String]) -> Res
                 Some(name) if value != 0 => name.to_string(),
                 _ => format!("{}={value}", array.name),
             };
-            is_link[index] |= links.contains(&name) && draft.shapes[index].1.kind.is_some();
+            is_link[index] |= links.contains(&*name) && draft.shapes[index].1.kind.is_some();
         }
     }
     Ok(is_link)

@@ -63,7 +63,8 @@ pub fn quality(mesh: &Mesh) -> Quality {
 /// Checks that no cell is inverted or degenerate.
 ///
 /// # Errors
-/// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points.
+/// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points,
+/// [`Error::NotFinite`] if it is so large that it is no number.
 ///
 /// ```
 /// let mesh = emmy::mesh::l_block(1.0)?;
@@ -74,12 +75,20 @@ pub fn check(mesh: &Mesh) -> Result<()> {
     let samples = samples();
     for (index, cell) in mesh.cells().enumerate() {
         let measures = samples[&cell.kind].measures(&positions(mesh, cell));
+        let is_huge = |cell: Cell| positions(mesh, cell).iter().flatten().any(|x| x.abs() > HUGE);
+        if !(measures.smallest_det.is_finite() && measures.volume.is_finite()) && is_huge(cell) {
+            let what = format!("the volume of cell {index} ({})", cell.kind);
+            return Err(Error::NotFinite { what, value: measures.volume });
+        }
         if measures.is_inverted() {
             return Err(Error::InvertedCell { cell: index, kind: cell.kind, det: measures.smallest_det });
         }
     }
     Ok(())
 }
+
+/// Coordinates above this may have volumes that are no numbers.
+const HUGE: f64 = 1e100;
 
 fn positions(mesh: &Mesh, cell: Cell) -> Vec<[f64; 3]> {
     cell.nodes.iter().map(|&node| mesh.points()[node as usize]).collect()

@@ -189,3 +189,11 @@ fn a_corner_folded_inside_out_shows_at_the_node_before_it_does_inside() {
     assert_eq!(check(&mesh), Ok(()));
     near(quality(&mesh).jacobian_ratio.value, -0.5 / 0.625);
 }
+
+#[test]
+fn volumes_too_large_for_a_number_are_told_from_inverted_cells() {
+    let length = |x: f64| block([x; 3], [1; 3]).map(|mesh| check(&mesh));
+    assert_eq!(length(1e100).unwrap(), Ok(()));
+    // (1e160)^3 is beyond the largest double, 1.8e308.
+    assert!(matches!(length(1e160).unwrap(), Err(Error::NotFinite { .. })));
+}

@@ -106,13 +106,19 @@ impl Deck {
     }
 
     fn element(&mut self, elements: &mut Elements) -> Result<()> {
-        let Elements { kind, at, .. } = *elements;
+        let Elements { kind, is_face, at, .. } = *elements;
         let body = self.body_mut();
         let number = elements.pending[0];
-        if body.element_index.insert(number, body.elements.len() as u32).is_some() {
+        let other = if is_face { &body.element_index } else { &body.lower_index };
+        let is_known = other.contains_key(&number);
+        let (list, index) = match is_face {
+            true => (&mut body.lower, &mut body.lower_index),
+            false => (&mut body.elements, &mut body.element_index),
+        };
+        if index.insert(number, list.len() as u32).is_some() || is_known {
             return Err(MeshError::Duplicate { place: self.place(at), what: "element", number });
         }
-        body.elements.push(Element { number, kind, nodes: body.connectivity.len(), at });
+        list.push(Element { number, kind, nodes: body.connectivity.len(), at });
         body.connectivity.extend_from_slice(&elements.pending[1..]);
         if let Some(set) = &elements.set {
             body.set_mut(Of::Elements, set).push(None, number);

@@ -5,7 +5,7 @@ use super::super::body::{At, Body, Instance, Member, Of, Surface};
 use super::super::element;
 use super::super::keyword::Keyword;
 use super::super::placement::Placement;
-use super::{Deck, Elements, Scope, Section, same};
+use super::{Deck, Elements, Scope, Section};
 
 /// Most nodes, elements and members of sets in all instances together: a line makes as many as its part has.
 const MAX_COPIED: usize = 50_000_000;
@@ -66,7 +66,7 @@ impl Deck {
 
     fn part(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
         let name = self.required(keyword, at, "NAME")?;
-        if self.parts.iter().any(|(part, _)| same(part, name)) {
+        if self.part_index.insert(name.to_lowercase(), self.parts.len()).is_some() {
             return Err(self.malformed(
                 at,
                 format!("part \"{name}\" is there already"),
@@ -85,7 +85,8 @@ impl Deck {
             let problem = format!("instance \"{name}\" is there already");
             return Err(self.malformed(at, problem, "give it another name"));
         }
-        let Some((_, body)) = self.parts.iter().find(|(known, _)| same(known, part)) else {
+        let index = self.part_index.get(&part.to_lowercase()).copied();
+        let Some((_, body)) = index.and_then(|index| self.parts.get(index)) else {
             let names = listed(self.parts.iter().map(|(name, _)| name.as_str()));
             let problem = format!("there is no part \"{part}\" above, only: {names}");
             return Err(self.malformed(at, problem, "correct the name, or write the part to the file"));
@@ -98,6 +99,7 @@ impl Deck {
         }
         let (name, body) = (name.to_string(), body.clone());
         self.copied += size;
+        self.instance_index.insert(name.to_lowercase(), self.instances.len() as u32);
         self.instances.push(Instance { name, body, placement: Placement::default() });
         self.scope = Scope::Instance(self.instances.len() - 1);
         Ok(Section::Placement)
@@ -115,13 +117,28 @@ impl Deck {
 
     fn elements(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
-        let Some(kind) = element::kind(&element_type) else {
+        let face = element::face_kind(&element_type);
+        let Some(kind) = element::kind(&element_type).or(face) else {
             let (place, supported) = (self.place(at), element::SUPPORTED);
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
-        self.notes.extend(element::note(&element_type, kind));
+        if face.is_some() {
+            self.first_face.get_or_insert((at, element_type.clone()));
+            self.notes.insert(format!(
+                "elements of type {element_type} are read as faces of the solid cells beside them"
+            ));
+        } else {
+            self.notes.extend(element::note(&element_type, kind));
+        }
         let set = keyword.value("ELSET").map(str::to_string);
-        Ok(Section::Elements(Elements { element_type, kind, set, pending: Vec::new(), at }))
+        Ok(Section::Elements(Elements {
+            element_type,
+            kind,
+            is_face: face.is_some(),
+            set,
+            pending: Vec::new(),
+            at,
+        }))
     }
 
     fn set(&mut self, keyword: &Keyword, at: At, of: Of, key: &str) -> Result<Section> {
@@ -147,8 +164,12 @@ impl Deck {
         let mut nodes = Vec::new();
         for member in members {
             let body = member.instance.map_or(self.body(), |index| &self.instances[index as usize].body);
-            for index in member.indices(&body.element_index).0 {
-                let numbers = body.nodes_of(&body.elements[index as usize]);
+            let cells =
+                member.indices(&body.element_index).0.into_iter().map(|index| &body.elements[index as usize]);
+            let lower =
+                member.indices(&body.lower_index).0.into_iter().map(|index| &body.lower[index as usize]);
+            for element in cells.chain(lower) {
+                let numbers = body.nodes_of(element);
                 nodes.extend(numbers.iter().map(|&number| Member::one(member.instance, number)));
             }
         }
@@ -177,8 +198,14 @@ impl Deck {
 }
 
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let names = names.collect::<Vec<_>>().join(", ");
-    if names.is_empty() { "none".to_string() } else { names }
+    const MOST_NAMES: usize = 60;
+    let mut names = names;
+    let first = names.by_ref().take(MOST_NAMES).collect::<Vec<_>>().join(", ");
+    match (first.is_empty(), names.count()) {
+        (true, _) => "none".to_string(),
+        (false, 0) => first,
+        (false, more) => format!("{first} and {more} more"),
+    }
 }
 
 #[cfg(test)]

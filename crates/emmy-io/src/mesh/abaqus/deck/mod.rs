@@ -3,7 +3,8 @@
 mod data;
 mod keywords;
 
-use std::collections::BTreeSet;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,9 @@ use emmy::mesh::CellKind;
 
 use super::super::{MeshError, Place, Result, without_mark};
 use super::body::{At, Body, Instance, Member, Of};
+use super::element;
 use super::keyword::Keyword;
+use crate::message;
 
 /// All that an input file and its includes hold and that matters to a mesh.
 #[derive(Debug, Default)]
@@ -20,7 +23,12 @@ pub(super) struct Deck {
     pub(super) root: Body,
     pub(super) parts: Vec<(String, Body)>,
     pub(super) instances: Vec<Instance>,
+    /// Indices of parts and instances by their names in lower case.
+    part_index: HashMap<String, usize>,
+    instance_index: HashMap<String, u32>,
     pub(super) notes: BTreeSet<String>,
+    /// The first element that can only be a face of a solid cell, and its type.
+    first_face: Option<(At, String)>,
     pub(super) files: Vec<PathBuf>,
     depth: usize,
     /// Nodes, elements and set members that the instances copied of their parts.
@@ -66,6 +74,8 @@ enum Section {
 struct Elements {
     element_type: String,
     kind: CellKind,
+    /// Whether they are faces of solid cells.
+    is_face: bool,
     set: Option<String>,
     /// Number and nodes of an element that goes on in the next line.
     pending: Vec<u64>,
@@ -80,11 +90,37 @@ const MAX_FILES: usize = 1000;
 
 impl Deck {
     /// Reads a file and what it includes.
-    pub(super) fn read(file: &Path, bytes: &[u8]) -> Result<Self> {
+    pub(super) fn read(file: &Path, bytes: &[u8], links: &[String]) -> Result<Self> {
         let mut deck = Deck::default();
         deck.file(file, bytes)?;
         deck.close_section()?;
+        deck.check_faces(links)?;
         Ok(deck)
+    }
+
+    /// Faces stand beside solid cells. Where they do, and no links are asked for, lines are edges that are listed as well.
+    fn check_faces(&mut self, links: &[String]) -> Result<()> {
+        let Some((at, kind)) = self.first_face.clone() else { return Ok(()) };
+        let bodies = std::iter::once(&mut self.root)
+            .chain(self.instances.iter_mut().map(|instance| &mut instance.body));
+        let bodies: Vec<&mut Body> = bodies.collect();
+        let solids = |body: &&mut Body| body.elements.iter().any(|element| element.kind.dimension() == 3);
+        if !bodies.iter().any(solids) {
+            return Err(MeshError::UnsupportedElement {
+                place: self.place(at),
+                kind,
+                supported: element::SUPPORTED,
+            });
+        }
+        let has_lines =
+            bodies.iter().any(|body| body.elements.iter().any(|element| element.kind == CellKind::Line2));
+        if has_lines && links.is_empty() {
+            bodies.into_iter().for_each(Body::lower_lines);
+            self.notes.insert(
+                "lines are read as edges of the solid cells beside them, not as links: no region has a material for links".to_string(),
+            );
+        }
+        Ok(())
     }
 
     pub(super) fn place(&self, at: At) -> Place {
@@ -122,8 +158,7 @@ impl Deck {
     }
 
     fn instance_index(&self, name: &str) -> Option<u32> {
-        let found = self.instances.iter().position(|instance| same(&instance.name, name));
-        found.map(|index| index as u32)
+        self.instance_index.get(&name.to_lowercase()).copied()
     }
 
     pub(super) fn malformed(&self, at: At, problem: String, advice: &'static str) -> MeshError {
@@ -161,6 +196,11 @@ impl Deck {
     fn file(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         let file = self.files.len() as u32;
         self.files.push(path.to_path_buf());
+        if !bytes.ends_with(b"\n") {
+            let name = path.display();
+            self.notes
+                .insert(format!("{name}: the last line has no line feed at its end; is the file cut off?"));
+        }
         let lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).zip(1..);
         let mut lines = lines.filter(|(text, _)| !text.is_empty() && !text.starts_with(b"**")).peekable();
         while let Some((text, line)) = lines.next() {
@@ -170,28 +210,36 @@ impl Deck {
                 self.keyword(&Keyword::parse(&keyword), at)?;
             } else if !matches!(self.section, Section::Skipped) {
                 let text = self.text(at, text)?;
-                self.data(at, text)?;
+                self.data(at, &text)?;
             }
         }
         Ok(())
     }
 
-    fn text<'a>(&self, at: At, bytes: &'a [u8]) -> Result<&'a str> {
-        let text = std::str::from_utf8(bytes);
-        text.map_err(|_| self.malformed(at, "text that is not UTF-8".to_string(), "save the file as UTF-8"))
+    /// The text of a line, without what names cannot hold.
+    fn text<'a>(&mut self, at: At, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+        let text = std::str::from_utf8(bytes).map_err(|_| {
+            self.malformed(at, "text that is not UTF-8".to_string(), "save the file as UTF-8")
+        })?;
+        let read = message::name(text);
+        if matches!(read, Cow::Owned(_)) {
+            let place = self.place(at);
+            self.notes.insert(format!("{place}: control characters are read as `_`"));
+        }
+        Ok(read)
     }
 
     /// A keyword line with the lines after it on which it goes on, after a comma at its end.
     fn keyword_line<'a>(
-        &self,
+        &mut self,
         at: At,
         text: &'a [u8],
         lines: &mut Peekable<impl Iterator<Item = (&'a [u8], u32)>>,
     ) -> Result<String> {
-        let mut keyword = self.text(at, text)?.to_string();
+        let mut keyword = self.text(at, text)?.into_owned();
         while keyword.ends_with(',') {
             let Some((text, line)) = lines.next_if(|(text, _)| !text.starts_with(b"*")) else { break };
-            keyword.push_str(self.text(At { line, ..at }, text)?);
+            keyword.push_str(&self.text(At { line, ..at }, text)?);
         }
         Ok(keyword)
     }
@@ -207,7 +255,7 @@ impl Deck {
             let problem = format!("more than {MAX_FILES} files are included");
             return Err(self.malformed(at, problem, "join them, or include each of them once"));
         }
-        let bytes = read_file(&path).map_err(|reason| {
+        let bytes = crate::file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths are relative to the file that includes")
         })?;
@@ -216,19 +264,6 @@ impl Deck {
         self.depth -= 1;
         Ok(())
     }
-}
-
-/// Bytes of an ordinary file: devices and pipes may never end.
-fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not an ordinary file"));
-    }
-    std::fs::read(path)
-}
-
-/// Names are the same whatever their case.
-fn same(a: &str, b: &str) -> bool {
-    a.to_lowercase() == b.to_lowercase()
 }
 
 /// What was found, short enough for a message.

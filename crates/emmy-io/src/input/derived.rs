@@ -1,0 +1,158 @@
+//! What follows from the values of an input must be numbers too, and so must its squares: masses, volumes, resultants, energies.
+
+use emmy::body::{Body, InitialVelocity, Load, Region, Support};
+use emmy::mesh::Mesh;
+use emmy::motion::State;
+use emmy::number::short;
+
+use super::fault::{Fault, Place};
+use super::nodal::PlacedNodal;
+use super::region::Placed;
+use super::table::Item;
+
+/// Numbers up to this have squares that are numbers; numbers of its inverse and more have squares that are not zero.
+const LARGEST: f64 = 1e150;
+
+/// Lengths up to this have cubes below [`LARGEST`]; those of its inverse and more have cubes above its inverse.
+const LARGEST_LENGTH: f64 = 1e50;
+
+const HELP: &str = "choose other units: squares of numbers above 1e150 are infinite for a computer, those of numbers below 1e-150 \
+                    are zero (of lengths, whose cubes count, 1e50 and 1e-50)";
+
+/// The remark on a body at rest without loads.
+pub(super) const NOTHING_MOVES: &str =
+    "nothing moves this body: there is no load, no support that moves, and no initial velocity";
+
+/// Whether anything sets the body in motion, attractions to points aside.
+pub(super) fn is_moved(
+    regions: &[Placed<Region>],
+    loads: &[Placed<Load>],
+    supports: &[Placed<Support>],
+    initial: &[Placed<InitialVelocity>],
+) -> bool {
+    // Springs and attractions between nodes may pull from the start.
+    let pulls = |region: &Placed<Region>| region.value.link().is_some_and(|link| link.area() == 0.0);
+    !loads.is_empty()
+        || supports.iter().any(|support| support.value.is_driven())
+        || initial.iter().any(|field| is_motion(&field.value))
+        || regions.iter().any(pulls)
+}
+
+fn is_motion(field: &InitialVelocity) -> bool {
+    let numbers = field.velocity.iter().chain(&field.angular_velocity).chain(field.gradient.iter().flatten());
+    numbers.into_iter().any(|&value| value != 0.0)
+}
+
+/// The value of an item, if its square is a number.
+pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
+    match value.abs() <= LARGEST {
+        true => Ok(value),
+        false => {
+            let message = format!("`{}` must not be beyond {}", item.key(), short(LARGEST));
+            Err(item.fault(message, "too large").help(HELP))
+        }
+    }
+}
+
+/// Checks the Lame parameters that follow from Young's modulus and Poisson's ratio.
+pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {
+    // Parameters out of their ranges have a fault of their own.
+    match emmy::material::lame("", youngs_modulus, poissons_ratio) {
+        Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
+            let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
+            Err(item.fault(message, "too large").help(HELP))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that volumes and moments of inertia of a mesh can be computed.
+pub(super) fn check_extent(mesh: &Mesh, place: &Place) -> Result<(), Fault> {
+    let farthest = mesh.points().iter().flatten().fold(0.0, |farthest: f64, x| farthest.max(x.abs()));
+    if farthest > LARGEST_LENGTH || farthest.is_nan() {
+        let message = format!("the mesh has coordinates up to {}", short(farthest));
+        return Err(Fault::at(place, message, "too large").help(HELP));
+    }
+    let size = mesh.extent().into_iter().fold(0.0, f64::max);
+    if size < 1.0 / LARGEST_LENGTH {
+        let message = format!("the mesh has a size of {}", short(size));
+        return Err(Fault::at(place, message, "too small").help(HELP));
+    }
+    Ok(())
+}
+
+/// Places of what a body is made of, in its order.
+pub(super) struct Places {
+    /// Of regions and point masses, and whether they have a mass.
+    masses: Vec<(Place, bool)>,
+    loads: Vec<Place>,
+    initial: Option<Place>,
+}
+
+impl Places {
+    pub(super) fn new(
+        regions: &[Placed<Region>],
+        loads: &[Placed<Load>],
+        initial: &[Placed<InitialVelocity>],
+        nodal: &PlacedNodal,
+    ) -> Self {
+        let regions = regions.iter().map(|region| (region.place.clone(), region.value.density > 0.0));
+        Places {
+            masses: regions.chain(nodal.places_of_masses().map(|place| (place.clone(), true))).collect(),
+            loads: loads.iter().map(|load| load.place.clone()).collect(),
+            initial: initial.first().map(|field| field.place.clone()),
+        }
+    }
+
+    /// Checks masses, volumes, resultants of loads, energy and momenta of the start.
+    pub(super) fn check(
+        &self,
+        body: &Body,
+        loads: &[Load],
+        initial: &[InitialVelocity],
+        start: f64,
+    ) -> Result<(), Fault> {
+        for ((place, has_mass), region) in self.masses.iter().zip(body.regions()) {
+            let is_volume = *has_mass && region.n_cells > 0;
+            for (what, value, counts) in
+                [("volume", region.volume, is_volume), ("mass", region.mass, *has_mass)]
+            {
+                if counts && !(1.0 / LARGEST..=LARGEST).contains(&value) {
+                    let label = if value > 1.0 { "too large" } else { "too small" };
+                    let message = format!("the {what} here is {}", short(value));
+                    return Err(Fault::at(place, message, label).help(HELP));
+                }
+            }
+        }
+        for ((place, load), resultant) in self.loads.iter().zip(loads).zip(body.load_resultants()) {
+            let peak =
+                load.history.entries().iter().fold(1.0, |peak: f64, (_, factor)| peak.max(factor.abs()));
+            let force = resultant.force.map(|x| x * peak);
+            check_vector(place, "resultant of this load", &force)?;
+            check_vector(place, "torque of this load about the origin", &resultant.torque)?;
+        }
+        self.check_start(body, initial, start)
+    }
+
+    fn check_start(&self, body: &Body, initial: &[InitialVelocity], start: f64) -> Result<(), Fault> {
+        // A start that cannot be has a fault of its own.
+        let (Some(place), Ok(state)) = (&self.initial, State::initial(body, start, initial)) else {
+            return Ok(());
+        };
+        let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
+        check_vector(place, "kinetic energy at the start", &[products.sum::<f64>() / 2.0])?;
+        check_vector(place, "momentum at the start", &emmy::body::sum(&state.momentum))?;
+        let angular = body.moment(&state.displacement, &state.momentum);
+        check_vector(place, "angular momentum at the start", &angular)
+    }
+}
+
+fn check_vector(place: &Place, what: &str, values: &[f64]) -> Result<(), Fault> {
+    match values.iter().find(|value| value.abs() > LARGEST || value.is_nan()) {
+        Some(&value) => {
+            let message = format!("the {what} is {}", short(value));
+            Err(Fault::at(place, message, "too large").help(HELP))
+        }
+        None => Ok(()),
+    }
+}

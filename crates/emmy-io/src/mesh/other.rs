@@ -1,0 +1,62 @@
+//! Formats of other programs, and what converts them.
+
+use std::path::Path;
+
+use super::MeshError;
+
+/// What a format needs to become a mesh that is read.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    /// A mesh, which meshio converts.
+    Meshio,
+    /// A mesh or a geometry, which Gmsh reads; the volume is meshed where that has not been done.
+    Gmsh,
+    /// A surface, of which Gmsh makes a volume.
+    Surface,
+    /// A script of Gmsh.
+    Script,
+}
+
+/// Known formats by their extensions.
+const FORMATS: [(&str, &str, Way); 20] = [
+    ("bdf", "a bulk data file of Nastran", Way::Meshio),
+    ("nas", "a bulk data file of Nastran", Way::Meshio),
+    ("fem", "a bulk data file of Nastran", Way::Meshio),
+    ("vtk", "the legacy format of VTK", Way::Meshio),
+    ("xdmf", "a mesh of XDMF", Way::Meshio),
+    ("xmf", "a mesh of XDMF", Way::Meshio),
+    ("exo", "a mesh of Exodus", Way::Meshio),
+    ("e", "a mesh of Exodus", Way::Meshio),
+    ("mesh", "a mesh of Medit", Way::Meshio),
+    ("su2", "a mesh of SU2", Way::Meshio),
+    ("med", "a mesh of Salome", Way::Meshio),
+    ("unv", "a mesh of I-deas", Way::Gmsh),
+    ("step", "a geometry, no mesh,", Way::Gmsh),
+    ("stp", "a geometry, no mesh,", Way::Gmsh),
+    ("iges", "a geometry, no mesh,", Way::Gmsh),
+    ("igs", "a geometry, no mesh,", Way::Gmsh),
+    ("brep", "a geometry, no mesh,", Way::Gmsh),
+    ("stl", "a surface of triangles (STL)", Way::Surface),
+    ("obj", "a surface (OBJ)", Way::Surface),
+    ("geo", "a script of Gmsh", Way::Script),
+];
+
+/// The error of a file whose extension is that of a known format that is not read.
+pub(super) fn format(file: &Path) -> Option<MeshError> {
+    let extension = file.extension()?.to_str()?.to_ascii_lowercase();
+    let (_, format, way) = FORMATS.into_iter().find(|(known, ..)| *known == extension)?;
+    let (from, to) = (file.display(), file.with_extension("msh"));
+    let to = to.display();
+    let command = match way {
+        Way::Meshio => format!(
+            "convert it with meshio: `meshio convert {from} {}`",
+            file.with_extension("vtu").display()
+        ),
+        Way::Gmsh => format!("convert it with Gmsh: `gmsh -3 {from} -format msh41 -o {to}`"),
+        Way::Surface => {
+            "make a volume of it in Gmsh (`Merge`, `Surface Loop`, `Volume`) and mesh that".to_string()
+        }
+        Way::Script => format!("mesh it with Gmsh: `gmsh -3 {from} -format msh41 -o {to}`"),
+    };
+    Some(MeshError::OtherFormat { file: file.to_path_buf(), format, command })
+}
