@@ -69,7 +69,7 @@ impl Heading {
 
     /// The summary as JSON. Numbers that are not finite become `null`, which is all that JSON has for them.
     pub fn summary(&self, tally: &Tally, status: Status, message: Option<&str>, wall_seconds: f64) -> Value {
-        json!({
+        let mut summary = json!({
             "version": env!("CARGO_PKG_VERSION"),
             "title": self.title,
             "scheme": self.scheme,
@@ -110,7 +110,10 @@ impl Heading {
             "estimated_error": null,
             "status": status.name(),
             "message": message,
-        })
+        });
+        summary["digits_left"] = ((10.0 * tally.digits_left()).floor() / 10.0).into();
+        summary["unresolved_loads"] = tally.unresolved_loads.into();
+        summary
     }
 }
 

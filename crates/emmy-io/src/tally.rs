@@ -41,6 +41,10 @@ pub struct Tally {
     pub solver: Option<SolverChoice>,
     /// Steps that ended at the rounding floor instead of the tolerance.
     pub steps_at_rounding_floor: usize,
+    /// What rounding did to energy and momenta, relative to them, summed over the steps that ended at the rounding floor.
+    pub rounding: f64,
+    /// Steps that missed a part of a load or a given motion.
+    pub unresolved_loads: usize,
     /// Worst defect of a step's energy balance \[energy\].
     pub energy: Worst,
     /// Worst defect of a step's linear momentum balance.
@@ -96,6 +100,8 @@ impl Tally {
         self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
         self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
+        self.rounding += record.rounding;
+        self.unresolved_loads += usize::from(record.is_unresolved);
         self.cuts += record.cuts;
         self.refusals += record.refusals;
         self.releases += record.releases;
@@ -110,7 +116,7 @@ impl Tally {
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 29] {
+    pub(crate) fn numbers(&self) -> [f64; 31] {
         [
             self.steps as f64,
             self.time,
@@ -141,11 +147,13 @@ impl Tally {
             self.dissipated_energy,
             self.degree_changes as f64,
             self.degree as f64,
+            self.rounding,
+            self.unresolved_loads as f64,
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 29], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 31], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -175,6 +183,8 @@ impl Tally {
             dissipated_energy: n[26],
             degree_changes: n[27] as usize,
             degree: n[28] as usize,
+            rounding: n[29],
+            unresolved_loads: n[30] as usize,
         }
     }
 
@@ -192,6 +202,11 @@ impl Tally {
         if residual > ROUNDING * self.angular_momentum_scale || residual.is_nan() {
             self.accumulated_angular_momentum += residual;
         }
+    }
+
+    /// Correct digits that rounding leaves of energy and momenta, by the sum over all steps.
+    pub fn digits_left(&self) -> f64 {
+        -self.rounding.max(f64::EPSILON).log10()
     }
 
     /// Accumulated energy residual over the largest T + |V|.

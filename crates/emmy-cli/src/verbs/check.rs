@@ -11,7 +11,7 @@ use emmy::mesh::Mesh;
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 
-use super::Input;
+use super::{Input, critical_step, unresolved_steps};
 use crate::failure::Failure;
 use crate::print::{self, number, vector};
 
@@ -33,7 +33,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.body(&problem);
     report.start(&problem)?;
     report.time(&problem);
+    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
+    if let Some(step) = critical_step(&problem, &state)? {
+        report.line("stability", &format!("critical step {} at the start", number(step)));
+    }
     report.output(&problem);
+    if let Some(warning) = unresolved_steps(&problem) {
+        eprintln!("{warning}");
+    }
     if let Err(error) = emmy_io::directory::check(&problem.output.directory) {
         eprintln!("note: `emmy run` will refuse this: {error}");
     }
