@@ -119,6 +119,8 @@ impl Heading {
         summary[format!("{name}_time")] = most.time.into();
         summary[format!("{name}_node")] = most.node.into();
         summary[format!("{name}_point")] = json!(most.point);
+        summary["digits_left"] = ((10.0 * tally.digits_left()).floor() / 10.0).into();
+        summary["unresolved_loads"] = tally.unresolved_loads.into();
         summary
     }
 }

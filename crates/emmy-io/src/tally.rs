@@ -75,6 +75,10 @@ pub struct Tally {
     pub solver: Option<SolverChoice>,
     /// Steps that ended at the rounding floor instead of the tolerance.
     pub steps_at_rounding_floor: usize,
+    /// What rounding did to energy and momenta, relative to them, summed over the steps that ended at the rounding floor.
+    pub rounding: f64,
+    /// Steps that missed a part of a load or a given motion.
+    pub unresolved_loads: usize,
     /// Worst defect of a step's energy balance \[energy\].
     pub energy: Worst,
     /// Worst defect of a step's linear momentum balance.
@@ -132,6 +136,8 @@ impl Tally {
         self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
         self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
+        self.rounding += record.rounding;
+        self.unresolved_loads += usize::from(record.is_unresolved);
         self.cuts += record.cuts;
         self.refusals += record.refusals;
         self.releases += record.releases;
@@ -147,7 +153,7 @@ impl Tally {
     }
 
     /// All but the solver, for a checkpoint.
-    pub(crate) fn numbers(&self) -> [f64; 36] {
+    pub(crate) fn numbers(&self) -> [f64; 38] {
         [
             self.steps as f64,
             self.time,
@@ -185,11 +191,13 @@ impl Tally {
             self.displacement.point[0],
             self.displacement.point[1],
             self.displacement.point[2],
+            self.rounding,
+            self.unresolved_loads as f64,
         ]
     }
 
     /// The tally of its numbers.
-    pub(crate) fn of(n: [f64; 36], solver: Option<SolverChoice>) -> Self {
+    pub(crate) fn of(n: [f64; 38], solver: Option<SolverChoice>) -> Self {
         let worst = |at: usize| Worst { value: n[at], step: n[at + 1] as usize };
         Tally {
             steps: n[0] as usize,
@@ -226,6 +234,8 @@ impl Tally {
                 node: n[32] as usize,
                 point: [n[33], n[34], n[35]],
             },
+            rounding: n[36],
+            unresolved_loads: n[37] as usize,
         }
     }
 
@@ -243,6 +253,11 @@ impl Tally {
         if residual > ROUNDING * self.angular_momentum_scale || residual.is_nan() {
             self.accumulated_angular_momentum += residual;
         }
+    }
+
+    /// Correct digits that rounding leaves of energy and momenta, by the sum over all steps.
+    pub fn digits_left(&self) -> f64 {
+        -self.rounding.max(f64::EPSILON).log10()
     }
 
     /// Accumulated energy residual over the largest T + |V|.

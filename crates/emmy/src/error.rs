@@ -207,6 +207,14 @@ pub enum Error {
         /// Tolerance.
         tolerance: f64,
     },
+    /// A load or a given motion that steps of the smallest size do not resolve.
+    #[error("{what} is not resolved by steps of {size:e}; give it as a table, or allow smaller steps")]
+    Unresolved {
+        /// The function and the time.
+        what: String,
+        /// Size of the step.
+        size: f64,
+    },
     /// A setting of adaptive steps that cannot be, or that contradicts another.
     #[error("adaptive steps: {setting} {reason}")]
     Adaptivity {
@@ -244,6 +252,14 @@ pub enum Error {
         /// Largest step that is accepted.
         limit: f64,
     },
+    /// A step whose size is lost in the rounding of the time.
+    #[error("a step of {step_size:e} at t = {time} is lost in the rounding of the time")]
+    NoDuration {
+        /// Time at its start.
+        time: f64,
+        /// Its size.
+        step_size: f64,
+    },
     /// Newton's iteration that did not converge.
     #[error(
         "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} iterations \
@@ -266,6 +282,19 @@ pub enum Error {
         node: usize,
         /// Its last good position.
         position: [f64; 3],
+    },
+    /// A step in which rounding of the internal forces leaves less than three digits of energy or momenta.
+    #[error(
+        "step {step}, to t = {time}: rounding leaves {digits:.1} correct digits of the body's inertia, fewer than three: the body is too \
+         stiff for a step of this size; try a smaller step, or an energy-momentum scheme (DGM, AS)"
+    )]
+    NoDigits {
+        /// Number of the step that failed.
+        step: usize,
+        /// Time at its end.
+        time: f64,
+        /// Digits that are left.
+        digits: f64,
     },
     /// A step whose equations cannot be solved from any starting point.
     #[error(

@@ -13,7 +13,7 @@ use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 use emmy_io::message::shown;
 
-use super::{Input, sizes};
+use super::{Input, critical_step, sizes, unresolved_steps};
 use crate::failure::Failure;
 use crate::message::message;
 use crate::print::{self, number, vector};
@@ -36,7 +36,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.body(&problem);
     report.start(&problem)?;
     report.time(&problem);
+    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
+    if let Some(step) = critical_step(&problem, &state)? {
+        report.line("stability", &format!("critical step {} at the start", number(step)));
+    }
     report.output(&problem);
+    if let Some(warning) = unresolved_steps(&problem) {
+        message!("{warning}");
+    }
     if let Err(error) = emmy_io::directory::check_run(&problem) {
         message!("note: `emmy run` will refuse this: {error}");
     }

@@ -15,10 +15,13 @@ mod sizes;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use emmy_io::input::Overrides;
+use emmy::motion::{Resolution, State};
+use emmy::time::{CentralDifferences, Scheme};
+use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
 use crate::message::message;
+use crate::print::number;
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -99,7 +102,7 @@ struct Input {
 
 impl Input {
     /// The problem; what its reader remarks goes to standard error.
-    fn problem(&self) -> Result<emmy_io::input::Problem, Failure> {
+    fn problem(&self) -> Result<Problem, Failure> {
         let overrides = Overrides {
             set: self.set.clone(),
             until: self.until,
@@ -119,4 +122,39 @@ fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) 
         built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
     }
     Ok(rayon::scope(|_| work()))
+}
+
+/// A warning of planned steps that miss a part of a load or of a moving support.
+fn unresolved_steps(problem: &Problem) -> Option<String> {
+    let Problem { body, scheme, degree, plan, .. } = problem;
+    let (count, first) = Resolution::new(body, *scheme, *degree, plan)?.unresolved_steps(plan);
+    let advice = "take smaller steps there, adaptive ones, or a table, which is integrated exactly";
+    first.map(|first| {
+        format!(
+            "warning: {count} planned steps do not resolve what acts on the body, first {first}; {advice}"
+        )
+    })
+}
+
+/// The critical step of an explicit scheme at the start; `None` of the others.
+///
+/// # Errors
+/// [`Failure::Usage`] if the plan has larger steps than are stable.
+fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failure> {
+    if problem.scheme != Scheme::CentralDifferences {
+        return Ok(None);
+    }
+    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &state.displacement)?;
+    let largest = problem.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
+    if largest <= limit {
+        return Ok(Some(critical));
+    }
+    let message = format!(
+        "`time.steps`: steps of {} are unstable: the critical step of {} is {} here (2/omega_max)",
+        number(largest),
+        problem.scheme,
+        number(critical)
+    );
+    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number(limit));
+    Err(Failure::Usage { message, help: Some(help) })
 }

@@ -135,7 +135,7 @@ fn solver(numbers: &[f64]) -> Option<SolverChoice> {
 }
 
 /// All of a record but its solver.
-fn record_numbers(record: &Record) -> [f64; 29] {
+fn record_numbers(record: &Record) -> [f64; 31] {
     let [p, l] = [record.linear_momentum, record.angular_momentum];
     [
         record.step as f64,
@@ -167,10 +167,12 @@ fn record_numbers(record: &Record) -> [f64; 29] {
         record.refusals as f64,
         record.dissipated_energy,
         record.degree as f64,
+        record.rounding,
+        f64::from(u8::from(record.is_unresolved)),
     ]
 }
 
-fn record(numbers: [f64; 29], solver: Option<SolverChoice>) -> Record {
+fn record(numbers: [f64; 31], solver: Option<SolverChoice>) -> Record {
     let n = numbers;
     Record {
         step: n[0] as usize,
@@ -198,6 +200,8 @@ fn record(numbers: [f64; 29], solver: Option<SolverChoice>) -> Record {
         refusals: n[26] as usize,
         dissipated_energy: n[27],
         degree: n[28] as usize,
+        rounding: n[29],
+        is_unresolved: n[30] != 0.0,
         solver,
     }
 }

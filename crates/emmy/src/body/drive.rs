@@ -69,6 +69,14 @@ impl Drive {
         self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
     }
 
+    /// The histories, each with the largest displacement per unit of it.
+    pub(super) fn arms(&self) -> impl Iterator<Item = (&History, f64)> + '_ {
+        let shifts = self.displacement.iter().flatten().map(|history| (history, 1.0));
+        let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let radius = self.offsets.iter().map(length).fold(0.0, f64::max);
+        shifts.chain(self.rotation.as_ref().map(move |rotation| (&rotation.angle, radius)))
+    }
+
     /// The displacement at a time.
     fn map(&self, time: f64) -> Map {
         self.map_of(

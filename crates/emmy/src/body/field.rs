@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::geometry::{for_each_facet_point, for_each_volume_point};
-use super::{History, Load, LoadKind};
+use super::{History, Load, LoadKind, Signal};
 use crate::average::Rule;
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -61,6 +61,9 @@ pub struct FieldLoad {
     shares: Vec<(u32, f64)>,
 }
 
+/// Points of a field at which its course over time is checked.
+const POINTS_OF_SIGNALS: usize = 4;
+
 impl FieldLoad {
     /// The load; `None` if it is none by a field.
     ///
@@ -90,6 +93,17 @@ impl FieldLoad {
             _ => {}
         }
         Ok(Some(table))
+    }
+
+    /// Its components over time, factor included, at some of its points.
+    pub(super) fn signals(&self) -> impl Iterator<Item = Signal> + '_ {
+        let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
+        self.points.iter().step_by(every).flat_map(move |&X| {
+            (0..3).map(move |component| {
+                let (field, history) = (self.field.clone(), self.history.clone());
+                Signal::new(self.load, move |time| history.value(time) * field.at(X, time)[component])
+            })
+        })
     }
 
     fn push(&mut self, nodes: &[u32], position: [f64; 3], weight: f64, shapes: &[f64]) {

@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 #[derive(Debug, Clone)]
 pub struct LoadVector {
     /// Number of the load.
-    load: usize,
+    pub(super) load: usize,
     pub(super) force: Vec<f64>,
     pub(super) history: History,
 }

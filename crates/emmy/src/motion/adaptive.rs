@@ -132,7 +132,7 @@ impl<'a> Motion<'a> {
         let mut refusals = 0;
         loop {
             let left = stop.time - self.state.time;
-            let size = control.controller.size_within(left);
+            let (size, missed) = self.resolved_size(control, control.controller.size_within(left))?;
             match self.attempt(control, size) {
                 Ok((outcome, error)) if control.controller.accepts(error) => {
                     let limit = HARD * self.settings.max_iterations as f64;
@@ -141,6 +141,7 @@ impl<'a> Motion<'a> {
                     let is_met = size == left;
                     self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
                     self.record.local_error = error;
+                    self.record.is_unresolved = missed;
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
                         control.controller.restart(control.first_size(self.body, &self.state)?);
@@ -159,9 +160,28 @@ impl<'a> Motion<'a> {
         }
     }
 
+    /// The largest size up to one whose step resolves all that acts on the body, and whether even the shortest one misses something.
+    ///
+    /// # Errors
+    /// [`Error::SmallestStep`] if that takes steps below the smallest size.
+    fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, bool)> {
+        let Some(resolution) = &mut self.resolution else { return Ok((size, false)) };
+        resolution.take_degree(self.degree);
+        let (time, tolerance, length) = (self.state.time, control.adaptivity.tolerance, control.length);
+        let resolved = resolution.resolved_size(time, size, tolerance, length);
+        let smallest = control.adaptivity.smallest.min(size);
+        if resolved < smallest
+            && let Some(missed) = resolution.missed_within(time, smallest, tolerance, length)
+        {
+            let cause = Error::Unresolved { what: missed.to_string(), size: smallest };
+            return Err(self.smallest(smallest, cause));
+        }
+        Ok((resolved.max(smallest), resolution.missed_within(time, resolved, tolerance, length).is_some()))
+    }
+
     /// Advances the state and estimates the error.
     fn attempt(&mut self, control: &mut Control<'a>, size: f64) -> Result<(StepOutcome, f64)> {
-        let outcome = self.stepper.advance(&mut self.state, size)?;
+        let outcome = self.advance(size)?;
         let rates = self.stepper.rates();
         control.estimator.estimate(&control.start, &self.state, rates, size)?;
         let mut error = control.error(self.body);

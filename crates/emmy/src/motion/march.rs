@@ -2,8 +2,10 @@
 
 use super::adaptive::Control;
 use super::degrees::degree_of;
+use super::plan::SHORTEST;
 use super::{
-    Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Snapshot, State, StepPlan, View,
+    Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Resolution, Snapshot, State,
+    StepPlan, View,
 };
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -34,6 +36,8 @@ pub struct Motion<'a> {
     pub(super) settings: NewtonSettings,
     pub(super) stepper: Box<dyn Stepper + 'a>,
     pub(super) state: State,
+    /// The state before the last step.
+    last: State,
     pub(super) record: Record,
     /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
     smallest: Option<SmallestStep>,
@@ -41,6 +45,8 @@ pub struct Motion<'a> {
     /// What chooses the step sizes by the error, or its memory, of which it is to be made.
     pub(super) control: Option<Control<'a>>,
     pub(super) control_memory: Option<Memory>,
+    /// Whether steps resolve what acts on the body; `None` where there is nothing to resolve.
+    pub(super) resolution: Option<Resolution>,
     pub(super) releases: usize,
     was_at_rounding_floor: bool,
     /// Cuts, refusals and releases since the last good step.
@@ -87,12 +93,14 @@ impl<'a> Motion<'a> {
             degree,
             settings,
             stepper,
+            last: state.clone(),
             state,
             record,
             smallest: None,
             division: Division::default(),
             control: None,
             control_memory: None,
+            resolution: None,
             releases: 0,
             was_at_rounding_floor: false,
             cuts: 0,
@@ -228,10 +236,35 @@ impl<'a> Motion<'a> {
     /// good step.
     pub fn step(&mut self, step_size: f64, end: f64) -> Result<&Record> {
         self.release(SAME_TIME * step_size)?;
-        let outcome = self.stepper.advance(&mut self.state, step_size);
+        let outcome = self.advance(step_size);
         let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
+        let missed =
+            self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
         self.conclude(step_size, end, &outcome);
+        self.record.is_unresolved = missed.is_some();
         Ok(&self.record)
+    }
+
+    /// Advances the state. One that is not finite is not accepted, whatever its residual says.
+    ///
+    /// # Errors
+    /// Those of [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.
+    pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
+        let time = self.state.time;
+        if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
+            return Err(Error::NoDuration { time, step_size });
+        }
+        self.last.copy_from(&self.state);
+        let outcome = self.stepper.advance(&mut self.state, step_size)?;
+        let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
+        let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
+        if dof.is_none() && outcome.strained.strain_energy.is_finite() {
+            return Ok(outcome);
+        }
+        self.state.copy_from(&self.last);
+        let node = dof.unwrap_or(0) / 3;
+        let position = self.state.position(self.body, node);
+        Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
     }
 
     /// Records a step that the state has done.
@@ -256,6 +289,7 @@ impl<'a> Motion<'a> {
     /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does.
     pub fn march(&mut self, plan: &StepPlan, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.notify(observers)?;
+        self.resolution = Resolution::new(self.body, self.scheme, self.degree, plan);
         if let Some(adaptivity) = plan.adaptivity() {
             return self.march_adaptively(plan, adaptivity, observers);
         }
@@ -272,6 +306,7 @@ impl<'a> Motion<'a> {
         plan: &StepPlan,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), MarchError> {
+        self.resolution = Resolution::new(self.body, self.scheme, self.degree, plan);
         if let Some(adaptivity) = plan.adaptivity() {
             return self.march_adaptively(plan, adaptivity, observers);
         }

@@ -9,6 +9,7 @@ mod global_error;
 mod march;
 mod plan;
 mod record;
+mod resolution;
 mod snapshot;
 
 pub use crate::newton::NewtonSettings;
@@ -20,4 +21,5 @@ pub use global_error::GlobalError;
 pub use march::Motion;
 pub use plan::{Phase, PlannedStep, StepPlan};
 pub use record::{MarchError, Observer, Record, View};
+pub use resolution::{Resolution, Unresolved};
 pub use snapshot::Snapshot;

@@ -48,6 +48,10 @@ pub struct StepPlan {
 /// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
 const SLIVER: f64 = 1e-6;
 
+/// Steps up to this part of the time are lost in its rounding: three digits of the size have to be left in the difference of two
+/// times.
+pub(super) const SHORTEST: f64 = 1024.0 * f64::EPSILON;
+
 /// Times that lie closer together than this part of an adaptive plan differ by rounding. Its largest size says nothing about
 /// that: it may be larger than what lies between two times that are to be met.
 const ROUNDING: f64 = 1e-12;
@@ -73,6 +77,16 @@ impl StepPlan {
             if !until.is_finite() || until <= begin {
                 let [until, begin] = [until, begin].map(short);
                 return fail(phase, format!("it ends at {until}, but begins at {begin}: time goes forward"));
+            }
+            let shortest = SHORTEST * begin.abs().max(until.abs());
+            if size <= shortest || until - begin <= shortest {
+                let size = size.min(until - begin);
+                return fail(
+                    phase,
+                    format!(
+                        "steps of {size:e} are lost in the rounding of t = {until}; take steps above {shortest:.1e}"
+                    ),
+                );
             }
             if (until - begin) / size > 1e12 {
                 let [size, until] = [size, until].map(short);
@@ -308,7 +322,9 @@ impl StepPlan {
 }
 
 fn n_steps(begin: f64, phase: Phase) -> usize {
-    (((phase.until - begin) / phase.size - SLIVER).ceil() as usize).max(1)
+    // No last step that is lost in the rounding of its end either.
+    let sliver = SLIVER.max(SHORTEST * phase.until.abs() / phase.size);
+    (((phase.until - begin) / phase.size - sliver).ceil() as usize).max(1)
 }
 
 #[cfg(test)]

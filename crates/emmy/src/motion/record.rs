@@ -58,6 +58,8 @@ pub struct Record {
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
+    /// What rounding did to energy and momenta of the step, relative to them; 0 above the rounding floor.
+    pub rounding: f64,
     /// How often the step was cut by two before it succeeded.
     pub cuts: usize,
     /// Number of releases of supports at the start of the step.
@@ -66,6 +68,8 @@ pub struct Record {
     pub local_error: f64,
     /// How often the step was done again because of its error.
     pub refusals: usize,
+    /// Whether the step missed a part of a load or a given motion ([`super::Resolution`]).
+    pub is_unresolved: bool,
     /// Degree of the step's element; 1 for methods that are none.
     pub degree: usize,
 }
@@ -103,6 +107,7 @@ impl Record {
             took_exact_tangent: outcome.newton.took_exact_tangent,
             solver: outcome.solver,
             at_rounding_floor: outcome.newton.at_rounding_floor,
+            rounding: outcome.newton.rounding,
             ..Record::default()
         };
         let record = record.with_invariants(body, state, outcome.strained);

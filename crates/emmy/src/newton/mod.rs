@@ -96,6 +96,8 @@ pub struct Outcome {
     pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.
     pub at_rounding_floor: bool,
+    /// What the residual at a rounding floor does to energy and momenta of the step, relative to them; 0 above the floor.
+    pub rounding: f64,
 }
 
 /// Stagnation within this factor of the rounding floor is accepted.

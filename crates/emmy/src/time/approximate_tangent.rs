@@ -405,6 +405,13 @@ impl ApproximateTangent {
         };
         time_scale * time_scale * terms.map(square).sum::<f64>().sqrt()
     }
+
+    /// Strain energy of displacements that are off by rounding, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
+    pub fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
+        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
+        let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
+        0.125 * f64::EPSILON * f64::EPSILON * sum
+    }
 }
 
 /// Stiffness number up to which conjugate gradients cost less than factorisations.

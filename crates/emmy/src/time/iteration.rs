@@ -5,6 +5,7 @@ use super::stage_system::{StageForm, StageSystem};
 use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome, System};
+use crate::sparse::reduce::dot;
 
 /// The iteration of a step with its memory: the rates it solves for, and those of the step before.
 #[derive(Debug)]
@@ -14,7 +15,7 @@ pub struct Iteration {
     /// The unknowns x_i, `[k][n_nodes][3]`.
     pub rates: Vec<f64>,
     prediction: Prediction,
-    /// Residual at a starting point, where there is a choice.
+    /// Residual at a starting point, where there is a choice, and that of the rigid motion.
     residual: Vec<f64>,
 }
 
@@ -54,7 +55,7 @@ impl Iteration {
             newton: Newton::default(),
             rates: vec![0.0; k * n],
             prediction: Prediction::new(k, n),
-            residual: vec![0.0; if k > 1 { k * n } else { 0 }],
+            residual: vec![0.0; k * n],
         }
     }
 
@@ -115,7 +116,16 @@ impl Iteration {
                 continue;
             }
             match self.newton.solve(system, &mut self.rates, &self.settings, line_search) {
-                Ok(outcome) if outcome.converged => return Ok(outcome),
+                Ok(mut outcome) if outcome.converged => {
+                    self.prediction.balance(system, &mut self.rates, &mut self.residual);
+                    if outcome.at_rounding_floor {
+                        outcome.rounding = self.rounding(system, state)?;
+                    }
+                    if outcome.rounding <= LARGEST_ROUNDING {
+                        return Ok(outcome);
+                    }
+                    failure = Some(no_digits(outcome.rounding, state, step_size));
+                }
                 Ok(outcome) => failure = Some(self.no_convergence(outcome, system, state, step_size)),
                 Err(error) => cause = Some(Box::new(error)),
             }
@@ -126,6 +136,22 @@ impl Iteration {
         Err(failure
             .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
             .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
+    }
+
+    /// What the residual does to energy and momenta of the step, relative to them.
+    fn rounding(&mut self, system: &mut StageSystem<'_>, state: &State) -> Result<f64> {
+        system.residual(&self.rates, &mut self.residual)?;
+        let [work, impulse, moment] = self.prediction.imbalance(system, &self.rates, &self.residual);
+        let kinetic = 0.5 * dot(&state.momentum, &state.velocity);
+        let moved = system.mean_kinetic_energy(&self.rates);
+        let energy = kinetic.max(moved) + system.body.strained(&state.displacement).strain_energy.abs();
+        if energy == 0.0 {
+            return Ok(0.0);
+        }
+        let of_momenta = self.prediction.momentum_scales(energy);
+        let work = work + system.rounding_energy(&self.rates);
+        let parts = [work / energy, impulse / of_momenta[0], moment / of_momenta[1]];
+        Ok(parts.into_iter().filter(|part| part.is_finite()).fold(0.0, f64::max))
     }
 
     /// The error of an iteration that did not converge, at the node with the largest residual.
@@ -159,15 +185,13 @@ impl Iteration {
     }
 
     /// Predicts the rates by that carry of the last deviation that leaves the smaller residual; for k = 1 they are the same.
-    fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) -> bool {
+    fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
         if system.form.rule.degree() == 1 {
             return self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
         }
         let mut sizes = [f64::INFINITY; 2];
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
-            if !self.prediction.predict(carry, &system.form, step_size, &mut self.rates) {
-                return false;
-            }
+            self.prediction.predict(carry, &system.form, step_size, &mut self.rates);
             system.drive(&mut self.rates);
             if let Ok(sizes) = system.residual(&self.rates, &mut self.residual) {
                 *size = sizes.residual;
@@ -176,7 +200,6 @@ impl Iteration {
         if sizes[0] <= sizes[1] {
             self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
         }
-        true
     }
 
     /// Sets the rates to h v.
@@ -200,15 +223,9 @@ impl Iteration {
                 Some(given) => self.rates.copy_from_slice(given),
                 None => return false,
             },
-            Guess::Continued => {
-                if !self.predict_better(system, step_size) {
-                    return false;
-                }
-            }
+            Guess::Continued => self.predict_better(system, step_size),
             Guess::Rigid => {
-                if !self.prediction.predict(Carry::Nothing, &system.form, step_size, &mut self.rates) {
-                    return false;
-                }
+                self.prediction.predict(Carry::Nothing, &system.form, step_size, &mut self.rates);
             }
             Guess::Velocity => self.set_straight(state, step_size),
             Guess::Rest => self.rates.fill(0.0),
@@ -216,6 +233,14 @@ impl Iteration {
         system.drive(&mut self.rates);
         true
     }
+}
+
+/// Part of energy or momenta that rounding may make of a step: three digits are left.
+const LARGEST_ROUNDING: f64 = 1e-3;
+
+fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
+    let (step, time) = (state.step + 1, state.time + step_size);
+    Error::NoDigits { step, time, digits: -rounding.log10() }
 }
 
 /// The error of an iteration whose residual is not a number, at the first such node.

@@ -190,6 +190,47 @@ impl<'a> StageSystem<'a> {
         Ok([0, 1, 2].map(total))
     }
 
+    /// What the internal forces have to balance in every stage, on all degrees of freedom: inertia less known part and loads, the
+    /// followers at the rates x.
+    ///
+    /// ```math
+    /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
+    /// ```
+    pub fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) {
+        if self.followers.act() {
+            self.evaluate_followers(x);
+        }
+        self.set_mass_rates(x);
+        let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
+        for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
+            let mass = &self.dragged_mass[i * k..(i + 1) * k];
+            for (dof, residual) in residual.iter_mut().enumerate() {
+                let inertia: f64 = (0..k).map(|j| mass[j] * self.mass_rates[j * n + dof]).sum();
+                *residual = inertia - self.known[i * n + dof] - s * s * self.external_force(i * n + dof);
+            }
+        }
+    }
+
+    /// Mean kinetic energy of the step `sum_i b_i x_i . M x_i / (2 s^2)`.
+    pub fn mean_kinetic_energy(&mut self, x: &[f64]) -> f64 {
+        self.set_mass_rates(x);
+        let n = self.body.n_dofs();
+        let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
+        let terms = stages.zip(self.form.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x));
+        terms.sum::<f64>() / (2.0 * self.time_scale * self.time_scale)
+    }
+
+    /// Strain energy that rounding of the displacements brings into the step.
+    pub fn rounding_energy(&self, x: &[f64]) -> f64 {
+        self.approximation.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
+    }
+
+    /// Whether the forces inside the body have neither a resultant nor a moment in any stage, so that inertia and loads alone
+    /// decide the body's rigid motion.
+    pub fn is_self_balanced(&self) -> bool {
+        self.form.rule.is_energy_momentum() && self.form.dissipation.is_none() && !self.body.has_ground()
+    }
+
     /// Stage averages of the force on the ground, on all degrees of freedom.
     pub fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
         let step = StepInput {

@@ -5,10 +5,13 @@ use std::path::Path;
 use emmy::body::Body;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
-use emmy_io::tally::Worst;
+use emmy_io::tally::{Tally, Worst};
 
 use crate::message::message;
 use crate::print::{number, vector};
+
+/// Fewer digits than these are worth a warning.
+const FEW_DIGITS: f64 = 6.0;
 
 /// Prints how far the run came, its worst balances, and where the files are.
 pub fn report(results: &Results, status: Status, page: Option<&Path>) {
@@ -47,6 +50,22 @@ pub fn report(results: &Results, status: Status, page: Option<&Path>) {
     message!("written: {}", files.join(", "));
     if let Some(page) = page {
         message!("to look at: {}", page.display());
+    }
+}
+
+/// Prints what makes the results less than they seem, if anything does.
+pub fn warnings(tally: &Tally) {
+    if tally.digits_left() < FEW_DIGITS {
+        let digits = tally.digits_left();
+        message!(
+            "warning: rounding leaves {digits:.1} correct digits of energy and momenta: the body is very stiff for steps of this size"
+        );
+    }
+    if tally.unresolved_loads > 0 {
+        let (missed, steps) = (tally.unresolved_loads, tally.steps);
+        message!(
+            "warning: {missed} of {steps} steps did not resolve a load or a moving support; `emmy check` says which, and near which time"
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
-use super::{Input, with_threads};
+use super::{Input, critical_step, unresolved_steps, with_threads};
 use crate::failure::{Failure, with_causes};
 use crate::message::message;
 use crate::print;
@@ -57,8 +57,12 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     check(&problem, &arguments.manner)?;
     directory::check_run(&problem)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
+    critical_step(&problem, &state)?;
     let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
     motion.allow_cuts(problem.smallest_step);
+    if let Some(warning) = unresolved_steps(&problem) {
+        message!("{warning}");
+    }
     // Only now, with everything read and built, is anything written.
     let results = Results::create(&problem)?;
     march(&problem, &mut motion, results, &arguments.manner, Motion::march)
@@ -104,6 +108,7 @@ pub fn march<'a>(
     // The numbers are safe: a page that cannot be written does not make a run fail.
     let report = results.report().inspect_err(|error| message!("note: no report was written: {error}")).ok();
     let printed = if manner.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
+    closing::warnings(results.tally());
     if !manner.quiet {
         closing::report(&results, ended.status, report.as_deref());
         error.into_iter().for_each(|error| closing::error(&problem.body, error));

@@ -161,6 +161,7 @@ impl Stepper for BatheStepper<'_> {
             renewals: first.renewals + second.renewals,
             took_exact_tangent: first.took_exact_tangent || second.took_exact_tangent,
             at_rounding_floor: first.at_rounding_floor || second.at_rounding_floor,
+            rounding: first.rounding + second.rounding,
             ..second
         };
         let strained = self.system.body.strained(&state.displacement);

@@ -59,6 +59,15 @@ impl<'a> CentralDifferences<'a> {
         Ok(stepper)
     }
 
+    /// The critical step `2/omega_max` of a body at a displacement `[n_nodes][3]`, and the largest step that is accepted \[time\].
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub fn critical_steps(body: &Body, displacement: &[f64]) -> Result<[f64; 2]> {
+        let critical = StabilityLimit::new(&mut Forces::new(body), displacement)?.critical_step;
+        Ok([critical, SAFETY * critical])
+    }
+
     /// Last estimate of the critical step, 2/omega_max \[time\].
     pub fn critical_step(&self) -> f64 {
         self.limit.critical_step

@@ -9,9 +9,10 @@ use super::stage_system::{StageForm, StageSystem};
 use super::{Memory, State};
 use crate::body::{Body, sum};
 use crate::error::Result;
+use crate::sparse::reduce::dot;
 use crate::tensor::Mat3;
 use rigid::RigidStep;
-use rotation::{exp, image};
+use rotation::{cross, exp, image};
 
 /// How the deviation of the last step from its rigid motion is carried into this one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +40,10 @@ pub struct Prediction {
     rigid: RigidStep,
     /// Translation rates X_j.
     translation: Vec<[f64; 3]>,
+    /// Axes that supports leave free, for shifts and for turns.
+    free: Free,
+    /// Mass of the body; 0 where it has no rigid motion.
+    mass: f64,
     /// Positions y about the centre of mass at the start of the step.
     arm: Vec<f64>,
     /// M y.
@@ -52,13 +57,39 @@ pub struct Prediction {
     /// Size of the last step.
     last_size: Option<f64>,
     coefficients: Vec<f64>,
+    /// Changes of the rotation in a balance of moments, and what there is to balance.
+    changes: Vec<Mat3<f64>>,
+    moment: Vec<[f64; 3]>,
 }
+
+/// Axes along which and about which a body is free to move.
+#[derive(Debug, Clone, Copy, Default)]
+struct Free {
+    shifts: [bool; 3],
+    turns: [bool; 3],
+}
+
+impl Free {
+    /// What the supports of a body leave free. A turn about an axis moves all but what lies along it.
+    fn of(body: &Body) -> Self {
+        let mut shifts = [true; 3];
+        body.fixed().iter().enumerate().for_each(|(dof, fixed)| shifts[dof % 3] &= !fixed);
+        let turns = [0, 1, 2].map(|axis| (0..3).all(|d| d == axis || shifts[d]));
+        Free { shifts, turns }
+    }
+}
+
+/// Balances of the rigid motion after an iteration: each leaves the part of the one before that the deformation within the step is of
+/// the body.
+const BALANCES: usize = 2;
 
 impl Prediction {
     pub fn new(k: usize, n: usize) -> Self {
         Prediction {
             rigid: RigidStep::new(k),
             translation: vec![[0.0; 3]; k],
+            free: Free::default(),
+            mass: 0.0,
             arm: vec![0.0; n],
             weighted_arm: vec![0.0; n],
             moments: vec![[[0.0; 3]; 3]; k],
@@ -66,6 +97,8 @@ impl Prediction {
             deviation: vec![0.0; k * n],
             last_size: None,
             coefficients: vec![0.0; k * k],
+            changes: vec![[[0.0; 3]; 3]; k],
+            moment: vec![[0.0; 3]; k],
         }
     }
 
@@ -89,20 +122,26 @@ impl Prediction {
     pub fn start(&mut self, system: &StageSystem<'_>, state: &State) {
         let (body, form) = (system.body, &system.form);
         let k = form.rule.degree();
-        let mut held = [false; 3];
-        body.fixed().iter().enumerate().for_each(|(dof, fixed)| held[dof % 3] |= fixed);
-        // A turn about an axis moves all but what lies along it.
-        let turns = [0, 1, 2].map(|axis| (0..3).all(|d| d == axis || !held[d]));
+        self.free = Free::of(body);
         let mass: f64 = body.mass().iter().sum();
+        self.mass = 0.0;
         self.translation.fill([0.0; 3]);
         self.rigid.stay();
-        if mass <= 0.0 || held == [true; 3] {
+        let is_first = self.last_size.is_none();
+        if is_first {
+            self.deviation
+                .chunks_exact_mut(state.velocity.len())
+                .for_each(|z| z.copy_from_slice(&state.velocity));
+        }
+        let Free { shifts, turns } = self.free;
+        if mass <= 0.0 || shifts == [false; 3] {
             return;
         }
+        self.mass = mass;
         self.set_arm(body, state, mass);
         self.set_known(system);
         for (j, rate) in self.translation.iter_mut().enumerate() {
-            for d in (0..3).filter(|d| !held[*d]) {
+            for d in (0..3).filter(|d| shifts[*d]) {
                 let total: f64 = (0..k).map(|i| form.inverse_mass[j * k + i] * self.sums[i][d]).sum();
                 rate[d] = total / mass;
             }
@@ -112,6 +151,34 @@ impl Prediction {
             (0..3).for_each(|d| (0..3).for_each(|e| inertia[d][e] += my[d] * y[e]));
         }
         self.rigid.solve(form, &inertia, &self.moments, turns);
+        if is_first {
+            let linear = sum(&state.momentum).map(|p| p / mass);
+            let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
+            self.take_rigid_velocity(&inertia, &state.momentum, drift, turns);
+        }
+    }
+
+    /// Takes the velocity of the rigid motion with the momentum of the state out of the deviation.
+    fn take_rigid_velocity(
+        &mut self,
+        inertia: &Mat3<f64>,
+        momentum: &[f64],
+        drift: [f64; 3],
+        turns: [bool; 3],
+    ) {
+        let mut moments = [[0.0; 3]; 3];
+        for (p, y) in momentum.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
+            (0..3).for_each(|d| (0..3).for_each(|e| moments[d][e] += p[d] * y[e]));
+        }
+        let Some(spin) = rigid::spin(inertia, &moments, turns) else { return };
+        let turn = cross(&spin);
+        let n = self.arm.len();
+        for z in self.deviation.chunks_exact_mut(n) {
+            for (z, y) in z.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)) {
+                let turned = image(&turn, y);
+                (0..3).for_each(|d| z[d] -= drift[d] + turned[d]);
+            }
+        }
     }
 
     /// Sets y and M y.
@@ -145,16 +212,96 @@ impl Prediction {
         }
     }
 
+    /// Balances resultants and moments of a solution by a rigid motion on top of it, to rounding.
+    ///
+    /// The forces inside the body have neither, so that inertia and loads alone decide, and the rounding of the stiffness, which may
+    /// be larger than the inertia, does not come in. What an iteration leaves would be a force that always acts the same way.
+    /// `residual`: memory for k n numbers.
+    pub fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
+        if self.mass == 0.0 || !system.is_self_balanced() {
+            return;
+        }
+        let (k, n) = (self.changes.len(), self.arm.len());
+        for _ in 0..BALANCES {
+            system.unbalanced(rates, residual);
+            self.set_resultants(system.form.rule.coefficients(), rates, residual);
+            let inverse_mass = &system.form.inverse_mass;
+            self.rigid.balance(&self.moment, self.free.turns, &mut self.changes);
+            for (j, rates) in rates.chunks_exact_mut(n).enumerate() {
+                let shift = [0, 1, 2].map(|d| {
+                    let total: f64 = (0..k).map(|i| inverse_mass[j * k + i] * self.sums[i][d]).sum();
+                    if self.free.shifts[d] { -total / self.mass } else { 0.0 }
+                });
+                for (x, y) in rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)) {
+                    let turned = image(&self.changes[j], y);
+                    (0..3).for_each(|d| x[d] += shift[d] + turned[d]);
+                }
+            }
+        }
+    }
+
+    /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the step.
+    fn set_resultants(&mut self, a: &[f64], rates: &[f64], residual: &[f64]) {
+        let (k, n) = (self.moment.len(), self.arm.len());
+        for (i, residual) in residual.chunks_exact(n).enumerate() {
+            (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
+            for (node, r) in residual.as_chunks::<3>().0.iter().enumerate() {
+                let at = 3 * node;
+                let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
+                for j in 0..k {
+                    (0..3).for_each(|d| q[d] += a[i * k + j] * rates[j * n + at + d]);
+                }
+                let moment =
+                    [q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]];
+                (0..3).for_each(|d| self.sums[i][d] += r[d]);
+                (0..3).for_each(|d| self.moment[i][d] += moment[d]);
+            }
+        }
+    }
+
+    /// What a residual does in the step: its work, and its impulse and moment along and about the axes that are free.
+    pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
+        let (n, s, rule) = (self.arm.len(), system.time_scale, &system.form.rule);
+        let mut work = 0.0;
+        let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
+        if self.mass > 0.0 {
+            self.set_resultants(rule.coefficients(), rates, residual);
+        }
+        let stages = residual.chunks_exact(n).zip(rates.chunks_exact(n)).zip(rule.weights()).enumerate();
+        for (i, ((residual, rates), b)) in stages {
+            work += b * dot(residual, rates) / (s * s);
+            for d in (0..3).filter(|_| self.mass > 0.0) {
+                impulse[d] += if self.free.shifts[d] { b / s * self.sums[i][d] } else { 0.0 };
+                moment[d] += if self.free.turns[d] { b / s * self.moment[i][d] } else { 0.0 };
+            }
+        }
+        let norm = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        [work.abs(), norm(impulse), norm(moment)]
+    }
+
+    /// Largest linear and angular momentum that a kinetic energy allows, `sqrt(2 T m)` and `sqrt(2 T I)`; infinite where the body has
+    /// no rigid motion.
+    pub fn momentum_scales(&self, energy: f64) -> [f64; 2] {
+        if self.mass == 0.0 {
+            return [f64::INFINITY; 2];
+        }
+        [(2.0 * energy * self.mass).sqrt(), (2.0 * energy * dot(&self.arm, &self.weighted_arm)).sqrt()]
+    }
+
     /// The rotation of the rigid motion.
     pub fn rotation(&self) -> &RigidStep {
         &self.rigid
     }
 
-    /// Predicts the rates of the step that was started; false if there was none before.
-    pub fn predict(&mut self, carry: Carry, form: &StageForm, step_size: f64, rates: &mut [f64]) -> bool {
-        let Some(last_size) = self.last_size else { return false };
+    /// Predicts the rates of the step that was started.
+    pub fn predict(&mut self, carry: Carry, form: &StageForm, step_size: f64, rates: &mut [f64]) {
         let (k, n) = (form.rule.degree(), self.arm.len());
-        self.set_coefficients(carry, form, step_size / last_size);
+        match self.last_size {
+            Some(last_size) => self.set_coefficients(carry, form, step_size / last_size),
+            // The deviation is a velocity, the same in all stages.
+            None if carry == Carry::Nothing => self.set_coefficients(carry, form, 0.0),
+            None => self.set_coefficients(Carry::Repeated, form, step_size),
+        }
         for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
             let turn = exp(&self.rigid.rotation.map(|w| form.rule.nodes()[i] * w));
             let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
@@ -168,7 +315,6 @@ impl Prediction {
                 (0..3).for_each(|d| x[d] = move_on[d] + rigid[d] + carried[d]);
             }
         }
-        true
     }
 
     /// Sets e for a ratio of step sizes, new over old.

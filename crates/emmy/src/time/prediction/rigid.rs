@@ -47,6 +47,9 @@ pub struct RigidStep {
     changes: Vec<f64>,
     jacobian: Vec<f64>,
     turns: Vec<f64>,
+    scratch: Vec<f64>,
+    /// Whether spins, changes and Jacobian are those of a solution.
+    is_solved: bool,
 }
 
 impl RigidStep {
@@ -61,6 +64,8 @@ impl RigidStep {
             changes: vec![0.0; 3 * k * (3 + 9 * k)],
             jacobian: vec![0.0; 9 * k * k],
             turns: vec![0.0; 3 * k],
+            scratch: vec![0.0; 9 * k * k],
+            is_solved: false,
         }
     }
 
@@ -70,6 +75,31 @@ impl RigidStep {
         self.rates.fill([[0.0; 3]; 3]);
         self.places.fill(UNIT);
         self.rotation = [0.0; 3];
+        self.is_solved = false;
+    }
+
+    /// Changes of the D_j that take moments of the stages out of a body, `moments: [k]`; zero about the axes that are not free, and
+    /// where there is no rotation to be had.
+    pub fn balance(&mut self, moments: &[[f64; 3]], free: [bool; 3], changes: &mut [Mat3<f64>]) {
+        changes.fill([[0.0; 3]; 3]);
+        if !self.is_solved {
+            return;
+        }
+        let columns = 3 + 9 * self.k;
+        for (turn, (moment, d)) in
+            self.turns.iter_mut().zip(moments.iter().flat_map(|m| [(m, 0), (m, 1), (m, 2)]))
+        {
+            *turn = if free[d] { -moment[d] } else { 0.0 };
+        }
+        self.scratch.copy_from_slice(&self.jacobian);
+        if !eliminate(&mut self.scratch, &mut self.turns, 1) {
+            return;
+        }
+        for (j, change) in changes.iter_mut().enumerate() {
+            for (column, turn) in self.turns.iter().enumerate() {
+                add(change, *turn, &block(&self.changes, columns, j, 3 + 3 * column));
+            }
+        }
     }
 
     /// Finds the spins about the axes that are free; where there is no solution the body stays.
@@ -87,6 +117,7 @@ impl RigidStep {
                 let mut end = UNIT;
                 self.rates.iter().zip(weights).for_each(|(D, b)| add(&mut end, *b, D));
                 self.rotation = log(&end);
+                self.is_solved = true;
                 return;
             }
             if !eliminate(&mut self.jacobian, &mut self.turns, 1) {
@@ -186,6 +217,20 @@ impl RigidStep {
         }
         largest <= ROUNDING * size
     }
+}
+
+/// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the axes that are free; `None` if its inertia is singular.
+pub fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
+    let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
+    let mut spin = moment(moments);
+    let mut matrix = [0.0; 9];
+    for (d, e) in (0..9).map(|n| (n / 3, n % 3)) {
+        let diagonal = if d == e { (1.0 + SMALLEST) * trace } else { 0.0 };
+        let is_free = free[d] && free[e];
+        matrix[3 * d + e] = if is_free { diagonal - inertia[d][e] } else { f64::from(u8::from(d == e)) };
+    }
+    (0..3).filter(|&d| !free[d]).for_each(|d| spin[d] = 0.0);
+    eliminate(&mut matrix, &mut spin, 1).then_some(spin)
 }
 
 /// Tensor of the rows 3 i.. and the columns from one on.

@@ -1,0 +1,84 @@
+//! Smooth functions of time that act on a body, for the check that steps resolve them.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
+
+use super::field::FieldLoad;
+use super::{Body, History};
+
+/// What a function of time drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignalTarget {
+    /// A load, by its number.
+    Load(usize),
+    /// A support that moves, by its number among those.
+    Support(usize),
+}
+
+/// A function of time.
+type Function = dyn Fn(f64) -> f64 + Send + Sync;
+
+/// A smooth function of time that acts on a body.
+#[derive(Clone)]
+pub struct Signal {
+    /// What it drives.
+    pub target: SignalTarget,
+    /// Its text, as that of [`History::text`]; empty for a field.
+    pub text: Arc<str>,
+    /// When it ends, for a support that is released.
+    pub until: Option<f64>,
+    /// Displacement per unit of the function \[length\]; of a load 0.
+    pub arm: f64,
+    function: Arc<Function>,
+}
+
+impl Signal {
+    /// The signal of a field load.
+    pub(super) fn new(load: usize, function: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
+        let target = SignalTarget::Load(load);
+        Signal { target, text: "".into(), until: None, arm: 0.0, function: Arc::new(function) }
+    }
+
+    /// Value at a time.
+    pub fn at(&self, time: f64) -> f64 {
+        (self.function)(time)
+    }
+
+    /// The signal of a smooth history; `None` for a table, which is integrated exactly.
+    fn of(history: &History, target: SignalTarget, until: Option<f64>, arm: f64) -> Option<Self> {
+        let text = history.text()?.into();
+        let history = history.clone();
+        Some(Signal { target, text, until, arm, function: Arc::new(move |time| history.value(time)) })
+    }
+}
+
+impl fmt::Debug for Signal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Signal").field("target", &self.target).field("text", &self.text).finish()
+    }
+}
+
+impl Body {
+    /// The smooth functions of time that act on the body, each once.
+    ///
+    /// A field stands for itself with its components at some of its points.
+    pub fn signals(&self) -> Vec<Signal> {
+        let loads = self.loads.iter().map(|load| (load.load, &load.history));
+        let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.history));
+        let of_loads = loads
+            .chain(pressures)
+            .filter_map(|(load, history)| Signal::of(history, SignalTarget::Load(load), None, 0.0));
+        let of_supports = self.drives.iter().enumerate().flat_map(|(number, drive)| {
+            let target = SignalTarget::Support(number);
+            drive.arms().filter_map(move |(history, arm)| Signal::of(history, target, drive.until, arm))
+        });
+        let mut known = HashSet::new();
+        let is_new = |signal: &Signal| {
+            known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
+        };
+        let mut signals: Vec<Signal> = of_loads.chain(of_supports).filter(is_new).collect();
+        signals.extend(self.fields.iter().flat_map(FieldLoad::signals));
+        signals
+    }
+}

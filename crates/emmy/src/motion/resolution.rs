@@ -1,0 +1,362 @@
+//! Whether steps resolve the smooth functions of time that act on a body.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::StepPlan;
+use crate::average::Rule;
+use crate::body::{Body, Signal, SignalTarget};
+use crate::polynomial::lagrange;
+use crate::quadrature::{Quadrature, gauss, lobatto};
+use crate::time::{MAX_DEGREE, Scheme};
+
+/// A function of time that a step does not resolve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unresolved {
+    /// What it drives.
+    pub target: SignalTarget,
+    /// Its text; empty for a field.
+    pub text: Arc<str>,
+    /// Time near which the step misses something of it.
+    pub time: f64,
+}
+
+/// Longest text that is shown.
+const LONGEST: usize = 60;
+
+impl fmt::Display for Unresolved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.target {
+            SignalTarget::Load(number) => write!(f, "load {number}")?,
+            SignalTarget::Support(number) => write!(f, "moving support {number}")?,
+        }
+        if !self.text.is_empty() {
+            let text: String = self.text.chars().take(LONGEST).collect();
+            let dots = if text.len() < self.text.len() { "..." } else { "" };
+            write!(f, " (\"{text}{dots}\")")?;
+        }
+        write!(f, " near t = {}", Short(self.time))
+    }
+}
+
+/// A number with six significant digits.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded: f64 = format!("{:.5e}", self.0).parse().map_err(|_| fmt::Error)?;
+        write!(f, "{rounded}")
+    }
+}
+
+/// Compares what the points of a step see of functions of time with a quadrature on many short panels.
+///
+/// Tables are integrated exactly and need no check. A function is taken to be resolved by panels of 1/16384 of the plan: what is
+/// shorter may be missed. No element is evaluated.
+///
+/// ```
+/// use emmy::{body::{Body, History, Load, LoadKind, Region}, material::NeoHooke, mesh};
+/// use emmy::{motion::{Phase, Resolution, StepPlan}, time::Scheme};
+/// let pulse = History::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
+/// let kind = LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] };
+/// let region = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
+/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![region], &[], &[Load { kind, history: pulse }])?;
+/// let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 2.0 }])?;
+/// let resolution = Resolution::new(&body, Scheme::DiscreteGradient, 1, &plan).unwrap();
+/// let missed = resolution.unresolved(4.0, 2.0).unwrap();
+/// assert!((missed.time - 5.0).abs() < 0.01 && resolution.unresolved(6.0, 2.0).is_none());
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Resolution {
+    /// The functions with the largest size of each in the plan.
+    signals: Vec<(Signal, f64)>,
+    scheme: Scheme,
+    rule: Rule,
+    /// Points of a step at which the stepper takes loads.
+    points: Quadrature<1>,
+    /// Longest panel of the comparison \[time\].
+    panel: f64,
+}
+
+/// How far a step may miss a function.
+#[derive(Debug, Clone, Copy)]
+enum Allowance {
+    /// Averages, over the largest size of the function.
+    Part(f64),
+    /// Averages of loads as before; displacements of supports by a length.
+    PartOrLength(f64, f64),
+}
+
+/// Panels of a plan, for all functions together, and the fewest of each.
+const PANELS: usize = 1 << 14;
+const FEWEST_PANELS: usize = 1 << 8;
+
+/// Times at which the largest size of a function is looked for, in each panel.
+const SAMPLES: usize = 4;
+
+/// Part of the largest size of a function by which the average of a planned step may be off.
+const PLANNED: f64 = 1e-2;
+
+/// The same for steppers that take loads at the ends of a step, whose order is two.
+const PLANNED_AT_ENDS: f64 = 5e-2;
+
+/// Limits of the part that adaptive steps may be off, which is their tolerance.
+const TIGHTEST: f64 = 1e-8;
+const LOOSEST: f64 = 1e-3;
+
+/// Steps of a plan that are looked at before a run.
+const MOST_STEPS: usize = 100_000;
+
+impl Resolution {
+    /// The check of a plan; `None` if no smooth function of time acts on the body.
+    pub fn new(body: &Body, scheme: Scheme, degree: usize, plan: &StepPlan) -> Option<Self> {
+        let signals = body.signals();
+        if signals.is_empty() {
+            return None;
+        }
+        let (start, duration) = (plan.start(), plan.end() - plan.start());
+        let panels = (PANELS / signals.len()).max(FEWEST_PANELS);
+        let n_samples = SAMPLES * panels;
+        let largest = |signal: &Signal| {
+            let times = (0..=n_samples).map(|i| start + duration * i as f64 / n_samples as f64);
+            times.map(|time| signal.at(time).abs()).fold(0.0, f64::max)
+        };
+        let signals = signals.into_iter().map(|signal| (largest(&signal), signal));
+        let (rule, points) = rule_and_points(scheme, degree);
+        Some(Resolution {
+            signals: signals.map(|(largest, signal)| (signal, largest)).collect(),
+            scheme,
+            rule,
+            points,
+            panel: duration / panels as f64,
+        })
+    }
+
+    /// The first function that a planned step misses a part of.
+    pub fn unresolved(&self, time: f64, size: f64) -> Option<Unresolved> {
+        let part = if self.scheme.is_time_element() { PLANNED } else { PLANNED_AT_ENDS };
+        self.missed(time, size, Allowance::Part(part))
+    }
+
+    /// The steps of a plan that miss a part of a function: how many, and what the first of them misses. Of a long plan only the
+    /// beginning is looked at; where sizes are chosen by the error there are no planned steps.
+    pub fn unresolved_steps(&self, plan: &StepPlan) -> (usize, Option<Unresolved>) {
+        if plan.adaptivity().is_some() {
+            return (0, None);
+        }
+        let mut missed =
+            plan.steps().take(MOST_STEPS).filter_map(|step| self.unresolved(step.start, step.size));
+        let first = missed.next();
+        (usize::from(first.is_some()) + missed.count(), first)
+    }
+
+    /// Takes elements of another degree.
+    pub(super) fn take_degree(&mut self, degree: usize) {
+        if self.rule.degree() != degree {
+            (self.rule, self.points) = rule_and_points(self.scheme, degree);
+        }
+    }
+
+    /// The largest size of at most `size`, over a power of two, that resolves everything to a tolerance; at the least about that of
+    /// a panel. `length`: what displacements are relative to.
+    pub(super) fn resolved_size(&self, time: f64, size: f64, tolerance: f64, length: f64) -> f64 {
+        let mut size = size;
+        while size > self.panel && self.missed_within(time, size, tolerance, length).is_some() {
+            size *= 0.5;
+        }
+        size
+    }
+
+    /// The first function that an adaptive step misses a part of.
+    pub(super) fn missed_within(
+        &self,
+        time: f64,
+        size: f64,
+        tolerance: f64,
+        length: f64,
+    ) -> Option<Unresolved> {
+        let part = tolerance.clamp(TIGHTEST, LOOSEST);
+        self.missed(time, size, Allowance::PartOrLength(part, tolerance * length))
+    }
+
+    fn missed(&self, time: f64, size: f64, allowance: Allowance) -> Option<Unresolved> {
+        let acting = self.signals.iter().filter(|(signal, _)| signal.until.is_none_or(|until| time < until));
+        for (signal, largest) in acting {
+            let is_missed = match allowance {
+                Allowance::PartOrLength(_, length) if signal.arm > 0.0 => {
+                    signal.arm * self.deviation(signal, time, size) > length
+                }
+                Allowance::Part(part) | Allowance::PartOrLength(part, _) => {
+                    self.defect(signal, time, size) > part * largest
+                }
+            };
+            if is_missed {
+                let time = self.place(signal, time, size);
+                return Some(Unresolved { target: signal.target, text: signal.text.clone(), time });
+            }
+        }
+        None
+    }
+
+    /// Visits points and weights of the panels of a step, as parts of it.
+    fn for_each_point(&self, size: f64, mut visit: impl FnMut(f64, f64)) {
+        let n = ((size / self.panel).ceil() as usize).max(2);
+        for panel in 0..n {
+            for (&[s], w) in self.points.iter() {
+                visit((panel as f64 + s) / n as f64, w / n as f64);
+            }
+        }
+    }
+
+    /// Largest difference of the stage averages by the points of the step from those by its panels.
+    fn defect(&self, signal: &Signal, time: f64, size: f64) -> f64 {
+        let k = self.rule.degree();
+        let mut defects = [0.0; MAX_DEGREE];
+        let mut add = |alpha: f64, weight: f64| {
+            let value = weight * signal.at(time + alpha * size);
+            for (i, defect) in defects[..k].iter_mut().enumerate() {
+                *defect += value * self.rule.basis(i, alpha) / self.rule.weights()[i];
+            }
+        };
+        self.points.iter().for_each(|(&[alpha], w)| add(alpha, w));
+        self.for_each_point(size, |alpha, w| add(alpha, -w));
+        defects[..k].iter().fold(0.0, |largest, defect| defect.abs().max(largest))
+    }
+
+    /// Largest difference of the function from the polynomial of degree k + 1 through its values in the step: what the error
+    /// estimate can see of a given motion.
+    fn deviation(&self, signal: &Signal, time: f64, size: f64) -> f64 {
+        let n = self.rule.degree() + 2;
+        let nodes = lobatto(n);
+        let mut places = [0.0; MAX_DEGREE + 2];
+        let mut values = [0.0; MAX_DEGREE + 2];
+        for (i, &[alpha]) in nodes.points.iter().enumerate() {
+            (places[i], values[i]) = (alpha, signal.at(time + alpha * size));
+        }
+        let mut largest = 0f64;
+        self.for_each_point(size, |alpha, _| {
+            let sum: f64 = (0..n).map(|i| values[i] * lagrange(&places[..n], i, alpha)).sum();
+            largest = largest.max((signal.at(time + alpha * size) - sum).abs());
+        });
+        largest
+    }
+
+    /// The time in a step at which a function is farthest from its mean.
+    fn place(&self, signal: &Signal, time: f64, size: f64) -> f64 {
+        let mut mean = 0.0;
+        self.for_each_point(size, |alpha, w| mean += w * signal.at(time + alpha * size));
+        let (mut place, mut farthest) = (time, -1.0);
+        self.for_each_point(size, |alpha, _| {
+            let here = time + alpha * size;
+            let distance = (signal.at(here) - mean).abs();
+            if distance > farthest {
+                (place, farthest) = (here, distance);
+            }
+        });
+        place
+    }
+}
+
+/// The test functions of a scheme, and the points at which it takes loads.
+fn rule_and_points(scheme: Scheme, degree: usize) -> (Rule, Quadrature<1>) {
+    if !scheme.is_time_element() {
+        let points = if scheme == Scheme::Bathe { lobatto(3) } else { lobatto(2) };
+        return (Rule::discrete_gradient(1), points);
+    }
+    let rule = Rule::discrete_gradient(degree);
+    let points = gauss(rule.smooth_quadrature().points.len());
+    (rule, points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{History, Load, LoadKind, Region, Support};
+    use crate::material::NeoHooke;
+    use crate::mesh;
+    use crate::motion::Phase;
+
+    fn body(history: History, moves: Option<History>) -> Body {
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
+        let mesh = mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+        let load =
+            Load { kind: LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] }, history };
+        let driven = moves.map(|history| Support {
+            group: "y-min".to_string(),
+            displacement: [Some(history), None, None],
+            ..Default::default()
+        });
+        Body::new(mesh, vec![Region::new(None, 1.0, rubber)], driven.as_slice(), &[load]).unwrap()
+    }
+
+    fn pulse(at: f64, width: f64) -> History {
+        History::smooth(&format!("pulse {at} {width}"), move |t| {
+            [(-((t - at) / width).powi(2)).exp(), 0.0, 0.0]
+        })
+    }
+
+    fn resolution(body: &Body, scheme: Scheme, degree: usize) -> Resolution {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
+        Resolution::new(body, scheme, degree, &plan).unwrap()
+    }
+
+    #[test]
+    fn tables_need_no_check() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
+        let body = body(History::new(vec![(4.99, 0.0), (5.0, 1.0), (5.01, 0.0)]).unwrap(), None);
+        assert!(Resolution::new(&body, Scheme::DiscreteGradient, 1, &plan).is_none());
+    }
+
+    #[test]
+    fn a_short_pulse_is_seen_by_every_scheme_and_degree() {
+        let body = body(pulse(5.13, 0.01), None);
+        let schemes = [Scheme::DiscreteGradient, Scheme::Bathe, Scheme::CentralDifferences];
+        for (scheme, degree) in schemes.into_iter().flat_map(|scheme| [(scheme, 1), (scheme, 3)]) {
+            let resolution = resolution(&body, scheme, degree);
+            let missed = resolution.unresolved(5.0, 0.5).unwrap();
+            assert!((missed.time - 5.13).abs() < 0.01 && missed.target == SignalTarget::Load(0));
+            assert_eq!(resolution.unresolved(5.5, 0.5), None);
+            assert_eq!(resolution.unresolved(5.13, 0.001), None);
+        }
+    }
+
+    #[test]
+    fn a_pulse_shows_its_load_and_its_place() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
+        let (count, first) =
+            resolution(&body(pulse(5.13, 0.01), None), Scheme::MID_POINT, 1).unresolved_steps(&plan);
+        assert_eq!(count, 1);
+        let text = first.unwrap().to_string();
+        assert!(text.starts_with("load 0 (\"pulse 5.13 0.01\") near t = 5.1"), "{text}");
+    }
+
+    #[test]
+    fn a_resolved_oscillation_is_none_that_is_missed() {
+        let omega = 2.0 * std::f64::consts::PI;
+        let sine = History::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);
+        for scheme in [Scheme::DiscreteGradient, Scheme::CentralDifferences] {
+            let resolution = resolution(&body(sine.clone(), Some(sine.clone())), scheme, 1);
+            for step in 0..20 {
+                assert_eq!(resolution.unresolved(0.05 * step as f64, 0.05), None, "{scheme} {step}");
+            }
+        }
+    }
+
+    #[test]
+    fn adaptive_steps_shrink_until_they_resolve_loads_and_given_motions() {
+        let at_rest = History::smooth("zero", |_| [0.0; 3]);
+        for (body, degree) in [
+            (body(pulse(5.0, 0.01), None), 1),
+            (body(at_rest.clone(), Some(pulse(5.0, 0.01))), 1),
+            (body(at_rest, Some(pulse(5.0, 0.01))), 3),
+        ] {
+            let resolution = resolution(&body, Scheme::DiscreteGradient, degree);
+            let size = resolution.resolved_size(4.0, 6.0, 1e-4, 1.0);
+            assert!((0.4..1.0).contains(&size), "{size}");
+            let size = resolution.resolved_size(4.99, 5.0, 1e-4, 1.0);
+            assert!((1e-4..0.03).contains(&size), "{size}");
+            assert_eq!(resolution.resolved_size(6.0, 4.0, 1e-4, 1.0), 4.0);
+        }
+    }
+}
