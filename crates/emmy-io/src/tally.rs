@@ -75,7 +75,7 @@ pub struct Tally {
     pub solver: Option<SolverChoice>,
     /// Steps that ended at the rounding floor instead of the tolerance.
     pub steps_at_rounding_floor: usize,
-    /// What rounding did to energy and momenta, relative to them, summed over the steps that ended at the rounding floor.
+    /// What rounding did to energy and momenta, relative to them: the sum over the steps that ended at the rounding floor.
     pub rounding: f64,
     /// Steps that missed a part of a load or a given motion.
     pub unresolved_loads: usize,
@@ -136,7 +136,7 @@ impl Tally {
         self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
         self.solver = record.solver.or(self.solver);
         self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
-        self.rounding += record.rounding;
+        self.rounding = record.rounding;
         self.unresolved_loads += usize::from(record.is_unresolved);
         self.cuts += record.cuts;
         self.refusals += record.refusals;
@@ -257,7 +257,7 @@ impl Tally {
 
     /// Correct digits that rounding leaves of energy and momenta, by the sum over all steps.
     pub fn digits_left(&self) -> f64 {
-        -self.rounding.max(f64::EPSILON).log10()
+        -self.rounding.clamp(f64::EPSILON, 1.0).log10()
     }
 
     /// Accumulated energy residual over the largest T + |V|.

@@ -101,6 +101,7 @@ impl<'a> Motion<'a> {
                     break;
                 }
                 self.notify(observers)?;
+                self.check_digits()?;
             }
         }
         Ok(())

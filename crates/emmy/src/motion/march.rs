@@ -11,7 +11,7 @@ use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::number::short;
-use crate::time::{Memory, Scheme, StepOutcome, Stepper};
+use crate::time::{LARGEST_ROUNDING, Memory, Scheme, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
 ///
@@ -343,6 +343,7 @@ impl<'a> Motion<'a> {
                 self.note(EventKind::Grown, self.state.step, format!("step size back to {}", 2.0 * size));
             }
             self.notify(observers)?;
+            self.check_digits()?;
             if passed.is_done {
                 return Ok(());
             }
@@ -374,6 +375,18 @@ impl<'a> Motion<'a> {
         self.cuts += 1;
         self.note(EventKind::Cut, self.state.step + 1, format!("step cut to {}: {error}", short(0.5 * size)));
         Ok(())
+    }
+
+    /// Ends a march in which rounding has used up all digits but three: smaller steps would not bring them back.
+    ///
+    /// # Errors
+    /// [`Error::NoDigits`].
+    pub(super) fn check_digits(&self) -> Result<()> {
+        let Record { step, time, rounding, .. } = self.record;
+        if rounding <= LARGEST_ROUNDING {
+            return Ok(());
+        }
+        Err(Error::NoDigits { step, time, digits: -rounding.log10() })
     }
 
     /// Tells observers of the events that they have not seen yet.

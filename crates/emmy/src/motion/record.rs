@@ -58,7 +58,8 @@ pub struct Record {
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
-    /// What rounding did to energy and momenta of the step, relative to them; 0 above the rounding floor.
+    /// What rounding did to energy and momenta since the start, relative to them: the sum over all steps that ended at the rounding
+    /// floor.
     pub rounding: f64,
     /// How often the step was cut by two before it succeeded.
     pub cuts: usize,
@@ -107,7 +108,7 @@ impl Record {
             took_exact_tangent: outcome.newton.took_exact_tangent,
             solver: outcome.solver,
             at_rounding_floor: outcome.newton.at_rounding_floor,
-            rounding: outcome.newton.rounding,
+            rounding: self.rounding + outcome.newton.rounding,
             ..Record::default()
         };
         let record = record.with_invariants(body, state, outcome.strained);

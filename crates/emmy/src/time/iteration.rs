@@ -236,7 +236,7 @@ impl Iteration {
 }
 
 /// Part of energy or momenta that rounding may make of a step: three digits are left.
-const LARGEST_ROUNDING: f64 = 1e-3;
+pub const LARGEST_ROUNDING: f64 = 1e-3;
 
 fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
     let (step, time) = (state.step + 1, state.time + step_size);

@@ -39,4 +39,5 @@ pub use reconstruction::Reconstruction;
 pub use scheme::{MAX_DEGREE, SCHEMES, Scheme};
 pub(crate) use stage_system::StageForm;
 pub use state::State;
+pub(crate) use iteration::LARGEST_ROUNDING;
 pub use stepper::{Impulses, StepOutcome, Stepper};
