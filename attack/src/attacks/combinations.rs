@@ -133,8 +133,7 @@ fn balances(directory: &Path, name: &str, scheme: &str, degree: usize) -> Result
     ];
     for (_, residual, scale) in promises.iter().filter(|(holds, ..)| *holds) {
         let relative = number(residual).abs() / number(scale);
-        // A residual that is not a number is not small.
-        if !(relative <= ROUND_OFF) {
+        if relative.is_nan() || relative > ROUND_OFF {
             return Err(format!("{residual} is {relative:.1e} of {scale}"));
         }
     }
