@@ -336,6 +336,21 @@ mod tests {
     }
 
     #[test]
+    fn steps_that_are_lost_in_the_rounding_of_the_time_are_rejected() {
+        for phases in [
+            [(1.0, 0.1), (1.000000000000001, 1e-16)],
+            [(1e17, 1e15), (2e17, 10.0)],
+            [(1000.0, 1.0), (1001.0, 1e-13)],
+        ] {
+            assert!(matches!(plan(&phases), Err(Error::Plan { phase: 1, .. })), "{phases:?}");
+        }
+        // A last step of 1e-15 is a part of the one before.
+        let ends: Vec<f64> =
+            plan(&[(1.0, 0.5), (1.0 + 3e-9 + 1e-15, 1e-9)]).unwrap().steps().map(|step| step.size).collect();
+        assert!(ends.iter().all(|&size| size > 0.5e-9), "{ends:?}");
+    }
+
+    #[test]
     fn rounding_makes_no_extra_step() {
         for (until, size, n) in [(1.0, 0.01, 100), (0.3, 0.1, 3), (4.0, 0.04, 100), (1.0, 1e-4, 10_000)] {
             let plan = plan(&[(until, size)]).unwrap();

@@ -2,9 +2,10 @@
 
 #![allow(non_snake_case)]
 
+use emmy::Error;
 use emmy::body::{Body, InitialVelocity, Region, Support};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
-use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::motion::{MarchError, Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
 /// Worst residuals of a run: energy over T + V, angular momentum over its largest part `sum |q x p|` scale.
@@ -165,4 +166,73 @@ fn the_kept_stiffness_of_a_turning_body_is_right() {
             );
         }
     }
+}
+
+/// A tumbling steel part in mm, t, s with steps of a second: the stiffness is 1e13 times the inertia and more, and both sizes of the
+/// part keep the digits that are said to be left.
+#[test]
+fn a_steel_part_tumbles_in_steps_of_a_second() {
+    for scale in [1.0, 0.1] {
+        let mesh = emmy::mesh::block([1.0, 10.0, 2.0], [2, 20, 4]).unwrap().scaled(scale).unwrap();
+        let body = Body::new(mesh, vec![svk(210_000.0, 7.85e-9)], &[], &[]).unwrap();
+        let spin = InitialVelocity {
+            angular_velocity: [0.02, 0.05, 0.2],
+            about: [0.5 * scale, 5.0 * scale, scale],
+            ..Default::default()
+        };
+        let state = State::initial(&body, 0.0, &[spin]).unwrap();
+        let mut motion =
+            Motion::new(&body, Scheme::DiscreteGradient, 1, NewtonSettings::default(), state).unwrap();
+        let start = motion.record().clone();
+        for step in 1..=100 {
+            motion.step(1.0, f64::from(step)).unwrap();
+        }
+        let end = motion.record();
+        let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let energy = (end.total_energy / start.total_energy - 1.0).abs();
+        let change = [0, 1, 2].map(|d| end.angular_momentum[d] - start.angular_momentum[d]);
+        let momentum = norm(change) / norm(start.angular_momentum);
+        println!("scale {scale}: H {energy:.1e}, L {momentum:.1e}, rounding {:.1e}", end.rounding);
+        assert!(end.rounding > 0.0 && end.rounding < 1e-6, "six digits: {:e}", end.rounding);
+        assert!(energy < end.rounding.max(1e-13) && momentum < end.rounding.max(1e-13));
+    }
+}
+
+/// A stiffness number of 1e15 leaves six digits, at any degree.
+#[test]
+fn a_block_beyond_all_stiffness_keeps_six_digits() {
+    let mesh = emmy::mesh::block([1.0; 3], [3; 3]).unwrap();
+    let body = Body::new(mesh, vec![rubber(1e16, 1.0)], &[], &[]).unwrap();
+    for (scheme, degree) in
+        [(Scheme::DiscreteGradient, 1), (Scheme::AssumedStrain(5), 1), (Scheme::DiscreteGradient, 2)]
+    {
+        let spin =
+            InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], about: [0.5; 3], ..Default::default() };
+        let state = State::initial(&body, 0.0, &[spin]).unwrap();
+        let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
+        let start = motion.record().clone();
+        for step in 1..=50 {
+            motion.step(0.05, 0.05 * f64::from(step)).unwrap();
+        }
+        let end = motion.record();
+        let energy = (end.total_energy / start.total_energy - 1.0).abs();
+        assert!(
+            energy < end.rounding.max(1e-12) && end.rounding < 1e-6,
+            "{scheme}: {energy:e} {:e}",
+            end.rounding
+        );
+    }
+}
+
+/// Schemes whose internal forces have a moment lose their digits to rounding, and say so instead of going on.
+#[test]
+fn a_step_without_digits_fails() {
+    let mesh = emmy::mesh::block([1.0; 3], [3; 3]).unwrap();
+    let body = Body::new(mesh, vec![rubber(1e19, 1.0)], &[], &[]).unwrap();
+    let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], about: [0.5; 3], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[spin]).unwrap();
+    let mut motion = Motion::new(&body, Scheme::MID_POINT, 1, NewtonSettings::default(), state).unwrap();
+    let plan = StepPlan::new(0.0, vec![Phase { until: 5.0, size: 0.05 }]).unwrap();
+    let ended = motion.march(&plan, &mut []);
+    assert!(matches!(ended, Err(MarchError::Step(Error::NoDigits { .. }))), "{ended:?}");
 }

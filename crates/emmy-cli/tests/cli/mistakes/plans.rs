@@ -36,6 +36,13 @@ pub(super) fn all() -> Vec<Mistake> {
             .unseen(),
         changed("degree-too-high", "degree = 1", "degree = 9"),
         changed("degree-of-nothing", "degree = 1", "degree = 0"),
+        scheme("explicit-steps-beyond-the-critical-one", "central-differences").unseen(),
+        changed(
+            "steps-lost-in-the-rounding-of-the-time",
+            STEPS,
+            "steps = [{ until = 0.2, size = 0.1 }, { until = 0.20000000000000004, size = 1e-17 }]",
+        )
+        .unseen(),
         changed("no-steps", STEPS, "steps = []"),
         changed(
             "plan-that-goes-back",

@@ -3,6 +3,7 @@
 mod degrees;
 mod estimates;
 mod problems;
+mod pulses;
 
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
