@@ -33,7 +33,9 @@ impl Key {
         let _ =
             writeln!(key, "steps = {:?} from {:?} by {start:?} to {end:?}", study.reference_size, study.from);
         let _ = writeln!(key, "state = {:016x}", state_sum(state));
-        key.push_str(&what_matters(&problem.resolved)?);
+        // The input may have lost what is not UTF-8 of the path of the mesh.
+        let mesh = problem.files.get(1).map(PathBuf::as_path);
+        key.push_str(&what_matters(&problem.resolved, mesh)?);
         Ok(Key(key))
     }
 
@@ -45,14 +47,15 @@ impl Key {
 
 /// The resolved input without what does not change a motion from a given state, and with the content of the mesh file
 /// in place of its path.
-fn what_matters(resolved: &str) -> io::Result<String> {
+fn what_matters(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     let mut input: toml::Table = resolved.parse().map_err(io::Error::other)?;
     ["title", "output", "limits", "initial"].into_iter().for_each(|section| drop(input.remove(section)));
     if let Some(time) = input.get_mut("time").and_then(toml::Value::as_table_mut) {
         ["scheme", "degree", "steps"].into_iter().for_each(|key| drop(time.remove(key)));
     }
     if let Some(file) = input.get_mut("mesh").and_then(|mesh| mesh.get_mut("file")) {
-        let content = std::fs::read(file.as_str().unwrap_or_default())?;
+        let path = mesh.unwrap_or(Path::new(file.as_str().unwrap_or_default()));
+        let content = std::fs::read(path)?;
         *file = toml::Value::String(format!("{} bytes, sum {:016x}", content.len(), checksum(&content)));
     }
     Ok(input.to_string())
@@ -197,7 +200,7 @@ mod tests {
                 "title = 'a'\n[mesh]\nscale = 2.0\n[time]\nscheme = 'DGM'\n[region]\nmu = {mu}\n[output]\n{output}\n"
             )
         };
-        let key = |output: &str, mu: &str| what_matters(&input(output, mu)).unwrap();
+        let key = |output: &str, mu: &str| what_matters(&input(output, mu), None).unwrap();
         assert_eq!(key("every = 1", "3.0"), key("every = 2", "3.0"));
         assert_ne!(key("every = 1", "3.0"), key("every = 1", "3.5"));
         assert!(key("", "1.0").contains("scale"));
