@@ -154,7 +154,7 @@ $Elements\n2\n1 4 2 1 1 10 20 30 40\n2 2 2 3 1 20 30 50\n$EndElements\n";
 #[test]
 fn surfaces_alone_are_told_from_a_mesh_in_a_plane() {
     // A box whose foot and top are physical groups, but not its volume.
-    let error = emmy_io::mesh::read(&meshes::path("surfaces-alone.msh")).unwrap_err().to_string();
+    let error = emmy_io::mesh::read(&crate::meshes::path("surfaces-alone.msh")).unwrap_err().to_string();
     for part in ["the file has triangles only", "put the volume into one too", "Mesh.SaveAll = 1"] {
         assert!(error.contains(part), "{error}");
     }
