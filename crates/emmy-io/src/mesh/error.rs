@@ -73,12 +73,14 @@ pub enum MeshError {
         command: String,
     },
     /// A file with elements of surfaces alone, which do not lie in a plane.
-    #[error("{}: the file has {found} only and no solid cells, and they do not lie in one plane; {advice}", file.display())]
+    #[error("{}: the file has {found} only and no solid cells, and they do not lie in one plane z = const ({place}); {advice}", file.display())]
     SurfaceAlone {
         /// The file.
         file: PathBuf,
         /// What there is.
         found: &'static str,
+        /// The first node that is not in the plane.
+        place: String,
         /// What to try.
         advice: &'static str,
     },

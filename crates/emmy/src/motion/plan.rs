@@ -78,19 +78,22 @@ impl StepPlan {
                 let [until, begin] = [until, begin].map(short);
                 return fail(phase, format!("it ends at {until}, but begins at {begin}: time goes forward"));
             }
+            if (until - begin) / size > 1e12 {
+                let [size, until] = [size, until].map(short);
+                return fail(phase, format!("steps of {size} until {until} are more than 1e12 steps"));
+            }
             let shortest = SHORTEST * begin.abs().max(until.abs());
             if size <= shortest || until - begin <= shortest {
                 let size = size.min(until - begin);
                 return fail(
                     phase,
                     format!(
-                        "steps of {size:e} are lost in the rounding of t = {until}; take steps above {shortest:.1e}"
+                        "steps of {} are lost in the rounding of t = {}; take steps above {}",
+                        short(size),
+                        short(until),
+                        short(shortest)
                     ),
                 );
-            }
-            if (until - begin) / size > 1e12 {
-                let [size, until] = [size, until].map(short);
-                return fail(phase, format!("steps of {size} until {until} are more than 1e12 steps"));
             }
             begin = until;
         }

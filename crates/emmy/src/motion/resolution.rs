@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::StepPlan;
 use crate::average::Rule;
 use crate::body::{Body, Signal, SignalTarget};
+use crate::number::short;
 use crate::polynomial::lagrange;
 use crate::quadrature::{Quadrature, gauss, lobatto};
 use crate::time::{MAX_DEGREE, Scheme};
@@ -35,17 +36,7 @@ impl fmt::Display for Unresolved {
             let dots = if text.len() < self.text.len() { "..." } else { "" };
             write!(f, " (\"{text}{dots}\")")?;
         }
-        write!(f, " near t = {}", Short(self.time))
-    }
-}
-
-/// A number with six significant digits.
-struct Short(f64);
-
-impl fmt::Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded: f64 = format!("{:.5e}", self.0).parse().map_err(|_| fmt::Error)?;
-        write!(f, "{rounded}")
+        write!(f, " near t = {}", short(self.time))
     }
 }
 
@@ -79,13 +70,24 @@ pub struct Resolution {
     panel: f64,
 }
 
-/// How far a step may miss a function.
+/// How far a step may miss a function. What is smaller in a step than this part of the function's largest size may be missed, too.
 #[derive(Debug, Clone, Copy)]
 enum Allowance {
-    /// Averages, over the largest size of the function.
+    /// Averages, over the mean size of the function in the step.
     Part(f64),
     /// Averages of loads as before; displacements of supports by a length.
     PartOrLength(f64, f64),
+}
+
+/// A function of time as a step sees it and as it is.
+#[derive(Debug, Clone, Copy)]
+struct Comparison {
+    /// Largest difference of the stage averages.
+    defect: f64,
+    /// Mean size of the function in the step.
+    mean: f64,
+    /// Its largest size there.
+    peak: f64,
 }
 
 /// Panels of a plan, for all functions together, and the fewest of each.
@@ -95,7 +97,7 @@ const FEWEST_PANELS: usize = 1 << 8;
 /// Times at which the largest size of a function is looked for, in each panel.
 const SAMPLES: usize = 4;
 
-/// Part of the largest size of a function by which the average of a planned step may be off.
+/// Part of its mean size by which the average of a function over a planned step may be off.
 const PLANNED: f64 = 1e-2;
 
 /// The same for steppers that take loads at the ends of a step, whose order is two.
@@ -188,7 +190,8 @@ impl Resolution {
                     signal.arm * self.deviation(signal, time, size) > length
                 }
                 Allowance::Part(part) | Allowance::PartOrLength(part, _) => {
-                    self.defect(signal, time, size) > part * largest
+                    let seen = self.compare(signal, time, size);
+                    seen.peak > part * largest && seen.defect > part * seen.mean
                 }
             };
             if is_missed {
@@ -209,19 +212,25 @@ impl Resolution {
         }
     }
 
-    /// Largest difference of the stage averages by the points of the step from those by its panels.
-    fn defect(&self, signal: &Signal, time: f64, size: f64) -> f64 {
+    /// Compares the stage averages by the points of the step with those by its panels.
+    fn compare(&self, signal: &Signal, time: f64, size: f64) -> Comparison {
         let k = self.rule.degree();
         let mut defects = [0.0; MAX_DEGREE];
-        let mut add = |alpha: f64, weight: f64| {
-            let value = weight * signal.at(time + alpha * size);
+        let (mut mean, mut peak) = (0.0, 0f64);
+        let mut add = |alpha: f64, value: f64| {
             for (i, defect) in defects[..k].iter_mut().enumerate() {
                 *defect += value * self.rule.basis(i, alpha) / self.rule.weights()[i];
             }
         };
-        self.points.iter().for_each(|(&[alpha], w)| add(alpha, w));
-        self.for_each_point(size, |alpha, w| add(alpha, -w));
-        defects[..k].iter().fold(0.0, |largest, defect| defect.abs().max(largest))
+        self.points.iter().for_each(|(&[alpha], w)| add(alpha, w * signal.at(time + alpha * size)));
+        self.for_each_point(size, |alpha, w| {
+            let value = signal.at(time + alpha * size);
+            mean += w * value.abs();
+            peak = peak.max(value.abs());
+            add(alpha, -w * value);
+        });
+        let defect = defects[..k].iter().fold(0.0, |largest, defect| defect.abs().max(largest));
+        Comparison { defect, mean, peak }
     }
 
     /// Largest difference of the function from the polynomial of degree k + 1 through its values in the step: what the error

@@ -1,5 +1,6 @@
 //! What an MSH file holds, until all of it is read and can be checked.
 
+use emmy::number::short;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;
@@ -318,8 +319,14 @@ impl Draft {
             MeshError::Mesh { file, reason: emmy::Error::FacetWithoutCell { group, nodes } } => {
                 MeshError::FacetWithoutCell { file, group, nodes: nodes.iter().map(number).collect() }
             }
-            MeshError::Mesh { file, reason: emmy::Error::NotInPlane { .. } } => {
-                MeshError::SurfaceAlone { file, found: self.surface_elements(), advice: SURFACE_ALONE }
+            MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
+                let place = format!(
+                    "node {} is at z = {} and the first one at z = {}",
+                    number(&node),
+                    short(z),
+                    short(plane)
+                );
+                MeshError::SurfaceAlone { file, found: self.surface_elements(), place, advice: SURFACE_ALONE }
             }
             error => error,
         }

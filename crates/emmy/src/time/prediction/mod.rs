@@ -79,9 +79,11 @@ impl Free {
     }
 }
 
-/// Balances of the rigid motion after an iteration: each leaves the part of the one before that the deformation within the step is of
-/// the body.
-const BALANCES: usize = 2;
+/// Passes of a balance at the most: each leaves the part of the one before that the deformation within the step is of the body.
+const BALANCES: usize = 4;
+
+/// A pass that leaves more than this part of the one before has come to rounding.
+const ROUNDING: f64 = 0.25;
 
 impl Prediction {
     pub fn new(k: usize, n: usize) -> Self {
@@ -222,9 +224,15 @@ impl Prediction {
             return;
         }
         let (k, n) = (self.changes.len(), self.arm.len());
+        let mut last = f64::INFINITY;
         for _ in 0..BALANCES {
             system.unbalanced(rates, residual);
             self.set_resultants(system.form.rule.coefficients(), rates, residual);
+            let left = self.resultant_size();
+            if left == 0.0 || left > ROUNDING * last {
+                return;
+            }
+            last = left;
             let inverse_mass = &system.form.inverse_mass;
             self.rigid.balance(&self.moment, self.free.turns, &mut self.changes);
             for (j, rates) in rates.chunks_exact_mut(n).enumerate() {
@@ -257,6 +265,17 @@ impl Prediction {
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
         }
+    }
+
+    /// Size of the sums and moments of all stages along and about the free axes, in units of what mass and inertia make of them.
+    fn resultant_size(&self) -> f64 {
+        let Free { shifts, turns } = self.free;
+        let size =
+            |v: &[f64; 3], free: [bool; 3]| (0..3).filter(|&d| free[d]).map(|d| v[d].abs()).sum::<f64>();
+        let sums: f64 = self.sums.iter().map(|sum| size(sum, shifts)).sum();
+        let moments: f64 = self.moment.iter().map(|moment| size(moment, turns)).sum();
+        let [mass, inertia] = self.momentum_scales(0.5);
+        sums / mass + moments / inertia.max(f64::MIN_POSITIVE)
     }
 
     /// What a residual does in the step: its work, and its impulse and moment along and about the axes that are free.

@@ -13,6 +13,9 @@ const ROUNDING: f64 = 1e-13;
 /// Inertia, over the largest, that a body without any about an axis (one on a line) is given.
 const SMALLEST: f64 = 1e-10;
 
+/// Passes that find a spin to rounding.
+const REFINEMENTS: usize = 3;
+
 /// The rates of a step in which a body moves without strain.
 ///
 /// With the positions y about the centre of mass at the start of the step the rates are `x_j = D_j y`. No strain rate at the
@@ -222,15 +225,25 @@ impl RigidStep {
 /// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the axes that are free; `None` if its inertia is singular.
 pub fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
-    let mut spin = moment(moments);
-    let mut matrix = [0.0; 9];
-    for (d, e) in (0..9).map(|n| (n / 3, n % 3)) {
-        let diagonal = if d == e { (1.0 + SMALLEST) * trace } else { 0.0 };
-        let is_free = free[d] && free[e];
-        matrix[3 * d + e] = if is_free { diagonal - inertia[d][e] } else { f64::from(u8::from(d == e)) };
+    let about = |d: usize, e: usize| if d == e { trace - inertia[d][e] } else { -inertia[d][e] };
+    let (moments, mut spin) = (moment(moments), [0.0; 3]);
+    // The regularised tensor leaves its own small part to the next pass, but for an axis without inertia.
+    for _ in 0..REFINEMENTS {
+        let (mut matrix, mut change) = ([0.0; 9], [0.0; 3]);
+        for d in (0..3).filter(|&d| free[d]) {
+            change[d] = moments[d] - (0..3).map(|e| about(d, e) * spin[e]).sum::<f64>();
+        }
+        for (d, e) in (0..9).map(|n| (n / 3, n % 3)) {
+            let own = if d == e { SMALLEST * trace } else { 0.0 };
+            let is_free = free[d] && free[e];
+            matrix[3 * d + e] = if is_free { about(d, e) + own } else { f64::from(u8::from(d == e)) };
+        }
+        if !eliminate(&mut matrix, &mut change, 1) {
+            return None;
+        }
+        (0..3).for_each(|d| spin[d] += change[d]);
     }
-    (0..3).filter(|&d| !free[d]).for_each(|d| spin[d] = 0.0);
-    eliminate(&mut matrix, &mut spin, 1).then_some(spin)
+    Some(spin)
 }
 
 /// Tensor of the rows 3 i.. and the columns from one on.

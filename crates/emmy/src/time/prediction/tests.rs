@@ -214,8 +214,8 @@ fn resultants_and_moments_are_balanced_to_rounding() {
         let (mut rates, mut residual) = (vec![0.0; k * n], vec![0.0; k * n]);
         prediction.predict(Carry::Repeated, &system.form, 0.3, &mut rates);
         for (x, y) in rates.chunks_exact_mut(3).zip(prediction.arm.chunks_exact(3).cycle()) {
-            let turned = image(&cross(&[1e-4, -2e-4, 3e-4]), y);
-            (0..3).for_each(|d| x[d] += turned[d] + 1e-4 * (d as f64 - 0.5));
+            let turned = image(&cross(&[1e-6, -2e-6, 3e-6]), y);
+            (0..3).for_each(|d| x[d] += turned[d] + 1e-6 * (d as f64 - 0.5));
         }
         let size: f64 = state.momentum.iter().map(|p| 0.3 * p.abs()).sum();
         let unbalanced = |prediction: &mut Prediction,
@@ -226,7 +226,7 @@ fn resultants_and_moments_are_balanced_to_rounding() {
             let [_, impulse, moment] = prediction.imbalance(system, rates, residual);
             impulse.max(moment) * 0.3 / size
         };
-        assert!(unbalanced(&mut prediction, &mut system, &rates, &mut residual) > 1e-6);
+        assert!(unbalanced(&mut prediction, &mut system, &rates, &mut residual) > 1e-8);
         prediction.balance(&mut system, &mut rates, &mut residual);
         let left = unbalanced(&mut prediction, &mut system, &rates, &mut residual);
         assert!(left < 1e-12, "k = {k}: {left:e}");
