@@ -322,7 +322,7 @@ impl Draft {
             MeshError::Mesh { file, reason: emmy::Error::NotInPlane { node, z, plane } } => {
                 let place = format!(
                     "node {} is at z = {} and the first one at z = {}",
-                    number(&node),
+                    self.node_numbers[node],
                     short(z),
                     short(plane)
                 );
