@@ -104,7 +104,8 @@ fn same_series(own: &Path, expected: &Path) -> Result<(), String> {
 fn same_checkpoints(own: &Path, expected: &Path) -> Result<(), String> {
     let content = |directory: &Path| {
         let (mut newest, _) = checkpoint::newest(directory).ok()?;
-        newest.wall_seconds = 0.0;
+        // The checksum of the history has the seconds of its rows in it.
+        (newest.wall_seconds, newest.history) = (0.0, 0);
         Some(format!("{newest:?}"))
     };
     match content(own) == content(expected) {

@@ -1,6 +1,7 @@
 //! `summary.json`: a run in one object.
 
-use std::io;
+use std::fs::OpenOptions;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -125,56 +126,19 @@ impl Heading {
     }
 }
 
-/// Writes a summary; the file is whole at every moment.
+/// Writes a summary; the file is whole at every moment. On a disk without room for a second file the first one is overwritten in its
+/// place, so that the status is true.
 ///
 /// # Errors
 /// What the system refuses.
 pub fn write(path: &Path, summary: &Value) -> io::Result<()> {
-    let mut running = running();
-    replace(path, format!("{summary:#}\n").as_bytes())?;
-    running.retain(|own| own != path);
-    if summary["status"] == Status::Running.name() {
-        running.push(path.to_path_buf());
-    }
-    Ok(())
+    let text = format!("{summary:#}\n");
+    replace(path, text.as_bytes()).or_else(|error| overwrite(path, text.as_bytes()).map_err(|_| error))
 }
 
-/// Summaries of this process that say `running`.
-static RUNNING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-fn running() -> MutexGuard<'static, Vec<PathBuf>> {
-    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Ends the summaries that say `running`, for a process that ends here and now: nothing is written to them afterwards.
-pub fn abandon(status: Status, message: &str) {
-    // Whoever writes one at this moment is let finish. One that panicked while it wrote does not: that is not waited for.
-    for _ in 0..100 {
-        if let Ok(mut running) = RUNNING.try_lock() {
-            running.drain(..).for_each(|path| end(&path, status, message));
-            // Other threads may go on for a moment.
-            return std::mem::forget(running);
-        }
-        std::thread::sleep(std::time::Duration::from_millis(10));
-    }
-}
-
-/// Ends one summary, if it still says `running`.
-pub(crate) fn abandon_one(path: &Path, status: Status, message: &str) {
-    let mut running = running();
-    let is_there = running.iter().any(|own| own == path);
-    running.retain(|own| own != path);
-    if is_there {
-        end(path, status, message);
-    }
-}
-
-/// What cannot be written any more stays as it is.
-fn end(path: &Path, status: Status, message: &str) {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    if let Ok(Value::Object(mut summary)) = serde_json::from_str(&text) {
-        summary.insert("status".into(), status.name().into());
-        summary.insert("message".into(), message.into());
-        let _ = replace(path, format!("{:#}\n", Value::Object(summary)).as_bytes());
-    }
+/// Overwrites a file without giving back the room that it has.
+fn overwrite(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).open(path)?;
+    file.write_all(bytes)?;
+    file.set_len(bytes.len() as u64)
 }

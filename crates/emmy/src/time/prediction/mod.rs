@@ -79,8 +79,10 @@ impl Free {
     }
 }
 
-/// Passes of a balance at the most: each leaves the part of the one before that the deformation within the step is of the body.
+/// Passes of a balance, at the most and at the fewest: each leaves the part of the one before that the deformation within the step is of
+/// the body.
 const BALANCES: usize = 4;
+const FEWEST_BALANCES: usize = 2;
 
 /// A pass that leaves more than this part of the one before has come to rounding.
 const ROUNDING: f64 = 0.25;
@@ -225,11 +227,11 @@ impl Prediction {
         }
         let (k, n) = (self.changes.len(), self.arm.len());
         let mut last = f64::INFINITY;
-        for _ in 0..BALANCES {
+        for pass in 0..BALANCES {
             system.unbalanced(rates, residual);
             self.set_resultants(system.form.rule.coefficients(), rates, residual);
             let left = self.resultant_size();
-            if left == 0.0 || left > ROUNDING * last {
+            if left == 0.0 || pass >= FEWEST_BALANCES && left > ROUNDING * last {
                 return;
             }
             last = left;
