@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::history::{History, HistoryError};
+use crate::message::shown;
 
 /// A run that was read back.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +53,8 @@ impl Run {
         let summary = summary(directory)?;
         let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_else(|| directory.display().to_string());
+        // Charts cannot hold control characters.
+        let name = shown(&name).into_owned();
         Ok(Run { name, history, summary })
     }
 

@@ -132,7 +132,16 @@ impl Heading {
 /// # Errors
 /// What the system refuses.
 pub fn write(path: &Path, summary: &Value) -> io::Result<()> {
-    let text = format!("{summary:#}\n");
+    let mut running = running();
+    put(path, &format!("{summary:#}\n"))?;
+    running.retain(|own| own != path);
+    if summary["status"] == Status::Running.name() {
+        running.push(path.to_path_buf());
+    }
+    Ok(())
+}
+
+fn put(path: &Path, text: &str) -> io::Result<()> {
     replace(path, text.as_bytes()).or_else(|error| overwrite(path, text.as_bytes()).map_err(|_| error))
 }
 
@@ -141,4 +150,44 @@ fn overwrite(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).open(path)?;
     file.write_all(bytes)?;
     file.set_len(bytes.len() as u64)
+}
+
+/// Summaries of this process that say `running`.
+static RUNNING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn running() -> MutexGuard<'static, Vec<PathBuf>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the summaries that say `running`, for a process that ends here and now: nothing is written to them afterwards.
+pub fn abandon(status: Status, message: &str) {
+    // Whoever writes one at this moment is let finish. One that panicked while it wrote does not: that is not waited for.
+    for _ in 0..100 {
+        if let Ok(mut running) = RUNNING.try_lock() {
+            running.drain(..).for_each(|path| end(&path, status, message));
+            // Other threads may go on for a moment.
+            return std::mem::forget(running);
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+}
+
+/// Ends one summary, if it still says `running`.
+pub(crate) fn abandon_one(path: &Path, status: Status, message: &str) {
+    let mut running = running();
+    let is_there = running.iter().any(|own| own == path);
+    running.retain(|own| own != path);
+    if is_there {
+        end(path, status, message);
+    }
+}
+
+/// What cannot be written any more stays as it is.
+fn end(path: &Path, status: Status, message: &str) {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    if let Ok(Value::Object(mut summary)) = serde_json::from_str(&text) {
+        summary.insert("status".into(), status.name().into());
+        summary.insert("message".into(), message.into());
+        let _ = put(path, &format!("{:#}\n", Value::Object(summary)));
+    }
 }
