@@ -53,8 +53,6 @@ impl Run {
         let summary = summary(directory)?;
         let name = directory.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_else(|| directory.display().to_string());
-        // Charts cannot hold control characters.
-        let name = shown(&name).into_owned();
         Ok(Run { name, history, summary })
     }
 
@@ -65,10 +63,12 @@ impl Run {
 
     /// Scheme and degree, after the name.
     fn label(&self) -> String {
+        // Charts cannot hold control characters.
+        let name = shown(&self.name);
         let scheme = self.summary["scheme"].as_str().unwrap_or("?");
         match self.summary["degree"].as_u64() {
-            Some(degree) if degree > 1 => format!("{}: {scheme}, degree {degree}", self.name),
-            _ => format!("{}: {scheme}", self.name),
+            Some(degree) if degree > 1 => format!("{name}: {scheme}, degree {degree}"),
+            _ => format!("{name}: {scheme}"),
         }
     }
 
