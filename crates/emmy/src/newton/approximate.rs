@@ -115,18 +115,18 @@ impl Newton {
         run: &mut Run<'_>,
         contraction: f64,
     ) -> Result<()> {
-        let (mut left, least) = (run.sizes.residual, LEFT * run.round_off());
+        let mut left = run.sizes.residual;
         for round in 0..MAX_POLISHING {
             if round > 0 {
                 run.sizes = system.residual(x, &mut self.residual)?;
                 self.history.push(run.sizes.residual);
             }
-            let tolerance = (0.3 * least / left).clamp(TIGHTEST, LOOSEST);
+            let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
             run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
             run.outcome.iterations += 1;
             x.copy_from_slice(&self.trial);
             left *= tolerance.max(contraction);
-            if left <= least {
+            if left <= run.round_off() {
                 break;
             }
         }
@@ -146,10 +146,6 @@ impl Newton {
 
 /// A correction with the approximate tangent that leaves more than this of the residual is slow.
 const SLOW: f64 = 0.3;
-
-/// Part of the rounding of the residual that polishing leaves. What an iteration leaves does the same work in every step and adds up; rounding
-/// does not.
-const LEFT: f64 = 0.02;
 
 /// Corrections after convergence at the most.
 const MAX_POLISHING: usize = 8;

@@ -103,9 +103,9 @@ pub struct Outcome {
 /// Stagnation within this factor of the rounding floor is accepted.
 pub const STAGNATION: f64 = 100.0;
 
-/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual well below its
-/// rounding, so that what is left does not add up over the steps.
-const POLISH: f64 = 1e-8;
+/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its rounding
+/// floor.
+const POLISH: f64 = 1e-6;
 
 /// Newton's iteration with its memory.
 #[derive(Debug, Clone, Default)]
