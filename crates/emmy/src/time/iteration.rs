@@ -117,8 +117,8 @@ impl Iteration {
             }
             match self.newton.solve(system, &mut self.rates, &self.settings, line_search) {
                 Ok(mut outcome) if outcome.converged => {
-                    self.prediction.balance(system, &mut self.rates, &mut self.residual);
                     if outcome.at_rounding_floor {
+                        self.prediction.balance(system, &mut self.rates, &mut self.residual);
                         outcome.rounding = self.rounding(system, state)?;
                     }
                     if outcome.rounding <= LARGEST_ROUNDING {

@@ -81,9 +81,20 @@ function facts(run) {
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
 }
 
+// What makes the results less than the balances say.
+function warnings(run) {
+  const { digits_left: digits, unresolved_loads: missed, steps } = run.summary;
+  const note = (...text) => element("p", { class: "note" }, "Warning: ", ...text);
+  return [
+    digits < 6 ? note("rounding leaves ", ofSummary(run, "digits_left", String(digits)), " correct digits of energy and momenta.") : null,
+    missed > 0 ? note(ofSummary(run, "unresolved_loads", grouped(missed)), ` of ${grouped(steps)} steps did not resolve a load or a moving support.`) : null,
+  ].filter((warning) => warning !== null);
+}
+
 function showVerdict(place, runs) {
   if (runs.length === 1) {
-    place.append(element("div", { class: "strip" }, ...balances(runs[0]).map((b) => balanceCard(runs[0], b)), facts(runs[0])));
+    const cards = balances(runs[0]).map((b) => balanceCard(runs[0], b));
+    place.append(element("div", { class: "strip" }, ...cards, facts(runs[0])), ...warnings(runs[0]));
     return;
   }
   const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "steps", "Newton", "dofs", "time", "status"];
