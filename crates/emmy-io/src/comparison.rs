@@ -161,7 +161,7 @@ fn components(runs: &[Run]) -> Chart {
     let axes = [("x", Style::Line), ("y", Style::Dashed), ("z", Style::Dotted)];
     let all = runs.iter().enumerate().flat_map(|run| axes.map(|axis| (run, axis)));
     let series = |((colour, run), (axis, style)): ((usize, &Run), (&str, Style))| Series {
-        label: format!("{} {axis}", run.name),
+        label: format!("{} {axis}", shown(&run.name)),
         points: run.column("time").into_iter().zip(run.column(&format!("angular_momentum_{axis}"))).collect(),
         style,
         colour,
