@@ -50,7 +50,7 @@ fn small_files(trial: &Trial<'_>, emmy: &Emmy, limit: &str) -> Result<(), String
     resumes(trial, emmy)
 }
 
-/// What is left can be resumed, or the message says that there is nothing to resume.
+/// The run can be resumed, or the message says that there is nothing to resume.
 fn resumes(trial: &Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     let (parts, whole) = (trial.place.path("parts"), trial.place.path("whole"));
     let has_checkpoint =
@@ -66,7 +66,7 @@ fn resumes(trial: &Trial<'_>, emmy: &Emmy) -> Result<(), String> {
 /// A file system of its own with little room; nothing where none may be mounted.
 fn file_system(trial: &mut Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     let room = trial.rng.usize(12..400);
-    // The mount ends with the shell, so that what is left is copied out of it.
+    // The mount ends with the shell, so the run is copied out of it first.
     let mount = format!("mount -t tmpfs -o size={room}k tmpfs small || exit 77");
     let parts = trial.place.path("parts");
     std::fs::create_dir_all(parts.join("small")).map_err(|error| error.to_string())?;

@@ -57,7 +57,7 @@ pub struct Prediction {
     /// Size of the last step.
     last_size: Option<f64>,
     coefficients: Vec<f64>,
-    /// Changes of the rotation in a balance of moments, and what there is to balance.
+    /// Changes of the rotation in a balance of moments, and the moments of the stages.
     changes: Vec<Mat3<f64>>,
     moment: Vec<[f64; 3]>,
 }
@@ -280,7 +280,7 @@ impl Prediction {
         sums / mass + moments / inertia.max(f64::MIN_POSITIVE)
     }
 
-    /// What a residual does in the step: its work, and its impulse and moment along and about the axes that are free.
+    /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
     pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
         let (n, s, rule) = (self.arm.len(), system.time_scale, &system.form.rule);
         let mut work = 0.0;
