@@ -35,6 +35,8 @@ pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         ("displacement".to_string(), state.displacement.clone()),
         ("momentum".to_string(), state.momentum.clone()),
         ("velocity".to_string(), state.velocity.clone()),
+        ("displacement.low".to_string(), state.displacement_low.clone()),
+        ("momentum.error".to_string(), state.momentum_error.to_vec()),
         ("record".to_string(), record_numbers(record).to_vec()),
         ("record.solver".to_string(), solver_numbers(record.solver)),
         ("tally".to_string(), tally.numbers().to_vec()),
@@ -62,6 +64,8 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
         displacement: parts.list("displacement")?.to_vec(),
         momentum: parts.list("momentum")?.to_vec(),
         velocity: parts.list("velocity")?.to_vec(),
+        displacement_low: parts.list("displacement.low")?.to_vec(),
+        momentum_error: parts.array("momentum.error")?,
     };
     if !is_finite(&state) {
         return Err("has a state that is not finite".into());
@@ -106,8 +110,8 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
 
 /// Whether all numbers of a state are finite.
 pub fn is_finite(state: &State) -> bool {
-    let State { time, displacement, momentum, velocity, .. } = state;
-    let lists = [displacement, momentum, velocity];
+    let State { time, displacement, momentum, velocity, displacement_low, .. } = state;
+    let lists = [displacement, momentum, velocity, displacement_low];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }
 
