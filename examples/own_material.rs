@@ -6,9 +6,9 @@
 
 use emmy::body::{Body, Custom, InitialVelocity, Region};
 use emmy::material::Material;
-use emmy::motion::{Motion, NewtonSettings, Record, State};
+use emmy::motion::{Motion, Record, State};
 use emmy::tensor::{Elasticity, Lane, Sym, double_dot, sym_scaled};
-use emmy::time::Scheme;
+use emmy::time::TimeElement;
 
 /// A foam that stiffens with its strain: W = mu (E : E + stiffening (E : E)^2).
 #[derive(Clone, Debug)]
@@ -45,8 +45,8 @@ fn fly() -> emmy::Result<Vec<Record>> {
         Body::new(mesh, vec![Region::new(None, 1.0, Custom(Foam { mu: 200.0, stiffening: 5.0 }))], &[], &[])?;
     let spin = InitialVelocity { angular_velocity: [8.0, 1.0, 3.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin])?;
-    let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, NewtonSettings::default(), state)?;
-    (1..=50).map(|n| motion.step(0.02, 0.02 * f64::from(n)).cloned()).collect()
+    let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(state)?;
+    (0..50).map(|_| motion.step(0.02).cloned()).collect()
 }
 
 fn main() -> emmy::Result<()> {

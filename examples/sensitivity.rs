@@ -8,7 +8,7 @@ use emmy::adjoint::{Goal, Parameter, Trajectory};
 use emmy::body::{Body, Field, History, Load, LoadKind, Region, Support};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
-use emmy::time::Scheme;
+use emmy::time::TimeElement;
 
 const LAMBDA: f64 = 600.0;
 const MU: f64 = 300.0;
@@ -43,12 +43,12 @@ fn settings() -> NewtonSettings {
 fn tip(step_size: f64) -> emmy::Result<Tip> {
     let body = beam(LAMBDA, MU, DENSITY)?;
     let state = State::initial(&body, 0.0, &[])?;
-    let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, settings(), state)?;
+    let mut motion = Motion::starting(&body, TimeElement::discrete_gradient(2)?, settings(), state)?;
     let mut trajectory = Trajectory::new(&motion)?;
     let plan = StepPlan::new(0.0, vec![Phase { until: 3.0, size: step_size }])?;
     for step in plan.steps() {
         trajectory.record(&motion)?;
-        motion.step(step.size, step.end)?;
+        motion.step_of_plan(&step)?;
     }
     trajectory.record(&motion)?;
     let corner = body.mesh().n_nodes() - 1;
@@ -85,7 +85,9 @@ mod tests {
     fn place(mu: f64, degree: usize, step_size: f64) -> f64 {
         let body = beam(LAMBDA, mu, DENSITY).unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let mut motion = Motion::new(&body, Scheme::DiscreteGradient, degree, settings(), state).unwrap();
+        let mut motion =
+            Motion::starting(&body, TimeElement::discrete_gradient(degree).unwrap(), settings(), state)
+                .unwrap();
         motion
             .march(&StepPlan::new(0.0, vec![Phase { until: 3.0, size: step_size }]).unwrap(), &mut [])
             .unwrap();

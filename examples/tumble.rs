@@ -8,8 +8,8 @@ use std::error::Error;
 use emmy::body::{Body, History, Load, LoadKind, Region};
 use emmy::material::NeoHooke;
 use emmy::mesh::Mesh;
-use emmy::motion::{self, Motion, NewtonSettings, Observer, Phase, Record, State, StepPlan};
-use emmy::time::Scheme;
+use emmy::motion::{self, Motion, Observer, Phase, Record, State, StepPlan};
+use emmy::time::TimeElement;
 use emmy_io::chart::{Axis, Chart, Figure, Series, Style};
 use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
 
@@ -42,7 +42,7 @@ fn fly() -> emmy::Result<(Mesh, Film)> {
     let body = Body::new(emmy::mesh::l_block(1.0)?, vec![rubber], &[], &loads)?;
     let state = State::initial(&body, 0.0, &[])?;
     let mut film = Film { times: vec![0.0, 0.6, 1.2, 1.8, 2.4, 3.0], records: vec![], frames: vec![] };
-    let mut motion = Motion::new(&body, Scheme::AssumedStrain(5), 1, NewtonSettings::default(), state)?;
+    let mut motion = Motion::new(&body, TimeElement::assumed_strain(5, 1)?)?.from(state)?;
     let plan = vec![Phase { until: 1.0, size: 0.01 }, Phase { until: 4.0, size: 0.04 }];
     motion.march(&StepPlan::new(0.0, plan)?, &mut [&mut film]).expect("the paper's block converges");
     Ok((body.mesh().clone(), film))

@@ -28,14 +28,13 @@ pub fn resumes_in_every_bit(seed: u64) -> Result<(), String> {
 fn resumes(problem: &Problem, rng: &mut Rng) -> Result<(), String> {
     let start = State::initial(&problem.body, problem.plan.start(), &problem.initial);
     let start = start.map_err(|error| error.to_string())?;
-    let motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, start);
+    let motion = Motion::starting(&problem.body, problem.scheme, problem.newton, start);
     let mut motion = motion.map_err(|error| error.to_string())?;
     let mut whole = Watch::default();
     let end = march(problem, &mut motion, &mut whole, Motion::march);
     for _ in 0..SNAPSHOTS {
         let (after, snapshot) = whole.snapshots[rng.usize(..whole.snapshots.len())].clone();
-        let resumed =
-            Motion::resumed(&problem.body, problem.scheme, problem.degree, problem.newton, snapshot);
+        let resumed = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot);
         let mut resumed = resumed.map_err(|error| format!("not resumed after step {after}: {error}"))?;
         let mut rest = Watch::default();
         let own_end = march(problem, &mut resumed, &mut rest, Motion::march_on);

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use emmy::average::Want;
+use emmy::average::{Rule, Want};
 use emmy::body::{Body, StepDamping, StepInput};
 use emmy::motion::{Motion, Observer, Record, State, View};
-use emmy::sparse::BlockCholesky;
-use emmy::time::TimeElement;
+use emmy::sparse::{BlockCholesky, inverse};
+use emmy::time::Scheme;
 use emmy_io::input::{self, Overrides, Problem};
 
 use crate::outcome::{Outcome, mean, median};
@@ -55,7 +55,7 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     let problem = problem.map_err(|error| format!("{}: {error}", arguments.input.display()))?;
     let body = &problem.body;
     let state = State::initial(body, problem.plan.start(), &problem.initial).map_err(|e| text(&e))?;
-    let motion = Motion::new(body, problem.scheme, problem.degree, problem.newton, state);
+    let motion = Motion::starting(body, problem.scheme, problem.newton, state);
     let mut motion = motion.map_err(|error| text(&error))?;
     let mut steps = Steps::default();
     motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| text(&error))?;
@@ -99,7 +99,7 @@ impl Steps {
         let last = &self.records[self.records.len() - 1];
         Outcome {
             program: format!("Emmy {}", env!("CARGO_PKG_VERSION")),
-            solver: problem.scheme.to_string(),
+            solver: problem.scheme.name(),
             cells: problem.body.mesh().n_cells(),
             dofs: problem.body.n_dofs(),
             cpu_seconds_per_step: median(&cpu[later..]),
@@ -120,20 +120,23 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     if count == 0 {
         return Ok(None);
     }
-    let element = TimeElement::new(problem.scheme, problem.degree).map_err(|error| error.to_string())?;
-    let (body, k) = (&problem.body, problem.degree);
+    let Scheme::TimeElement(element) = problem.scheme else {
+        return Err(format!("{} is not a time element", problem.scheme));
+    };
+    let rule = Rule::new(element.rule, element.degree);
+    let inverse = inverse(rule.coefficients());
+    let (body, k) = (&problem.body, element.degree);
     let step_size = problem.plan.phases()[0].size;
     let rates: Vec<f64> = state.velocity.iter().map(|v| step_size * v).collect::<Vec<_>>().repeat(k);
     let step = StepInput {
         damping: StepDamping::default(),
-        rule: element.rule(),
+        rule: &rule,
         tangent_factor: step_size * step_size,
         displacement: &state.displacement,
         rates: &rates,
     };
     let mut assembly = body.assembly(k);
-    let seconds =
-        timed(count, || body.assemble(&step, Want::Tangent, element.inverse_coefficients(), &mut assembly))?;
+    let seconds = timed(count, || body.assemble(&step, Want::Tangent, &inverse, &mut assembly))?;
     Ok(Some(body.mesh().n_cells() as f64 / seconds))
 }
 

@@ -79,7 +79,7 @@ impl Run {
         let text = |error: emmy::Error| error.to_string();
         let body = &problem.body;
         let state = State::initial(body, problem.plan.start(), &problem.initial).map_err(text)?;
-        let motion = Motion::new(body, problem.scheme, problem.degree, problem.newton, state);
+        let motion = Motion::starting(body, problem.scheme, problem.newton, state);
         let mut run = Run::default();
         match motion.map_err(text)?.march(&problem.plan, &mut [&mut run]) {
             Ok(()) => Ok(run),

@@ -3,7 +3,7 @@
 use emmy::body::{Body, InitialVelocity, Region, Support};
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
-use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::motion::{Motion, State};
 use emmy::time::Scheme;
 
 /// Cells along x and y of stem, bridge and tines: each half as wide as it is long, all of thickness 1.
@@ -32,9 +32,9 @@ pub fn start(body: &Body) -> emmy::Result<State> {
         ..InitialVelocity::default()
     };
     let struck = State::initial(body, 0.0, &[swing("left", -0.3), swing("right", 0.3)])?;
-    let mut motion = Motion::new(body, Scheme::Bathe, 1, NewtonSettings::default(), struck)?;
-    for i in 1..=200 {
-        motion.step(0.05, 0.05 * f64::from(i))?;
+    let mut motion = Motion::new(body, Scheme::Bathe)?.from(struck)?;
+    for _ in 0..200 {
+        motion.step(0.05)?;
     }
     Ok(State { time: 0.0, step: 0, ..motion.state().clone() })
 }

@@ -4,13 +4,13 @@ use emmy::body::Body;
 use emmy::motion::{
     Adaptivity, GlobalError, Motion, NewtonSettings, Observer, Phase, Record, State, StepPlan,
 };
-use emmy::time::Scheme;
+use emmy::time::TimeElement;
 
 use super::cases::Case;
 use crate::process::cpu_time;
 
-/// Scheme of all runs.
-pub const SCHEME: Scheme = Scheme::DiscreteGradient;
+/// Name of the scheme of all runs.
+pub const SCHEME: &str = "DGM";
 
 /// How steps are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,7 +123,8 @@ impl Run {
         let fail = |error: &dyn std::fmt::Display| format!("k = {degree}, {choice}: {error}");
         let settings = NewtonSettings::default();
         let mut estimate =
-            GlobalError::new(&case.body, SCHEME, degree, settings, &case.start).map_err(|e| fail(&e))?;
+            GlobalError::new(&case.body, element(degree).map_err(|e| fail(&e))?, settings, &case.start)
+                .map_err(|e| fail(&e))?;
         let (mut counts, plan) = (Counts::default(), choice.plan(case.end).map_err(|error| fail(&error))?);
         let mut motion = motion(case, degree).map_err(|error| fail(&error))?;
         motion.march(&plan, &mut [&mut counts, &mut estimate]).map_err(|error| fail(&error))?;
@@ -180,14 +181,19 @@ impl std::fmt::Display for Choice {
     }
 }
 
+fn element(degree: usize) -> emmy::Result<TimeElement> {
+    TimeElement::discrete_gradient(degree)
+}
+
 fn motion(case: &Case, degree: usize) -> emmy::Result<Motion<'_>> {
-    Motion::new(&case.body, SCHEME, degree, NewtonSettings::default(), case.start.clone())
+    Motion::new(&case.body, element(degree)?)?.from(case.start.clone())
 }
 
 /// The state at the end of equal steps of a high degree.
 fn reference(case: &Case, degree: usize, n: usize) -> Result<State, String> {
     let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 40, ..NewtonSettings::default() };
-    let motion = Motion::new(&case.body, SCHEME, degree, settings, case.start.clone());
+    let motion = element(degree)
+        .and_then(|element| Motion::starting(&case.body, element, settings, case.start.clone()));
     let mut motion = motion.map_err(|error| error.to_string())?;
     let plan = Choice::Equal(n).plan(case.end).map_err(|error| error.to_string())?;
     motion.march(&plan, &mut []).map_err(|error| format!("reference of degree {degree}: {error}"))?;

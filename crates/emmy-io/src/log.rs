@@ -119,8 +119,8 @@ fn heading(problem: &Problem) -> Vec<String> {
         ),
         format!(
             "scheme: {} of degree {}, to t = {}",
-            problem.scheme,
-            problem.degree,
+            problem.scheme.name(),
+            problem.scheme.degree(),
             short(problem.plan.end())
         ),
     ];

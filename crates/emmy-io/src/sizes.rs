@@ -42,7 +42,7 @@ impl Sizes {
             logged_step: if output.log_every == 0 { 0.0 } else { LOGGED_STEP / output.log_every as f64 },
             frame: frame(problem),
             // The state, and what a stepper of degree k remembers.
-            checkpoint: 8.0 * (5 + problem.degree) as f64 * n_dofs + problem.resolved.len() as f64,
+            checkpoint: 8.0 * (5 + problem.scheme.degree()) as f64 * n_dofs + problem.resolved.len() as f64,
         }
     }
 }

@@ -60,8 +60,8 @@ impl Heading {
     pub fn new(problem: &Problem) -> Self {
         Heading {
             title: problem.title.clone(),
-            scheme: problem.scheme.to_string(),
-            degree: problem.degree,
+            scheme: problem.scheme.name(),
+            degree: problem.scheme.degree(),
             dofs: problem.body.n_dofs(),
             nodes: problem.body.mesh().n_nodes(),
             cells: problem.body.mesh().n_cells(),

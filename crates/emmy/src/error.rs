@@ -389,6 +389,12 @@ pub enum Error {
         /// What is not covered, and what there is.
         reason: String,
     },
+    /// An observer of a march that failed.
+    #[error("{message}")]
+    Observer {
+        /// Message of its error.
+        message: String,
+    },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {

@@ -13,6 +13,7 @@ pub(crate) use inlined;
 
 mod batch;
 mod eigen;
+pub(crate) mod rotation;
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 

@@ -44,7 +44,7 @@ fn fly(case: &Case) -> Result<Watch, String> {
     let problem = case.problem()?;
     let text = |error: emmy::Error| error.to_string();
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial).map_err(text)?;
-    let motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state);
+    let motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state);
     let mut watch = Watch::default();
     match motion.map_err(text)?.march(&problem.plan, &mut [&mut watch]) {
         Ok(()) => Ok(watch),

@@ -80,11 +80,11 @@ fn cost(name: &str) -> Result<Cost, String> {
     let problem = Case::new("inner-points").scheme(name).problem()?;
     let text = |error: emmy::Error| error.to_string();
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial).map_err(text)?;
-    let motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state);
+    let motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state);
     let mut motion = motion.map_err(text)?;
     let (started, mut free) = (Instant::now(), Vec::new());
     for step in problem.plan.steps() {
-        motion.step(step.size, step.end).map_err(text)?;
+        motion.step_of_plan(&step).map_err(text)?;
         if step.end > 1.0 - 1e-9 {
             free.push(motion.record().clone());
         }

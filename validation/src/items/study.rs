@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use emmy::time::Scheme;
 use emmy_io::convergence::kept::{self, Found, Key};
 use emmy_io::convergence::{self, Row, Samples, Study};
 use emmy_io::input::Problem;
@@ -53,17 +54,18 @@ pub fn study(
     let problem = case.problem()?;
     let start = convergence::start(&problem, window.0, &mut []).map_err(|error| error.to_string())?;
     let study = |member: &Member| -> Result<Study, String> {
-        let scheme = |text: &str| text.parse().map_err(|error: emmy::Error| error.to_string());
+        let scheme = |text: &str, degree| {
+            let scheme = Scheme::from_name(text).and_then(|scheme| scheme.with_degree(degree));
+            scheme.map_err(|error| error.to_string())
+        };
         let Reference(reference, reference_degree, reference_size) = *reference;
         Ok(Study {
-            scheme: scheme(member.scheme)?,
-            degree: member.degree,
+            scheme: scheme(member.scheme, member.degree)?,
             from: window.0,
             window,
             sizes: member.sizes.clone(),
-            reference_scheme: scheme(reference)?,
+            reference_scheme: scheme(reference, reference_degree)?,
             reference_size,
-            reference_degree,
             releases: Vec::new(),
         })
     };

@@ -258,7 +258,7 @@ impl Report {
 
     fn time(&mut self, problem: &Problem) {
         let plan = &problem.plan;
-        self.line("scheme", &format!("{}, degree {}", problem.scheme, problem.degree));
+        self.line("scheme", &format!("{}, degree {}", problem.scheme.name(), problem.scheme.degree()));
         let (steps, start, end) = (plan.n_steps(), number(plan.start()), number(plan.end()));
         match plan.adaptivity() {
             Some(adaptivity) => self.adaptivity(adaptivity, problem),

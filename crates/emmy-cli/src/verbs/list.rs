@@ -131,7 +131,7 @@ const MESHES: [Item; 5] = [
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(what) = arguments.what else { return words(arguments.json) };
     let items: Vec<Item> = match what {
-        What::Schemes => SCHEMES.to_vec(),
+        What::Schemes => SCHEMES.map(|row| (row.form, row.description)).to_vec(),
         What::Estimators => ESTIMATORS.map(|(name, _, description)| (name, description)).to_vec(),
         What::Materials => MATERIALS.to_vec(),
         What::Elements => CellKind::ALL.map(|kind| (kind.name(), description(kind))).to_vec(),

@@ -126,8 +126,8 @@ fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) 
 
 /// A warning of planned steps that miss a part of a load or of a moving support.
 fn unresolved_steps(problem: &Problem) -> Option<String> {
-    let Problem { body, scheme, degree, plan, .. } = problem;
-    let (count, first) = Resolution::new(body, *scheme, *degree, plan)?.unresolved_steps(plan);
+    let Problem { body, scheme, plan, .. } = problem;
+    let (count, first) = Resolution::new(body, *scheme, plan)?.unresolved_steps(plan);
     let advice = "take smaller steps there, adaptive ones, or a table, which is integrated exactly";
     first.map(|first| {
         format!(

@@ -61,8 +61,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     check_end(&problem, &checkpoint)?;
     settle(&problem, &mut checkpoint, &identity);
     let snapshot = checkpoint.snapshot.clone();
-    let mut motion =
-        Motion::resumed(&problem.body, problem.scheme, problem.degree, problem.newton, snapshot)?;
+    let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
     let results = Results::resume(&problem, lock, &checkpoint);
     let results = results.map_err(|error| usage(error.to_string(), "nothing but this was done"))?;

@@ -1,7 +1,7 @@
 //! What stands in a checkpoint, as texts and lists of numbers.
 
-use emmy::motion::{Division, Record, Snapshot, State};
-use emmy::sparse::SolverChoice;
+use emmy::motion::{Record, Snapshot, State, Subdivision};
+use emmy::sparse::{SolverChoice, SolverKind};
 
 use super::file::Parts;
 use super::{Checkpoint, Identity};
@@ -16,14 +16,14 @@ const CONTROL: &str = "control.";
 /// The bytes of the file of a checkpoint.
 pub fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { version, identity, snapshot, tally, frames, history, wall_seconds } = checkpoint;
-    let Snapshot { state, record, division, control, releases, was_at_rounding_floor, memory } = snapshot;
+    let Snapshot { state, record, subdivision, control, releases, was_at_rounding_floor, memory } = snapshot;
     let texts = [("version", version), ("input", &identity.input), ("mesh", &identity.mesh)];
     let place = [
         state.time,
         state.step as f64,
-        f64::from(division.level),
-        division.part as f64,
-        f64::from(division.good),
+        f64::from(subdivision.halvings),
+        subdivision.substep as f64,
+        f64::from(subdivision.successes),
         *releases as f64,
         f64::from(u8::from(*was_at_rounding_floor)),
         f64::from(u8::from(memory.is_some())),
@@ -85,10 +85,10 @@ pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     let snapshot = Snapshot {
         state,
         record: record(parts.array("record")?, solver(parts.list("record.solver")?)),
-        division: Division {
-            level: whole(level)? as u32,
-            part: whole(part)? as u64,
-            good: whole(good)? as u32,
+        subdivision: Subdivision {
+            halvings: whole(level)? as u32,
+            substep: whole(part)? as u64,
+            successes: whole(good)? as u32,
         },
         control: (has_control != 0.0).then(|| memory(CONTROL)),
         releases: whole(releases)?,
@@ -123,7 +123,7 @@ fn whole(number: f64) -> Result<usize, String> {
 
 fn solver_numbers(choice: Option<SolverChoice>) -> Vec<f64> {
     let numbers = |choice: SolverChoice| {
-        let own = [f64::from(u8::from(choice.is_iterative)), choice.stiffness];
+        let own = [f64::from(u8::from(choice.kind == SolverKind::Iterative)), choice.stiffness];
         own.into_iter().chain(choice.limit).collect()
     };
     choice.map_or(Vec::new(), numbers)
@@ -132,7 +132,7 @@ fn solver_numbers(choice: Option<SolverChoice>) -> Vec<f64> {
 fn solver(numbers: &[f64]) -> Option<SolverChoice> {
     let [is_iterative, stiffness, limit @ ..] = numbers else { return None };
     Some(SolverChoice {
-        is_iterative: *is_iterative != 0.0,
+        kind: if *is_iterative != 0.0 { SolverKind::Iterative } else { SolverKind::Direct },
         stiffness: *stiffness,
         limit: limit.first().copied(),
     })

@@ -29,7 +29,12 @@ impl Key {
         let (start, end) = study.window;
         // Writing to a string cannot fail.
         let _ = writeln!(key, "version = {}", env!("CARGO_PKG_VERSION"));
-        let _ = writeln!(key, "scheme = {}, degree {}", study.reference_scheme, study.reference_degree);
+        let _ = writeln!(
+            key,
+            "scheme = {}, degree {}",
+            study.reference_scheme.name(),
+            study.reference_scheme.degree()
+        );
         let _ =
             writeln!(key, "steps = {:?} from {:?} by {start:?} to {end:?}", study.reference_size, study.from);
         let _ = writeln!(key, "state = {:016x}", state_sum(state));

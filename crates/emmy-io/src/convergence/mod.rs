@@ -24,8 +24,6 @@ use emmy::time::Scheme;
 pub struct Study {
     /// Scheme of the members.
     pub scheme: Scheme,
-    /// Degree of the members.
-    pub degree: usize,
     /// Time at which all runs start from one state.
     pub from: f64,
     /// Times between which the error is measured; the runs end at the later one.
@@ -36,8 +34,6 @@ pub struct Study {
     pub reference_scheme: Scheme,
     /// Step size of the reference.
     pub reference_size: f64,
-    /// Degree of the reference.
-    pub reference_degree: usize,
     /// Times at which supports are released: steps end there.
     pub releases: Vec<f64>,
 }
@@ -96,21 +92,19 @@ impl Study {
 
 #[cfg(test)]
 mod tests {
+    use emmy::time::TimeElement;
+
     use super::*;
 
     fn study(from: f64, window: (f64, f64), sizes: &[f64]) -> Study {
-        let (scheme, degree) = (Scheme::DiscreteGradient, 1);
-        let sizes = sizes.to_vec();
-        let (reference_scheme, reference_degree) = (scheme, degree);
+        let scheme = TimeElement::discrete_gradient(1).unwrap().into();
         Study {
             scheme,
-            degree,
             from,
             window,
-            sizes,
-            reference_scheme,
+            sizes: sizes.to_vec(),
+            reference_scheme: scheme,
             reference_size: 0.05,
-            reference_degree,
             releases: Vec::new(),
         }
     }

@@ -15,7 +15,7 @@ use crate::input::Problem;
 /// [`MarchError`] of the first step that fails.
 pub fn start(problem: &Problem, from: f64, observers: &mut [&mut dyn Observer]) -> Result<State, MarchError> {
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
-    let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
+    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
     if from > problem.plan.start() {
         motion.march(&until(&problem.plan, from)?, observers)?;
     }
@@ -48,8 +48,8 @@ pub fn reference(
     times: &[f64],
     observer: &mut dyn Observer,
 ) -> Result<Samples, MarchError> {
-    let (body, degree) = (&problem.body, study.reference_degree);
-    let mut motion = Motion::new(body, study.reference_scheme, degree, problem.newton, state.clone())?;
+    let body = &problem.body;
+    let mut motion = Motion::starting(body, study.reference_scheme, problem.newton, state.clone())?;
     let mut sampler = Sampler::new(times.to_vec(), study.tolerance(), body.n_dofs());
     motion.march(&study.plan(study.reference_size)?, &mut [&mut sampler, observer])?;
     Ok(sampler.finish())
@@ -115,7 +115,7 @@ fn measure(
     samples: &Samples,
     step_size: f64,
 ) -> Result<Measure, MarchError> {
-    let mut motion = Motion::new(&problem.body, study.scheme, study.degree, problem.newton, state.clone())?;
+    let mut motion = Motion::starting(&problem.body, study.scheme, problem.newton, state.clone())?;
     let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
     let mut newton = Newton(0);
     motion.march(&study.plan(step_size)?, &mut [&mut norm, &mut newton])?;

@@ -77,7 +77,7 @@ pub fn chart(study: &Study, rows: &[Row]) -> Chart {
     let mut points: Vec<(f64, f64)> =
         rows.iter().filter_map(|row| Some((row.step_size, row.error()?))).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let order = 2 * study.degree;
+    let order = 2 * study.scheme.degree();
     // Below all points.
     let height = |(size, error): &(f64, f64)| error.ln() - order as f64 * size.ln();
     let lowest =
@@ -93,7 +93,7 @@ pub fn chart(study: &Study, rows: &[Row]) -> Chart {
         x: Axis::log("step size h"),
         y: Axis::log(format!("error ‖q − q*‖, {start} ≤ t ≤ {end}")),
         series: vec![Series {
-            label: format!("{}, degree {}", study.scheme, study.degree),
+            label: format!("{}, degree {}", study.scheme.name(), study.scheme.degree()),
             points,
             style: Style::LineAndPoints,
             colour: 0,

@@ -13,25 +13,23 @@ use super::time::Time;
 pub(super) fn plan(
     time: &Table<'_>,
     adaptive: &Item<'_>,
-    scheme: (&Item<'_>, Scheme),
-    degree: (&Item<'_>, usize),
+    scheme: Scheme,
+    (scheme_item, degree_item): (&Item<'_>, &Item<'_>),
     until: Option<f64>,
 ) -> Result<StepPlan, Fault> {
     check_beside(time, adaptive)?;
-    let (scheme_item, scheme) = scheme;
-    if !scheme.is_time_element() {
+    let Scheme::TimeElement(element) = scheme else {
         let fault = scheme_item.fault("`adaptive` goes with time elements only", "not a time element");
         return Err(fault.help("`emmy list schemes` explains them"));
-    }
-    let (degree_item, degree) = degree;
-    if degree >= MAX_DEGREE {
+    };
+    if element.degree >= MAX_DEGREE {
         let message =
             format!("`adaptive` goes up to degree {}: its error is that over the next one", MAX_DEGREE - 1);
         return Err(degree_item.fault(message, "too high"));
     }
     let table = adaptive.table(keys::ADAPTIVE)?;
     let adaptivity = read(&table)?;
-    let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(scheme, degree));
+    let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(element));
     if let Err(emmy::Error::Adaptivity { setting, reason }) = checked {
         let item = table.require(setting)?;
         return Err(item.fault(format!("`{setting}` {reason}"), "here"));

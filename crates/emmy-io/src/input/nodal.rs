@@ -1,6 +1,7 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attraction and drag of `[[load]]`.
 
 use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass, Region};
+use emmy::time::BodyFeature;
 
 use super::fault::{Fault, Faults, Place};
 use super::keys;
@@ -47,7 +48,7 @@ impl PlacedNodal {
 
     /// Checks that the scheme goes with what takes energy out of the body.
     pub(super) fn check_damping(&self, regions: &[Placed<Region>], time: &Time) -> Result<(), Fault> {
-        if time.scheme.is_time_element() {
+        if time.scheme.check_feature(BodyFeature::Damping).is_ok() {
             return Ok(());
         }
         let viscous = regions.iter().filter(|region| !region.value.viscosity.is_zero());
@@ -56,7 +57,8 @@ impl PlacedNodal {
         else {
             return Ok(());
         };
-        let message = format!("the scheme {} has no damping: that goes with time elements only", time.scheme);
+        let message =
+            format!("the scheme {} has no damping: that goes with time elements only", time.scheme.name());
         Err(Fault::at(place, message, label).help("such as scheme = \"DGM\""))
     }
 

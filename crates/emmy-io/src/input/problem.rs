@@ -64,8 +64,6 @@ pub struct Problem {
     pub initial: Vec<InitialVelocity>,
     /// Scheme.
     pub scheme: Scheme,
-    /// Degree of the time element.
-    pub degree: usize,
     /// Step plan.
     pub plan: StepPlan,
     /// Size down to which a step that fails is cut; `None`: 1/1024 of the planned one.
@@ -224,7 +222,6 @@ impl Parts {
             loads,
             initial,
             scheme: self.time.scheme,
-            degree: self.time.degree,
             plan: self.time.plan,
             smallest_step: self.time.smallest_step,
             newton: self.newton,

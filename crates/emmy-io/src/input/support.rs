@@ -4,6 +4,7 @@ use emmy::body::{History, Rotation, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
 use emmy::number::{short, short_vector};
+use emmy::time::BodyFeature;
 
 use super::fault::{Fault, Place};
 use super::region::Placed;
@@ -121,18 +122,13 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
         symmetry_axis(mesh, support)?;
     }
     let Some(driven) = supports.iter().find(|support| support.value.is_driven()) else { return Ok(()) };
-    if !time.scheme.is_time_element() {
+    if time.scheme.check_feature(BodyFeature::PrescribedMotion).is_err() {
+        let is_element = time.scheme.is_time_element();
+        let kind = if is_element { "schemes that do not dissipate" } else { "time elements only" };
         let message =
-            format!("the scheme {} cannot move a support: that goes with time elements only", time.scheme);
-        return Err(Fault::at(&driven.place, message, "moves").help("such as scheme = \"DGM\""));
-    }
-    if time.scheme.dissipation().is_some() {
-        let message = format!(
-            "the scheme {} cannot move a support: that goes with schemes that do not dissipate",
-            time.scheme
-        );
-        let help = format!("such as scheme = \"{}\"", time.scheme.conserving());
-        return Err(Fault::at(&driven.place, message, "moves").help(help));
+            format!("the scheme {} cannot move a support: that goes with {kind}", time.scheme.name());
+        let other = if is_element { time.scheme.conserving().name() } else { "DGM".to_string() };
+        return Err(Fault::at(&driven.place, message, "moves").help(format!("such as scheme = \"{other}\"")));
     }
     let mut by = vec![None; mesh.n_dofs()];
     for (index, support) in supports.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! `[time]`: scheme, degree and step plan; `--until`.
+//! `[time]`: scheme with its degree, and step plan; `--until`.
 
 use emmy::motion::{Phase, StepPlan};
 use emmy::time::Scheme;
@@ -8,11 +8,10 @@ use super::suggest::nearest;
 use super::table::{Item, spelled};
 use super::{adaptive, keys};
 
-/// Scheme, degree and plan.
+/// Scheme and plan.
 #[derive(Debug, Clone)]
 pub(super) struct Time {
     pub(super) scheme: Scheme,
-    pub(super) degree: usize,
     pub(super) plan: StepPlan,
     /// Place of `adaptive`.
     pub(super) adaptive: Option<Place>,
@@ -26,15 +25,12 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
     let scheme_item = table.require("scheme")?;
     let scheme = scheme(&scheme_item)?;
     let degree_item = table.require("degree")?;
-    let degree = degree_item.whole(1)?;
-    scheme.check(degree).map_err(|error| {
+    let scheme = scheme.with_degree(degree_item.whole(1)?).map_err(|error| {
         let fault = scheme_item.fault(reason(&error), "this scheme");
         fault.label(degree_item.place(), "with this degree")
     })?;
     let plan = match table.get("adaptive") {
-        Some(adaptive) => {
-            adaptive::plan(&table, &adaptive, (&scheme_item, scheme), (&degree_item, degree), until)?
-        }
+        Some(adaptive) => adaptive::plan(&table, &adaptive, scheme, (&scheme_item, &degree_item), until)?,
         None => {
             adaptive::check_until(&table)?;
             plan(table.require("steps")?)?
@@ -44,12 +40,12 @@ pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>)
     let plan = step.map_or(Ok(plan.clone()), |(from, size)| with_size_from(&plan, from, size))?;
     let smallest_step = table.get("smallest_step").map(|item| item.positive()).transpose()?;
     let adaptive = table.get("adaptive").map(|item| item.place().clone());
-    Ok(Time { scheme, degree, plan, adaptive, smallest_step })
+    Ok(Time { scheme, plan, adaptive, smallest_step })
 }
 
 fn scheme(item: &Item<'_>) -> Result<Scheme, Fault> {
     let text = item.string()?;
-    text.parse().map_err(|error| {
+    Scheme::from_name(text).map_err(|error| {
         let label =
             meant(text).map_or("not a scheme".to_string(), |word| format!("did you mean \"{word}\"?"));
         item.fault(reason(&error), label).help("`emmy list schemes` explains them")
@@ -183,7 +179,7 @@ mod tests {
                 .chain([("DMG", "DGM"), ("newmrk", "Newmark(0.25, 0.5)"), ("HTT(0.1)", "HHT(0.05)")])
         {
             assert_eq!(meant(text).as_deref(), Some(scheme));
-            scheme.parse::<Scheme>().unwrap();
+            Scheme::from_name(scheme).unwrap();
         }
         assert_eq!(meant("leapfrog"), None);
     }

@@ -55,8 +55,7 @@ fn problem(directory: &Path, set: &[&str]) -> Problem {
 /// The last state of a run that ends, or that is given up before its end.
 fn run(problem: &Problem, ends: bool) -> State {
     let state = State::initial(&problem.body, 0.0, &problem.initial).unwrap();
-    let mut motion =
-        Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state).unwrap();
+    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
     let mut results = Results::create(problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     if ends {

@@ -108,7 +108,6 @@ fn said(problem: &Problem) -> String {
         loads,
         initial,
         scheme,
-        degree,
         plan,
         newton,
         output,
@@ -118,7 +117,7 @@ fn said(problem: &Problem) -> String {
     } = problem;
     let (mesh, regions) = (body.mesh(), body.regions());
     format!(
-        "{title:?} {mesh:?} {regions:?} {supports:?} {nodal:?} {loads:?} {initial:?} {scheme} {degree} {plan:?} {newton:?} \
+        "{title:?} {mesh:?} {regions:?} {supports:?} {nodal:?} {loads:?} {initial:?} {scheme} {plan:?} {newton:?} \
          {output:?} {limits:?} {notes:?}"
     )
 }

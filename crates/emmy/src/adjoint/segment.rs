@@ -2,7 +2,7 @@
 
 use super::step::StepData;
 use crate::error::Result;
-use crate::time::{Memory, State, Stepper, TimeElement, TimeElementStepper};
+use crate::time::{Memory, StageCoefficients, State, Stepper, TimeElementStepper};
 
 /// All that a motion is after a step.
 #[derive(Debug, Clone)]
@@ -66,12 +66,12 @@ impl Segment {
         [&self.states[index], &self.states[index + 1]]
     }
 
-    /// A step of an element.
-    pub fn step<'a>(&'a self, element: &'a TimeElement, index: usize) -> StepData<'a> {
+    /// A step of an element with its coefficients.
+    pub fn step<'a>(&'a self, coefficients: &'a StageCoefficients, index: usize) -> StepData<'a> {
         let state = &self.states[index];
         StepData {
-            rule: element.rule(),
-            inverse: element.inverse_coefficients(),
+            rule: &coefficients.rule,
+            inverse: &coefficients.mass,
             time: state.time,
             size: self.sizes[index],
             displacement: &state.displacement,

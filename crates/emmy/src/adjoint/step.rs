@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::norm;
 use crate::sparse::{Gmres, LinearSystem, SparseLu};
-use crate::time::{ApproximateTangent, StageForm, TimeElement};
+use crate::time::{ApproximateTangent, StageCoefficients, TimeElement};
 
 /// A step that was done.
 #[derive(Debug, Clone, Copy)]
@@ -47,12 +47,12 @@ impl AdjointState {
 #[derive(Debug)]
 pub struct AdjointStep<'a> {
     body: &'a Body,
-    element: TimeElement,
+    rule: Rule,
     /// Weights beta_j of the rates in the velocity at the end.
-    arrival: Vec<f64>,
+    end_weights: Vec<f64>,
     assembly: Assembly,
     /// Of the transposed equations.
-    approximation: ApproximateTangent,
+    approximate_tangent: ApproximateTangent,
     gmres: Gmres,
     right: Vec<f64>,
     /// Multipliers mu_i of the stage equations, `[k][n_nodes][3]`.
@@ -88,21 +88,19 @@ impl<'a> AdjointStep<'a> {
     /// # Errors
     /// Those of [`ApproximateTangent::new`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree());
-        let (a, b) = (element.rule().coefficients(), element.rule().weights());
-        let inverse = element.inverse_coefficients();
-        let form = StageForm {
-            rule: element.rule().clone(),
-            mass: transposed(inverse, k),
-            inverse_mass: transposed(a, k),
-            response: transposed(a, k),
+        let (n, k) = (body.n_dofs(), element.degree);
+        let coefficients = element.coefficients();
+        let transposed_coefficients = StageCoefficients {
+            rule: coefficients.rule.clone(),
+            mass: transposed(&coefficients.mass, k),
+            inverse_mass: transposed(&coefficients.inverse_mass, k),
+            response: transposed(&coefficients.response, k),
             dissipation: None,
         };
         Ok(AdjointStep {
             body,
-            arrival: (0..k).map(|j| (0..k).map(|i| b[i] * inverse[i * k + j]).sum()).collect(),
             assembly: body.assembly(k),
-            approximation: ApproximateTangent::new(body, &form, settings.solver)?,
+            approximate_tangent: ApproximateTangent::new(body, &transposed_coefficients, settings.solver)?,
             gmres: Gmres::default(),
             right: vec![0.0; k * n],
             multipliers: vec![0.0; k * n],
@@ -113,7 +111,8 @@ impl<'a> AdjointStep<'a> {
             product: vec![0.0; n],
             iterations: None,
             is_direct: false,
-            element,
+            end_weights: (0..k).map(|j| coefficients.end_weights(j)[1]).collect(),
+            rule: coefficients.rule,
         })
     }
 
@@ -139,7 +138,7 @@ impl<'a> AdjointStep<'a> {
             self.sum.iter_mut().zip(stage).for_each(|(sum, mu)| *sum += mu);
         }
         self.body.mass_product(&self.sum, &mut self.product);
-        let kept = 1.0 - self.arrival.iter().sum::<f64>();
+        let kept = 1.0 - self.end_weights.iter().sum::<f64>();
         adjoint.velocity.iter_mut().zip(&self.product).for_each(|(v, p)| *v = kept * *v + h * p);
         for (dof, _) in self.body.fixed().iter().enumerate().filter(|(_, fixed)| **fixed) {
             (adjoint.displacement[dof], adjoint.velocity[dof]) = (0.0, 0.0);
@@ -149,7 +148,7 @@ impl<'a> AdjointStep<'a> {
 
     /// `b_j ubar_2 + beta_j/h vbar_2`
     fn set_right_side(&mut self, h: f64, adjoint: &AdjointState) {
-        let weights = self.element.rule().weights().iter().zip(&self.arrival);
+        let weights = self.rule.weights().iter().zip(&self.end_weights);
         for ((b, beta), right) in weights.zip(self.right.chunks_exact_mut(self.sum.len())) {
             let terms = adjoint.displacement.iter().zip(&adjoint.velocity);
             right.iter_mut().zip(terms).for_each(|(r, (u, v))| *r = b * u + beta / h * v);
@@ -175,13 +174,13 @@ impl<'a> AdjointStep<'a> {
         })
     }
 
-    /// Solves by GMRES with the approximate tangent of this step or of one that was near; false if it does not come there.
+    /// Solves by GMRES with the approximate tangent of this step or of a nearby one; false if it misses the tolerance.
     fn solve_iteratively(&mut self, step: &StepData<'_>) -> Result<bool> {
         let is_new = self.iterations.is_none_or(|[last, first]| last > first + SLOWER);
         if is_new {
-            self.approximation.renew(self.body, step.displacement, step.rates, step.size)?;
+            self.approximate_tangent.refactorize(self.body, step.displacement, step.rates, step.size)?;
         } else {
-            self.approximation.fit(self.body, step.size)?;
+            self.approximate_tangent.rescale(self.body, step.size)?;
         }
         let (mut gmres, mut iterations) = (std::mem::take(&mut self.gmres), 0);
         // The preconditioner may work in single precision, which GMRES does not see: it is started again from the true residual.
@@ -201,8 +200,8 @@ impl<'a> AdjointStep<'a> {
         &mut self,
         mut solve: impl FnMut(&mut Transposed<'_>, &[f64], &mut [f64]) -> Result<()>,
     ) -> Result<f64> {
-        let AdjointStep { body, assembly, approximation, .. } = self;
-        let mut system = Transposed { body, assembly, approximation };
+        let AdjointStep { body, assembly, approximate_tangent, .. } = self;
+        let mut system = Transposed { body, assembly, approximate_tangent };
         self.multipliers.fill(0.0);
         self.residual.copy_from_slice(&self.right);
         let (size, mut left) = (norm(&self.right), 1.0);
@@ -267,7 +266,7 @@ fn transposed(m: &[f64], k: usize) -> Vec<f64> {
 struct Transposed<'a> {
     body: &'a Body,
     assembly: &'a mut Assembly,
-    approximation: &'a mut ApproximateTangent,
+    approximate_tangent: &'a mut ApproximateTangent,
 }
 
 impl LinearSystem for Transposed<'_> {
@@ -280,6 +279,6 @@ impl LinearSystem for Transposed<'_> {
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        self.approximation.precondition(x, y);
+        self.approximate_tangent.precondition(x, y);
     }
 }

@@ -18,11 +18,11 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 /// ```
 /// use emmy::adjoint::{Goal, Trajectory};
 /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
-/// use emmy::{motion::{Motion, NewtonSettings, Phase, State, StepPlan}, time::Scheme};
+/// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
 /// let state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
-/// let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, NewtonSettings::default(), state)?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(state)?;
 /// let mut trajectory = Trajectory::new(&motion)?;
 /// motion.march(&StepPlan::new(0.0, vec![Phase { until: 3.0, size: 0.1 }])?, &mut [&mut trajectory]).unwrap();
 /// // A change of all velocities shifts the end by the time that has passed.
@@ -34,8 +34,7 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 #[derive(Debug)]
 pub struct Trajectory<'a> {
     body: &'a Body,
-    scheme: Scheme,
-    degree: usize,
+    element: TimeElement,
     settings: NewtonSettings,
     /// Every so many steps there is a checkpoint.
     spacing: usize,
@@ -52,17 +51,16 @@ impl<'a> Trajectory<'a> {
     /// # Errors
     /// [`Error::Adjoint`] for what the adjoint does not cover.
     pub fn new(motion: &Motion<'a>) -> Result<Self> {
-        let (body, scheme) = (motion.body(), motion.scheme());
-        if !scheme.is_time_element() || scheme.dissipation().is_some() {
+        let body = motion.body();
+        let Scheme::TimeElement(element @ TimeElement { spectral_radius: None, .. }) = motion.scheme() else {
             return Err(Error::Adjoint {
                 reason: "it goes with time elements only that do not dissipate (FE, AS, DGM)".to_string(),
             });
-        }
+        };
         check_body(body)?;
         Ok(Trajectory {
             body,
-            scheme,
-            degree: motion.degree(),
+            element,
             settings: motion.settings(),
             spacing: 1,
             grows: true,
@@ -82,8 +80,8 @@ impl<'a> Trajectory<'a> {
     /// [`Error::Adjoint`] for another motion than that of the trajectory, or one that has done more than one step meanwhile.
     pub fn record(&mut self, motion: &Motion<'_>) -> Result<()> {
         let fail = |reason: &str| Err(Error::Adjoint { reason: reason.to_string() });
-        let settings = (motion.scheme(), motion.degree(), motion.settings());
-        if !std::ptr::eq(motion.body(), self.body) || settings != (self.scheme, self.degree, self.settings) {
+        let settings = (motion.scheme(), motion.settings());
+        if !std::ptr::eq(motion.body(), self.body) || settings != (self.element.into(), self.settings) {
             return fail("the motion has another body, scheme or settings than that of the trajectory");
         }
         let record = motion.record();
@@ -119,7 +117,7 @@ impl<'a> Trajectory<'a> {
     pub fn gradient(&self, goal: &Goal, parameters: &[Parameter]) -> Result<Gradient> {
         parameters.iter().try_for_each(|parameter| parameter.check(self.body))?;
         let mut sums = vec![0.0; parameters.len()];
-        let mut residual = Residual::new(self.body, self.degree);
+        let mut residual = Residual::new(self.body, self.element.degree);
         let adjoint = self.go_back(goal, |visit| {
             for (sum, parameter) in sums.iter_mut().zip(parameters) {
                 *sum -= parameter.product(&visit.step, visit.multipliers, &mut residual)?;
@@ -138,9 +136,8 @@ impl<'a> Trajectory<'a> {
     /// # Errors
     /// Those of [`Trajectory::gradient`], and of steps of degree k + 1.
     pub fn goal_error(&self, goal: &Goal) -> Result<GoalError> {
-        let (scheme, degree) = (self.scheme.of_degree(self.degree + 1), self.degree + 1);
-        let mut stepper =
-            TimeElementStepper::new(self.body, TimeElement::new(scheme, degree)?, self.settings)?;
+        let next = self.element.at_degree(self.element.degree + 1)?;
+        let mut stepper = TimeElementStepper::new(self.body, next, self.settings)?;
         let mut terms = Vec::with_capacity(self.steps.len());
         self.go_back(goal, |visit| {
             let mut better = visit.start.clone();
@@ -155,15 +152,15 @@ impl<'a> Trajectory<'a> {
     /// Goes back along the trajectory; visitors see every step from the last to the first.
     fn go_back(&self, goal: &Goal, mut visit: impl FnMut(Visit<'_>) -> Result<()>) -> Result<AdjointState> {
         self.check(goal)?;
-        let element = TimeElement::new(self.scheme, self.degree)?;
-        let mut stepper = TimeElementStepper::new(self.body, element.clone(), self.settings)?;
-        let mut adjoint_step = AdjointStep::new(self.body, element.clone(), self.settings)?;
+        let coefficients = self.element.coefficients();
+        let mut stepper = TimeElementStepper::new(self.body, self.element, self.settings)?;
+        let mut adjoint_step = AdjointStep::new(self.body, self.element, self.settings)?;
         let mut adjoint = AdjointState::new(self.body, &goal.displacement, &goal.velocity);
         let mut segment = Segment::default();
         for (checkpoint, steps) in self.checkpoints.iter().zip(self.steps.chunks(self.spacing)).rev() {
             segment.redo(&mut stepper, checkpoint, steps)?;
             for index in (0..segment.len()).rev() {
-                let (step, [start, end]) = (segment.step(&element, index), segment.ends(index));
+                let (step, [start, end]) = (segment.step(&coefficients, index), segment.ends(index));
                 let at_end = adjoint.clone();
                 adjoint_step.take_back(&step, &mut adjoint)?;
                 let multipliers = adjoint_step.multipliers();

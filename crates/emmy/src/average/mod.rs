@@ -14,6 +14,7 @@
 mod damping;
 mod energy_momentum;
 mod follower;
+mod mean;
 mod standard;
 mod start_tangent;
 #[cfg(test)]
@@ -21,11 +22,12 @@ mod tests;
 
 pub use damping::Damping;
 pub use follower::FollowerRule;
+pub use mean::Mean;
 pub use start_tangent::StartTangent;
 
 use crate::material::Material;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
-use crate::quadrature::{Quadrature, gauss};
+use crate::quadrature::{Quadrature, gauss, lobatto};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
 
 /// An averaging rule: the quadrature that makes a scheme out of a time element.
@@ -52,6 +54,82 @@ pub struct Rule {
     smooth_quadrature: Quadrature<1>,
 }
 
+/// An averaging rule as a value. A new one has its file in this folder, a variant here and a row in the table of
+/// [`crate::time::SCHEMES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AveragingRule {
+    /// `FE(n)`: stress at n Gauss points (section 4.4.1).
+    Standard(usize),
+    /// `trapezoidal`: stress at both ends; at degree 1 the average acceleration method.
+    Trapezoidal,
+    /// `Lobatto(n)`: stress at n Lobatto points.
+    Lobatto(usize),
+    /// `AS(n)`: assumed strain in time with n inner Gauss points (equation (62)).
+    AssumedStrain(usize),
+    /// `DGM`: discrete gradient (equations (63)-(65)).
+    DiscreteGradient,
+}
+
+/// Rules with more points than this gain nothing and cost much; more likely a slip of the keyboard.
+const MAX_POINTS: usize = 64;
+
+impl AveragingRule {
+    /// Key word of its scheme, and the number of points that follows it.
+    pub fn word_and_points(self) -> (&'static str, Option<usize>) {
+        match self {
+            AveragingRule::Standard(n) => ("FE", Some(n)),
+            AveragingRule::Trapezoidal => ("trapezoidal", None),
+            AveragingRule::Lobatto(n) => ("Lobatto", Some(n)),
+            AveragingRule::AssumedStrain(n) => ("AS", Some(n)),
+            AveragingRule::DiscreteGradient => ("DGM", None),
+        }
+    }
+
+    /// The rule with at least as many points as a degree needs.
+    ///
+    /// ```
+    /// use emmy::average::AveragingRule;
+    /// assert_eq!(AveragingRule::Standard(1).for_degree(2), AveragingRule::Standard(2));
+    /// assert_eq!(AveragingRule::Trapezoidal.for_degree(2), AveragingRule::Lobatto(3));
+    /// ```
+    pub fn for_degree(self, degree: usize) -> AveragingRule {
+        match self {
+            AveragingRule::Standard(n) => AveragingRule::Standard(n.max(degree)),
+            AveragingRule::Trapezoidal if degree > 1 => AveragingRule::Lobatto(degree + 1),
+            AveragingRule::Lobatto(n) => AveragingRule::Lobatto(n.max(degree + 1)),
+            AveragingRule::AssumedStrain(n) => AveragingRule::AssumedStrain(n.max(degree)),
+            AveragingRule::Trapezoidal | AveragingRule::DiscreteGradient => self,
+        }
+    }
+
+    /// Checks the number of points for a degree; the error is the reason.
+    pub fn check_degree(self, degree: usize) -> Result<(), String> {
+        match self {
+            AveragingRule::Standard(n) | AveragingRule::AssumedStrain(n) if n < degree => {
+                Err(format!("degree {degree} needs at least {degree} points: the step would be singular"))
+            }
+            AveragingRule::Lobatto(n) if n < degree + 1 => {
+                Err(format!("degree {degree} needs at least {} Lobatto points", degree + 1))
+            }
+            AveragingRule::Trapezoidal if degree != 1 => Err(format!(
+                "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
+            )),
+            _ if self.word_and_points().1.is_some_and(|n| n > MAX_POINTS) => {
+                Err(format!("at most {MAX_POINTS} points"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
+    pub fn is_energy_momentum(self) -> bool {
+        match self {
+            AveragingRule::Standard(_) | AveragingRule::Trapezoidal | AveragingRule::Lobatto(_) => false,
+            AveragingRule::AssumedStrain(_) | AveragingRule::DiscreteGradient => true,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Standard,
@@ -73,19 +151,6 @@ struct TimePoint {
     basis: Vec<f64>,
     /// w l_i(alpha) / b_i: the point's share in each stage average.
     share: Vec<f64>,
-}
-
-/// Stage averages of a polynomial path, as a linear force sees it.
-///
-/// ```math
-/// (1/b_i) sum_m w_m l_i(alpha_m) u(alpha_m) = start_i u_1 + sum_j rates_ij x_j
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mean {
-    /// Coefficients of the displacement at the start, `[k]`.
-    pub start: Vec<f64>,
-    /// Coefficients of the rates, `[i k + j]`.
-    pub rates: Vec<f64>,
 }
 
 /// What is wanted of [`Rule::average`].
@@ -130,18 +195,18 @@ impl<L: Lane> Average<L> {
     }
 }
 
-impl Mean {
-    fn of(degree: usize, points: &[TimePoint]) -> Mean {
-        let sum = |of: &dyn Fn(&TimePoint) -> f64| points.iter().map(of).sum::<f64>();
-        let rate = |n: usize| sum(&|point| point.share[n / degree] * point.passed[n % degree]);
-        Mean {
-            start: (0..degree).map(|i| sum(&|point| point.share[i])).collect(),
-            rates: (0..degree * degree).map(rate).collect(),
+impl Rule {
+    /// The quadrature of an averaging rule for a degree.
+    pub fn new(rule: AveragingRule, degree: usize) -> Rule {
+        match rule {
+            AveragingRule::Standard(n) => Rule::standard(degree, &gauss(n)),
+            AveragingRule::Trapezoidal => Rule::standard(degree, &lobatto(2)),
+            AveragingRule::Lobatto(n) => Rule::standard(degree, &lobatto(n)),
+            AveragingRule::AssumedStrain(n) => Rule::assumed_strain(degree, n),
+            AveragingRule::DiscreteGradient => Rule::discrete_gradient(degree),
         }
     }
-}
 
-impl Rule {
     /// Standard rule FE: any quadrature of the step, inside and out (section 4.4.1).
     pub fn standard(degree: usize, quadrature: &Quadrature<1>) -> Rule {
         Rule::with(degree, Kind::Standard, quadrature)
@@ -186,7 +251,9 @@ impl Rule {
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
             // The rule's own quadrature has the path at its points.
-            _ => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
+            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
+                Mean { start: vec![1.0; degree], rates: Vec::clone(&a) }
+            }
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
         let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
@@ -298,7 +365,9 @@ impl Rule {
     ) {
         match self.kind {
             Kind::Standard => self.average_standard(material, start, rates, want, average),
-            _ => self.average_energy_momentum(material, start, rates, want, average),
+            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
+                self.average_energy_momentum(material, start, rates, want, average);
+            }
         }
     }
 

@@ -307,7 +307,8 @@ impl Body {
         if !(rate >= 0.0 && rate.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: rate });
         }
-        let release = self.release.map(|(time, body)| Ok((time, Box::new(body.with_drag(rate)?))));
+        let release =
+            self.release.map(|(time, body)| -> Result<_> { Ok((time, Box::new(body.with_drag(rate)?))) });
         Ok(Body { drag: rate, release: release.transpose()?, ..self })
     }
 

@@ -1,37 +1,18 @@
 //! Marching with step sizes that are chosen by the error.
 
-use super::degrees::DegreeChoice;
-use super::march::placed;
-use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, State, StepPlan};
-use crate::body::Body;
+use super::control::Control;
+use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
+use super::stepping::placed;
+use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::time::{LocalError, Memory, StepOutcome};
+use crate::time::{LocalError, Scheme, State, StepOutcome, TimeElement};
 
-/// What chooses the step sizes of a motion.
-#[derive(Debug)]
-pub struct Control<'a> {
-    pub(super) adaptivity: Adaptivity,
-    pub(super) controller: Controller,
-    pub(super) estimator: LocalError<'a>,
-    pub(super) degrees: Option<DegreeChoice>,
-    length: f64,
-    /// Duration of the plan.
-    duration: f64,
-    /// Times that lie closer together are the same.
-    same_time: f64,
-    /// The state at the start of the step.
-    pub(super) start: State,
-}
-
-/// Refusals of one step after the other: a step that small does not help.
-const MOST_REFUSALS: usize = 60;
+/// Consecutive rejections of one step: smaller steps do not help.
+const MAX_REJECTIONS: usize = 60;
 
 /// Part of the allowed number of Newton iterations from which on a step counts as hard.
-const HARD: f64 = 0.75;
-
-/// The first step is this part of the time in which the body moves by its own size.
-const FIRST_PART: f64 = 0.01;
+const HARD_ITERATIONS: f64 = 0.75;
 
 /// A time that is to be met.
 #[derive(Debug, Clone, Copy)]
@@ -40,42 +21,8 @@ struct Stop {
     is_kink: bool,
 }
 
-impl<'a> Control<'a> {
-    /// What the choice of the next size depends on.
-    pub fn memory(&self, degree: usize) -> Memory {
-        let mut memory = self.estimator.memory();
-        memory.keep("controller", &self.controller.memory());
-        if let Some(choice) = &self.degrees {
-            choice.keep(degree, &mut memory);
-        }
-        memory
-    }
-
-    /// A size with which to begin: a part of the time in which the body moves by its own length.
-    fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
-        let acceleration = LocalError::acceleration(body, state)?;
-        let by_velocity = self.length / body.mean(&state.velocity);
-        let by_acceleration = (2.0 * self.length / body.mean(&acceleration)).sqrt();
-        Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
-    }
-
-    /// Error of the last step: the larger one of those of positions and velocities, in their scales.
-    fn error(&self, body: &Body) -> f64 {
-        self.size_of_error(body, &self.estimator)
-    }
-
-    /// The same of what an estimator estimated.
-    pub(super) fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
-        let position = body.mean(estimator.displacement()) / self.length;
-        match self.adaptivity.velocity {
-            Some(scale) => larger(position, body.mean(estimator.velocity()) / scale),
-            None => position,
-        }
-    }
-}
-
 impl<'a> Motion<'a> {
-    /// Marches to the end of a plan with steps that are chosen by the error; every end of a phase and every kink of a load is met.
+    /// Marches to the end of a plan with steps that are chosen by the error. Steps end at every end of a phase and every kink of a load.
     pub(super) fn march_adaptively(
         &mut self,
         plan: &StepPlan,
@@ -130,13 +77,13 @@ impl<'a> Motion<'a> {
     ) -> Result<(), MarchError> {
         self.release_under(control)?;
         control.start.copy_from(&self.state);
-        let mut refusals = 0;
+        let mut rejections = 0;
         loop {
             let left = stop.time - self.state.time;
             let (size, missed) = self.resolved_size(control, control.controller.size_within(left))?;
             match self.attempt(control, size) {
                 Ok((outcome, error)) if control.controller.accepts(error) => {
-                    let limit = HARD * self.settings.max_iterations as f64;
+                    let limit = HARD_ITERATIONS * self.settings.max_iterations as f64;
                     control.controller.accept(size, error, outcome.newton.iterations as f64 > limit);
                     control.estimator.accept(size);
                     let is_met = size == left;
@@ -153,10 +100,10 @@ impl<'a> Motion<'a> {
                 }
                 attempt => {
                     let error = attempt.map(|(_, error)| error);
-                    self.refuse(control, size, error, refusals < MOST_REFUSALS)?;
+                    self.reject(control, size, error, rejections < MAX_REJECTIONS)?;
                 }
             }
-            refusals += 1;
+            rejections += 1;
             self.tell(observers)?;
         }
     }
@@ -167,7 +114,7 @@ impl<'a> Motion<'a> {
     /// [`Error::SmallestStep`] if that takes steps below the smallest size.
     fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, bool)> {
         let Some(resolution) = &mut self.resolution else { return Ok((size, false)) };
-        resolution.take_degree(self.degree);
+        resolution.set_degree(self.scheme.degree());
         let (time, tolerance, length) = (self.state.time, control.adaptivity.tolerance, control.length);
         let resolved = resolution.resolved_size(time, size, tolerance, length);
         let smallest = control.adaptivity.smallest.min(size);
@@ -175,7 +122,7 @@ impl<'a> Motion<'a> {
             && let Some(missed) = resolution.missed_within(time, smallest, tolerance, length)
         {
             let cause = Error::Unresolved { what: missed.to_string(), size: smallest };
-            return Err(self.smallest(smallest, cause));
+            return Err(self.smallest_step_error(smallest, cause));
         }
         Ok((resolved.max(smallest), resolution.missed_within(time, resolved, tolerance, length).is_some()))
     }
@@ -186,7 +133,7 @@ impl<'a> Motion<'a> {
         let rates = self.stepper.rates();
         control.estimator.estimate(&control.start, &self.state, rates, size)?;
         let mut error = control.error(self.body);
-        // No step is refused by what was estimated of another one.
+        // No step is rejected by the estimate of another one.
         if !control.controller.accepts(error)
             && control.estimator.confirm(&control.start, &self.state, rates, size)?
         {
@@ -195,8 +142,8 @@ impl<'a> Motion<'a> {
         Ok((outcome, error))
     }
 
-    /// Goes back to the start of the step, the next attempt at which will be smaller.
-    fn refuse(
+    /// Returns to the start of the step; the next attempt will be smaller.
+    fn reject(
         &mut self,
         control: &mut Control<'a>,
         size: f64,
@@ -210,13 +157,13 @@ impl<'a> Motion<'a> {
             Err(error) => placed(error, self.body, &self.state, size),
         };
         if !(may_shrink && control.controller.can_shrink(size)) {
-            return Err(MarchError::Step(self.smallest(size, error)));
+            return Err(MarchError::Step(self.smallest_step_error(size, error)));
         }
         let kind = match &error {
             Error::Tolerance { error, .. } => {
-                control.controller.refuse(size, *error);
-                self.refusals += 1;
-                EventKind::Refused
+                control.controller.reject(size, *error);
+                self.rejections += 1;
+                EventKind::Rejected
             }
             _ => {
                 control.controller.fail(size);
@@ -230,12 +177,7 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    fn smallest(&self, step_size: f64, cause: Error) -> Error {
-        let (step, start) = (self.state.step + 1, self.state.time);
-        Error::SmallestStep { step, start, step_size, cause: Box::new(cause) }
-    }
-
-    /// Goes over to the body without the supports that are released by now, and the estimator with it.
+    /// Continues with the body without the supports that are released by now, and replaces the estimator.
     fn release_under(&mut self, control: &mut Control<'a>) -> Result<()> {
         let before = self.releases;
         self.release(control.same_time)?;
@@ -245,15 +187,9 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    pub(super) fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
-        let kind = (self.scheme.of_degree(self.degree), self.degree);
-        LocalError::new(
-            self.body,
-            kind,
-            adaptivity.estimator_of(self.scheme, self.degree),
-            self.settings,
-            &self.state,
-        )
+    fn estimator(&self, adaptivity: &Adaptivity) -> Result<LocalError<'a>> {
+        let element = time_element(self.scheme)?;
+        LocalError::new(self.body, element, adaptivity.estimator_of(element), self.settings, &self.state)
     }
 
     /// The control of a plan: that of the march before, that of the snapshot, or a new one.
@@ -261,17 +197,14 @@ impl<'a> Motion<'a> {
         if let Some(control) = self.control.take().filter(|control| control.adaptivity == *adaptivity) {
             return Ok(control);
         }
-        if !self.scheme.is_time_element() {
-            let reason = "adaptive steps go with time elements only".to_string();
-            return Err(Error::Scheme { scheme: self.scheme.to_string(), reason });
-        }
+        let element = time_element(self.scheme)?;
         let length = adaptivity.length.unwrap_or_else(|| self.body.radius_of_gyration());
         if length == 0.0 {
             let reason = "must be given: the body is a point".to_string();
             return Err(Error::Adaptivity { setting: "length", reason });
         }
-        adaptivity.check_degree(self.scheme, self.degree)?;
-        let order = LocalError::order(self.scheme, self.degree);
+        adaptivity.check_degree(element)?;
+        let order = LocalError::order(element);
         let mut control = Control {
             adaptivity: *adaptivity,
             controller: Controller::new(adaptivity, order, adaptivity.first.unwrap_or(f64::INFINITY)),
@@ -294,9 +227,72 @@ impl<'a> Motion<'a> {
         }
         Ok(control)
     }
+
+    /// Changes to the degree that costs least, if trials are due, after a step of a size with an error. `longest`: another limit of the
+    /// size.
+    fn choose_degree(
+        &mut self,
+        control: &mut Control<'a>,
+        (size, error): (f64, f64),
+        longest: f64,
+    ) -> Result<()> {
+        let aim = Controller::AIM * control.adaptivity.tolerance;
+        let Some(mut choice) = control.degrees else { return Ok(()) };
+        let is_telling = error >= MIN_TELLING_ERROR * aim || size >= 0.5 * longest;
+        if choice.is_due(is_telling) {
+            let work = |degree: usize, size: f64| degree as f64 / size.min(longest);
+            let element = time_element(self.scheme)?;
+            let own = size_of(LocalError::order(element), size, error / aim);
+            let mut best = (MAX_WORK_RATIO * work(element.degree, own), None);
+            for degree in choice.neighbours(element.degree) {
+                let Some(error) = self.error_of_degree(control, degree, size) else { continue };
+                let size = size_of(LocalError::order(TimeElement { degree, ..element }), size, error / aim);
+                if work(degree, size) < best.0 {
+                    best = (work(degree, size), Some((degree, size)));
+                }
+            }
+            choice.wait(best.1.is_some());
+            if let (_, Some((degree, size))) = best {
+                self.change_degree(control, degree, size)?;
+            }
+        }
+        control.degrees = Some(choice);
+        Ok(())
+    }
+
+    /// Error of a step of another degree from the start of the last step; none if it fails. Trials are rare: they allocate everything
+    /// again.
+    fn error_of_degree(&self, control: &Control<'a>, degree: usize, size: f64) -> Option<f64> {
+        let element = time_element(self.scheme_of(degree).ok()?).ok()?;
+        let mut end: State = control.start.clone();
+        let mut stepper = Scheme::from(element).stepper(self.body, self.settings, &mut end).ok()?;
+        let kind = control.adaptivity.estimator_of(element);
+        let estimator = LocalError::new(self.body, element, kind, self.settings, &control.start);
+        let mut estimator = estimator.ok()?;
+        stepper.advance(&mut end, size).ok()?;
+        estimator.estimate(&control.start, &end, stepper.rates(), size).ok()?;
+        Some(control.size_of_error(self.body, &estimator)).filter(|error| error.is_finite())
+    }
+
+    fn change_degree(&mut self, control: &mut Control<'a>, degree: usize, size: f64) -> Result<()> {
+        let message =
+            format!("elements of degree {degree} after {}, steps of {size:.3e}", self.scheme.degree());
+        self.set_degree(degree)?;
+        control.estimator = self.estimator(&control.adaptivity)?;
+        let order = LocalError::order(time_element(self.scheme)?);
+        control.controller = Controller::new(&control.adaptivity, order, size);
+        self.note(EventKind::Degree, self.state.step, message);
+        Ok(())
+    }
 }
 
-/// The larger one of two errors; NaN if one of them is.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
+/// The time element of a scheme.
+///
+/// # Errors
+/// [`Error::Scheme`] if it is none.
+fn time_element(scheme: Scheme) -> Result<TimeElement> {
+    scheme.time_element().ok_or_else(|| Error::Scheme {
+        scheme: scheme.name(),
+        reason: "adaptive steps go with time elements only".to_string(),
+    })
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::time::{Estimator, MAX_DEGREE, Scheme};
+use crate::time::{Estimator, MAX_DEGREE, TimeElement};
 
 /// Steps whose sizes are chosen by the error that each of them makes.
 ///
@@ -56,17 +56,18 @@ impl Adaptivity {
         }
     }
 
-    /// The estimator of a degree: the one asked for; else the sampled residual where degrees are chosen, or what [`Estimator::of`] says.
-    pub fn estimator_of(&self, scheme: Scheme, degree: usize) -> Estimator {
-        let own = || if self.degrees.is_some() { Estimator::Sampled } else { Estimator::of(scheme, degree) };
+    /// The estimator of an element: the one asked for; else the sampled residual where degrees are chosen, or what [`Estimator::of`] says.
+    pub fn estimator_of(&self, element: TimeElement) -> Estimator {
+        let own = || if self.degrees.is_some() { Estimator::Sampled } else { Estimator::of(element) };
         self.estimator.unwrap_or_else(own)
     }
 
-    /// Checks that the settings go with scheme and degree of a motion.
+    /// Checks that the settings go with the time element of a motion.
     ///
     /// # Errors
     /// [`Error::Adaptivity`].
-    pub fn check_degree(&self, scheme: Scheme, degree: usize) -> Result<()> {
+    pub fn check_degree(&self, element: TimeElement) -> Result<()> {
+        let degree = element.degree;
         let fail = |setting, reason: String| Err(Error::Adaptivity { setting, reason });
         let [lowest, highest] = self.degrees.unwrap_or([degree; 2]);
         if lowest < 1 || lowest > highest {
@@ -85,7 +86,8 @@ impl Adaptivity {
         if degree < lowest {
             return fail("min_degree", format!("{lowest} is more than the degree {degree} of the start"));
         }
-        self.estimator.map_or(Ok(()), |estimator| estimator.check(scheme, highest))
+        let highest = TimeElement { degree: highest, ..element };
+        self.estimator.map_or(Ok(()), |estimator| estimator.check(highest))
     }
 
     /// Checks that the settings go together.
@@ -147,21 +149,21 @@ pub struct Controller {
     size: f64,
     /// Error of the last accepted step over the tolerance, and its size.
     last: Option<(f64, f64)>,
-    /// Whether the last attempt was refused: the step that follows does not grow.
-    was_refused: bool,
+    /// Whether the last attempt was rejected: the step that follows does not grow.
+    was_rejected: bool,
 }
 
 /// Errors below this part of the tolerance are taken for it: a step without error says nothing about larger ones.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// Changes of the size within these factors are not made.
-const STAYS: [f64; 2] = [0.95, 1.2];
+/// Factors within which the size is not changed.
+const UNCHANGED_WITHIN: [f64; 2] = [0.95, 1.2];
 
-/// Largest part of the size that is left after a step was refused.
-const REFUSED: f64 = 0.9;
+/// Largest factor on the size after a step was rejected.
+const MAX_REJECTION_FACTOR: f64 = 0.9;
 
-/// Smallest part of the size that is left after a step was refused.
-const SHARPEST_CUT: f64 = 0.1;
+/// Smallest factor on the size after a step was rejected.
+const MIN_REJECTION_FACTOR: f64 = 0.1;
 
 impl Controller {
     /// Part of the tolerance that is aimed at.
@@ -171,7 +173,15 @@ impl Controller {
     pub fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
         let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
         let size = first.clamp(smallest, largest);
-        Controller { tolerance, smallest, largest, order: order as f64, size, last: None, was_refused: false }
+        Controller {
+            tolerance,
+            smallest,
+            largest,
+            order: order as f64,
+            size,
+            last: None,
+            was_rejected: false,
+        }
     }
 
     /// Size that the next step should have.
@@ -206,25 +216,29 @@ impl Controller {
         let (last_error, last_size) = self.last.unwrap_or((error, size));
         let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
         let mut factor = 1.0 + (factor - 1.0).atan();
-        if is_hard || self.was_refused {
+        if is_hard || self.was_rejected {
             factor = factor.min(1.0);
         }
         self.last = Some((error, size));
-        self.was_refused = false;
+        self.was_rejected = false;
         // A step that was made smaller only to meet a time does not take back what was to come.
         let was_limited = size < self.size * (1.0 - 1e-9);
         let proposed =
             if was_limited && factor >= 1.0 { self.size.max(factor * size) } else { factor * size };
         let change = proposed / self.size;
-        if !(STAYS[0]..=STAYS[1]).contains(&change) {
+        if !(UNCHANGED_WITHIN[0]..=UNCHANGED_WITHIN[1]).contains(&change) {
             self.size = proposed.clamp(self.smallest, self.largest);
         }
     }
 
     /// Makes the next attempt smaller after a step with too large an error.
-    pub fn refuse(&mut self, size: f64, error: f64) {
+    pub fn reject(&mut self, size: f64, error: f64) {
         let factor = (Controller::AIM * self.tolerance / error).powf(1.0 / self.order);
-        let factor = if factor.is_nan() { SHARPEST_CUT } else { factor.clamp(SHARPEST_CUT, REFUSED) };
+        let factor = if factor.is_nan() {
+            MIN_REJECTION_FACTOR
+        } else {
+            factor.clamp(MIN_REJECTION_FACTOR, MAX_REJECTION_FACTOR)
+        };
         self.cut(factor * size);
     }
 
@@ -235,7 +249,7 @@ impl Controller {
 
     fn cut(&mut self, size: f64) {
         self.size = size.max(self.smallest);
-        self.was_refused = true;
+        self.was_rejected = true;
     }
 
     /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has this size at most.
@@ -247,14 +261,14 @@ impl Controller {
     /// As plain numbers, for [`Controller::restore`].
     pub fn memory(&self) -> [f64; 5] {
         let (error, size) = self.last.unwrap_or((-1.0, 0.0));
-        [self.size, error, size, f64::from(u8::from(self.was_refused)), self.order]
+        [self.size, error, size, f64::from(u8::from(self.was_rejected)), self.order]
     }
 
-    /// Takes over what another controller had noted.
-    pub fn restore(&mut self, [size, error, last_size, was_refused, order]: [f64; 5]) {
+    /// Restores the memory of another controller.
+    pub fn restore(&mut self, [size, error, last_size, was_rejected, order]: [f64; 5]) {
         self.size = size.clamp(self.smallest, self.largest);
         self.last = (error >= 0.0 && order == self.order).then_some((error, last_size));
-        self.was_refused = was_refused != 0.0;
+        self.was_rejected = was_rejected != 0.0;
     }
 }
 
@@ -269,22 +283,22 @@ mod tests {
     #[test]
     fn sizes_settle_where_the_error_is_the_aim() {
         // e = 2 h^3: the aim is met at h = (0.6e-4 / 2)^(1/3), within what is left alone.
-        let (mut controller, mut refused) = (controller(), 0);
+        let (mut controller, mut rejected) = (controller(), 0);
         for _ in 0..60 {
             let size = controller.size_within(f64::INFINITY);
             let error = 2.0 * size.powi(3);
             match controller.accepts(error) {
                 true => controller.accept(size, error, false),
                 false => {
-                    controller.refuse(size, error);
-                    refused += 1;
+                    controller.reject(size, error);
+                    rejected += 1;
                 }
             }
         }
         let ideal = (0.6e-4f64 / 2.0).cbrt();
         let size = controller.size_within(f64::INFINITY);
         assert!((0.85..1.15).contains(&(size / ideal)), "{size} is not {ideal}");
-        assert!(refused <= 2, "{refused}");
+        assert!(rejected <= 2, "{rejected}");
     }
 
     #[test]
@@ -315,7 +329,7 @@ mod tests {
         assert_eq!(controller.size_within(9.0), 0.1);
         (0..9).for_each(|_| controller.accept(controller.size, 0.0, false));
         assert_eq!(controller.size_within(9.0), 0.2);
-        (0..9).for_each(|_| controller.refuse(controller.size, f64::NAN));
+        (0..9).for_each(|_| controller.reject(controller.size, f64::NAN));
         assert_eq!(controller.size_within(9.0), 0.01);
         assert!(!controller.can_shrink(0.01) && controller.can_shrink(0.02));
     }
@@ -346,7 +360,7 @@ mod tests {
     fn memory_is_all_that_the_next_steps_depend_on() {
         let mut first = controller();
         first.accept(0.1, 3e-5, false);
-        first.refuse(0.1, 3e-4);
+        first.reject(0.1, 3e-4);
         let mut second = controller();
         second.restore(first.memory());
         assert_eq!(first, second);

@@ -1,6 +1,6 @@
-//! What happens in a march besides steps that succeed.
+//! Events of a march.
 
-/// Something out of the ordinary.
+/// An event of a march, such as a cut or a rejection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Number of the step that it belongs to.
@@ -9,7 +9,7 @@ pub struct Event {
     pub time: f64,
     /// Kind of it.
     pub kind: EventKind,
-    /// What happened, in words.
+    /// Description.
     pub message: String,
 }
 
@@ -18,8 +18,8 @@ pub struct Event {
 pub enum EventKind {
     /// A step failed and is cut by two.
     Cut,
-    /// A step with too large an error is done again with a smaller size.
-    Refused,
+    /// A step with too large an error is rejected and repeated with a smaller size.
+    Rejected,
     /// Steps are twice as large again.
     Grown,
     /// The elements that follow have another degree.
@@ -35,7 +35,7 @@ impl EventKind {
     pub const fn name(self) -> &'static str {
         match self {
             EventKind::Cut => "cut",
-            EventKind::Refused => "refused",
+            EventKind::Rejected => "rejected",
             EventKind::Grown => "grown",
             EventKind::Degree => "degree",
             EventKind::Release => "release",

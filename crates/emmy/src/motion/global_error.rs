@@ -1,11 +1,11 @@
 //! The error of a motion since its start, by a motion of a higher degree beside it.
 
-use super::march::{SAME_TIME, due_release};
-use super::{Observer, State, View};
+use super::stepping::{SAME_TIME, due_release};
+use super::{Observer, ObserverResult, View};
 use crate::body::Body;
 use crate::error::Result;
 use crate::newton::NewtonSettings;
-use crate::time::{Scheme, Stepper};
+use crate::time::{Scheme, State, Stepper};
 
 /// Estimates the error of a motion since its start: an observer that does the same steps with the element of degree k + 1.
 ///
@@ -20,15 +20,15 @@ use crate::time::{Scheme, Stepper};
 ///
 /// ```
 /// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
-/// use emmy::{motion::{GlobalError, Motion, NewtonSettings, Phase, State, StepPlan}, time::Scheme};
+/// use emmy::{motion::{GlobalError, Motion, NewtonSettings, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
 /// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 1.0], about: [0.5; 3], ..Default::default() };
-/// let (scheme, settings) = (Scheme::DiscreteGradient, NewtonSettings::default());
+/// let (element, settings) = (TimeElement::discrete_gradient(1)?, NewtonSettings::default());
 /// let state = State::initial(&body, 0.0, &[spin])?;
-/// let mut error = GlobalError::new(&body, scheme, 1, settings, &state)?;
-/// let mut motion = Motion::new(&body, scheme, 1, settings, state)?;
-/// motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?, &mut [&mut error]).unwrap();
+/// let mut error = GlobalError::new(&body, element, settings, &state)?;
+/// let mut motion = Motion::starting(&body, element, settings, state)?;
+/// motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?, &mut [&mut error])?;
 /// // A rigid body lags behind by t h^2 omega^3/12 = 8.3e-4; its radius of gyration is 1/sqrt 2, by the lumped mass of its corners.
 /// assert!((body.mean(error.displacement()) / (8.3e-4 / f64::sqrt(2.0)) - 1.0).abs() < 0.1);
 /// # Ok::<(), emmy::Error>(())
@@ -37,7 +37,6 @@ use crate::time::{Scheme, Stepper};
 pub struct GlobalError<'a> {
     body: &'a Body,
     scheme: Scheme,
-    degree: usize,
     settings: NewtonSettings,
     stepper: Box<dyn Stepper + 'a>,
     state: State,
@@ -48,25 +47,24 @@ pub struct GlobalError<'a> {
 }
 
 impl<'a> GlobalError<'a> {
-    /// The estimator of a motion of a scheme and a degree that starts from a state; where degrees are chosen, the highest of them.
+    /// The estimator of a motion of a scheme that starts from a state; where degrees are chosen, the scheme of the highest.
     ///
     /// # Errors
-    /// Those of [`Scheme::stepper`], for the next degree.
+    /// As [`Scheme::stepper`], for the next degree.
     pub fn new(
         body: &'a Body,
-        scheme: Scheme,
-        degree: usize,
+        scheme: impl Into<Scheme>,
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        let (scheme, degree, mut state) =
-            (scheme.conserving().of_degree(degree + 1), degree + 1, state.clone());
-        let stepper = scheme.stepper(body, degree, settings, &mut state)?;
+        let own = scheme.into();
+        let scheme = own.conserving().at_degree(own.degree() + 1)?;
+        let mut state = state.clone();
+        let stepper = scheme.stepper(body, settings, &mut state)?;
         let zero = vec![0.0; body.n_dofs()];
         Ok(GlobalError {
             body,
             scheme,
-            degree,
             settings,
             stepper,
             start: state.clone(),
@@ -112,7 +110,7 @@ impl<'a> GlobalError<'a> {
     /// Does the step that led to a state.
     fn follow(&mut self, state: &State, step_size: f64) -> Result<()> {
         while let Some((_, body)) = due_release(self.body, self.state.time, SAME_TIME * step_size) {
-            self.stepper = self.scheme.stepper(body, self.degree, self.settings, &mut self.state)?;
+            self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
             self.body = body;
         }
         self.advance(step_size)?;
@@ -133,7 +131,7 @@ impl<'a> GlobalError<'a> {
 }
 
 impl Observer for GlobalError<'_> {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+    fn observe(&mut self, view: View<'_>) -> ObserverResult {
         if view.state.step > self.state.step {
             self.follow(view.state, view.record.step_size)?;
         }

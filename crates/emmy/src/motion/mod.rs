@@ -2,24 +2,28 @@
 
 mod adaptive;
 mod adaptivity;
-mod degrees;
-mod division;
+mod control;
+mod degree_choice;
 mod event;
 mod global_error;
 mod march;
+mod observer;
 mod plan;
 mod record;
 mod resolution;
 mod snapshot;
+mod stepping;
+mod subdivision;
 
 pub use crate::newton::NewtonSettings;
 pub use crate::time::State;
 pub use adaptivity::{Adaptivity, Controller};
-pub use division::{Division, GOOD_STEPS};
 pub use event::{Event, EventKind};
 pub use global_error::GlobalError;
-pub use march::Motion;
+pub use observer::{MarchError, Observer, ObserverError, ObserverResult, View};
 pub use plan::{Phase, PlannedStep, StepPlan};
-pub use record::{MarchError, Observer, Record, View};
+pub use record::Record;
 pub use resolution::{Resolution, Unresolved};
 pub use snapshot::Snapshot;
+pub use stepping::Motion;
+pub use subdivision::{GOOD_STEPS, Subdivision};

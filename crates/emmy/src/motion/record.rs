@@ -1,11 +1,9 @@
-//! What is recorded of every step, and who may look on.
+//! Record of a step.
 
-use super::{Event, Motion, State};
 use crate::body::{Body, Strained, sum};
-use crate::error::Error;
 use crate::sparse::SolverChoice;
 use crate::sparse::reduce::dot;
-use crate::time::StepOutcome;
+use crate::time::{State, StepOutcome};
 
 /// Energies, momenta and balances after a step (or at the start, with zero step size and residuals).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -131,48 +129,4 @@ impl Record {
 /// Norm of `now - before - impulse`.
 fn defect(now: [f64; 3], before: [f64; 3], impulse: [f64; 3]) -> f64 {
     (0..3).map(|i| (now[i] - before[i] - impulse[i]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// What an observer sees after a step.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
-    /// The body.
-    pub body: &'a Body,
-    /// Its state.
-    pub state: &'a State,
-    /// Energies, momenta, balances.
-    pub record: &'a Record,
-    /// Norms of Newton's residuals in the step, one for each evaluation; of the second part where a step has two, empty at the
-    /// start and for explicit steppers.
-    pub newton_residuals: &'a [f64],
-    /// The motion itself, for a [`super::Snapshot`] of it.
-    pub motion: &'a Motion<'a>,
-}
-
-/// Looks on while a motion is computed: files, progress, plots hang on the loop through this trait.
-pub trait Observer {
-    /// Called at the start and after every step.
-    ///
-    /// # Errors
-    /// An error of the observer ends the march as [`super::MarchError::Observer`].
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>>;
-
-    /// Called when something out of the ordinary happens, before the step that it belongs to is observed.
-    ///
-    /// # Errors
-    /// As those of [`Observer::observe`].
-    fn notice(&mut self, _: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        Ok(())
-    }
-}
-
-/// What ended a march early.
-#[derive(Debug, thiserror::Error)]
-pub enum MarchError {
-    /// A step failed.
-    #[error(transparent)]
-    Step(#[from] Error),
-    /// An observer failed.
-    #[error(transparent)]
-    Observer(Box<dyn std::error::Error + Send + Sync>),
 }

@@ -47,13 +47,13 @@ impl fmt::Display for Unresolved {
 ///
 /// ```
 /// use emmy::{body::{Body, History, Load, LoadKind, Region}, material::NeoHooke, mesh};
-/// use emmy::{motion::{Phase, Resolution, StepPlan}, time::Scheme};
+/// use emmy::{motion::{Phase, Resolution, StepPlan}, time::TimeElement};
 /// let pulse = History::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
 /// let kind = LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] };
 /// let region = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
 /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![region], &[], &[Load { kind, history: pulse }])?;
 /// let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 2.0 }])?;
-/// let resolution = Resolution::new(&body, Scheme::DiscreteGradient, 1, &plan).unwrap();
+/// let resolution = Resolution::new(&body, TimeElement::discrete_gradient(1)?, &plan).unwrap();
 /// let missed = resolution.unresolved(4.0, 2.0).unwrap();
 /// assert!((missed.time - 5.0).abs() < 0.01 && resolution.unresolved(6.0, 2.0).is_none());
 /// # Ok::<(), emmy::Error>(())
@@ -114,7 +114,8 @@ const MOST_STEPS: usize = 100_000;
 
 impl Resolution {
     /// The check of a plan; `None` if no smooth function of time acts on the body.
-    pub fn new(body: &Body, scheme: Scheme, degree: usize, plan: &StepPlan) -> Option<Self> {
+    pub fn new(body: &Body, scheme: impl Into<Scheme>, plan: &StepPlan) -> Option<Self> {
+        let scheme = scheme.into();
         let signals = body.signals();
         if signals.is_empty() {
             return None;
@@ -127,7 +128,7 @@ impl Resolution {
             times.map(|time| signal.at(time).abs()).fold(0.0, f64::max)
         };
         let signals = signals.into_iter().map(|signal| (largest(&signal), signal));
-        let (rule, points) = rule_and_points(scheme, degree);
+        let (rule, points) = rule_and_points(scheme, scheme.degree());
         Some(Resolution {
             signals: signals.map(|(largest, signal)| (signal, largest)).collect(),
             scheme,
@@ -156,8 +157,8 @@ impl Resolution {
         (usize::from(first.is_some()) + missed.count(), first)
     }
 
-    /// Takes elements of another degree.
-    pub(super) fn take_degree(&mut self, degree: usize) {
+    /// Changes the degree of the elements.
+    pub(super) fn set_degree(&mut self, degree: usize) {
         if self.rule.degree() != degree {
             (self.rule, self.points) = rule_and_points(self.scheme, degree);
             self.nodes = lobatto(degree + 2);
@@ -288,6 +289,10 @@ mod tests {
     use crate::material::NeoHooke;
     use crate::mesh;
     use crate::motion::Phase;
+    use crate::time::{AveragingRule, TimeElement};
+
+    const DGM: TimeElement =
+        TimeElement { rule: AveragingRule::DiscreteGradient, degree: 1, spectral_radius: None };
 
     fn body(history: History, moves: Option<History>) -> Body {
         let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
@@ -308,24 +313,24 @@ mod tests {
         })
     }
 
-    fn resolution(body: &Body, scheme: Scheme, degree: usize) -> Resolution {
+    fn resolution(body: &Body, scheme: impl Into<Scheme>) -> Resolution {
         let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
-        Resolution::new(body, scheme, degree, &plan).unwrap()
+        Resolution::new(body, scheme, &plan).unwrap()
     }
 
     #[test]
     fn tables_need_no_check() {
         let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
         let body = body(History::new(vec![(4.99, 0.0), (5.0, 1.0), (5.01, 0.0)]).unwrap(), None);
-        assert!(Resolution::new(&body, Scheme::DiscreteGradient, 1, &plan).is_none());
+        assert!(Resolution::new(&body, DGM, &plan).is_none());
     }
 
     #[test]
     fn a_short_pulse_is_seen_by_every_scheme_and_degree() {
         let body = body(pulse(5.13, 0.01), None);
-        let schemes = [Scheme::DiscreteGradient, Scheme::Bathe, Scheme::CentralDifferences];
-        for (scheme, degree) in schemes.into_iter().flat_map(|scheme| [(scheme, 1), (scheme, 3)]) {
-            let resolution = resolution(&body, scheme, degree);
+        let third = TimeElement { degree: 3, ..DGM };
+        for scheme in [DGM.into(), third.into(), Scheme::Bathe, Scheme::CentralDifferences] {
+            let resolution = resolution(&body, scheme);
             let missed = resolution.unresolved(5.0, 0.5).unwrap();
             assert!((missed.time - 5.13).abs() < 0.01 && missed.target == SignalTarget::Load(0));
             assert_eq!(resolution.unresolved(5.5, 0.5), None);
@@ -337,7 +342,7 @@ mod tests {
     fn a_pulse_shows_its_load_and_its_place() {
         let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
         let (count, first) =
-            resolution(&body(pulse(5.13, 0.01), None), Scheme::MID_POINT, 1).unresolved_steps(&plan);
+            resolution(&body(pulse(5.13, 0.01), None), TimeElement::MID_POINT).unresolved_steps(&plan);
         assert_eq!(count, 1);
         let text = first.unwrap().to_string();
         assert!(text.starts_with("load 0 (\"pulse 5.13 0.01\") near t = 5.1"), "{text}");
@@ -347,8 +352,8 @@ mod tests {
     fn a_resolved_oscillation_is_none_that_is_missed() {
         let omega = 2.0 * std::f64::consts::PI;
         let sine = History::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);
-        for scheme in [Scheme::DiscreteGradient, Scheme::CentralDifferences] {
-            let resolution = resolution(&body(sine.clone(), Some(sine.clone())), scheme, 1);
+        for scheme in [DGM.into(), Scheme::CentralDifferences] {
+            let resolution = resolution(&body(sine.clone(), Some(sine.clone())), scheme);
             for step in 0..20 {
                 assert_eq!(resolution.unresolved(0.05 * step as f64, 0.05), None, "{scheme} {step}");
             }
@@ -363,7 +368,7 @@ mod tests {
             (body(at_rest.clone(), Some(pulse(5.0, 0.01))), 1),
             (body(at_rest, Some(pulse(5.0, 0.01))), 3),
         ] {
-            let resolution = resolution(&body, Scheme::DiscreteGradient, degree);
+            let resolution = resolution(&body, TimeElement { degree, ..DGM });
             let size = resolution.resolved_size(4.0, 6.0, 1e-4, 1.0);
             assert!((0.4..1.0).contains(&size), "{size}");
             let size = resolution.resolved_size(4.99, 5.0, 1e-4, 1.0);

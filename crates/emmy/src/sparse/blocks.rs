@@ -1,12 +1,8 @@
 //! Matrix blocks for products with vectors.
 
-use super::kernel::{Entry, Kernel};
+use super::kernel::{Entry, Kernel, LOADED, Row};
 use super::real::Real;
 use crate::tensor::inlined;
-
-/// A vector of a solver: three components a row, each with C columns, and a zero that makes a register full. One column is a
-/// real vector; two are the real and the imaginary part of a complex one. `[row][4][C]`.
-pub type Row<T, const C: usize> = [[T; C]; 4];
 
 /// 3 x 3 blocks one after another, each by columns. A product loads more than a block; what it loads of the next one is not
 /// used, and no memory is lost to padding.
@@ -14,9 +10,6 @@ pub type Row<T, const C: usize> = [[T; C]; 4];
 pub struct Blocks<E> {
     entries: Vec<E>,
 }
-
-/// Entries that a product loads from the first of a block on: a register of the widest instruction set.
-pub const LOADED: usize = 16;
 
 impl<E: Entry> Blocks<E> {
     /// Zero blocks.

@@ -2,9 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::blocks::Row;
 use super::gmres::Solution;
-use super::kernel::Entry;
+use super::kernel::{Entry, Row};
 use super::real::Real;
 use super::shifted::{CHUNK, ShiftedMatrix, dot, summed};
 use super::sweep::SweepOrder;

@@ -47,6 +47,40 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
     })
 }
 
+/// Solves a small system for several right-hand sides in place, by Gaussian elimination with row pivots; `x: [n][columns]`. Returns
+/// `false` if the matrix is singular. It allocates nothing.
+///
+/// ```
+/// let mut matrix = [0.0, 2.0, 4.0, 1.0];
+/// let mut x = [2.0, 9.0];
+/// assert!(emmy::sparse::eliminate(&mut matrix, &mut x, 1));
+/// assert_eq!(x, [2.0, 1.0]);
+/// ```
+pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
+    let n = matrix.len().isqrt();
+    for column in 0..n {
+        let size = |row: usize| matrix[row * n + column].abs();
+        let pivot = (column..n).fold(column, |best, row| if size(row) > size(best) { row } else { best });
+        if size(pivot).is_nan() || size(pivot) == 0.0 {
+            return false;
+        }
+        (0..n).for_each(|j| matrix.swap(pivot * n + j, column * n + j));
+        (0..columns).for_each(|j| x.swap(pivot * columns + j, column * columns + j));
+        for row in column + 1..n {
+            let factor = matrix[row * n + column] / matrix[column * n + column];
+            (column..n).for_each(|j| matrix[row * n + j] -= factor * matrix[column * n + j]);
+            (0..columns).for_each(|j| x[row * columns + j] -= factor * x[column * columns + j]);
+        }
+    }
+    for row in (0..n).rev() {
+        for j in 0..columns {
+            let rest: f64 = (row + 1..n).map(|i| matrix[row * n + i] * x[i * columns + j]).sum();
+            x[row * columns + j] = (x[row * columns + j] - rest) / matrix[row * n + row];
+        }
+    }
+    true
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

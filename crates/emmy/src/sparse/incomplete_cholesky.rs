@@ -5,9 +5,9 @@ use std::ops::Range;
 use half::bf16;
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, Row, transposed_times};
+use super::blocks::{Blocks, transposed_times};
 use super::conjugate_gradients::Approximate;
-use super::kernel::Entry;
+use super::kernel::{Entry, Row};
 use super::shifted::{CHUNK, each_row};
 use super::sweep::SweepOrder;
 use super::triangular::{Backward, Forward, Part};

@@ -3,11 +3,17 @@
 use half::bf16;
 use pulp::Arch;
 
-use super::blocks::{LOADED, Row};
 use super::real::Real;
 
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+/// A vector of a solver: three components a row, each with C columns, and a zero that makes a register full. One column is a
+/// real vector; two are the real and the imaginary part of a complex one. `[row][4][C]`.
+pub type Row<T, const C: usize> = [[T; C]; 4];
+
+/// Entries that a product loads from the first of a block on: a register of the widest instruction set.
+pub const LOADED: usize = 16;
 
 /// How a matrix stores a number.
 pub trait Entry: Copy + Default + Send + Sync + 'static {

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-/// What the settings ask for.
+/// The linear solver that the settings ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// What costs less: see [`SolverChoice`].
+    /// The cheaper one: see [`SolverChoice`].
     #[default]
     Auto,
     /// Sparse Cholesky factorisation.
@@ -25,6 +25,28 @@ pub const SOLVERS: [(&str, Solver, &str); 3] = [
     ),
 ];
 
+/// Kinds of linear solvers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SolverKind {
+    /// Sparse Cholesky factorisation.
+    Direct,
+    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor.
+    Iterative,
+}
+
+impl SolverKind {
+    /// All kinds.
+    pub const ALL: [SolverKind; 2] = [SolverKind::Direct, SolverKind::Iterative];
+
+    /// Key word, as in [`SOLVERS`]; in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            SolverKind::Direct => "direct",
+            SolverKind::Iterative => "iterative",
+        }
+    }
+}
+
 /// The solver that was chosen.
 ///
 /// Conjugate gradients need about `sqrt(c)` iterations, c being the stiffness number
@@ -38,20 +60,20 @@ pub const SOLVERS: [(&str, Solver, &str); 3] = [
 /// grows with the number of nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverChoice {
-    /// Whether it is iterative.
-    pub is_iterative: bool,
+    /// Its kind.
+    pub kind: SolverKind,
     /// The stiffness number.
     pub stiffness: f64,
-    /// The stiffness number up to which it is iterative; `None` where one was asked for, or where conjugate gradients failed.
+    /// Stiffness number up to which conjugate gradients are chosen; `None` where a solver was requested, or where conjugate
+    /// gradients failed.
     pub limit: Option<f64>,
 }
 
 impl fmt::Display for SolverChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = if self.is_iterative {
-            "conjugate gradients with incomplete Cholesky factors"
-        } else {
-            "Cholesky factorisation"
+        let name = match self.kind {
+            SolverKind::Direct => "Cholesky factorisation",
+            SolverKind::Iterative => "conjugate gradients with incomplete Cholesky factors",
         };
         write!(f, "{name} (stiffness number {:.2e}", self.stiffness)?;
         match self.limit {

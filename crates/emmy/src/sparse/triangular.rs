@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use half::bf16;
 
-use super::blocks::{Blocks, Row, Rows, minus, times};
-use super::kernel::{Kernel, Work};
+use super::blocks::{Blocks, Rows, minus, times};
+use super::kernel::{Kernel, Row, Work};
 use super::sweep::SweepOrder;
 
 /// Rows that a sweep goes through.

@@ -48,13 +48,13 @@ pub struct Dissipation {
     /// beta.
     pub excess: f64,
     /// `b_j p_j`.
-    fastest: Vec<f64>,
+    highest_mode: Vec<f64>,
     /// eta_j.
     eta: Vec<f64>,
     /// `beta mu_i / (1 + chi)`, `mu_i = sum_j (a^-1)_ij p_j`: how U lambda enters the stage equations.
-    share: Vec<f64>,
+    stage_weights: Vec<f64>,
     /// The same in the new velocity.
-    arrival: f64,
+    end_weight: f64,
 }
 
 impl Dissipation {
@@ -64,28 +64,28 @@ impl Dissipation {
         let strength = (1.0 - spectral_radius) / (1.0 + spectral_radius);
         let excess = strength / (2 * (2 * k - 1)) as f64;
         let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
-        let share: Vec<f64> = (0..k).map(|i| excess * row(i) / (1.0 + strength)).collect();
+        let stage_weights: Vec<f64> = (0..k).map(|i| excess * row(i) / (1.0 + strength)).collect();
         Dissipation {
             strength,
             excess,
-            fastest: (0..k).map(|j| b[j] * p[j]).collect(),
+            highest_mode: (0..k).map(|j| b[j] * p[j]).collect(),
             eta: (0..k).map(|j| (0..k).map(|i| b[i] * p[i] * inverse[i * k + j]).sum()).collect(),
-            arrival: share.iter().zip(b).map(|(share, b)| share * b).sum(),
-            share,
+            end_weight: stage_weights.iter().zip(b).map(|(weight, b)| weight * b).sum(),
+            stage_weights,
         }
     }
 
     /// Coefficients in the place of a, `[i k + j]`.
     pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
         let (k, p) = (rule.degree(), rule.fastest());
-        let excess = |n: usize| self.excess * p[n / k] * self.fastest[n % k];
+        let excess = |n: usize| self.excess * p[n / k] * self.highest_mode[n % k];
         rule.coefficients().iter().enumerate().map(|(n, a)| a + excess(n)).collect()
     }
 }
 
-/// The span of translations and turns in which nothing is dissipated, for the unknowns of a step.
+/// Projection on the translations and turns in which nothing is dissipated, for the unknowns of a step.
 #[derive(Debug)]
-pub struct Spared {
+pub struct RigidProjection {
     dissipation: Dissipation,
     /// Directions in which no node is held.
     translations: [bool; 3],
@@ -102,13 +102,13 @@ pub struct Spared {
     /// `sum_A arm_A (M arm)_A^T`.
     tensor: Mat3<f64>,
     /// lambda.
-    spared: Motion,
+    multipliers: RigidVelocity,
     change: Change,
 }
 
 /// Coefficients of the six vectors: a translation, and a turn of the arms.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
-struct Motion {
+struct RigidVelocity {
     translation: [f64; 3],
     turn: [f64; 3],
 }
@@ -125,7 +125,7 @@ struct Change {
 /// Turns with less than this part of the largest moment of inertia are rounding.
 const NO_TURN: f64 = 1e-13;
 
-impl Spared {
+impl RigidProjection {
     /// Memory for a body.
     pub fn new(body: &Body, dissipation: Dissipation) -> Self {
         let n = body.n_dofs();
@@ -143,7 +143,7 @@ impl Spared {
         let zero = vec![0.0; n];
         let change = [(); 4].map(|()| zero.clone());
         let [arm, weighted_arm, velocity, momentum] = change;
-        Spared {
+        RigidProjection {
             dissipation,
             translations,
             turns,
@@ -153,38 +153,38 @@ impl Spared {
             weighted_arm: zero.clone(),
             momentum: zero,
             tensor: [[0.0; 3]; 3],
-            spared: Motion::default(),
+            multipliers: RigidVelocity::default(),
             change: Change { arm, weighted_arm, velocity, momentum },
         }
     }
 
     /// Finds lambda of rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
     pub fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
-        let Dissipation { fastest, eta, .. } = &self.dissipation;
-        combine(fastest, rates, &mut self.arm);
-        combine(fastest, mass_rates, &mut self.weighted_arm);
+        let Dissipation { highest_mode, eta, .. } = &self.dissipation;
+        combine(highest_mode, rates, &mut self.arm);
+        combine(highest_mode, mass_rates, &mut self.weighted_arm);
         combine(eta, mass_rates, &mut self.momentum);
         let start: f64 = eta.iter().sum();
         self.momentum.iter_mut().zip(momentum).for_each(|(m, p)| *m = *m / h - start * p);
         centre(self.translations, self.mass, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
         self.tensor = outer(&self.arm, &self.weighted_arm);
-        self.spared = self.projected(sum(&self.momentum), moment(&self.arm, &self.momentum));
+        self.multipliers = self.projected(sum(&self.momentum), moment(&self.arm, &self.momentum));
     }
 
-    /// Adds `h share_i M U lambda` to the residuals of the stages.
+    /// Adds `h weight_i M U lambda` to the residuals of the stages.
     pub fn add_to_residual(&self, h: f64, residual: &mut [f64]) {
-        self.add(self.spared, h, residual);
+        self.add(self.multipliers, h, residual);
     }
 
-    /// Adds the derivatives of [`Spared::add_to_residual`] along dx, `[k][dof]`.
+    /// Adds the derivatives of [`RigidProjection::add_to_residual`] along dx, `[k][dof]`.
     ///
     /// ```math
     /// d(M U lambda) = M U dlambda + lambda x M d(arm)
     /// ```
     pub fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
-        let spared = self.spared;
+        let multipliers = self.multipliers;
         let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
-        combine(&self.dissipation.fastest, dx, arm);
+        combine(&self.dissipation.highest_mode, dx, arm);
         combine(&self.dissipation.eta, dx, velocity);
         velocity.iter_mut().for_each(|v| *v /= h);
         body.mass_product(arm, weighted_arm);
@@ -192,72 +192,71 @@ impl Spared {
         centre(self.translations, self.mass, &self.row_sums, arm, weighted_arm);
         let (first, second) = (outer(arm, &self.weighted_arm), outer(&self.arm, weighted_arm));
         let change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
-        let turned = inertia_times(&change, spared.turn);
+        let turned = inertia_times(&change, multipliers.turn);
         let (own, other) = (moment(&self.arm, momentum), moment(arm, &self.momentum));
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
         let change = self.projected(sum(&self.change.momentum), right);
         self.add(change, h, residual);
         let n = self.arm.len();
-        for (stage, share) in residual.chunks_exact_mut(n).zip(&self.dissipation.share) {
+        for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
             let nodes = stage.as_chunks_mut::<3>().0.iter_mut().zip(self.change.weighted_arm.as_chunks().0);
             for (value, arm) in nodes {
-                let across = cross(spared.turn, *arm);
-                (0..3).for_each(|d| value[d] += h * share * across[d]);
+                let across = cross(multipliers.turn, *arm);
+                (0..3).for_each(|d| value[d] += h * weight * across[d]);
             }
         }
     }
 
-    /// Makes of a right-hand side that of the approximate tangent, which takes the span for a part of the body like any other: with
-    /// what the strains resist in the span left out, `(A^-1 a) r` there.
+    /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r` in that
+    /// subspace, where the strain response is neglected.
     pub fn correct(&mut self, right: &mut [f64]) {
-        combine(&self.dissipation.fastest, right, &mut self.change.momentum);
+        combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
         let part = self.projected(sum(momentum), moment(&self.arm, momentum));
         self.add(part, -1.0, right);
     }
 
-    /// Adds `arrival U lambda` to the new velocity, whose first part is there, and returns what is dissipated in the velocities,
+    /// Adds `end_weight U lambda` to the new velocity, whose first part is there, and returns the energy dissipated through velocities,
     /// `beta gamma . M gamma`; `velocity`: v_1.
-    pub fn arrive(&mut self, rates: &[f64], velocity: &[f64], h: f64, new: &mut [f64]) -> f64 {
-        let Dissipation { eta, arrival, excess, strength, .. } = &self.dissipation;
+    pub fn complete_end_velocity(&mut self, rates: &[f64], velocity: &[f64], h: f64, new: &mut [f64]) -> f64 {
+        let Dissipation { eta, end_weight, excess, strength, .. } = &self.dissipation;
         combine(eta, rates, &mut self.change.velocity);
         let start: f64 = eta.iter().sum();
         let mut square = 0.0;
         for node in 0..self.row_sums.len() {
             let at = |values: &[f64]| [values[3 * node], values[3 * node + 1], values[3 * node + 2]];
-            let (spared, arm) = (self.spared, at(&self.arm));
-            let moved = spared.at(arm);
-            let weighted = spared.times(self.row_sums[node], at(&self.weighted_arm));
+            let moved = self.multipliers.at(at(&self.arm));
+            let weighted = self.multipliers.times(self.row_sums[node], at(&self.weighted_arm));
             for d in 0..3 {
                 let dof = 3 * node + d;
                 let delta = self.change.velocity[dof] / h - start * velocity[dof];
                 square += (delta - moved[d]) * (self.momentum[dof] - weighted[d]);
-                new[dof] += arrival * moved[d];
+                new[dof] += end_weight * moved[d];
             }
         }
         excess * square / (1.0 + strength).powi(2)
     }
 
     /// `(U^T M U)^-1` times total and moment of a momentum.
-    fn projected(&self, total: [f64; 3], moment: [f64; 3]) -> Motion {
+    fn projected(&self, total: [f64; 3], moment: [f64; 3]) -> RigidVelocity {
         let translation = [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 });
-        Motion { translation, turn: turn_of(&self.tensor, self.turns, moment) }
+        RigidVelocity { translation, turn: turn_of(&self.tensor, self.turns, moment) }
     }
 
-    /// Adds `factor share_i M U motion` to the stages.
-    fn add(&self, motion: Motion, factor: f64, stages: &mut [f64]) {
+    /// Adds `factor weight_i M U motion` to the stages.
+    fn add(&self, motion: RigidVelocity, factor: f64, stages: &mut [f64]) {
         let n = self.arm.len();
-        for (stage, share) in stages.chunks_exact_mut(n).zip(&self.dissipation.share) {
+        for (stage, weight) in stages.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
             let arms = self.row_sums.iter().zip(self.weighted_arm.as_chunks().0);
             for (value, (&mass, arm)) in stage.as_chunks_mut::<3>().0.iter_mut().zip(arms) {
                 let weighted = motion.times(mass, *arm);
-                (0..3).for_each(|d| value[d] += factor * share * weighted[d]);
+                (0..3).for_each(|d| value[d] += factor * weight * weighted[d]);
             }
         }
     }
 }
 
-impl Motion {
+impl RigidVelocity {
     /// Velocity at an arm.
     fn at(&self, arm: [f64; 3]) -> [f64; 3] {
         self.times(1.0, arm)

@@ -1,6 +1,5 @@
 //! One step of a time element: prediction, iteration, update, impulses.
 
-use super::defect_correction::DefectCorrection;
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
@@ -13,11 +12,11 @@ use crate::sparse::reduce::dot;
 ///
 /// ```
 /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
-/// use emmy::{newton::NewtonSettings, time::{Scheme, State, Stepper, TimeElement, TimeElementStepper}};
+/// use emmy::{newton::NewtonSettings, time::{State, Stepper, TimeElement, TimeElementStepper}};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
 /// let mut state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
-/// let element = TimeElement::new(Scheme::DiscreteGradient, 1)?;
+/// let element = TimeElement::discrete_gradient(1)?;
 /// TimeElementStepper::new(&body, element, NewtonSettings::default())?.advance(&mut state, 0.5)?;
 /// assert!((state.displacement[0] - 1.0).abs() < 1e-14);
 /// # Ok::<(), emmy::Error>(())
@@ -34,7 +33,7 @@ pub struct TimeElementStepper<'a> {
     averages: Vec<f64>,
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
-    arrival: Vec<f64>,
+    end_velocity: Vec<f64>,
     /// Force on the ground in every stage; empty without springs and attractions to it.
     ground: Vec<f64>,
     is_loaded: bool,
@@ -50,17 +49,17 @@ impl<'a> TimeElementStepper<'a> {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree());
-        let system = StageSystem::new(body, element.into(), settings.solver)?;
+        let (n, k) = (body.n_dofs(), element.degree);
+        let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
         Ok(TimeElementStepper {
-            iteration: Iteration::new(&system.form, n, settings),
+            iteration: Iteration::new(&system.coefficients, n, settings),
             system,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
             residual: vec![0.0; k * n],
             averages: vec![0.0; k],
             position: vec![0.0; n],
-            arrival: vec![0.0; if body.is_driven() { n } else { 0 }],
+            end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
             origin: [0.0; 3],
@@ -80,18 +79,18 @@ impl<'a> TimeElementStepper<'a> {
         self.origin = state.origin(self.system.body);
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
-        let StageSystem { body, form, dead_load, followers, known, .. } = &mut self.system;
-        let (k, n) = (form.rule.degree(), self.momentum.len());
-        for (row, known) in form.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
+        let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
+        let (k, n) = (coefficients.rule.degree(), self.momentum.len());
+        for (row, known) in coefficients.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
             let row_sum: f64 = row.iter().sum();
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
             for (g, share) in known.as_chunks_mut::<3>().0.iter_mut().zip(&self.mass_shares) {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        self.is_loaded = body.stage_loads(&form.rule, state.time, h, &mut self.averages, dead_load);
+        self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, &mut self.averages, dead_load);
         followers.average(body, state.time, h);
-        self.is_loaded |= followers.act();
+        self.is_loaded |= followers.are_active();
         self.system.set_driven_rates(state.time, h);
     }
 
@@ -117,7 +116,7 @@ impl<'a> TimeElementStepper<'a> {
         if !has_supports && !self.is_loaded && !body.has_ground() && body.drag() == 0.0 {
             return Ok(impulses);
         }
-        let rule = &self.system.form.rule;
+        let rule = &self.system.coefficients.rule;
         let k = rule.degree();
         for i in 0..k {
             let b = rule.weights()[i];
@@ -150,7 +149,7 @@ impl<'a> TimeElementStepper<'a> {
     fn strained_at_end(&mut self) -> Result<Strained> {
         self.position.copy_from_slice(&self.system.displacement);
         let n = self.position.len();
-        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(self.system.form.rule.weights()) {
+        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(self.system.coefficients.rule.weights()) {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
         self.system.body.strained(&self.position).upright()
@@ -158,7 +157,7 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Adds the rates of the step to a displacement.
     fn displace(&self, state: &mut State) {
-        let (n, weights) = (state.displacement.len(), self.system.form.rule.weights());
+        let (n, weights) = (state.displacement.len(), self.system.coefficients.rule.weights());
         state.displacement_low.resize(n, 0.0);
         for dof in 0..n {
             let rates = self.iteration.rates[dof..].iter().step_by(n);
@@ -184,26 +183,26 @@ impl<'a> TimeElementStepper<'a> {
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(&self.momentum, impulses.linear);
         }
-        self.iteration.remember(&self.system.form, step_size);
+        self.iteration.remember(&self.system.coefficients, step_size);
         Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
     }
 
-    /// Advances a state by a step whose rates are those given, corrected a few times only; false if that does not help.
+    /// Advances a state by a step with the rates given, corrected by a function of the equations and the rates; false if that function
+    /// says that it failed.
     ///
     /// # Errors
-    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    /// Those of the function.
     pub(super) fn correct_from(
         &mut self,
         state: &mut State,
         step_size: f64,
         given: &[f64],
-        correction: (&mut DefectCorrection, usize),
+        correct: impl FnOnce(&mut StageSystem<'_>, &mut [f64]) -> Result<bool>,
     ) -> Result<bool> {
-        let (correction, least) = correction;
         self.start(state, step_size);
         self.iteration.begin(&mut self.system, state, step_size);
-        self.iteration.take(given, &self.system);
-        if !correction.solve(&mut self.system, &mut self.iteration.rates, least)? {
+        self.iteration.set_rates(given, &self.system);
+        if !correct(&mut self.system, &mut self.iteration.rates)? {
             return Ok(false);
         }
         self.update(state, step_size, &mut Impulses::default());
@@ -219,7 +218,7 @@ impl<'a> TimeElementStepper<'a> {
         self.displace(state);
         if self.system.body.is_driven() {
             self.update_momentum(state, h);
-            self.arrive(state, h, impulses);
+            self.set_driven_end(state, h, impulses);
         } else {
             impulses.dissipated += self.update_velocity(state, h);
         }
@@ -230,11 +229,12 @@ impl<'a> TimeElementStepper<'a> {
         let n = state.velocity.len();
         self.position.copy_from_slice(&state.velocity);
         for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
-            let beta = self.arrival_weight(j);
+            let beta = self.end_weight(j);
             let terms = rates.iter().zip(&self.position);
             state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += beta * (x / h - v_1));
         }
-        let dissipated = self.system.spare(&self.iteration.rates, &self.position, &mut state.velocity);
+        let dissipated =
+            self.system.complete_end_velocity(&self.iteration.rates, &self.position, &mut state.velocity);
         self.system.body.mass_product(&state.velocity, &mut state.momentum);
         dissipated
     }
@@ -243,7 +243,7 @@ impl<'a> TimeElementStepper<'a> {
     fn update_momentum(&mut self, state: &mut State, h: f64) {
         let n = state.momentum.len();
         for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
-            let beta = self.arrival_weight(j);
+            let beta = self.end_weight(j);
             self.system.body.mass_product(rates, &mut self.position);
             let terms = self.position.iter().zip(&self.momentum);
             state.momentum.iter_mut().zip(terms).for_each(|(p, (mx, p_1))| *p += beta * (mx / h - p_1));
@@ -251,15 +251,15 @@ impl<'a> TimeElementStepper<'a> {
     }
 
     /// Weight of rate j in the new velocity and momentum, `sum_i b_i (a^-1)_ij`.
-    fn arrival_weight(&self, j: usize) -> f64 {
-        self.system.form.arrival_weights(j)[1]
+    fn end_weight(&self, j: usize) -> f64 {
+        self.system.coefficients.end_weights(j)[1]
     }
 
     /// Gives the driven degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
     /// the driven ones their momentum: p = M v with all of M.
-    fn arrive(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
+    fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         let body = self.system.body;
-        self.set_arrival(&state.velocity, h);
+        self.set_end_velocity(&state.velocity, h);
         body.set_given_velocity(state.time + h, h, &mut state.velocity);
         if let Some(mass_solver) = &mut self.mass_solver {
             mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
@@ -272,13 +272,14 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Sets the velocity `v_c` with which the polynomial of the step ends at the driven degrees of freedom; `velocity`: that of
     /// its start.
-    fn set_arrival(&mut self, velocity: &[f64], h: f64) {
+    fn set_end_velocity(&mut self, velocity: &[f64], h: f64) {
         let (body, n) = (self.system.body, velocity.len());
-        self.arrival.copy_from_slice(velocity);
+        self.end_velocity.copy_from_slice(velocity);
         for j in 0..self.averages.len() {
-            let beta = self.arrival_weight(j);
+            let beta = self.end_weight(j);
             let rates = &self.iteration.rates[j * n..(j + 1) * n];
-            body.driven_dofs().for_each(|dof| self.arrival[dof] += beta * (rates[dof] / h - velocity[dof]));
+            body.driven_dofs()
+                .for_each(|dof| self.end_velocity[dof] += beta * (rates[dof] / h - velocity[dof]));
         }
     }
 
@@ -287,7 +288,7 @@ impl<'a> TimeElementStepper<'a> {
     fn add_jump(&mut self, state: &State, impulses: &mut Impulses) {
         let body = self.system.body;
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
-        let mean = |dof: usize| 0.5 * (self.arrival[dof] + state.velocity[dof]);
+        let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
         impulses.work += body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>();
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
     }

@@ -36,7 +36,7 @@ impl Followers {
     }
 
     /// Whether any of them acts in this step.
-    pub fn act(&self) -> bool {
+    pub fn are_active(&self) -> bool {
         self.factors.iter().any(|&factor| factor != 0.0)
     }
 

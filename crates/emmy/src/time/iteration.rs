@@ -1,7 +1,8 @@
-//! Newton's iteration over the equations of a step: where it starts, and what is tried when it fails.
+//! Newton's iteration over the equations of a step: its starting points, in the order in which they are tried.
 
 use super::prediction::{Carry, Prediction};
-use super::stage_system::{StageForm, StageSystem};
+use super::stage_coefficients::StageCoefficients;
+use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome, System};
@@ -48,8 +49,8 @@ const ATTEMPTS: [(Guess, bool); 8] = [
 
 impl Iteration {
     /// Memory for the stages of n degrees of freedom.
-    pub fn new(form: &StageForm, n: usize, settings: NewtonSettings) -> Self {
-        let k = form.rule.degree();
+    pub fn new(coefficients: &StageCoefficients, n: usize, settings: NewtonSettings) -> Self {
+        let k = coefficients.rule.degree();
         Iteration {
             settings,
             newton: Newton::default(),
@@ -59,13 +60,13 @@ impl Iteration {
         }
     }
 
-    /// Keeps what the next steps depend on.
+    /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
         memory.keep("newton", &self.newton.memory());
     }
 
-    /// Takes over what [`Iteration::keep`] kept.
+    /// Restores what [`Iteration::keep`] kept.
     ///
     /// # Errors
     /// [`Error::Memory`].
@@ -92,8 +93,8 @@ impl Iteration {
         system.turn(self.prediction.rotation());
     }
 
-    /// Takes rates for those of the step.
-    pub fn take(&mut self, given: &[f64], system: &StageSystem<'_>) {
+    /// Sets the rates of the step.
+    pub fn set_rates(&mut self, given: &[f64], system: &StageSystem<'_>) {
         self.rates.copy_from_slice(given);
         system.drive(&mut self.rates);
     }
@@ -138,7 +139,7 @@ impl Iteration {
             .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
     }
 
-    /// What the residual does to energy and momenta of the step, relative to them.
+    /// Change of energy and momenta by the residual of the step, relative to them.
     fn rounding(&mut self, system: &mut StageSystem<'_>, state: &State) -> Result<f64> {
         system.residual(&self.rates, &mut self.residual)?;
         let [work, impulse, moment] = self.prediction.imbalance(system, &self.rates, &self.residual);
@@ -180,25 +181,30 @@ impl Iteration {
     }
 
     /// Keeps the rates of a step for the prediction of the next one.
-    pub fn remember(&mut self, form: &StageForm, step_size: f64) {
-        self.prediction.remember(form, &self.rates, step_size);
+    pub fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
+        self.prediction.remember(coefficients, &self.rates, step_size);
     }
 
     /// Predicts the rates by that carry of the last deviation that leaves the smaller residual; for k = 1 they are the same.
     fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
-        if system.form.rule.degree() == 1 {
-            return self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
+        if system.coefficients.rule.degree() == 1 {
+            return self.prediction.predict(
+                Carry::Repeated,
+                &system.coefficients,
+                step_size,
+                &mut self.rates,
+            );
         }
         let mut sizes = [f64::INFINITY; 2];
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
-            self.prediction.predict(carry, &system.form, step_size, &mut self.rates);
+            self.prediction.predict(carry, &system.coefficients, step_size, &mut self.rates);
             system.drive(&mut self.rates);
             if let Ok(sizes) = system.residual(&self.rates, &mut self.residual) {
                 *size = sizes.residual;
             }
         }
         if sizes[0] <= sizes[1] {
-            self.prediction.predict(Carry::Repeated, &system.form, step_size, &mut self.rates);
+            self.prediction.predict(Carry::Repeated, &system.coefficients, step_size, &mut self.rates);
         }
     }
 
@@ -225,7 +231,7 @@ impl Iteration {
             },
             Guess::Continued => self.predict_better(system, step_size),
             Guess::Rigid => {
-                self.prediction.predict(Carry::Nothing, &system.form, step_size, &mut self.rates);
+                self.prediction.predict(Carry::Nothing, &system.coefficients, step_size, &mut self.rates);
             }
             Guess::Velocity => self.set_straight(state, step_size),
             Guess::Rest => self.rates.fill(0.0),

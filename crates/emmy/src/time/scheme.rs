@@ -1,12 +1,17 @@
-//! Schemes as data: printed and parsed as in the paper.
+//! Schemes as values: printed and parsed as in the paper.
 
 use std::fmt;
 use std::str::FromStr;
 
+use super::classic::{BatheStepper, CentralDifferences, NewmarkFamily, NewmarkStepper};
+use super::{MAX_DEGREE, State, Stepper, TimeElement, TimeElementStepper};
+use crate::average::AveragingRule;
+use crate::body::Body;
 use crate::error::{Error, Result};
+use crate::newton::NewtonSettings;
 
-/// How a step is made: the rule by which a time element averages the stress over it, or one of the methods in common use
-/// that are not time elements. What a time element conserves is that of the paper's Table III.
+/// Time integration scheme: a time element, or one of the methods in common use that are not time elements. The conservation
+/// properties of time elements are those of the paper's Table III.
 ///
 /// | scheme | angular momentum | energy, St. Venant-Kirchhoff | energy, in general |
 /// |---|---|---|---|
@@ -19,246 +24,289 @@ use crate::error::{Error, Result};
 /// | `Newmark`, `HHT`, `generalized-alpha`, `Bathe` | no | no | no |
 /// | `central-differences` | yes | no | no |
 ///
+/// A text without a degree has degree 1.
+///
 /// ```
-/// use emmy::time::Scheme;
-/// let scheme: Scheme = "AS(5)".parse()?;
-/// assert_eq!(scheme, Scheme::AssumedStrain(5));
-/// assert_eq!(scheme.to_string(), "AS(5)");
+/// use emmy::time::{Scheme, TimeElement};
+/// let scheme: Scheme = "AS(5), degree 2".parse()?;
+/// assert_eq!(scheme, TimeElement::assumed_strain(5, 2)?.into());
+/// assert_eq!("AS(5)".parse::<Scheme>()?.with_degree(2)?, scheme);
+/// assert_eq!((scheme.to_string(), scheme.name()), ("AS(5), degree 2".to_string(), "AS(5)".to_string()));
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
-    /// `FE(n)`: standard time finite element with n Gauss points (section 4.4.1).
-    Standard(usize),
-    /// `AS(n)`: assumed strain method in time with n inner Gauss points (equation (62)).
-    AssumedStrain(usize),
-    /// `DGM`: discrete gradient method (equations (63)-(65)).
-    DiscreteGradient,
-    /// `AS(n, rho)`: assumed strain method that takes energy out of what changes fast in a step, and never gives any; rho, the
-    /// spectral radius at infinite frequency, goes from 1 (nothing is taken) to 0. Momenta are conserved, and motions as of a rigid body are left alone. The order is
-    /// 2 k - 1. After Hairer and Wanner (1981), Armero and Romero (2001).
-    DissipativeAssumedStrain {
-        /// Number n of inner Gauss points.
-        points: usize,
-        /// Spectral radius rho at infinite frequency.
-        spectral_radius: f64,
-    },
-    /// `DGM(rho)`: the discrete gradient method with the same dissipation.
-    DissipativeDiscreteGradient {
-        /// Spectral radius rho at infinite frequency.
-        spectral_radius: f64,
-    },
-    /// `trapezoidal`: standard element with the trapezoidal rule; at degree 1 the average acceleration method.
-    Trapezoidal,
-    /// `Lobatto(n)`: standard element with n Lobatto points.
-    Lobatto(usize),
-    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Of second order for gamma = 1/2; stable at any
-    /// step for a linear body if 2 beta >= gamma.
-    Newmark {
-        /// Weight of the new acceleration in the displacement.
-        beta: f64,
-        /// Weight of the new acceleration in the velocity.
-        gamma: f64,
-    },
-    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are taken at `1 - alpha` of the step. The
-    /// authors' own alpha has the opposite sign.
-    HilberHughesTaylor {
-        /// Dissipation of the high modes; 0 is the average acceleration method.
-        alpha: f64,
-    },
-    /// `generalized-alpha(rho)` (Chung and Hulbert 1993), 0 <= rho <= 1.
-    GeneralizedAlpha {
-        /// Spectral radius for infinitely high frequencies: 1 no dissipation, 0 all.
-        spectral_radius: f64,
-    },
+    /// Time finite element.
+    TimeElement(TimeElement),
+    /// Newmark's family: Newmark, HHT, generalized-alpha.
+    Newmark(NewmarkFamily),
     /// `Bathe`: composite of the trapezoidal rule and the three-point backward Euler method (Bathe and Baig 2005), split at
     /// `2 - sqrt 2` of the step (Bank and others 1985), where both parts have the same matrix.
     Bathe,
-    /// `central-differences`: explicit, lumped mass, refuses steps beyond the critical one.
+    /// `central-differences`: explicit, lumped mass; steps beyond the critical one are rejected.
     CentralDifferences,
 }
 
-/// One line for each scheme: key word and what it is. The order is that of `emmy list schemes`.
-pub const SCHEMES: [(&str, &str); 12] = [
-    ("FE(n)", "standard time finite element, n Gauss points (n >= degree); FE(1) is the mid-point rule"),
-    (
+/// A row of the table of schemes.
+#[derive(Debug, Clone, Copy)]
+pub struct SchemeRow {
+    /// Key word with the names of its arguments, `AS(n,rho)`; n is a number of points.
+    pub form: &'static str,
+    /// One line for `emmy list schemes`.
+    pub description: &'static str,
+    /// The scheme of degree 1 with arguments, of which there are as many as in `form`.
+    scheme: fn(&[f64]) -> Scheme,
+}
+
+const fn row(form: &'static str, description: &'static str, scheme: fn(&[f64]) -> Scheme) -> SchemeRow {
+    SchemeRow { form, description, scheme }
+}
+
+/// All schemes, in the order of `emmy list schemes`.
+pub const SCHEMES: [SchemeRow; 12] = [
+    row(
+        "FE(n)",
+        "standard time finite element, n Gauss points (n >= degree); FE(1) is the mid-point rule",
+        |a| element(AveragingRule::Standard(a[0] as usize), None),
+    ),
+    row(
         "AS(n)",
         "assumed strain in time, n inner Gauss points (n >= degree); conserves momentum, energy up to the inner rule",
+        |a| element(AveragingRule::AssumedStrain(a[0] as usize), None),
     ),
-    ("DGM", "discrete gradient method; conserves momentum and energy for every material"),
-    (
+    row("DGM", "discrete gradient method; conserves momentum and energy for every material", |_| {
+        element(AveragingRule::DiscreteGradient, None)
+    }),
+    row(
         "AS(n,rho)",
         "AS(n) that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+        |a| element(AveragingRule::AssumedStrain(a[0] as usize), Some(a[1])),
     ),
-    (
+    row(
         "DGM(rho)",
         "DGM that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+        |a| element(AveragingRule::DiscreteGradient, Some(a[0])),
     ),
-    ("trapezoidal", "trapezoidal rule (degree 1): the average acceleration method"),
-    ("Lobatto(n)", "standard time finite element, n Lobatto points (n >= degree + 1)"),
-    ("Newmark(beta,gamma)", "Newmark's method (degree 1); Newmark(0.25, 0.5) is average acceleration"),
-    ("HHT(alpha)", "Hilber, Hughes and Taylor (degree 1), alpha from 0 (no dissipation) to 1/3"),
-    (
+    row("trapezoidal", "trapezoidal rule (degree 1): the average acceleration method", |_| {
+        element(AveragingRule::Trapezoidal, None)
+    }),
+    row("Lobatto(n)", "standard time finite element, n Lobatto points (n >= degree + 1)", |a| {
+        element(AveragingRule::Lobatto(a[0] as usize), None)
+    }),
+    row(
+        "Newmark(beta,gamma)",
+        "Newmark's method (degree 1); Newmark(0.25, 0.5) is average acceleration",
+        |a| Scheme::Newmark(NewmarkFamily::Newmark { beta: a[0], gamma: a[1] }),
+    ),
+    row("HHT(alpha)", "Hilber, Hughes and Taylor (degree 1), alpha from 0 (no dissipation) to 1/3", |a| {
+        Scheme::Newmark(NewmarkFamily::HilberHughesTaylor { alpha: a[0] })
+    }),
+    row(
         "generalized-alpha(rho)",
         "Chung and Hulbert (degree 1), rho from 1 (no dissipation) to 0: high modes decay by it",
+        |a| Scheme::Newmark(NewmarkFamily::GeneralizedAlpha { spectral_radius: a[0] }),
     ),
-    ("Bathe", "trapezoidal rule and three-point backward Euler (degree 1); high modes vanish"),
-    ("central-differences", "explicit with lumped mass (degree 1); conserves momentum; small steps only"),
+    row("Bathe", "trapezoidal rule and three-point backward Euler (degree 1); high modes vanish", |_| {
+        Scheme::Bathe
+    }),
+    row(
+        "central-differences",
+        "explicit with lumped mass (degree 1); conserves momentum; small steps only",
+        |_| Scheme::CentralDifferences,
+    ),
 ];
 
-/// Rules with more points than this gain nothing and cost much; more likely a slip of the keyboard.
-const MAX_POINTS: usize = 64;
+fn element(rule: AveragingRule, spectral_radius: Option<f64>) -> Scheme {
+    Scheme::TimeElement(TimeElement { rule, degree: 1, spectral_radius })
+}
 
-/// Highest degree of a time element: beyond, the stage equations are too ill-conditioned to gain anything.
-pub const MAX_DEGREE: usize = 8;
+/// A property of a body that not every scheme can integrate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BodyFeature {
+    /// Supports with a prescribed motion.
+    PrescribedMotion,
+    /// Viscosity or drag.
+    Damping,
+}
 
 impl Scheme {
-    /// The mid-point rule, FE(1) at degree 1.
-    pub const MID_POINT: Scheme = Scheme::Standard(1);
-    /// The method of Simo and Tarnow (1992) for the St. Venant-Kirchhoff material, AS(1) at degree 1.
-    pub const SIMO_TARNOW: Scheme = Scheme::AssumedStrain(1);
-
-    /// Checks that the scheme can go with a degree.
-    ///
-    /// # Errors
-    /// [`Error::Scheme`]: a rule with too few points leaves the step's equations singular.
-    pub fn check(self, degree: usize) -> Result<()> {
-        let fail = |reason: String| Err(Error::Scheme { scheme: self.to_string(), reason });
-        if !(1..=MAX_DEGREE).contains(&degree) {
-            return fail(format!("the degree must be between 1 and {MAX_DEGREE}, not {degree}"));
-        }
+    /// The time element, if the scheme is one.
+    pub fn time_element(self) -> Option<TimeElement> {
         match self {
-            Scheme::Standard(n)
-            | Scheme::AssumedStrain(n)
-            | Scheme::DissipativeAssumedStrain { points: n, .. }
-                if n < degree =>
-            {
-                fail(format!("degree {degree} needs at least {degree} points: the step would be singular"))
-            }
-            Scheme::Lobatto(n) if n < degree + 1 => {
-                fail(format!("degree {degree} needs at least {} Lobatto points", degree + 1))
-            }
-            Scheme::Trapezoidal if degree != 1 => fail(format!(
-                "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
-            )),
-            Scheme::Standard(n)
-            | Scheme::AssumedStrain(n)
-            | Scheme::DissipativeAssumedStrain { points: n, .. }
-            | Scheme::Lobatto(n)
-                if n > MAX_POINTS =>
-            {
-                fail(format!("at most {MAX_POINTS} points"))
-            }
-            _ if degree != 1 && !self.is_time_element() => {
-                fail(format!("it is not a time element and goes with degree 1 only, not {degree}"))
-            }
-            _ => self.check_parameters(),
+            Scheme::TimeElement(element) => Some(element),
+            Scheme::Newmark(_) | Scheme::Bathe | Scheme::CentralDifferences => None,
         }
     }
 
-    /// The scheme with as many more points as another degree needs.
-    ///
-    /// ```
-    /// use emmy::time::Scheme;
-    /// assert_eq!(Scheme::MID_POINT.of_degree(2), Scheme::Standard(2));
-    /// assert_eq!(Scheme::Trapezoidal.of_degree(2), Scheme::Lobatto(3));
-    /// ```
-    pub fn of_degree(self, degree: usize) -> Scheme {
-        match self {
-            Scheme::Standard(n) => Scheme::Standard(n.max(degree)),
-            Scheme::AssumedStrain(n) => Scheme::AssumedStrain(n.max(degree)),
-            Scheme::Lobatto(n) => Scheme::Lobatto(n.max(degree + 1)),
-            Scheme::DissipativeAssumedStrain { points, spectral_radius } => {
-                Scheme::DissipativeAssumedStrain { points: points.max(degree), spectral_radius }
-            }
-            Scheme::Trapezoidal if degree > 1 => Scheme::Lobatto(degree + 1),
-            scheme => scheme,
-        }
+    /// Whether the scheme is a time element.
+    pub fn is_time_element(self) -> bool {
+        self.time_element().is_some()
+    }
+
+    /// Degree of the time element; 1 for other methods.
+    pub fn degree(self) -> usize {
+        self.time_element().map_or(1, |element| element.degree)
     }
 
     /// Spectral radius at infinite frequency of a time element that dissipates.
     pub fn dissipation(self) -> Option<f64> {
+        self.time_element().and_then(|element| element.spectral_radius)
+    }
+
+    /// The scheme as an input has it, without the degree: `DGM(0.8)`.
+    pub fn name(self) -> String {
         match self {
-            Scheme::DissipativeAssumedStrain { spectral_radius, .. }
-            | Scheme::DissipativeDiscreteGradient { spectral_radius } => Some(spectral_radius),
-            _ => None,
+            Scheme::TimeElement(element) => element.name(),
+            Scheme::Newmark(family) => family.name(),
+            Scheme::Bathe => "Bathe".to_string(),
+            Scheme::CentralDifferences => "central-differences".to_string(),
         }
+    }
+
+    /// The scheme of degree 1 with a name, as an input has it.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`] with the forms that there are.
+    pub fn from_name(name: &str) -> Result<Scheme> {
+        let scheme = SCHEMES.iter().find_map(|row| row.parse(name));
+        let scheme = scheme.ok_or_else(|| unknown(name, suggestion(name)))?;
+        scheme.check_parameters().map(|()| scheme)
     }
 
     /// The scheme without its dissipation.
-    ///
-    /// ```
-    /// use emmy::time::Scheme;
-    /// assert_eq!("AS(5, 0.8)".parse::<Scheme>()?.conserving(), Scheme::AssumedStrain(5));
-    /// # Ok::<(), emmy::Error>(())
-    /// ```
     pub fn conserving(self) -> Scheme {
-        match self {
-            Scheme::DissipativeAssumedStrain { points, .. } => Scheme::AssumedStrain(points),
-            Scheme::DissipativeDiscreteGradient { .. } => Scheme::DiscreteGradient,
-            scheme => scheme,
+        self.time_element().map_or(self, |element| Scheme::TimeElement(element.conserving()))
+    }
+
+    /// The scheme with another degree and the same points.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`] if the scheme cannot go with the degree.
+    pub fn with_degree(self, degree: usize) -> Result<Scheme> {
+        let scheme = self.time_element().map_or(self, |element| TimeElement { degree, ..element }.into());
+        scheme.check_degree(degree)?;
+        scheme.check().map(|()| scheme)
+    }
+
+    /// The scheme with another degree, and more points if that degree needs them.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`] if the scheme cannot go with the degree.
+    pub fn at_degree(self, degree: usize) -> Result<Scheme> {
+        match self.time_element() {
+            Some(element) => element.at_degree(degree).map(Scheme::TimeElement),
+            None => self.with_degree(degree),
         }
     }
 
-    /// Order of the error of a time element of a degree at its nodes: 2 k, and 2 k - 1 with dissipation.
-    pub fn order(self, degree: usize) -> usize {
-        if self.dissipation().is_some() { 2 * degree - 1 } else { 2 * degree }
-    }
-
-    /// Whether the scheme is a rule of a time element.
-    pub fn is_time_element(self) -> bool {
+    /// Checks that degree and parameters go together.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`].
+    pub fn check(self) -> Result<()> {
         match self {
-            Scheme::Standard(_) | Scheme::AssumedStrain(_) | Scheme::DiscreteGradient => true,
-            Scheme::DissipativeAssumedStrain { .. } | Scheme::DissipativeDiscreteGradient { .. } => true,
-            Scheme::Trapezoidal | Scheme::Lobatto(_) => true,
-            Scheme::Newmark { .. } | Scheme::HilberHughesTaylor { .. } => false,
-            Scheme::GeneralizedAlpha { .. } | Scheme::Bathe | Scheme::CentralDifferences => false,
+            Scheme::TimeElement(element) => element.check(),
+            Scheme::Newmark(family) => family.check(),
+            Scheme::Bathe | Scheme::CentralDifferences => Ok(()),
         }
     }
 
-    /// Checks that real parameters are in their range.
+    /// Checks the parameters that are real numbers.
     fn check_parameters(self) -> Result<()> {
-        let fail = |reason: &str| Err(Error::Scheme { scheme: self.to_string(), reason: reason.to_string() });
         match self {
-            Scheme::Newmark { beta: 0.0, .. } => {
-                fail("beta must be in (0, 1]; beta = 0 is explicit: central-differences")
+            Scheme::TimeElement(element) => {
+                let checked = element.check_spectral_radius();
+                checked.map_err(|reason| Error::Scheme { scheme: self.name(), reason })
             }
-            Scheme::Newmark { beta, .. } if !(beta > 0.0 && beta <= 1.0) => fail("beta must be in (0, 1]"),
-            Scheme::Newmark { gamma, .. } if !(0.5..=1.0).contains(&gamma) => {
-                fail("gamma must be in [0.5, 1]: below 0.5 every motion grows")
-            }
-            Scheme::HilberHughesTaylor { alpha } if !(0.0..=1.0 / 3.0).contains(&alpha) => fail(
-                "alpha must be in [0, 1/3]; it is counted positive: HHT(0.05) is alpha = -0.05 of the authors",
-            ),
-            Scheme::GeneralizedAlpha { spectral_radius }
-            | Scheme::DissipativeAssumedStrain { spectral_radius, .. }
-            | Scheme::DissipativeDiscreteGradient { spectral_radius }
-                if !(0.0..=1.0).contains(&spectral_radius) =>
-            {
-                fail("rho, the spectral radius at infinity, must be in [0, 1]")
-            }
-            _ => Ok(()),
+            Scheme::Newmark(family) => family.check(),
+            Scheme::Bathe | Scheme::CentralDifferences => Ok(()),
         }
+    }
+
+    /// Checks the degree of a method that is not a time element.
+    fn check_degree(self, degree: usize) -> Result<()> {
+        let reason = match self.time_element() {
+            Some(_) => return Ok(()),
+            None if degree == 1 => return Ok(()),
+            None if !(1..=MAX_DEGREE).contains(&degree) => {
+                format!("the degree must be between 1 and {MAX_DEGREE}, not {degree}")
+            }
+            None => format!("it is not a time element and goes with degree 1 only, not {degree}"),
+        };
+        Err(Error::Scheme { scheme: self.name(), reason })
+    }
+
+    /// Checks that the scheme can integrate a body with a feature.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`].
+    pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
+        let reason = match (feature, self) {
+            (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }))
+            | (BodyFeature::Damping, Scheme::TimeElement(_)) => return Ok(()),
+            (BodyFeature::PrescribedMotion, Scheme::TimeElement(_)) => {
+                "a prescribed motion goes with schemes that do not dissipate"
+            }
+            (BodyFeature::PrescribedMotion, _) => "a prescribed motion goes with time elements only",
+            (BodyFeature::Damping, _) => "viscosity and drag go with time elements only",
+        };
+        Err(Error::Scheme { scheme: self.name(), reason: reason.to_string() })
+    }
+
+    /// Checks that the scheme can integrate a body.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`].
+    pub fn check_body(self, body: &Body) -> Result<()> {
+        if body.is_driven() {
+            self.check_feature(BodyFeature::PrescribedMotion)?;
+        }
+        if body.is_viscous() || body.drag() > 0.0 {
+            self.check_feature(BodyFeature::Damping)?;
+        }
+        Ok(())
+    }
+
+    /// The stepper of the scheme, for a state. A scheme with a mass matrix of its own sets the state's momentum by it.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`] if the scheme cannot be, or cannot integrate the body; [`Error::Linear`], [`Error::Inverted`].
+    pub fn stepper<'a>(
+        self,
+        body: &'a Body,
+        settings: NewtonSettings,
+        state: &mut State,
+    ) -> Result<Box<dyn Stepper + 'a>> {
+        self.check()?;
+        self.check_body(body)?;
+        Ok(match self {
+            Scheme::TimeElement(element) => Box::new(TimeElementStepper::new(body, element, settings)?),
+            Scheme::Newmark(family) => {
+                Box::new(NewmarkStepper::new(body, family.parameters(), settings, state)?)
+            }
+            Scheme::Bathe => Box::new(BatheStepper::new(body, settings, state)?),
+            Scheme::CentralDifferences => Box::new(CentralDifferences::new(body, state)?),
+        })
+    }
+}
+
+impl From<TimeElement> for Scheme {
+    fn from(element: TimeElement) -> Self {
+        Scheme::TimeElement(element)
+    }
+}
+
+impl From<NewmarkFamily> for Scheme {
+    fn from(family: NewmarkFamily) -> Self {
+        Scheme::Newmark(family)
     }
 }
 
 impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Scheme::Standard(n) => write!(f, "FE({n})"),
-            Scheme::AssumedStrain(n) => write!(f, "AS({n})"),
-            Scheme::DiscreteGradient => f.write_str("DGM"),
-            Scheme::DissipativeAssumedStrain { points, spectral_radius } => {
-                write!(f, "AS({points}, {spectral_radius})")
-            }
-            Scheme::DissipativeDiscreteGradient { spectral_radius } => write!(f, "DGM({spectral_radius})"),
-            Scheme::Trapezoidal => f.write_str("trapezoidal"),
-            Scheme::Lobatto(n) => write!(f, "Lobatto({n})"),
-            Scheme::Newmark { beta, gamma } => write!(f, "Newmark({beta}, {gamma})"),
-            Scheme::HilberHughesTaylor { alpha } => write!(f, "HHT({alpha})"),
-            Scheme::GeneralizedAlpha { spectral_radius } => write!(f, "generalized-alpha({spectral_radius})"),
-            Scheme::Bathe => f.write_str("Bathe"),
-            Scheme::CentralDifferences => f.write_str("central-differences"),
+        match self.time_element() {
+            Some(element) => element.fmt(f),
+            None => f.write_str(&self.name()),
         }
     }
 }
@@ -267,46 +315,45 @@ impl FromStr for Scheme {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let argument = |name: &str| text.strip_prefix(name)?.strip_prefix('(')?.strip_suffix(')');
-        let points = |name: &str| argument(name)?.parse().ok().filter(|&n: &usize| n >= 1);
-        let number = |name: &str| argument(name)?.trim().parse::<f64>().ok();
-        let pair = |name: &str| {
-            let (first, second) = argument(name)?.split_once(',')?;
-            Some((first.trim().parse::<f64>().ok()?, second.trim().parse::<f64>().ok()?))
-        };
-        let scheme = match text {
-            "DGM" => Some(Scheme::DiscreteGradient),
-            "trapezoidal" => Some(Scheme::Trapezoidal),
-            "Bathe" => Some(Scheme::Bathe),
-            "central-differences" => Some(Scheme::CentralDifferences),
-            _ => (points("FE").map(Scheme::Standard))
-                .or_else(|| points("AS").map(Scheme::AssumedStrain))
-                .or_else(|| {
-                    let (points, spectral_radius) = argument("AS")?.split_once(',')?;
-                    let points = points.trim().parse().ok().filter(|&n: &usize| n >= 1)?;
-                    let spectral_radius = spectral_radius.trim().parse().ok()?;
-                    Some(Scheme::DissipativeAssumedStrain { points, spectral_radius })
-                })
-                .or_else(|| {
-                    let spectral_radius = number("DGM")?;
-                    Some(Scheme::DissipativeDiscreteGradient { spectral_radius })
-                })
-                .or_else(|| points("Lobatto").map(Scheme::Lobatto))
-                .or_else(|| pair("Newmark").map(|(beta, gamma)| Scheme::Newmark { beta, gamma }))
-                .or_else(|| number("HHT").map(|alpha| Scheme::HilberHughesTaylor { alpha }))
-                .or_else(|| {
-                    let radius = number("generalized-alpha")?;
-                    Some(Scheme::GeneralizedAlpha { spectral_radius: radius })
-                }),
-        };
-        let scheme = scheme
-            .ok_or_else(|| Error::Scheme { scheme: text.to_string(), reason: what_there_is(text).into() })?;
-        scheme.check_parameters().map(|()| scheme)
+        if let Some((name, degree)) = text.split_once(", degree ") {
+            let degree = degree.parse().map_err(|_| unknown(text, "the degree must be a whole number"))?;
+            return Scheme::from_name(name)?.with_degree(degree);
+        }
+        Scheme::from_name(text)
     }
 }
 
-/// What to write instead of a text that is not a scheme.
-fn what_there_is(text: &str) -> &'static str {
+impl SchemeRow {
+    /// The scheme of a text with the row's word and as many arguments.
+    fn parse(&self, text: &str) -> Option<Scheme> {
+        let (word, parameters) = word_and_arguments(self.form)?;
+        let (own_word, arguments) = word_and_arguments(text)?;
+        if own_word != word || arguments.len() != parameters.len() {
+            return None;
+        }
+        let number = |(name, text): (&&str, &&str)| match *name {
+            "n" => text.parse::<usize>().ok().filter(|n| *n >= 1).map(|n| n as f64),
+            _ => text.parse::<f64>().ok(),
+        };
+        let numbers: Option<Vec<f64>> = parameters.iter().zip(&arguments).map(number).collect();
+        numbers.map(|numbers| (self.scheme)(&numbers))
+    }
+}
+
+/// The word before the brackets and the texts between them.
+fn word_and_arguments(text: &str) -> Option<(&str, Vec<&str>)> {
+    match text.split_once('(') {
+        None => Some((text, Vec::new())),
+        Some((word, rest)) => Some((word, rest.strip_suffix(')')?.split(',').map(str::trim).collect())),
+    }
+}
+
+fn unknown(text: &str, reason: &str) -> Error {
+    Error::Scheme { scheme: text.to_string(), reason: reason.to_string() }
+}
+
+/// The forms to write instead of a text that is not a scheme.
+fn suggestion(text: &str) -> &'static str {
     match text.split('(').next() {
         Some("Newmark") => "not a scheme; write Newmark(beta, gamma), such as Newmark(0.25, 0.5)",
         Some("HHT") => "not a scheme; write HHT(alpha), such as HHT(0.05)",
@@ -325,10 +372,14 @@ mod tests {
 
     #[test]
     fn every_scheme_prints_as_it_parses() {
-        for text in ["FE(1)", "FE(12)", "AS(5)", "DGM", "trapezoidal", "Lobatto(3)", "Newmark(0.25, 0.5)"] {
-            assert_eq!(text.parse::<Scheme>().unwrap().to_string(), text);
-        }
         for text in [
+            "FE(1)",
+            "FE(12)",
+            "AS(5)",
+            "DGM",
+            "trapezoidal",
+            "Lobatto(3)",
+            "Newmark(0.25, 0.5)",
             "AS(5, 0.8)",
             "DGM(0)",
             "DGM(0.25)",
@@ -338,18 +389,49 @@ mod tests {
             "Bathe",
             "central-differences",
         ] {
-            assert_eq!(text.parse::<Scheme>().unwrap().to_string(), text);
+            let scheme: Scheme = text.parse().unwrap();
+            assert_eq!(scheme.name(), text);
+            assert_eq!(scheme.to_string().parse(), Ok(scheme));
         }
-        assert_eq!("Newmark(.25,5e-1)".parse(), Ok(Scheme::Newmark { beta: 0.25, gamma: 0.5 }));
-        for text in
-            ["", "FE", "FE(0)", "FE(-1)", "AS(5", "AS 5", "dgm", "FE(1.5)", "FE(99999999999999999999)"]
-        {
+        assert_eq!(
+            "Newmark(.25,5e-1)".parse(),
+            Ok(Scheme::Newmark(NewmarkFamily::Newmark { beta: 0.25, gamma: 0.5 }))
+        );
+        assert_eq!("AS(5, 0.8), degree 3".parse::<Scheme>().unwrap().to_string(), "AS(5, 0.8), degree 3");
+        for text in [
+            "",
+            "FE",
+            "FE(0)",
+            "FE(-1)",
+            "AS(5",
+            "AS 5",
+            "dgm",
+            "FE(1.5)",
+            "FE(99999999999999999999)",
+            "DGM, degree",
+            "DGM, degree x",
+            "DGM, degree 9",
+            "AS(1), degree 2",
+        ] {
             assert!(matches!(text.parse::<Scheme>(), Err(Error::Scheme { .. })), "{text}");
         }
     }
 
     #[test]
-    fn parameters_out_of_range_are_refused_with_the_range() {
+    fn every_row_of_the_table_is_found_by_its_form() {
+        for row in &SCHEMES {
+            let text = row.form.replace("gamma", "0.5").replace("(n", "(2").replace("beta", "0.25");
+            let text = ["rho", "alpha"].iter().fold(text, |text, name| match text.split_once('(') {
+                Some((word, arguments)) => format!("{word}({}", arguments.replace(name, "0.3")),
+                None => text,
+            });
+            let scheme: Scheme = text.parse().unwrap();
+            assert_eq!(scheme.name().replace(' ', ""), text.replace(' ', ""));
+        }
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_rejected_with_the_range() {
         for (text, hint) in [
             ("Newmark(0, 0.5)", "central-differences"),
             ("Newmark(-0.25, 0.5)", "(0, 1]"),
@@ -368,27 +450,29 @@ mod tests {
             let error = text.parse::<Scheme>().unwrap_err().to_string();
             assert!(error.contains(hint) && error.contains(text), "{error}");
         }
-        assert!(Scheme::Newmark { beta: 0.25, gamma: f64::NAN }.check(1).is_err());
+        let newmark = Scheme::Newmark(NewmarkFamily::Newmark { beta: 0.25, gamma: f64::NAN });
+        assert!(newmark.check().is_err());
         for text in
             ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe", "central-differences"]
         {
             let scheme: Scheme = text.parse().unwrap();
-            assert!(scheme.check(1).is_ok() && scheme.check(2).unwrap_err().to_string().contains("degree 1"));
-            assert!(super::super::TimeElement::new(scheme, 1).is_err());
+            assert_eq!(scheme.with_degree(1), Ok(scheme));
+            assert!(scheme.with_degree(2).unwrap_err().to_string().contains("degree 1"));
         }
     }
 
     #[test]
-    fn rules_with_too_few_points_are_refused() {
+    fn rules_with_too_few_points_are_rejected() {
         for (scheme, degree) in
             [("FE(1)", 2), ("AS(2)", 3), ("trapezoidal", 2), ("Lobatto(2)", 2), ("DGM", 0), ("DGM", 9)]
         {
-            assert!(scheme.parse::<Scheme>().unwrap().check(degree).is_err(), "{scheme} {degree}");
+            let scheme: Scheme = scheme.parse().unwrap();
+            assert!(scheme.with_degree(degree).is_err(), "{scheme} {degree}");
         }
         for (scheme, degree) in
             [("FE(2)", 2), ("AS(3)", 3), ("trapezoidal", 1), ("Lobatto(3)", 2), ("DGM", 4)]
         {
-            scheme.parse::<Scheme>().unwrap().check(degree).unwrap();
+            scheme.parse::<Scheme>().unwrap().with_degree(degree).unwrap();
         }
     }
 }

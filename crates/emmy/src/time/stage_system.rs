@@ -2,53 +2,24 @@
 
 use rayon::prelude::*;
 
-use super::approximate_tangent::ApproximateTangent;
-use super::dissipation::Spared;
+use super::Memory;
+use super::dissipation::RigidProjection;
 use super::followers::Followers;
-use super::prediction::rigid::RigidStep;
-use super::{Dissipation, Memory};
-use crate::average::{Rule, Want};
+use super::linear::{ApproximateTangent, LinearisedStages, clear_fixed};
+use super::rigid_step::RigidStep;
+use super::stage_coefficients::StageCoefficients;
+use crate::average::Want;
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::{dot, norm};
-use crate::sparse::{Gmres, LinearSystem, Solver, SolverChoice};
-
-/// The coefficients in the equations of a step: all that differs between one stepper and another.
-///
-/// ```math
-/// R_i = sum_j m_ij M x_j - g_i + s^2 (f_i - f_i^ext) = 0
-/// ```
-///
-/// with the stage averages f_i of a rule, a known vector g_i and a time s that are set for every step. A body in a medium adds the drag
-/// `s alpha M x_i` to that, a scheme that dissipates `s share_i M U lambda` ([`super::dissipation`]).
-#[derive(Debug)]
-pub struct StageForm {
-    /// The rule that averages the internal force.
-    pub rule: Rule,
-    /// m_ij, `[i k + j]`.
-    pub mass: Vec<f64>,
-    /// Inverse of m, `[i k + j]`.
-    pub inverse_mass: Vec<f64>,
-    /// How the averages answer to the rates: `df_i/dx_j ~ w_ij K` with one matrix K, `[i k + j]`.
-    pub response: Vec<f64>,
-    /// What a scheme takes out of the motion.
-    pub dissipation: Option<Dissipation>,
-}
-
-impl StageForm {
-    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i (a^-1)_ij`.
-    pub fn arrival_weights(&self, j: usize) -> [f64; 2] {
-        let (b, k) = (self.rule.weights(), self.rule.degree());
-        [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]
-    }
-}
+use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
 #[derive(Debug)]
 pub struct StageSystem<'a> {
     pub body: &'a Body,
-    pub form: StageForm,
+    pub coefficients: StageCoefficients,
     pub assembly: Assembly,
     /// The time s: the step size of a time element.
     pub time_scale: f64,
@@ -58,8 +29,8 @@ pub struct StageSystem<'a> {
     pub known: Vec<f64>,
     /// m_ij with the drag, for the time s.
     dragged_mass: Vec<f64>,
-    /// In a scheme that dissipates: what it spares, and the momentum at the start of the step.
-    spared: Option<Spared>,
+    /// In a scheme that dissipates: the rigid motions that it leaves alone, and the momentum at the start of the step.
+    projection: Option<RigidProjection>,
     momentum: Vec<f64>,
     /// Stage averages of the dead loads.
     pub dead_load: Vec<f64>,
@@ -71,7 +42,7 @@ pub struct StageSystem<'a> {
     mass_rates: Vec<f64>,
     /// Squares of its parts, of each chunk of each stage.
     squares: Vec<[f64; 3]>,
-    approximation: ApproximateTangent,
+    approximate_tangent: ApproximateTangent,
     gmres: Gmres,
     negative: Vec<f64>,
     floor: f64,
@@ -87,33 +58,35 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 const FLOOR: f64 = 0.25;
 
 impl<'a> StageSystem<'a> {
-    pub fn new(body: &'a Body, form: StageForm, solver: Solver) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), form.rule.degree());
+    pub fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
+        let (n, k) = (body.n_dofs(), coefficients.rule.degree());
         Ok(StageSystem {
             body,
             assembly: body.assembly(k),
             time_scale: 0.0,
             displacement: vec![0.0; n],
             known: vec![0.0; k * n],
-            dragged_mass: form.mass.clone(),
-            momentum: vec![0.0; if form.dissipation.is_some() { n } else { 0 }],
-            spared: form.dissipation.clone().map(|dissipation| Spared::new(body, dissipation)),
+            dragged_mass: coefficients.mass.clone(),
+            momentum: vec![0.0; if coefficients.dissipation.is_some() { n } else { 0 }],
+            projection: coefficients
+                .dissipation
+                .clone()
+                .map(|dissipation| RigidProjection::new(body, dissipation)),
             dead_load: vec![0.0; k * n],
-            followers: Followers::new(body, &form.rule),
+            followers: Followers::new(body, &coefficients.rule),
             driven_rates: vec![0.0; if body.is_driven() { k * n } else { 0 }],
             force: vec![0.0; k * n],
             mass_rates: vec![0.0; k * n],
             squares: vec![[0.0; 3]; k * n.div_ceil(CHUNK)],
-            approximation: ApproximateTangent::new(body, &form, solver)?,
+            approximate_tangent: ApproximateTangent::new(body, &coefficients, solver)?,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
             floor: 0.0,
-            form,
+            coefficients,
         })
     }
 
-    /// Sets displacement and time scale of the step; its `known`, its `dead_load` and the factors of its `followers` are the
-    /// stepper's to fill.
+    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of `followers`.
     pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.floor = 0.0;
@@ -125,22 +98,22 @@ impl<'a> StageSystem<'a> {
 
     /// Sets the coefficients of the inertia for a body in a medium.
     fn drag(&mut self, time_scale: f64) {
-        let k = self.form.rule.degree();
-        self.dragged_mass.copy_from_slice(&self.form.mass);
+        let k = self.coefficients.rule.degree();
+        self.dragged_mass.copy_from_slice(&self.coefficients.mass);
         (0..k).for_each(|i| self.dragged_mass[i * k + i] += time_scale * self.body.drag());
     }
 
-    /// Sets the momentum at the start of the step, which a scheme that dissipates has to know.
+    /// Sets the momentum at the start of the step, for a dissipative scheme.
     pub fn set_momentum(&mut self, momentum: &[f64]) {
-        if self.spared.is_some() {
+        if self.projection.is_some() {
             self.momentum.copy_from_slice(momentum);
         }
     }
 
     /// Sets the rates that driven degrees of freedom have in the step.
     pub fn set_driven_rates(&mut self, time: f64, step_size: f64) {
-        let (rule, rates) = (&self.form.rule, &mut self.driven_rates);
-        self.body.driven_rates(rule, time, step_size, &self.displacement, rates);
+        let rule = &self.coefficients.rule;
+        self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates);
     }
 
     /// Puts the rates of the driven degrees of freedom into a starting point of the iteration.
@@ -157,7 +130,7 @@ impl<'a> StageSystem<'a> {
         self.assemble(x, Want::Stress)?;
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
-        let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
+        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let dragged_mass = &self.dragged_mass;
@@ -182,26 +155,26 @@ impl<'a> StageSystem<'a> {
                 }
             });
         }
-        if let Some(spared) = &mut self.spared {
-            spared.set(x, &self.mass_rates, &self.momentum, s);
-            spared.add_to_residual(s, residual);
+        if let Some(projection) = &mut self.projection {
+            projection.set(x, &self.mass_rates, &self.momentum, s);
+            projection.add_to_residual(s, residual);
         }
         let total = |part: usize| squares.iter().map(|squares| squares[part]).sum::<f64>().sqrt();
         Ok([0, 1, 2].map(total))
     }
 
-    /// What the internal forces have to balance in every stage, on all degrees of freedom: inertia less known part and loads, the
+    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and loads, the
     /// followers at the rates x.
     ///
     /// ```math
     /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
     /// ```
     pub fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) {
-        if self.followers.act() {
+        if self.followers.are_active() {
             self.evaluate_followers(x);
         }
         self.set_mass_rates(x);
-        let (n, k, s) = (self.body.n_dofs(), self.form.rule.degree(), self.time_scale);
+        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &self.dragged_mass[i * k..(i + 1) * k];
             for (dof, residual) in residual.iter_mut().enumerate() {
@@ -213,28 +186,34 @@ impl<'a> StageSystem<'a> {
 
     /// Mean kinetic energy of the step `sum_i b_i x_i . M x_i / (2 s^2)`.
     pub fn mean_kinetic_energy(&mut self, x: &[f64]) -> f64 {
+        self.mean_square(x) / (2.0 * self.time_scale * self.time_scale)
+    }
+
+    /// `sum_i b_i x_i . M x_i`.
+    fn mean_square(&mut self, x: &[f64]) -> f64 {
         self.set_mass_rates(x);
         let n = self.body.n_dofs();
         let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
-        let terms = stages.zip(self.form.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x));
-        terms.sum::<f64>() / (2.0 * self.time_scale * self.time_scale)
+        stages.zip(self.coefficients.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x)).sum()
     }
 
     /// Strain energy that rounding of the displacements brings into the step.
     pub fn rounding_energy(&self, x: &[f64]) -> f64 {
-        self.approximation.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
+        self.approximate_tangent.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
     }
 
     /// Whether the forces inside the body have neither a resultant nor a moment in any stage, so that inertia and loads alone
     /// decide the body's rigid motion.
     pub fn is_self_balanced(&self) -> bool {
-        self.form.rule.is_energy_momentum() && self.form.dissipation.is_none() && !self.body.has_ground()
+        self.coefficients.rule.is_energy_momentum()
+            && self.coefficients.dissipation.is_none()
+            && !self.body.has_ground()
     }
 
     /// Stage averages of the force on the ground, on all degrees of freedom.
     pub fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
         let step = StepInput {
-            rule: &self.form.rule,
+            rule: &self.coefficients.rule,
             tangent_factor: 0.0,
             displacement: &self.displacement,
             rates: x,
@@ -250,29 +229,26 @@ impl<'a> StageSystem<'a> {
 
     /// Evaluates the loads that follow at the rates x.
     pub fn evaluate_followers(&mut self, x: &[f64]) {
-        let step = step_input(&self.form, self.time_scale, &self.displacement, x);
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.followers.evaluate(self.body, &step);
     }
 
     /// Whether anything takes energy out of the body besides its loads.
     pub fn is_braked(&self) -> bool {
-        self.body.drag() > 0.0 || self.body.is_viscous() || self.form.dissipation.is_some()
+        self.body.drag() > 0.0 || self.body.is_viscous() || self.coefficients.dissipation.is_some()
     }
 
-    /// What drag, viscosity and the scheme take out of the body in a step that is solved, in its strains and along its way.
+    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a step that is solved.
     ///
     /// ```math
     /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
     /// ```
     pub fn dissipated(&mut self, x: &[f64]) -> f64 {
-        let (n, s, drag) = (self.body.n_dofs(), self.time_scale, self.body.drag());
-        let step = step_input(&self.form, s, &self.displacement, x);
+        let (s, drag) = (self.time_scale, self.body.drag());
+        let step = step_input(&self.coefficients, s, &self.displacement, x);
         let mut sum = self.body.dissipated(&step, &mut self.assembly);
         if drag > 0.0 {
-            self.set_mass_rates(x);
-            let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
-            let terms = stages.zip(self.form.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x));
-            sum += drag / s * terms.sum::<f64>();
+            sum += drag / s * self.mean_square(x);
         }
         sum
     }
@@ -285,16 +261,16 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Adds to a new velocity what a scheme that dissipates spares, and returns what it takes out of the body by the velocities;
-    /// `velocity`: at the start of the step.
-    pub fn spare(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
-        if self.spared.is_none() {
+    /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities; `velocity`: at the start
+    /// of the step.
+    pub fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
+        if self.projection.is_none() {
             return 0.0;
         }
         self.set_mass_rates(x);
-        self.spared.as_mut().map_or(0.0, |spared| {
-            spared.set(x, &self.mass_rates, &self.momentum, self.time_scale);
-            spared.arrive(x, velocity, self.time_scale, new)
+        self.projection.as_mut().map_or(0.0, |projection| {
+            projection.set(x, &self.mass_rates, &self.momentum, self.time_scale);
+            projection.complete_end_velocity(x, velocity, self.time_scale, new)
         })
     }
 
@@ -306,7 +282,7 @@ impl<'a> StageSystem<'a> {
     }
 
     fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
-        let step = step_input(&self.form, self.time_scale, &self.displacement, x);
+        let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.body.assemble(&step, want, &self.dragged_mass, &mut self.assembly)?;
         if want == Want::Tangent {
             self.followers.add_tangent(self.body, &step, &mut self.assembly);
@@ -316,39 +292,39 @@ impl<'a> StageSystem<'a> {
 
     /// Turns the approximate tangent with the body, in the step that was started.
     pub fn turn(&mut self, rotation: &RigidStep) {
-        self.approximation.turn(rotation, &self.form.rule);
+        self.approximate_tangent.turn(rotation, &self.coefficients.rule);
     }
 
-    /// Keeps what the next steps depend on.
+    /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
-        self.approximation.keep(memory);
+        self.approximate_tangent.keep(memory);
     }
 
-    /// Takes over what [`StageSystem::keep`] kept.
+    /// Restores what [`StageSystem::keep`] kept.
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
-        self.approximation.restore(self.body, memory)
+        self.approximate_tangent.restore(self.body, memory)
     }
 
     /// The linear solver, once there is one.
     pub fn solver(&self) -> Option<SolverChoice> {
-        self.approximation.choice()
+        self.approximate_tangent.choice()
     }
 
-    /// Renews the approximate tangent at the rates x.
-    fn renew(&mut self, x: &[f64]) -> Result<()> {
-        self.approximation.renew(self.body, &self.displacement, x, self.time_scale)
+    /// Computes and factorises the approximate tangent at the rates x.
+    fn refactorize(&mut self, x: &[f64]) -> Result<()> {
+        self.approximate_tangent.refactorize(self.body, &self.displacement, x, self.time_scale)
     }
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver comes.
     fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        if let Some(spared) = &mut self.spared {
-            spared.correct(&mut self.negative);
+        if let Some(projection) = &mut self.projection {
+            projection.correct(&mut self.negative);
             clear_fixed(self.body, &mut self.negative);
         }
-        let iterations = self.approximation.solve(&self.negative, dx, tolerance);
+        let iterations = self.approximate_tangent.solve(&self.negative, dx, tolerance);
         iterations.ok_or_else(|| Error::Linear {
             reason: format!("conjugate gradients did not reach {tolerance:e}"),
         })
@@ -356,11 +332,11 @@ impl<'a> StageSystem<'a> {
 
     /// Solves with the true tangent.
     fn solve_exactly(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        let mut system = Linearised {
+        let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
-            approximation: &mut self.approximation,
-            spared: self.spared.as_mut(),
+            approximate_tangent: &mut self.approximate_tangent,
+            projection: self.projection.as_mut(),
             time_scale: self.time_scale,
             right: &mut self.force,
         };
@@ -377,16 +353,22 @@ impl<'a> StageSystem<'a> {
     fn set_floor(&mut self, x: &[f64]) {
         if self.floor == 0.0 {
             let (displacement, increment) = (&self.displacement, &x[..self.body.n_dofs()]);
-            let size = self.approximation.rounding_size(self.body, displacement, increment, self.time_scale);
-            self.floor = FLOOR * f64::EPSILON * size * (self.form.rule.degree() as f64).sqrt();
+            let size =
+                self.approximate_tangent.rounding_size(self.body, displacement, increment, self.time_scale);
+            self.floor = FLOOR * f64::EPSILON * size * (self.coefficients.rule.degree() as f64).sqrt();
         }
     }
 }
 
-fn step_input<'a>(form: &'a StageForm, s: f64, displacement: &'a [f64], rates: &'a [f64]) -> StepInput<'a> {
-    let excess = form.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
+fn step_input<'a>(
+    coefficients: &'a StageCoefficients,
+    s: f64,
+    displacement: &'a [f64],
+    rates: &'a [f64],
+) -> StepInput<'a> {
+    let excess = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
     let damping = StepDamping { rate: 1.0 / s, excess };
-    StepInput { rule: &form.rule, tangent_factor: s * s, displacement, rates, damping }
+    StepInput { rule: &coefficients.rule, tangent_factor: s * s, displacement, rates, damping }
 }
 
 impl System for StageSystem<'_> {
@@ -409,10 +391,10 @@ impl System for StageSystem<'_> {
         dx: &mut [f64],
     ) -> Result<usize> {
         self.negative.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
-        if tangent == Tangent::Renewed || !self.approximation.is_made() {
-            self.renew(x)?;
+        if tangent == Tangent::Renewed || !self.approximate_tangent.is_made() {
+            self.refactorize(x)?;
         }
-        self.approximation.fit(self.body, self.time_scale)?;
+        self.approximate_tangent.rescale(self.body, self.time_scale)?;
         self.set_floor(x);
         match tangent {
             Tangent::Kept | Tangent::Renewed => self.solve_approximately(tolerance, dx),
@@ -425,46 +407,6 @@ impl System for StageSystem<'_> {
     }
 
     fn renewal_cost(&self) -> f64 {
-        self.approximation.renewal_cost()
-    }
-}
-
-/// The linear system of a Newton iteration, on the free degrees of freedom.
-struct Linearised<'a> {
-    body: &'a Body,
-    assembly: &'a mut Assembly,
-    approximation: &'a mut ApproximateTangent,
-    spared: Option<&'a mut Spared>,
-    time_scale: f64,
-    /// Memory for a right-hand side.
-    right: &'a mut [f64],
-}
-
-impl LinearSystem for Linearised<'_> {
-    fn product(&mut self, x: &[f64], y: &mut [f64]) {
-        self.assembly.matrix.multiply(self.body.pattern(), x, y);
-        if let Some(spared) = &mut self.spared {
-            spared.add_derivative(self.body, self.time_scale, x, y);
-        }
-        clear_fixed(self.body, y);
-    }
-
-    fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        match &mut self.spared {
-            Some(spared) => {
-                self.right.copy_from_slice(x);
-                spared.correct(self.right);
-                clear_fixed(self.body, self.right);
-                self.approximation.precondition(self.right, y);
-            }
-            None => self.approximation.precondition(x, y),
-        }
-    }
-}
-
-/// Sets the entries of the fixed degrees of freedom to zero in every stage.
-fn clear_fixed(body: &Body, vector: &mut [f64]) {
-    for stage in vector.chunks_exact_mut(body.n_dofs()) {
-        stage.iter_mut().zip(body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(value, _)| *value = 0.0);
+        self.approximate_tangent.refactorization_cost()
     }
 }

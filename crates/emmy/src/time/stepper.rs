@@ -1,12 +1,11 @@
-//! What every stepper does: it advances a state by one step and says what loads and reactions did meanwhile.
+//! The interface of all steppers: advance a state by one step, and return the impulses of loads and reactions.
 
 use std::fmt;
 
-use super::classic::{BatheStepper, CentralDifferences, NewmarkParameters, NewmarkStepper};
-use super::{Memory, Scheme, State, TimeElement, TimeElementStepper};
+use super::{Memory, State};
 use crate::body::{Body, Strained, sum};
-use crate::error::{Error, Result};
-use crate::newton::{NewtonSettings, Outcome};
+use crate::error::Result;
+use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
 
 /// Advances the state of a body, step by step.
@@ -29,32 +28,31 @@ pub trait Stepper: fmt::Debug + Send {
     /// Norms of Newton's residuals in the last step; empty for an explicit stepper.
     fn newton_history(&self) -> &[f64];
 
-    /// What the steps to come depend on beside the state.
+    /// Memory that later steps depend on, besides the state.
     fn memory(&self) -> Memory;
 
-    /// Takes over the memory of a stepper of the same scheme, degree and body. The steps that follow are then those that the other
-    /// would have done, in every bit.
+    /// Restores the memory of a stepper of the same scheme and body. Later steps are then bit-identical to those of the other stepper.
     ///
     /// # Errors
     /// [`crate::Error::Memory`] if the memory does not fit, [`crate::Error::Inverted`], [`crate::Error::Linear`].
     fn restore(&mut self, memory: &Memory) -> Result<()>;
 }
 
-/// How a step went.
+/// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOutcome {
     /// Newton's iteration.
     pub newton: Outcome,
     /// Impulses of loads and reactions.
     pub impulses: Impulses,
-    /// What the displacement at the end does to the body.
+    /// Strain energy and smallest det F at the end.
     pub strained: Strained,
     /// The linear solver; `None` for an explicit stepper.
     pub solver: Option<SolverChoice>,
 }
 
-/// What loads and reactions did to the body in a step, by the scheme's own quadrature in time. What a balance then leaves
-/// over is what the scheme itself fails to conserve.
+/// Work and impulses of loads and reactions in a step, by the scheme's own quadrature in time. The residual of a balance is then
+/// the conservation error of the scheme itself.
 ///
 /// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven degrees of
 /// freedom:
@@ -80,7 +78,7 @@ pub struct StepOutcome {
 pub struct Impulses {
     /// Work of loads and reactions W \[energy\]; reactions do work where supports move.
     pub work: f64,
-    /// What viscosity, drag and the scheme took out of the body \[energy\].
+    /// Energy dissipated by viscosity, drag and the scheme \[energy\].
     pub dissipated: f64,
     /// Linear impulse I \[mass length/time\].
     pub linear: [f64; 3],
@@ -94,42 +92,5 @@ impl Impulses {
         let (total, moment) = (sum(force), body.moment(displacement, force));
         (0..3).for_each(|d| self.linear[d] += duration * total[d]);
         (0..3).for_each(|d| self.angular[d] += duration * moment[d]);
-    }
-}
-
-impl Scheme {
-    /// The stepper of the scheme, for a state. A scheme with a mass matrix of its own sets the state's momentum by it.
-    ///
-    /// # Errors
-    /// [`crate::Error::Scheme`] if the scheme cannot go with the degree, [`crate::Error::Linear`],
-    /// [`crate::Error::Inverted`].
-    pub fn stepper<'a>(
-        self,
-        body: &'a Body,
-        degree: usize,
-        settings: NewtonSettings,
-        state: &mut State,
-    ) -> Result<Box<dyn Stepper + 'a>> {
-        self.check(degree)?;
-        if body.is_driven() && !self.is_time_element() {
-            let reason = "a prescribed motion goes with time elements only".to_string();
-            return Err(Error::Scheme { scheme: self.to_string(), reason });
-        }
-        if !self.is_time_element() && (body.is_viscous() || body.drag() > 0.0) {
-            let reason = "viscosity and drag go with time elements only".to_string();
-            return Err(Error::Scheme { scheme: self.to_string(), reason });
-        }
-        if body.is_driven() && self.dissipation().is_some() {
-            let reason = "a prescribed motion goes with schemes that do not dissipate".to_string();
-            return Err(Error::Scheme { scheme: self.to_string(), reason });
-        }
-        if let Some(parameters) = NewmarkParameters::of(self) {
-            return Ok(Box::new(NewmarkStepper::new(body, parameters, settings, state)?));
-        }
-        Ok(match self {
-            Scheme::Bathe => Box::new(BatheStepper::new(body, settings, state)?),
-            Scheme::CentralDifferences => Box::new(CentralDifferences::new(body, state)?),
-            _ => Box::new(TimeElementStepper::new(body, TimeElement::new(self, degree)?, settings)?),
-        })
     }
 }

@@ -1,7 +1,8 @@
 //! Newton's iteration on the stage equations converges quadratically for every rule, degree and material.
 
 use super::stage_system::StageSystem;
-use super::{Scheme, State, TimeElement};
+use super::{State, TimeElement};
+use crate::average::AveragingRule;
 use crate::body::{Body, InitialVelocity, Region};
 use crate::material::{NeoHooke, SaintVenantKirchhoff};
 use crate::newton::{System, Tangent};
@@ -17,14 +18,14 @@ fn spinning(body: &Body) -> State {
 }
 
 /// Norms of the residuals of Newton's iteration with exact linear solutions, over the first scale.
-fn residuals(body: &Body, scheme: Scheme, degree: usize) -> Vec<f64> {
-    let mut system =
-        StageSystem::new(body, TimeElement::new(scheme, degree).unwrap().into(), Solver::Auto).unwrap();
+fn residuals(body: &Body, element: TimeElement) -> Vec<f64> {
+    let degree = element.degree;
+    let mut system = StageSystem::new(body, element.coefficients(), Solver::Auto).unwrap();
     let state = spinning(body);
     let h = 0.3;
     system.start(&state.displacement, h);
     let n_dofs = body.n_dofs();
-    for (row, known) in system.form.mass.chunks(degree).zip(system.known.chunks_mut(n_dofs)) {
+    for (row, known) in system.coefficients.mass.chunks(degree).zip(system.known.chunks_mut(n_dofs)) {
         known.iter_mut().zip(&state.momentum).for_each(|(g, p)| *g = row.iter().sum::<f64>() * h * p);
     }
     let n = degree * n_dofs;
@@ -49,20 +50,21 @@ fn newton_converges_quadratically() {
         let body = Body::new(mesh(), vec![region], &[], &[]).unwrap();
         for degree in 1..=4 {
             let rules = [
-                Scheme::Standard(degree),
-                Scheme::Standard(degree + 2),
-                Scheme::AssumedStrain(degree),
-                Scheme::AssumedStrain(degree + 3),
-                Scheme::DiscreteGradient,
-                Scheme::Lobatto(degree + 1),
+                AveragingRule::Standard(degree),
+                AveragingRule::Standard(degree + 2),
+                AveragingRule::AssumedStrain(degree),
+                AveragingRule::AssumedStrain(degree + 3),
+                AveragingRule::DiscreteGradient,
+                AveragingRule::Lobatto(degree + 1),
             ];
-            for scheme in rules {
-                let norms = residuals(&body, scheme, degree);
+            for rule in rules {
+                let element = TimeElement::new(rule, degree).unwrap();
+                let norms = residuals(&body, element);
                 let last = norms.iter().position(|norm| *norm < 1e-13).expect("six iterations suffice");
                 // e_(n+1) <= C e_n^2 in the last iteration above rounding, with the C of the one before within ten times.
                 let constant = |n: usize| norms[n] / norms[n - 1].powi(2);
                 let bound = 10.0 * constant(1).max(constant(2)) * norms[last - 1].powi(2) + 1e-14;
-                assert!(last >= 3 && norms[last] < bound, "{scheme} k = {degree}: {norms:?}");
+                assert!(last >= 3 && norms[last] < bound, "{element}: {norms:?}");
             }
         }
     }

@@ -6,6 +6,8 @@ use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::{Estimator, LocalError, Scheme};
 
+use crate::shared::schemes::{DGM, at, element};
+
 /// With driven nodes: a table and an expression, by time elements.
 #[test]
 fn a_step_with_supports_that_move_allocates_nothing() {
@@ -22,9 +24,10 @@ fn a_step_with_supports_that_move_allocates_nothing() {
     let body = pool.install(|| Body::new(mesh, vec![rubber], &supports, &[]).unwrap());
     for degree in 1..=3 {
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let scheme = Scheme::DiscreteGradient;
-        let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
-        let mut step = |i: usize| motion.step(0.01, 0.01 * i as f64).map(|record| record.step).unwrap();
+        let scheme = DGM;
+        let mut motion =
+            Motion::starting(&body, at(scheme, degree), NewtonSettings::default(), state).unwrap();
+        let mut step = |_: usize| motion.step(0.01).map(|record| record.step).unwrap();
         assert_eq!((1..100).map(&mut step).last(), Some(99));
         let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
         assert_eq!(counts.count_total, 0, "degree {degree}");
@@ -45,13 +48,13 @@ fn an_estimate_of_the_error_allocates_nothing() {
         (2, Estimator::Residual),
         (2, Estimator::Sampled),
     ] {
-        let (scheme, settings) = (Scheme::DiscreteGradient, NewtonSettings::default());
+        let (scheme, settings) = (DGM, NewtonSettings::default());
         let mut start = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
-        let mut error = LocalError::new(&body, (scheme, degree), estimator, settings, &start).unwrap();
-        let mut motion = Motion::new(&body, scheme, degree, settings, start.clone()).unwrap();
-        let mut step = |i: usize| {
+        let mut error = LocalError::new(&body, element(scheme, degree), estimator, settings, &start).unwrap();
+        let mut motion = Motion::starting(&body, at(scheme, degree), settings, start.clone()).unwrap();
+        let mut step = |_: usize| {
             start.copy_from(motion.state());
-            motion.step(0.01, 0.01 * i as f64).unwrap();
+            motion.step(0.01).unwrap();
             error.estimate(&start, motion.state(), motion.stepper().rates(), 0.01).unwrap();
             error.accept(0.01);
         };
@@ -97,9 +100,8 @@ fn a_step_allocates_nothing() {
         let body = if index < n_undamped { &body } else { &damped };
         let (scheme, settings) = (text.parse::<Scheme>().unwrap(), NewtonSettings::default());
         let state = State::initial(body, 0.0, std::slice::from_ref(&spin)).unwrap();
-        let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
-        let mut step =
-            |i: usize| motion.step(size, size * i as f64).map(|record| record.newton_iterations).unwrap();
+        let mut motion = Motion::starting(body, at(scheme, degree), settings, state).unwrap();
+        let mut step = |_: usize| motion.step(size).map(|record| record.newton_iterations).unwrap();
         // GMRES has met its longest iteration, and the factorisation was renewed, before counting begins.
         (1..100).for_each(|i| {
             step(i);

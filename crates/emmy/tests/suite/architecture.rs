@@ -3,24 +3,91 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules in the order in which they may use each other: each only what stands before it. Modules on one line are
-/// independent of each other, but for polynomial, which integrates with a quadrature.
-const ORDER: [&[&str]; 15] = [
-    &["number"],
-    &["error"],
-    &["tensor"],
-    &["quadrature"],
-    &["polynomial"],
-    &["sparse"],
-    &["newton"],
-    &["mesh"],
-    &["element"],
-    &["material"],
-    &["average"],
-    &["body"],
-    &["time"],
-    &["motion"],
-    &["adjoint"],
+/// Modules in the order in which they may use each other: each only those before it.
+const ORDER: [&str; 15] = [
+    "number",
+    "error",
+    "tensor",
+    "quadrature",
+    "polynomial",
+    "sparse",
+    "newton",
+    "mesh",
+    "element",
+    "material",
+    "average",
+    "body",
+    "time",
+    "motion",
+    "adjoint",
+];
+
+/// The same for the files and folders inside a module.
+const INSIDE: [(&str, &[&str]); 3] = [
+    (
+        "sparse",
+        &[
+            "reduce",
+            "real",
+            "pattern",
+            "ordering",
+            "dense",
+            "solver",
+            "gmres",
+            "cholesky",
+            "block_cholesky",
+            "stages",
+            "lu",
+            "sweep",
+            "kernel",
+            "blocks",
+            "triangular",
+            "shifted",
+            "conjugate_gradients",
+            "incomplete_cholesky",
+            "shifted_solver",
+        ],
+    ),
+    (
+        "time",
+        &[
+            "memory",
+            "state",
+            "dissipation",
+            "stage_coefficients",
+            "time_element",
+            "followers",
+            "rigid_step",
+            "linear",
+            "stage_system",
+            "prediction",
+            "iteration",
+            "stepper",
+            "element_stepper",
+            "classic",
+            "error",
+            "scheme",
+        ],
+    ),
+    (
+        "motion",
+        &[
+            "adaptivity",
+            "degree_choice",
+            "control",
+            "plan",
+            "subdivision",
+            "event",
+            "record",
+            "resolution",
+            "snapshot",
+            "stepping",
+            "observer",
+            "global_error",
+            "adaptive",
+            "march",
+        ],
+    ),
 ];
 
 fn source() -> PathBuf {
@@ -57,7 +124,7 @@ fn files() -> Vec<(String, PathBuf)> {
 }
 
 fn rank(module: &str) -> Option<usize> {
-    ORDER.iter().position(|modules| modules.contains(&module))
+    ORDER.iter().position(|own| *own == module)
 }
 
 /// Code of a file without its comments and without what stands in `mod tests`.
@@ -85,6 +152,116 @@ fn modules_use_only_what_stands_before_them() {
             }
         }
     }
+}
+
+/// Paths of a code that begin with `super` or `crate`, a list in braces taken apart: `super::{a, b::C}` is `super a`, `super b C`.
+fn paths(code: &str) -> Vec<Vec<String>> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut paths = Vec::new();
+    for start in ["super::", "crate::"].into_iter().flat_map(|word| code.match_indices(word)) {
+        // The second `super` of `super::super` belongs to the path of the first.
+        if code[..start.0].ends_with("::") || code[..start.0].ends_with(is_name) {
+            continue;
+        }
+        let mut prefixes: Vec<Vec<String>> = vec![Vec::new()];
+        let mut path: Vec<String> = Vec::new();
+        let mut name = String::new();
+        for c in code[start.0..].chars() {
+            match c {
+                _ if is_name(c) => name.push(c),
+                ':' if !name.is_empty() => path.push(std::mem::take(&mut name)),
+                ':' => {}
+                '{' if !path.is_empty() && name.is_empty() => prefixes.push(path.clone()),
+                ',' | '}' if prefixes.len() > 1 => {
+                    if !name.is_empty() {
+                        path.push(std::mem::take(&mut name));
+                        paths.push(path);
+                    }
+                    if c == '}' {
+                        prefixes.pop();
+                    }
+                    path = if prefixes.len() > 1 { prefixes[prefixes.len() - 1].clone() } else { Vec::new() };
+                }
+                _ if c.is_whitespace() && prefixes.len() > 1 => {}
+                _ => {
+                    if !name.is_empty() {
+                        path.push(std::mem::take(&mut name));
+                        paths.push(path);
+                    }
+                    break;
+                }
+            }
+            if prefixes.len() == 1 && c == '}' {
+                break;
+            }
+        }
+    }
+    paths
+}
+
+/// Names that a module re-exports from the files and folders in it, each with its file.
+fn reexports(folder: &Path) -> Vec<(String, String)> {
+    let text = code(&folder.join("mod.rs"));
+    let mut names = Vec::new();
+    for statement in text.split(';').filter(|statement| statement.contains("use ")) {
+        let path = &statement[statement.find("use ").unwrap() + 4..];
+        let Some((file, rest)) = path.split_once("::") else { continue };
+        let rest = rest.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|name| !name.is_empty());
+        names.extend(rest.map(|name| (name.to_string(), file.to_string())));
+    }
+    names
+}
+
+#[test]
+fn files_use_only_what_stands_before_them_in_their_module() {
+    for (module, order) in INSIDE {
+        let folder = source().join(module);
+        let reexports = reexports(&folder);
+        let mut found = 0;
+        for (_, path) in files().into_iter().filter(|(own, _)| own == module) {
+            let place: Vec<String> = path
+                .strip_prefix(&folder)
+                .unwrap()
+                .with_extension("")
+                .iter()
+                .map(|part| part.to_str().unwrap().to_string())
+                .collect();
+            let file = &place[0];
+            if file == "mod" || place.iter().any(|part| part == "tests") {
+                continue;
+            }
+            let own = order.iter().position(|name| name == file);
+            let own = own.unwrap_or_else(|| panic!("{file} has no place in the order of {module}"));
+            let depth = if place[place.len() - 1] == "mod" { place.len() - 1 } else { place.len() };
+            for path in paths(&code(&path)) {
+                let supers = path.iter().take_while(|part| *part == "super").count();
+                let used = match &path[..] {
+                    [root, of, used, ..] if root == "crate" && of == module => used,
+                    [..] if supers > 0 && supers == depth && path.len() > supers => &path[supers],
+                    _ => continue,
+                };
+                let defined = reexports.iter().find(|(name, _)| name == used).map_or(used, |(_, file)| file);
+                if let Some(rank) = order.iter().position(|name| name == defined).filter(|_| defined != file)
+                {
+                    found += 1;
+                    assert!(rank < own, "{module}: {file} uses {used} of {defined}");
+                }
+            }
+        }
+        assert!(found > order.len(), "only {found} uses were found in {module}");
+    }
+}
+
+#[test]
+fn paths_are_taken_apart() {
+    let code = "use super::{a, b::{C, D}, e::F};\nuse super::super::g::H;\nfn f() { crate::i::j(super::k) }";
+    let found: Vec<String> = paths(code).into_iter().map(|path| path.join(" ")).collect();
+    let mut expected =
+        ["super a", "super b C", "super b D", "super e F", "super super g H", "crate i j", "super k"];
+    let mut found: Vec<&str> = found.iter().map(String::as_str).collect();
+    expected.sort();
+    found.sort();
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -6,6 +6,8 @@ use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
 
+use crate::shared::schemes::{DGM, TRAPEZOIDAL, assumed_strain, at, fe};
+
 fn rubber() -> Region {
     Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap())
 }
@@ -34,12 +36,12 @@ fn records(supports: &[Support], loads: &[Load], scheme: Scheme, degree: usize) 
     let body = Body::new(mesh, vec![rubber()], supports, loads).unwrap();
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
-    let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
+    let mut motion = Motion::starting(&body, at(scheme, degree), NewtonSettings::default(), state).unwrap();
     let plan = [Phase { until: 0.2, size: 0.03 }, Phase { until: 0.4, size: 0.07 }];
     StepPlan::new(0.0, plan.to_vec())
         .unwrap()
         .steps()
-        .map(|s| motion.step(s.size, s.end).unwrap().clone())
+        .map(|s| motion.step_of_plan(&s).unwrap().clone())
         .collect()
 }
 
@@ -55,7 +57,7 @@ fn assert_closed(records: &[Record], what: &str) {
 #[test]
 fn free_body_under_load() {
     for degree in 1..=3 {
-        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {
+        for scheme in [DGM, assumed_strain(10)] {
             assert_closed(&records(&[], &loads(), scheme, degree), &format!("{scheme} k = {degree}"));
         }
     }
@@ -68,7 +70,7 @@ fn supported_body_under_load() {
         Support { group: "x-min".into(), fix: [false, false, true], ..Default::default() },
     ];
     for degree in 1..=3 {
-        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {
+        for scheme in [DGM, assumed_strain(10)] {
             let records = records(&supports, &loads(), scheme, degree);
             assert_closed(&records, &format!("{scheme} k = {degree}"));
             // The supports carry momentum away: without their reactions the balance would not close.
@@ -86,11 +88,11 @@ fn defects_of_standard_rules_are_seen() {
         let energy = records.iter().map(|r| r.energy_residual.abs()).fold(0.0, f64::max);
         (energy, records.iter().map(|r| r.angular_momentum_residual).fold(0.0, f64::max))
     };
-    let (energy, momentum) = worst(Scheme::Standard(1));
+    let (energy, momentum) = worst(fe(1));
     assert!(energy > 1e-5 && momentum < 1e-11);
-    let (energy, momentum) = worst(Scheme::Standard(8));
+    let (energy, momentum) = worst(fe(8));
     assert!(energy < 1e-10 && momentum > 1e-5);
-    let (energy, momentum) = worst(Scheme::Trapezoidal);
+    let (energy, momentum) = worst(TRAPEZOIDAL);
     assert!(energy > 1e-5 && momentum > 1e-5);
 }
 
@@ -99,7 +101,7 @@ fn defects_of_standard_rules_are_seen() {
 #[test]
 fn forces_at_nodes_add_up() {
     let kind = LoadKind::NodalForce { group: "y-max".into(), force: [0.0, 2.0, -1.0] };
-    let records = records(&[], &[Load { kind, history: History::constant() }], Scheme::DiscreteGradient, 1);
+    let records = records(&[], &[Load { kind, history: History::constant() }], DGM, 1);
     assert_closed(&records, "forces at nodes");
     let change = |d: usize| records[records.len() - 1].linear_momentum[d] - records[0].linear_momentum[d];
     let duration = records[records.len() - 1].time - records[0].time;
@@ -113,7 +115,7 @@ fn momentum_is_the_integral_of_the_load() {
         kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
         history: history(&[(0.02, 0.0), (0.1, 1.0), (0.15, 1.0), (0.15, 0.0)]),
     };
-    let records = records(&[], &[load], Scheme::AssumedStrain(2), 2);
+    let records = records(&[], &[load], assumed_strain(2), 2);
     let before = records[0].linear_momentum[0] - 3.0 * (0.01 * 0.01 / 0.08 / 2.0);
     let after = records[records.len() - 1].linear_momentum[0];
     assert!((after - before - 3.0 * (0.04 + 0.05)).abs() < 1e-12);
@@ -136,8 +138,7 @@ fn free_fall() {
         )
         .unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let mut motion =
-            Motion::new(&body, Scheme::DiscreteGradient, degree, NewtonSettings::default(), state).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, degree), NewtonSettings::default(), state).unwrap();
         motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }]).unwrap(), &mut []).unwrap();
         assert!(motion.state().displacement.iter().skip(2).step_by(3).all(|u| (u + 5.0).abs() < 1e-12));
         assert!((motion.record().external_work - 0.7 * 10.0 * 5.0).abs() < 1e-11);
@@ -153,8 +154,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
             let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [4, 12, 4]).unwrap();
             let body = Body::new(mesh, vec![rubber()], &[], &loads()).unwrap();
             let state = State::initial(&body, 0.0, &[]).unwrap();
-            let mut motion =
-                Motion::new(&body, Scheme::DiscreteGradient, 2, NewtonSettings::default(), state).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
             motion
                 .march(&StepPlan::new(0.0, vec![Phase { until: 0.1, size: 0.02 }]).unwrap(), &mut [])
                 .unwrap();
@@ -170,18 +170,15 @@ fn results_do_not_depend_on_the_number_of_threads() {
 fn a_moving_body_is_never_solved_without_an_iteration() {
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
     let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
-    for (scheme, degree, size) in [
-        (Scheme::DiscreteGradient, 2, 5.0),
-        (Scheme::AssumedStrain(5), 1, 1.0),
-        (Scheme::Standard(1), 1, 5.0),
-        (Scheme::Trapezoidal, 1, 0.8),
-        (Scheme::DiscreteGradient, 3, 0.8),
-    ] {
+    for (scheme, degree, size) in
+        [(DGM, 2, 5.0), (assumed_strain(5), 1, 1.0), (fe(1), 1, 5.0), (TRAPEZOIDAL, 1, 0.8), (DGM, 3, 0.8)]
+    {
         let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
-        let mut motion = Motion::new(&body, scheme, degree, NewtonSettings::default(), state).unwrap();
-        for i in 1..=3 {
+        let mut motion =
+            Motion::starting(&body, at(scheme, degree), NewtonSettings::default(), state).unwrap();
+        for _ in 1..=3 {
             // A step of this size may fail; what it must not do is to stand still and call that a solution.
-            let Ok(record) = motion.step(size, size * f64::from(i)) else { break };
+            let Ok(record) = motion.step(size) else { break };
             assert!(record.newton_iterations > 0, "{scheme} k = {degree}");
             assert!(record.linear_momentum_residual < 1e-9 * 40.0, "{scheme} k = {degree}: {record:?}");
         }

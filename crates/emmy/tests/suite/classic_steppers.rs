@@ -8,6 +8,8 @@ use emmy::mesh::{CellKind, MeshBuilder};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
 use emmy::time::{CentralDifferences, Scheme};
 
+use crate::shared::schemes::at;
+
 const ALL: [&str; 5] =
     ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe", "central-differences"];
 
@@ -41,9 +43,9 @@ fn l_block(scheme: &str, h: f64, supports: &[Support], loads: &[Load]) -> Vec<Re
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], supports, loads).unwrap();
     let state = State::initial(&body, 0.0, &[spin()]).unwrap();
     let mut motion =
-        Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
+        Motion::starting(&body, at(scheme.parse().unwrap(), 1), NewtonSettings::default(), state).unwrap();
     let n_steps = (0.4 / h).round() as usize;
-    (1..=n_steps).map(|n| motion.step(h, n as f64 * h).unwrap().clone()).collect()
+    (1..=n_steps).map(|_| motion.step(h).unwrap().clone()).collect()
 }
 
 /// Largest defects over the sizes of what they are defects of: energy, linear and angular momentum.
@@ -124,9 +126,10 @@ fn free_fall_is_exact() {
     for scheme in ALL {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion =
-            Motion::new(&body, scheme.parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
-        for n in 1..=100 {
-            let record = motion.step(0.004, n as f64 * 0.004).unwrap();
+            Motion::starting(&body, at(scheme.parse().unwrap(), 1), NewtonSettings::default(), state)
+                .unwrap();
+        for _ in 1..=100 {
+            let record = motion.step(0.004).unwrap();
             assert!(
                 record.energy_residual.abs() < 1e-12 && record.linear_momentum_residual < 1e-12,
                 "{scheme}"
@@ -145,7 +148,7 @@ fn free_flight_has_no_work_and_no_impulse() {
     for scheme in ALL {
         let mut state = State::initial(&body, 0.0, &[spin()]).unwrap();
         let scheme: Scheme = scheme.parse().unwrap();
-        let mut stepper = scheme.stepper(&body, 1, NewtonSettings::default(), &mut state).unwrap();
+        let mut stepper = scheme.stepper(&body, NewtonSettings::default(), &mut state).unwrap();
         let outcome = stepper.advance(&mut state, 0.004).unwrap();
         assert_eq!(outcome.impulses, Default::default(), "{scheme}");
         assert_eq!(stepper.newton_history().is_empty(), scheme == Scheme::CentralDifferences);
@@ -158,7 +161,8 @@ fn central_differences_report_the_lumped_mass() {
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
     let drift = InitialVelocity { velocity: [2.0, 0.0, -1.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[drift]).unwrap();
-    let motion = Motion::new(&body, Scheme::CentralDifferences, 1, NewtonSettings::default(), state).unwrap();
+    let motion =
+        Motion::starting(&body, at(Scheme::CentralDifferences, 1), NewtonSettings::default(), state).unwrap();
     let mass = 0.5 * 117.0;
     assert!((body.lumped_mass().iter().sum::<f64>() - mass).abs() < 1e-11);
     assert!((motion.record().linear_momentum[0] - 2.0 * mass).abs() < 1e-11);
@@ -204,8 +208,8 @@ fn the_critical_step_follows_the_deformation() {
     let at_rest = CentralDifferences::new(&body, &mut state).unwrap().critical_step();
     let h = 0.9 * at_rest;
     let mut motion =
-        Motion::new(&body, Scheme::CentralDifferences, 1, NewtonSettings::default(), state).unwrap();
-    let error = (1..2000).find_map(|n| motion.step(h, n as f64 * h).err()).unwrap();
+        Motion::starting(&body, at(Scheme::CentralDifferences, 1), NewtonSettings::default(), state).unwrap();
+    let error = (1..2000).find_map(|_| motion.step(h).err()).unwrap();
     let Error::StepTooLarge { step, critical, .. } = error else { panic!("{error}") };
     assert!(step > 50 && critical < h / 0.98, "{step} {critical}");
     // Stopped before it became unstable: the last good step is as calm as slow pressing is.
@@ -218,9 +222,9 @@ fn a_step_that_fails_leaves_the_state_as_it_was() {
     let hurry = NewtonSettings { tolerance: 1e-14, max_iterations: 1, ..NewtonSettings::default() };
     for scheme in ALL {
         let state = State::initial(&body, 0.0, &[spin()]).unwrap();
-        let mut motion = Motion::new(&body, scheme.parse().unwrap(), 1, hurry, state).unwrap();
+        let mut motion = Motion::starting(&body, at(scheme.parse().unwrap(), 1), hurry, state).unwrap();
         let before = motion.state().clone();
-        let error = motion.step(0.5, 0.5).unwrap_err();
+        let error = motion.step(0.5).unwrap_err();
         assert!(
             matches!(error, Error::NoConvergence { step: 1, .. } | Error::StepTooLarge { .. }),
             "{error}"

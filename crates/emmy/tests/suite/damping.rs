@@ -8,6 +8,7 @@ use emmy::time::{LocalError, Scheme};
 use emmy::{polynomial, quadrature};
 
 use crate::shared::points::{masses, moving, network};
+use crate::shared::schemes::{DGM, at, dgm, element, fe};
 
 fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
@@ -53,9 +54,9 @@ fn tumbling(body: &Body) -> State {
 
 /// Records of a motion of equal steps.
 fn records(body: &Body, scheme: Scheme, degree: usize, state: State, h: f64, n: usize) -> Vec<Record> {
-    let mut motion = Motion::new(body, scheme, degree, settings(), state).unwrap();
-    let step = |i: usize| {
-        motion.step(h, h * (i + 1) as f64).unwrap();
+    let mut motion = Motion::starting(body, at(scheme, degree), settings(), state).unwrap();
+    let step = |_: usize| {
+        motion.step(h).unwrap();
         motion.record().clone()
     };
     (0..n).map(step).collect()
@@ -85,16 +86,15 @@ fn a_viscous_spring_and_a_braked_mass_decay_as_in_theory() {
         for (text, degree, n, limit) in
             [("AS(1)", 1, 800, 2e-4), ("DGM", 2, 100, 1e-5), ("AS(3)", 3, 50, 2e-6), ("FE(2)", 2, 100, 1e-5)]
         {
-            let mut motion = Motion::new(
+            let mut motion = Motion::starting(
                 &body,
-                scheme(text),
-                degree,
+                at(scheme(text), degree),
                 settings(),
                 moving(&body, &[[0.0; 3], [v, 0.0, 0.0]]),
             )
             .unwrap();
-            for i in 1..=n {
-                motion.step(t / n as f64, t * i as f64 / n as f64).unwrap();
+            for _ in 1..=n {
+                motion.step(t / n as f64).unwrap();
             }
             let error = (motion.state().displacement[3] - exact) * w / v;
             assert!(error.abs() < limit, "{text} {viscous} {drag}: {error:e}");
@@ -180,8 +180,8 @@ fn a_viscous_block_decays_as_in_theory() {
         let viscous = time * (lambda + 2.0 * mu) + 4.0 / 3.0 * shear + bulk;
         let delta = 1.5 * viscous / density;
         let w = (3.0 * (lambda + 2.0 * mu) / density - delta * delta).sqrt();
-        let mut motion = Motion::new(&body, scheme("DGM"), 3, settings(), state).unwrap();
-        (1..=60).for_each(|i| drop(motion.step(t / 60.0, t / 60.0 * f64::from(i)).unwrap().clone()));
+        let mut motion = Motion::starting(&body, at(scheme("DGM"), 3), settings(), state).unwrap();
+        (1..=60).for_each(|_| drop(motion.step(t / 60.0).unwrap().clone()));
         let exact = v / w * (-delta * t).exp() * (w * t).sin();
         let found = motion.state().displacement[3 * body.mesh().nearest_node([1.0; 3])];
         // The time element's phase error, (w h)^6 w t/100800, is 1e-8; strains of 1e-8 add as much to a linear solution.
@@ -200,8 +200,8 @@ fn a_braked_body_in_free_flight_slows_down_by_the_factor_of_the_midpoint() {
         (2, (1.0 + z / 2.0 + z * z / 12.0) / (1.0 - z / 2.0 + z * z / 12.0)),
     ] {
         let state = State::initial(&body, 0.0, std::slice::from_ref(&field)).unwrap();
-        let mut motion = Motion::new(&body, Scheme::DiscreteGradient, degree, settings(), state).unwrap();
-        motion.step(0.5, 0.5).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state).unwrap();
+        motion.step(0.5).unwrap();
         assert!(motion.state().velocity.iter().step_by(3).all(|v| (v / (3.0 * factor) - 1.0).abs() < 1e-13));
         let lost = 0.5 * 2.0 * 9.0 * (1.0 - factor * factor);
         assert!((motion.record().dissipated_energy / lost - 1.0).abs() < 1e-12);
@@ -335,7 +335,7 @@ fn a_body_in_plane_strain_keeps_its_angular_momentum_and_one_on_rollers_its_ener
 #[test]
 fn fast_oscillations_decay_by_the_spectral_radius_and_slow_ones_hardly() {
     for (degree, radius) in [(1, 0.0), (1, 0.5), (1, 0.8), (2, 0.0), (2, 0.5), (3, 0.4)] {
-        let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+        let dissipative = dgm(radius);
         // omega h = 1e4: two norms with a factor of the radius between them, each step.
         let body = oscillator(1e8, 0.0, 0.0);
         let fast = records(&body, dissipative, degree, moving(&body, &[[0.0; 3], [1e-6, 0.0, 0.0]]), 1.0, 8);
@@ -396,10 +396,10 @@ fn the_formula_of_the_book_has_the_spectral_radius_and_is_the_scheme() {
             let real = (top[0] * bottom[0] + top[1] * bottom[1]) / size;
             let imaginary = (top[1] * bottom[0] - top[0] * bottom[1]) / size;
             let body = oscillator(omega * omega, 0.0, 0.0);
-            let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+            let dissipative = dgm(radius);
             let start = moving(&body, &[[0.0; 3], [v, 0.0, 0.0]]);
-            let mut motion = Motion::new(&body, dissipative, degree, settings(), start).unwrap();
-            motion.step(h, h).unwrap();
+            let mut motion = Motion::starting(&body, at(dissipative, degree), settings(), start).unwrap();
+            motion.step(h).unwrap();
             let found = [motion.state().displacement[3] * omega / v, motion.state().velocity[3] / v];
             assert!(
                 (found[0] - imaginary).abs() < 1e-6 && (found[1] - real).abs() < 1e-6,
@@ -428,16 +428,16 @@ fn determinant(n: usize, entry: &dyn Fn(usize, usize) -> [f64; 2]) -> [f64; 2] {
 fn dissipative_elements_are_of_order_2k_less_1() {
     let body = block(Viscosity::default(), &[], &[]);
     let end = |scheme: Scheme, degree: usize, n: usize| {
-        let mut motion = Motion::new(&body, scheme, degree, settings(), tumbling(&body)).unwrap();
-        for i in 1..=n {
-            motion.step(0.4 / n as f64, 0.4 * i as f64 / n as f64).unwrap();
+        let mut motion = Motion::starting(&body, at(scheme, degree), settings(), tumbling(&body)).unwrap();
+        for _ in 1..=n {
+            motion.step(0.4 / n as f64).unwrap();
         }
         motion.state().displacement.clone()
     };
-    let exact = end(Scheme::Standard(4), 4, 64);
+    let exact = end(fe(4), 4, 64);
     for (degree, n) in [(1, 64), (2, 16), (3, 8)] {
         for radius in [0.0, 0.6] {
-            let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+            let dissipative = dgm(radius);
             let error = |n: usize| {
                 let pairs = end(dissipative, degree, n)
                     .into_iter()
@@ -447,7 +447,7 @@ fn dissipative_elements_are_of_order_2k_less_1() {
                 pairs.sqrt()
             };
             let order = (error(n) / error(2 * n)).log2();
-            let expected = dissipative.order(degree) as f64;
+            let expected = element(dissipative, degree).order() as f64;
             assert!((order - expected).abs() < 0.35, "{degree} {radius}: {order}");
         }
     }
@@ -475,7 +475,7 @@ fn a_relative_equilibrium_is_left_alone() {
     let mut state = moving(&body, &[[0.3, speed, 0.1], [0.3, -speed, 0.1]]);
     (state.displacement[0], state.displacement[3]) = (r - 0.5 * length, 0.5 * length - r);
     for radius in [0.0, 0.5] {
-        let dissipative = Scheme::DissipativeDiscreteGradient { spectral_radius: radius };
+        let dissipative = dgm(radius);
         let records = records(&body, dissipative, 1, state.clone(), h, 500);
         assert!((records[499].total_energy / records[0].total_energy - 1.0).abs() < 1e-12);
         assert!(records[499].dissipated_energy.abs() < 1e-12 * records[0].total_energy);
@@ -504,7 +504,8 @@ fn accelerations_of_a_state_know_viscosity_and_drag() {
 fn what_does_not_go_together_is_refused() {
     let viscous = block(Viscosity { time: 0.1, ..Viscosity::default() }, &[], &[]);
     for text in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
-        let error = Motion::new(&viscous, scheme(text), 1, settings(), tumbling(&viscous)).unwrap_err();
+        let error =
+            Motion::starting(&viscous, at(scheme(text), 1), settings(), tumbling(&viscous)).unwrap_err();
         assert!(error.to_string().contains("viscosity"), "{error}");
     }
     let driven = Support {
@@ -514,7 +515,7 @@ fn what_does_not_go_together_is_refused() {
     };
     let body = block(Viscosity::default(), &[driven], &[]);
     let state = State::initial(&body, 0.0, &[]).unwrap();
-    assert!(Motion::new(&body, scheme("DGM(0.5)"), 1, settings(), state).is_err());
+    assert!(Motion::starting(&body, at(scheme("DGM(0.5)"), 1), settings(), state).is_err());
     let negative = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap())
         .with_viscosity(Viscosity { shear: -1.0, ..Viscosity::default() });
     let error = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![negative], &[], &[]).unwrap_err();

@@ -6,6 +6,8 @@ use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
 use emmy::{Error, mesh};
 
+use crate::shared::schemes::{DGM, assumed_strain, at};
+
 fn table(entries: &[(f64, f64)]) -> History {
     History::new(entries.to_vec()).unwrap()
 }
@@ -34,10 +36,10 @@ fn march(
     phases: &[(f64, f64)],
 ) -> (State, Vec<Record>) {
     let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 20, ..NewtonSettings::default() };
-    let mut motion = Motion::new(body, scheme, degree, settings, state).unwrap();
+    let mut motion = Motion::starting(body, at(scheme, degree), settings, state).unwrap();
     let phases = phases.iter().map(|&(until, size)| Phase { until, size }).collect();
     let steps = StepPlan::new(0.0, phases).unwrap();
-    let records = steps.steps().map(|s| motion.step(s.size, s.end).unwrap().clone()).collect();
+    let records = steps.steps().map(|s| motion.step_of_plan(&s).unwrap().clone()).collect();
     (motion.state().clone(), records)
 }
 
@@ -51,7 +53,7 @@ fn a_block_that_is_carried_along() {
     let body = Body::new(mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber], &supports, &[]).unwrap();
     for degree in 1..=3 {
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let (state, records) = march(&body, Scheme::DiscreteGradient, degree, state, &[(1.0, 0.3)]);
+        let (state, records) = march(&body, DGM, degree, state, &[(1.0, 0.3)]);
         let last = &records[records.len() - 1];
         assert!((last.external_work - 0.5 * 2.0 * 25.0).abs() < 1e-12, "{last:?}");
         assert!(
@@ -82,7 +84,7 @@ fn base_excitation_of_an_oscillator() {
     for (degree, bound) in [(2, 5e-5), (3, 1e-6)] {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         assert!((state.velocity[0] - amplitude * drive).abs() < 1e-22 && state.velocity[3 * end] == 0.0);
-        let (state, _) = march(&body, Scheme::DiscreteGradient, degree, state, &[(4.0, 0.05)]);
+        let (state, _) = march(&body, DGM, degree, state, &[(4.0, 0.05)]);
         let exact = response * ((drive * 4.0).sin() - drive / w * (w * 4.0).sin());
         let error = (state.displacement[3 * end] - exact).abs() / response.abs();
         assert!(error < bound, "k = {degree}: {error}");
@@ -109,7 +111,7 @@ fn balances_close_under_loads_with_kinks_inside_steps() {
     let body = Body::new(mesh, vec![rubber], &supports, &loads).unwrap();
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     for degree in 1..=3 {
-        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(10)] {
+        for scheme in [DGM, assumed_strain(10)] {
             let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
             let (state, records) = march(&body, scheme, degree, state, &[(0.2, 0.03), (0.4, 0.07)]);
             let energy = records.iter().map(|r| r.total_energy).fold(0.0, f64::max);
@@ -136,7 +138,7 @@ fn a_driven_face_keeps_a_spin() {
         Body::new(mesh::block([1.0, 1.0, 2.0], [2, 2, 3]).unwrap(), vec![stiff], &supports, &[]).unwrap();
     let spin = InitialVelocity { angular_velocity: [0.0, 0.0, omega], about, ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
-    let (state, records) = march(&body, Scheme::DiscreteGradient, 2, state, &[(std::f64::consts::PI, 0.05)]);
+    let (state, records) = march(&body, DGM, 2, state, &[(std::f64::consts::PI, 0.05)]);
     // I_zz = m (a^2 + b^2)/12 about its own axis, which stands through (0.5, 0.5) and does not move.
     let momentum = 3.0 / 6.0 * omega;
     for record in &records {
@@ -188,9 +190,8 @@ fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
                     None
                 } else {
                     let settings = NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() };
-                    let mut motion =
-                        Motion::new(&body, Scheme::DiscreteGradient, degree, settings, state).unwrap();
-                    let energy = motion.step(0.2, end).unwrap().kinetic_energy;
+                    let mut motion = Motion::starting(&body, at(DGM, degree), settings, state).unwrap();
+                    let energy = motion.step(0.2).unwrap().kinetic_energy;
                     state = motion.state().clone();
                     Some(energy)
                 };
@@ -223,7 +224,7 @@ fn order_is_twice_the_degree() {
         Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![rubber], &supports, &[]).unwrap();
     let at_end = |degree: usize, size: f64| {
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let state = march(&body, Scheme::DiscreteGradient, degree, state, &[(1.0, size)]).0;
+        let state = march(&body, DGM, degree, state, &[(1.0, size)]).0;
         [state.displacement, state.velocity].concat()
     };
     let reference = at_end(5, 0.05);
@@ -259,8 +260,7 @@ fn what_cannot_be_driven_is_refused() {
     let zero = || vec![0.0; 24];
     let mut state = State { displacement: zero(), momentum: zero(), velocity: zero(), ..Default::default() };
     for scheme in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
-        let stepper =
-            scheme.parse::<Scheme>().unwrap().stepper(&body, 1, NewtonSettings::default(), &mut state);
+        let stepper = scheme.parse::<Scheme>().unwrap().stepper(&body, NewtonSettings::default(), &mut state);
         assert!(matches!(stepper, Err(Error::Scheme { .. })), "{scheme}");
     }
 }
@@ -285,7 +285,7 @@ fn a_swing_that_is_released() {
     for degree in 1..=3 {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let phases = [(0.5, 0.03), (0.7, 0.03), (1.2, 0.05)];
-        let (_, records) = march(&body, Scheme::DiscreteGradient, degree, state, &phases);
+        let (_, records) = march(&body, DGM, degree, state, &phases);
         let flight = &records[records.iter().position(|r| r.time == 0.7).unwrap()];
         for record in &records {
             assert!(record.energy_residual.abs() < 1e-11, "k = {degree}: {record:?}");

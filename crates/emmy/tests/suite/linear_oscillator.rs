@@ -8,6 +8,8 @@ use emmy::material::SaintVenantKirchhoff;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::Scheme;
 
+use crate::shared::schemes::at;
+
 const OMEGA: f64 = 3.0;
 const OMEGA_LUMPED: f64 = 2.449_489_742_783_178;
 
@@ -40,10 +42,10 @@ fn displaced(body: &Body) -> State {
 fn run(scheme: Scheme, h: f64, n_steps: usize) -> Vec<[f64; 2]> {
     let body = brick();
     let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20, ..NewtonSettings::default() };
-    let mut motion = Motion::new(&body, scheme, 1, settings, displaced(&body)).unwrap();
+    let mut motion = Motion::starting(&body, at(scheme, 1), settings, displaced(&body)).unwrap();
     let node = body.mesh().nearest_node([1.0, 0.0, 0.0]);
-    let step = |n: usize| {
-        motion.step(h, n as f64 * h).unwrap();
+    let step = |_: usize| {
+        motion.step(h).unwrap();
         let state = motion.state();
         [state.displacement[3 * node] / AMPLITUDE, state.velocity[3 * node] / AMPLITUDE]
     };
@@ -178,9 +180,10 @@ fn average_acceleration_conserves_the_energy_of_a_linear_system() {
     let energies = |scheme: &str, h: f64| {
         let body = brick();
         let settings = NewtonSettings { tolerance: 1e-13, max_iterations: 20, ..NewtonSettings::default() };
-        let mut motion = Motion::new(&body, scheme.parse().unwrap(), 1, settings, displaced(&body)).unwrap();
+        let mut motion =
+            Motion::starting(&body, at(scheme.parse().unwrap(), 1), settings, displaced(&body)).unwrap();
         let start = motion.record().total_energy;
-        let step = |n| motion.step(h, n as f64 * h).unwrap().total_energy / start - 1.0;
+        let step = |_| motion.step(h).unwrap().total_energy / start - 1.0;
         (1..=300).map(step).collect::<Vec<f64>>()
     };
     for h in [0.1, 1.0, 10.0] {
@@ -200,9 +203,9 @@ fn central_differences_know_their_critical_step() {
     let critical = 2.0 / OMEGA_LUMPED;
     let start = displaced(&body);
     let settings = NewtonSettings::default();
-    let mut motion = Motion::new(&body, Scheme::CentralDifferences, 1, settings, start).unwrap();
+    let mut motion = Motion::starting(&body, at(Scheme::CentralDifferences, 1), settings, start).unwrap();
     let before = motion.state().clone();
-    match motion.step(0.981 * critical, 0.981 * critical) {
+    match motion.step(0.981 * critical) {
         Err(emmy::Error::StepTooLarge { step: 1, critical: found, limit, .. }) => {
             assert!((found / critical - 1.0).abs() < 1e-5 && (limit / found - 0.98).abs() < 1e-12);
         }
@@ -211,8 +214,8 @@ fn central_differences_know_their_critical_step() {
     assert_eq!(*motion.state(), before);
     let h = 0.979 * critical;
     // Stable to the end: the velocity stays below that of the exact oscillator over the root of 1 - (h/h_critical)^2.
-    for n in 1..=500 {
-        motion.step(h, n as f64 * h).unwrap();
+    for _ in 1..=500 {
+        motion.step(h).unwrap();
         let largest = motion.state().displacement.iter().fold(0.0, |size: f64, u| size.max(u.abs()));
         assert!(largest < 2.0 * AMPLITUDE);
     }

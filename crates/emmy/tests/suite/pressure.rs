@@ -5,6 +5,7 @@
 use std::collections::HashMap;
 
 use crate::shared::patch::Patch;
+use crate::shared::schemes::{DGM, at};
 use emmy::average::{FollowerRule, Rule, Want};
 use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
 use emmy::element::facet_element;
@@ -101,10 +102,10 @@ fn flight_with(
     (n, h): (usize, f64),
 ) -> Vec<(Record, f64)> {
     let scheme: Scheme = scheme.parse().unwrap();
-    let mut motion = Motion::new(body, scheme, k, settings, start(body)).unwrap();
+    let mut motion = Motion::starting(body, at(scheme, k), settings, start(body)).unwrap();
     let mut records = vec![(motion.record().clone(), enclosed_volume(body, group, motion.state()))];
-    for i in 1..=n {
-        let record = motion.step(h, h * i as f64).unwrap().clone();
+    for _ in 1..=n {
+        let record = motion.step(h).unwrap().clone();
         records.push((record, enclosed_volume(body, group, motion.state())));
     }
     records
@@ -284,10 +285,10 @@ fn orders_in_time() {
         let end = |n: usize| {
             let scheme: Scheme = scheme.parse().unwrap();
             let settings = NewtonSettings { tolerance: 1e-13, ..Default::default() };
-            let mut motion = Motion::new(&body, scheme, k, settings, start(&body)).unwrap();
+            let mut motion = Motion::starting(&body, at(scheme, k), settings, start(&body)).unwrap();
             let h = 0.04 / n as f64;
-            (1..=n).for_each(|i| {
-                motion.step(h, h * i as f64).unwrap();
+            (1..=n).for_each(|_| {
+                motion.step(h).unwrap();
             });
             motion.state().displacement.clone()
         };
@@ -318,12 +319,13 @@ fn pressure_around_a_plane_body_has_a_potential() {
         edges.map(part).sum()
     };
     for k in 1..=2 {
-        let scheme = Scheme::DiscreteGradient;
-        let mut motion = Motion::new(&body, scheme, k, NewtonSettings::default(), start(&body)).unwrap();
+        let scheme = DGM;
+        let mut motion =
+            Motion::starting(&body, at(scheme, k), NewtonSettings::default(), start(&body)).unwrap();
         let sum = |motion: &Motion<'_>| motion.record().total_energy + 0.5 * PRESSURE * area(motion.state());
         let (first, volume) = (sum(&motion), area(motion.state()));
-        for i in 1..=15 {
-            motion.step(0.01, 0.01 * f64::from(i)).unwrap();
+        for _ in 1..=15 {
+            motion.step(0.01).unwrap();
             assert!((sum(&motion) - first).abs() < 1e-12 * first, "k = {k}: {} is not {first}", sum(&motion));
         }
         assert!((area(motion.state()) - volume).abs() > 0.005, "k = {k}");

@@ -4,6 +4,8 @@ use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 
+use crate::shared::schemes::at;
+
 /// What the independent implementation found.
 struct Expected {
     kinetic: f64,
@@ -54,7 +56,7 @@ fn assert_case(case: Case, scheme: &str, degree: usize, size: f64, until: f64, e
     let fields = if matches!(case, Case::Spinning) { vec![spin] } else { vec![] };
     let state = State::initial(&body, 0.0, &fields).unwrap();
     let settings = NewtonSettings::default();
-    let mut motion = Motion::new(&body, scheme.parse().unwrap(), degree, settings, state).unwrap();
+    let mut motion = Motion::starting(&body, at(scheme.parse().unwrap(), degree), settings, state).unwrap();
     motion.march(&StepPlan::new(0.0, vec![Phase { until, size }]).unwrap(), &mut []).unwrap();
     let record = motion.record();
     let tip = motion.state().position(&body, body.mesh().nearest_node(expected.tip));

@@ -7,6 +7,7 @@ use emmy::sparse::Solver;
 use emmy::time::Scheme;
 use emmy::{Error, mesh};
 
+use crate::shared::schemes::{DGM, assumed_strain, at, fe, lobatto};
 use crate::shared::watch::Watch;
 
 fn plan(phases: &[(f64, f64)]) -> StepPlan {
@@ -31,18 +32,18 @@ fn assert_same(
     let n = plan.n_steps();
     for after in [0, 1, n / 2, n - 1] {
         let mut whole = Watch { snapshot_after: Some(after), ..Watch::default() };
-        let mut motion = Motion::new(body, scheme, degree, settings, state()).unwrap();
+        let mut motion = Motion::starting(body, at(scheme, degree), settings, state()).unwrap();
         motion.allow_cuts(None);
         motion.march(plan, &mut [&mut whole]).unwrap_or_else(|error| panic!("{what}: {error}"));
-        let at = whole.records.iter().position(|record| record.step == after).unwrap();
+        let index = whole.records.iter().position(|record| record.step == after).unwrap();
         let snapshot = whole.snapshot.take().unwrap();
         let mut rest = Watch::default();
-        let mut resumed = Motion::resumed(body, scheme, degree, settings, snapshot.clone()).unwrap();
+        let mut resumed = Motion::resumed(body, at(scheme, degree), settings, snapshot.clone()).unwrap();
         assert_eq!(resumed.snapshot(), snapshot, "{what}");
         resumed.allow_cuts(None);
         resumed.march_on(plan, &mut [&mut rest]).unwrap();
         let (own, expected) =
-            (bits(&rest.records, resumed.state()), bits(&whole.records[at + 1..], motion.state()));
+            (bits(&rest.records, resumed.state()), bits(&whole.records[index + 1..], motion.state()));
         assert!(own == expected, "{what}, from step {after}:\n{own:.2000}\n{expected:.2000}");
     }
 }
@@ -79,12 +80,7 @@ fn every_time_element_goes_on_in_every_bit() {
     let body = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for degree in 1..=3 {
-        let schemes = [
-            Scheme::Standard(degree + 1),
-            Scheme::AssumedStrain(degree + 2),
-            Scheme::DiscreteGradient,
-            Scheme::Lobatto(degree + 1),
-        ];
+        let schemes = [fe(degree + 1), assumed_strain(degree + 2), DGM, lobatto(degree + 1)];
         for scheme in schemes {
             for solver in [Solver::Direct, Solver::Iterative] {
                 assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
@@ -136,7 +132,7 @@ fn a_stiff_body_that_turns_goes_on_in_every_bit() {
     let spin = InitialVelocity { gradient: [[0.0; 3]; 3], ..spin() };
     for degree in [1, 2] {
         let plan = plan(&[(1.0, 0.1)]);
-        for scheme in [Scheme::DiscreteGradient, Scheme::AssumedStrain(degree + 2)] {
+        for scheme in [DGM, assumed_strain(degree + 2)] {
             assert_same(&body, (scheme, degree), settings(Solver::Auto), &spin, &plan);
         }
     }
@@ -156,7 +152,7 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
         for solver in [Solver::Direct, Solver::Iterative] {
             let plan = plan(&[(0.2, 0.03), (0.4, 0.07)]);
             let rest = InitialVelocity::default();
-            assert_same(&body, (Scheme::DiscreteGradient, degree), settings(solver), &rest, &plan);
+            assert_same(&body, (DGM, degree), settings(solver), &rest, &plan);
         }
     }
 }
@@ -226,7 +222,7 @@ fn a_step_that_fails_is_cut_and_grows_back() {
     let plan = plan(&[(4.0, 0.5)]);
     let settings = NewtonSettings { max_iterations: 8, ..NewtonSettings::default() };
     let state = || State::initial(&body, 0.0, std::slice::from_ref(&start)).unwrap();
-    let motion = || Motion::new(&body, Scheme::Standard(1), 1, settings, state()).unwrap();
+    let motion = || Motion::starting(&body, at(fe(1), 1), settings, state()).unwrap();
     let failed = motion().march(&plan, &mut []);
     assert!(matches!(failed, Err(MarchError::Step(_))), "the step must fail by itself");
     let (mut watch, mut cut) = (Watch::default(), motion());
@@ -250,7 +246,7 @@ fn a_step_that_fails_is_cut_and_grows_back() {
         motion.allow_cuts(None);
         motion.march(&plan, &mut [&mut whole]).unwrap();
         let snapshot = whole.snapshot.unwrap();
-        let mut resumed = Motion::resumed(&body, Scheme::Standard(1), 1, settings, snapshot).unwrap();
+        let mut resumed = Motion::resumed(&body, at(fe(1), 1), settings, snapshot).unwrap();
         resumed.allow_cuts(None);
         resumed.march_on(&plan, &mut [&mut rest]).unwrap();
         let expected = bits(&whole.records[after + 1..], motion.state());
@@ -263,7 +259,7 @@ fn cuts_end_at_the_smallest_step() {
     let (body, start) = violent();
     let settings = NewtonSettings { max_iterations: 1, tolerance: 1e-15, ..NewtonSettings::default() };
     let state = State::initial(&body, 0.0, &[start]).unwrap();
-    let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 1, settings, state).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 1), settings, state).unwrap();
     motion.allow_cuts(Some(0.1));
     let mut watch = Watch::default();
     let failed = motion.march(&plan(&[(2.0, 0.5)]), &mut [&mut watch]);
@@ -278,7 +274,7 @@ fn central_differences_are_cut_below_their_critical_step() {
     let body = Body::new(mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber()], &[], &[]).unwrap();
     let state = State::initial(&body, 0.0, &[spin()]).unwrap();
     let mut motion =
-        Motion::new(&body, Scheme::CentralDifferences, 1, NewtonSettings::default(), state).unwrap();
+        Motion::starting(&body, at(Scheme::CentralDifferences, 1), NewtonSettings::default(), state).unwrap();
     motion.allow_cuts(None);
     let mut watch = Watch::default();
     motion.march(&plan(&[(0.4, 0.1)]), &mut [&mut watch]).unwrap();
@@ -292,10 +288,10 @@ fn a_memory_of_another_body_is_refused() {
     let (small, large) = (body(1), body(2));
     let motion = |body| {
         let state = State::initial(body, 0.0, &[]).unwrap();
-        Motion::new(body, Scheme::DiscreteGradient, 1, NewtonSettings::default(), state).unwrap()
+        Motion::starting(body, at(DGM, 1), NewtonSettings::default(), state).unwrap()
     };
     let of_small = motion(&small).snapshot();
     let snapshot = Snapshot { state: motion(&large).state().clone(), ..of_small };
-    let failed = Motion::resumed(&large, Scheme::DiscreteGradient, 1, NewtonSettings::default(), snapshot);
+    let failed = Motion::resumed(&large, at(DGM, 1), NewtonSettings::default(), snapshot);
     assert!(matches!(failed, Err(Error::Memory { .. })), "{failed:?}");
 }

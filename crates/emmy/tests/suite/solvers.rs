@@ -3,8 +3,10 @@
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
-use emmy::sparse::Solver;
+use emmy::sparse::{Solver, SolverKind};
 use emmy::time::Scheme;
+
+use crate::shared::schemes::at;
 
 fn spin(rate: f64) -> InitialVelocity {
     InitialVelocity { angular_velocity: [0.3 * rate, 0.5 * rate, 0.8 * rate], ..Default::default() }
@@ -20,8 +22,8 @@ fn flight(
     let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![region], &[], &[]).unwrap();
     let scheme: Scheme = scheme.parse().unwrap();
     let state = State::initial(&body, 0.0, &[motion]).unwrap();
-    let mut motion = Motion::new(&body, scheme, degree, settings, state).unwrap();
-    let records = (1..=n).map(|i| motion.step(h, h * i as f64).unwrap().clone()).collect();
+    let mut motion = Motion::starting(&body, at(scheme, degree), settings, state).unwrap();
+    let records = (1..=n).map(|_| motion.step(h).unwrap().clone()).collect();
     (records, motion.state().displacement.clone())
 }
 
@@ -49,7 +51,7 @@ fn all_lead_to_the_same_motion() {
             [(Solver::Iterative, true), (Solver::Direct, false), (Solver::Iterative, false)]
         {
             let (records, displacement) = with(solver, exact);
-            let wanted = records[0].solver.map(|choice| choice.is_iterative);
+            let wanted = records[0].solver.map(|choice| choice.kind == SolverKind::Iterative);
             assert_eq!(wanted, Some(solver == Solver::Iterative));
             for (u, expected) in displacement.iter().zip(&expected) {
                 assert!((u - expected).abs() < 1e-11 * size, "{scheme:?} {solver:?}: {u} {expected}");

@@ -6,7 +6,7 @@ use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 use emmy::motion::{Adaptivity, GlobalError, Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
-const DGM: Scheme = Scheme::DiscreteGradient;
+use crate::shared::schemes::{DGM, at};
 
 fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-12, max_iterations: 30, ..NewtonSettings::default() }
@@ -68,10 +68,10 @@ fn ringing(body: &Body) -> State {
         ..InitialVelocity::default()
     };
     let struck = State::initial(body, 0.0, &[swing("left", -0.3), swing("right", 0.3)]).unwrap();
-    let mut motion = Motion::new(body, Scheme::Bathe, 1, settings(), struck).unwrap();
+    let mut motion = Motion::starting(body, at(Scheme::Bathe, 1), settings(), struck).unwrap();
     let h = period() / 20.0;
-    for i in 1..=200 {
-        motion.step(h, h * f64::from(i)).unwrap();
+    for _ in 1..=200 {
+        motion.step(h).unwrap();
     }
     State { time: 0.0, step: 0, ..motion.state().clone() }
 }
@@ -82,15 +82,15 @@ fn equal(end: f64, n: usize) -> StepPlan {
 
 /// The state at the end of a plan.
 fn marched(body: &Body, start: &State, degree: usize, plan: &StepPlan) -> State {
-    let mut motion = Motion::new(body, DGM, degree, settings(), start.clone()).unwrap();
+    let mut motion = Motion::starting(body, at(DGM, degree), settings(), start.clone()).unwrap();
     motion.march(plan, &mut []).unwrap();
     motion.state().clone()
 }
 
 /// Estimated over true error of the positions at the end of a plan, and the true one.
 fn effectivity(body: &Body, start: &State, degree: usize, plan: &StepPlan, exact: &State) -> (f64, f64) {
-    let mut estimate = GlobalError::new(body, DGM, degree, settings(), start).unwrap();
-    let mut motion = Motion::new(body, DGM, degree, settings(), start.clone()).unwrap();
+    let mut estimate = GlobalError::new(body, at(DGM, degree), settings(), start).unwrap();
+    let mut motion = Motion::starting(body, at(DGM, degree), settings(), start.clone()).unwrap();
     motion.march(plan, &mut [&mut estimate]).unwrap();
     let pairs = motion.state().displacement.iter().zip(&exact.displacement);
     let error: Vec<f64> = pairs.map(|(own, exact)| own - exact).collect();

@@ -17,28 +17,23 @@ pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> 
     let window = window(arguments.window.as_deref(), from, to)?;
     let length = window.1 - window.0;
     let smallest = sizes(&arguments.sizes, length)?;
-    let degree = problem.degree;
     let reference_scheme = reference_scheme(arguments.reference_scheme.as_deref(), problem)?;
-    let reference_degree = reference_degree(arguments.reference_degree, reference_scheme, degree)?;
+    let reference_scheme =
+        with_degree(reference_scheme, arguments.reference_degree, problem.scheme.degree())?;
     let reference_size = match arguments.reference {
         None => 0.1 * smallest,
         // With a higher degree or another scheme a step need not be smaller to be more accurate.
-        Some(size) if reference_degree > degree || reference_scheme != problem.scheme => {
-            at_most(size, length, "the window")?
-        }
+        Some(size) if reference_scheme != problem.scheme => at_most(size, length, "the window")?,
         Some(size) => below(size, smallest)?,
     };
-    let (scheme, sizes) = (problem.scheme, arguments.sizes.clone());
     let releases = problem.supports.iter().filter_map(|support| support.until).collect();
     let study = Study {
-        scheme,
-        degree,
+        scheme: problem.scheme,
         from,
         window,
-        sizes,
+        sizes: arguments.sizes.clone(),
         reference_scheme,
         reference_size,
-        reference_degree,
         releases,
     };
     affordable(&study, problem.body.n_dofs())?;
@@ -109,20 +104,21 @@ fn sizes(sizes: &[f64], length: f64) -> Result<f64, Failure> {
 
 fn reference_scheme(asked: Option<&str>, problem: &Problem) -> Result<Scheme, Failure> {
     let Some(text) = asked else { return Ok(problem.scheme) };
-    text.parse().map_err(|error| fault("--reference-scheme", error, "such as --reference-scheme DGM"))
+    Scheme::from_name(text)
+        .map_err(|error| fault("--reference-scheme", error, "such as --reference-scheme DGM"))
 }
 
-fn reference_degree(asked: Option<usize>, scheme: Scheme, own: usize) -> Result<usize, Failure> {
+/// The scheme of the reference with the degree asked for, or that of the input.
+fn with_degree(scheme: Scheme, asked: Option<usize>, own: usize) -> Result<Scheme, Failure> {
     let degree = asked.unwrap_or(own);
     let flag = format!("--reference-degree {degree}");
     if degree < own {
         let what = format!("it is less than the degree {own} of the input");
         return Err(fault(&flag, what, "a reference must be more accurate than the members"));
     }
-    scheme.check(degree).map_err(|error| {
+    scheme.with_degree(degree).map_err(|error| {
         fault(&flag, error, "choose a scheme that allows it, or leave it out and give a smaller --reference")
-    })?;
-    Ok(degree)
+    })
 }
 
 fn at_most(size: f64, length: f64, of_what: &str) -> Result<f64, Failure> {

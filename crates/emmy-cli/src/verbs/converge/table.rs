@@ -40,14 +40,14 @@ pub fn json(study: &Study, reference: &Reference, rows: &[Row]) -> Value {
         })
     };
     json!({
-        "scheme": study.scheme.to_string(),
-        "degree": study.degree,
+        "scheme": study.scheme.name(),
+        "degree": study.scheme.degree(),
         "from": study.from,
         "window": [study.window.0, study.window.1],
         "reference": {
-            "scheme": study.reference_scheme.to_string(),
+            "scheme": study.reference_scheme.name(),
             "step_size": study.reference_size,
-            "degree": study.reference_degree,
+            "degree": study.reference_scheme.degree(),
             "kept": reference.is_kept,
             "wall_seconds": reference.wall_seconds,
             "interpolated": reference.n_interpolated,

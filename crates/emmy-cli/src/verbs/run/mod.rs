@@ -58,7 +58,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     directory::check_run(&problem)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
     critical_step(&problem, &state)?;
-    let mut motion = Motion::new(&problem.body, problem.scheme, problem.degree, problem.newton, state)?;
+    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
     motion.allow_cuts(problem.smallest_step);
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
@@ -118,11 +118,12 @@ pub fn march<'a>(
 
 /// Checks that what is asked for can be done, before anything is written.
 pub fn check(problem: &Problem, manner: &Manner) -> Result<(), Failure> {
-    let (scheme, degree) = (problem.scheme, problem.degree);
-    if !manner.estimate_error || scheme.is_time_element() && degree < MAX_DEGREE {
+    let scheme = problem.scheme;
+    if !manner.estimate_error || scheme.is_time_element() && scheme.degree() < MAX_DEGREE {
         return Ok(());
     }
-    let message = format!("--estimate-error: there is no next degree of {scheme}, degree {degree}");
+    let message =
+        format!("--estimate-error: there is no next degree of {}, degree {}", scheme.name(), scheme.degree());
     let help = format!("it goes with time elements up to degree {}", MAX_DEGREE - 1);
     Err(Failure::Usage { message, help: Some(help) })
 }
@@ -131,9 +132,9 @@ pub fn check(problem: &Problem, manner: &Manner) -> Result<(), Failure> {
 fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'a>, Failure> {
     // One degree above the highest that the motion may have.
     let degrees = problem.plan.adaptivity().and_then(|adaptivity| adaptivity.degrees);
-    let degree = degrees.map_or(problem.degree, |[_, highest]| highest);
-    let scheme = problem.scheme.of_degree(degree);
-    Ok(GlobalError::new(&problem.body, scheme, degree, problem.newton, state)?)
+    let degree = degrees.map_or(problem.scheme.degree(), |[_, highest]| highest);
+    let scheme = problem.scheme.at_degree(degree)?;
+    Ok(GlobalError::new(&problem.body, scheme, problem.newton, state)?)
 }
 
 /// How the march ended, as it stands in the summary and as the program ends.

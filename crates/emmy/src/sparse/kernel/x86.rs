@@ -7,8 +7,7 @@ use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::{V3, V4};
 
-use super::{Kernel, Work};
-use crate::sparse::blocks::{LOADED, Row};
+use super::{Kernel, LOADED, Row, Work};
 
 /// Work with the kernel of an instruction set, for vectors of C columns.
 pub struct With<const C: usize, S, W> {

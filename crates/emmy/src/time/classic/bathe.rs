@@ -1,7 +1,7 @@
 //! Bathe's composite method: trapezoidal rule, then the three-point backward Euler method.
 
 use super::forces::{Forces, Start, TimePoint};
-use super::{configurations, stage_form};
+use super::{configurations, stage_coefficients};
 use crate::body::Body;
 use crate::error::Result;
 use crate::newton::{NewtonSettings, Outcome};
@@ -52,10 +52,13 @@ impl<'a> BatheStepper<'a> {
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
-        let system =
-            StageSystem::new(body, stage_form(configurations(&[(1.0, 1.0)]), 1.0, 1.0), settings.solver)?;
+        let system = StageSystem::new(
+            body,
+            stage_coefficients(configurations(&[(1.0, 1.0)]), 1.0, 1.0),
+            settings.solver,
+        )?;
         Ok(BatheStepper {
-            iteration: Iteration::new(&system.form, n, settings),
+            iteration: Iteration::new(&system.coefficients, n, settings),
             system,
             forces,
             acceleration,
@@ -76,7 +79,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, state.time, part);
         self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, state, part, None)?;
-        self.iteration.remember(&self.system.form, part);
+        self.iteration.remember(&self.system.coefficients, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
         for (dof, x) in self.iteration.rates.iter().enumerate() {
@@ -102,7 +105,7 @@ impl<'a> BatheStepper<'a> {
         self.system.followers.sample(self.system.body, self.split.time, part);
         self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
         let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
-        self.iteration.remember(&self.system.form, part);
+        self.iteration.remember(&self.system.coefficients, part);
         let end = &mut self.points[2];
         let parts = self.split.displacement.iter().zip(&self.iteration.rates);
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);

@@ -3,7 +3,7 @@
 //! An implicit one solves equations of the shape of a time element of degree 1, with other coefficients and another known
 //! vector; its rule evaluates the internal force at configurations of the step instead of averaging the stress over it.
 //!
-//! What work and impulses mean here is said at [`super::Impulses`].
+//! [`super::Impulses`] defines work and impulses for these methods.
 
 mod bathe;
 mod central_differences;
@@ -13,9 +13,9 @@ mod newmark;
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
 pub(super) use forces::{Forces, Start};
-pub use newmark::{NewmarkParameters, NewmarkStepper};
+pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};
 
-use super::stage_system::StageForm;
+use super::stage_coefficients::StageCoefficients;
 use crate::average::Rule;
 use crate::quadrature::Quadrature;
 
@@ -27,6 +27,12 @@ fn configurations(points: &[(f64, f64)]) -> Rule {
 }
 
 /// Equations of a step `c M x - g + s^2 (f - F) = 0` with the force of a rule whose derivative by x is `w K`.
-fn stage_form(rule: Rule, c: f64, w: f64) -> StageForm {
-    StageForm { rule, mass: vec![c], inverse_mass: vec![1.0 / c], response: vec![w], dissipation: None }
+fn stage_coefficients(rule: Rule, c: f64, w: f64) -> StageCoefficients {
+    StageCoefficients {
+        rule,
+        mass: vec![c],
+        inverse_mass: vec![1.0 / c],
+        response: vec![w],
+        dissipation: None,
+    }
 }

@@ -1,13 +1,104 @@
 //! Newmark's family: Newmark, Hilber-Hughes-Taylor and generalized-alpha are one method with four parameters.
 
 use super::forces::{Forces, Start, TimePoint};
-use super::{configurations, stage_form};
+use super::{configurations, stage_coefficients};
 use crate::body::Body;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
-use crate::time::{Impulses, Memory, Scheme, State, StepOutcome, Stepper};
+use crate::time::time_element::{check_spectral_radius, named};
+use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
+
+/// A method of Newmark's family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NewmarkFamily {
+    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Of second order for gamma = 1/2; stable at any
+    /// step for a linear body if 2 beta >= gamma.
+    Newmark {
+        /// Weight of the new acceleration in the displacement.
+        beta: f64,
+        /// Weight of the new acceleration in the velocity.
+        gamma: f64,
+    },
+    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are taken at `1 - alpha` of the step. The
+    /// authors' own alpha has the opposite sign.
+    HilberHughesTaylor {
+        /// Dissipation of the high modes; 0 is the average acceleration method.
+        alpha: f64,
+    },
+    /// `generalized-alpha(rho)` (Chung and Hulbert 1993), 0 <= rho <= 1.
+    GeneralizedAlpha {
+        /// Spectral radius for infinitely high frequencies: 1 no dissipation, 0 all.
+        spectral_radius: f64,
+    },
+}
+
+impl NewmarkFamily {
+    /// Its scheme as an input has it: `HHT(0.05)`.
+    pub fn name(self) -> String {
+        match self {
+            NewmarkFamily::Newmark { beta, gamma } => named("Newmark", [beta, gamma]),
+            NewmarkFamily::HilberHughesTaylor { alpha } => named("HHT", [alpha]),
+            NewmarkFamily::GeneralizedAlpha { spectral_radius } => {
+                named("generalized-alpha", [spectral_radius])
+            }
+        }
+    }
+
+    /// Checks that the numbers are in their range.
+    ///
+    /// # Errors
+    /// [`Error::Scheme`].
+    pub fn check(self) -> Result<()> {
+        let fail = |reason: &str| Err(reason.to_string());
+        let checked = match self {
+            NewmarkFamily::Newmark { beta: 0.0, .. } => {
+                fail("beta must be in (0, 1]; beta = 0 is explicit: central-differences")
+            }
+            NewmarkFamily::Newmark { beta, .. } if !(beta > 0.0 && beta <= 1.0) => {
+                fail("beta must be in (0, 1]")
+            }
+            NewmarkFamily::Newmark { gamma, .. } if !(0.5..=1.0).contains(&gamma) => {
+                fail("gamma must be in [0.5, 1]: below 0.5 every motion grows")
+            }
+            NewmarkFamily::HilberHughesTaylor { alpha } if !(0.0..=1.0 / 3.0).contains(&alpha) => fail(
+                "alpha must be in [0, 1/3]; it is counted positive: HHT(0.05) is alpha = -0.05 of the authors",
+            ),
+            NewmarkFamily::GeneralizedAlpha { spectral_radius } => check_spectral_radius(spectral_radius),
+            NewmarkFamily::Newmark { .. } | NewmarkFamily::HilberHughesTaylor { .. } => Ok(()),
+        };
+        checked.map_err(|reason| Error::Scheme { scheme: self.name(), reason })
+    }
+
+    /// Its parameters.
+    ///
+    /// `HHT(alpha)`: alpha_f = alpha, gamma = 1/2 + alpha, beta = (1 + alpha)^2/4 (Hilber, Hughes and Taylor 1977).
+    /// `generalized-alpha(rho)`: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1) (Chung and Hulbert (1993),
+    /// equation (25)), gamma and beta as in equations (17) and (20).
+    ///
+    /// ```
+    /// use emmy::time::NewmarkFamily;
+    /// let parameters = NewmarkFamily::GeneralizedAlpha { spectral_radius: 1.0 }.parameters();
+    /// assert_eq!((parameters.alpha_m, parameters.alpha_f), (0.5, 0.5));
+    /// assert_eq!((parameters.beta, parameters.gamma), (0.25, 0.5));
+    /// ```
+    pub fn parameters(self) -> NewmarkParameters {
+        let second_order = |alpha_m: f64, alpha_f: f64| {
+            let sum = 1.0 - alpha_m + alpha_f;
+            NewmarkParameters { alpha_m, alpha_f, beta: 0.25 * sum * sum, gamma: sum - 0.5 }
+        };
+        match self {
+            NewmarkFamily::Newmark { beta, gamma } => {
+                NewmarkParameters { alpha_m: 0.0, alpha_f: 0.0, beta, gamma }
+            }
+            NewmarkFamily::HilberHughesTaylor { alpha } => second_order(0.0, alpha),
+            NewmarkFamily::GeneralizedAlpha { spectral_radius: rho } => {
+                second_order((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0))
+            }
+        }
+    }
+}
 
 /// Parameters of the family.
 ///
@@ -27,37 +118,6 @@ pub struct NewmarkParameters {
     pub beta: f64,
     /// Weight of the new acceleration in the velocity.
     pub gamma: f64,
-}
-
-impl NewmarkParameters {
-    /// Parameters of a scheme; `None` if it is not of the family.
-    ///
-    /// `HHT(alpha)`: alpha_f = alpha, gamma = 1/2 + alpha, beta = (1 + alpha)^2/4 (Hilber, Hughes and Taylor 1977).
-    /// `generalized-alpha(rho)`: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1) (Chung and Hulbert (1993),
-    /// equation (25)), gamma and beta as in equations (17) and (20).
-    ///
-    /// ```
-    /// use emmy::time::{NewmarkParameters, Scheme};
-    /// let parameters = NewmarkParameters::of(Scheme::GeneralizedAlpha { spectral_radius: 1.0 }).unwrap();
-    /// assert_eq!((parameters.alpha_m, parameters.alpha_f), (0.5, 0.5));
-    /// assert_eq!((parameters.beta, parameters.gamma), (0.25, 0.5));
-    /// ```
-    pub fn of(scheme: Scheme) -> Option<Self> {
-        let second_order = |alpha_m: f64, alpha_f: f64| {
-            let sum = 1.0 - alpha_m + alpha_f;
-            NewmarkParameters { alpha_m, alpha_f, beta: 0.25 * sum * sum, gamma: sum - 0.5 }
-        };
-        match scheme {
-            Scheme::Newmark { beta, gamma } => {
-                Some(NewmarkParameters { alpha_m: 0.0, alpha_f: 0.0, beta, gamma })
-            }
-            Scheme::HilberHughesTaylor { alpha } => Some(second_order(0.0, alpha)),
-            Scheme::GeneralizedAlpha { spectral_radius: rho } => {
-                Some(second_order((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)))
-            }
-            _ => None,
-        }
-    }
 }
 
 /// Stepper of Newmark's family. For the increment `x = u_2 - u_1`, with `c = (1 - alpha_m)/beta`,
@@ -102,11 +162,14 @@ impl<'a> NewmarkStepper<'a> {
         let mut forces = Forces::new(body);
         let Start { acceleration, inertia, point } = Start::new(&mut forces, state)?;
         let n = body.n_dofs();
-        let system =
-            StageSystem::new(body, stage_form(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f), settings.solver)?;
+        let system = StageSystem::new(
+            body,
+            stage_coefficients(rule, (1.0 - alpha_m) / beta, 1.0 - alpha_f),
+            settings.solver,
+        )?;
         Ok(NewmarkStepper {
             parameters,
-            iteration: Iteration::new(&system.form, n, settings),
+            iteration: Iteration::new(&system.coefficients, n, settings),
             system,
             forces,
             acceleration,
@@ -171,7 +234,7 @@ impl Stepper for NewmarkStepper<'_> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size, None)?;
         self.evaluate_end(state, step_size)?;
-        self.iteration.remember(&self.system.form, step_size);
+        self.iteration.remember(&self.system.coefficients, step_size);
         self.update(state, step_size);
         let impulses = self.impulses(step_size);
         std::mem::swap(&mut self.start, &mut self.end);

@@ -1,18 +1,17 @@
-//! Where Newton's iteration starts: the rigid motion of the step, and what the last step did besides its own.
+//! Starting point of Newton's iteration: the rigid motion of the step, plus the deviation of the last step from its own.
 
-pub(super) mod rigid;
-pub(super) mod rotation;
 #[cfg(test)]
 mod tests;
 
-use super::stage_system::{StageForm, StageSystem};
+use super::rigid_step::{self, RigidStep};
+use super::stage_coefficients::StageCoefficients;
+use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::body::{Body, sum};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
 use crate::tensor::Mat3;
-use rigid::RigidStep;
-use rotation::{cross, exp, image};
+use crate::tensor::rotation::{exp, image, skew};
 
 /// How the deviation of the last step from its rigid motion is carried into this one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +55,7 @@ pub struct Prediction {
     deviation: Vec<f64>,
     /// Size of the last step.
     last_size: Option<f64>,
-    coefficients: Vec<f64>,
+    continuation: Vec<f64>,
     /// Changes of the rotation in a balance of moments, and the moments of the stages.
     changes: Vec<Mat3<f64>>,
     moment: Vec<[f64; 3]>,
@@ -100,19 +99,19 @@ impl Prediction {
             sums: vec![[0.0; 3]; k],
             deviation: vec![0.0; k * n],
             last_size: None,
-            coefficients: vec![0.0; k * k],
+            continuation: vec![0.0; k * k],
             changes: vec![[[0.0; 3]; 3]; k],
             moment: vec![[0.0; 3]; k],
         }
     }
 
-    /// Keeps what the next steps depend on.
+    /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("prediction.deviation", &self.deviation);
         memory.keep("prediction.last_size", self.last_size.as_slice());
     }
 
-    /// Takes over what [`Prediction::keep`] kept.
+    /// Restores what [`Prediction::keep`] kept.
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -124,13 +123,14 @@ impl Prediction {
 
     /// Finds the rigid motion of a step whose known vectors and loads are set, those that follow included.
     pub fn start(&mut self, system: &StageSystem<'_>, state: &State) {
-        let (body, form) = (system.body, &system.form);
-        let k = form.rule.degree();
+        let body = system.body;
+        let stage = &system.coefficients;
+        let k = stage.rule.degree();
         self.free = Free::of(body);
         let mass: f64 = body.mass().iter().sum();
         self.mass = 0.0;
         self.translation.fill([0.0; 3]);
-        self.rigid.stay();
+        self.rigid.set_rest();
         let is_first = self.last_size.is_none();
         if is_first {
             self.deviation
@@ -146,7 +146,7 @@ impl Prediction {
         self.set_known(system);
         for (j, rate) in self.translation.iter_mut().enumerate() {
             for d in (0..3).filter(|d| shifts[*d]) {
-                let total: f64 = (0..k).map(|i| form.inverse_mass[j * k + i] * self.sums[i][d]).sum();
+                let total: f64 = (0..k).map(|i| stage.inverse_mass[j * k + i] * self.sums[i][d]).sum();
                 rate[d] = total / mass;
             }
         }
@@ -154,16 +154,16 @@ impl Prediction {
         for (my, y) in self.weighted_arm.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
             (0..3).for_each(|d| (0..3).for_each(|e| inertia[d][e] += my[d] * y[e]));
         }
-        self.rigid.solve(form, &inertia, &self.moments, turns);
+        self.rigid.solve(stage, &inertia, &self.moments, turns);
         if is_first {
             let linear = sum(&state.momentum).map(|p| p / mass);
             let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
-            self.take_rigid_velocity(&inertia, &state.momentum, drift, turns);
+            self.subtract_rigid_velocity(&inertia, &state.momentum, drift, turns);
         }
     }
 
-    /// Takes the velocity of the rigid motion with the momentum of the state out of the deviation.
-    fn take_rigid_velocity(
+    /// Subtracts from the deviation the velocity of the rigid motion with the momentum of the state.
+    fn subtract_rigid_velocity(
         &mut self,
         inertia: &Mat3<f64>,
         momentum: &[f64],
@@ -174,8 +174,8 @@ impl Prediction {
         for (p, y) in momentum.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
             (0..3).for_each(|d| (0..3).for_each(|e| moments[d][e] += p[d] * y[e]));
         }
-        let Some(spin) = rigid::spin(inertia, &moments, turns) else { return };
-        let turn = cross(&spin);
+        let Some(spin) = rigid_step::spin(inertia, &moments, turns) else { return };
+        let turn = skew(&spin);
         let n = self.arm.len();
         for z in self.deviation.chunks_exact_mut(n) {
             for (z, y) in z.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)) {
@@ -229,13 +229,13 @@ impl Prediction {
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
             system.unbalanced(rates, residual);
-            self.set_resultants(system.form.rule.coefficients(), rates, residual);
+            self.set_resultants(system.coefficients.rule.coefficients(), rates, residual);
             let left = self.resultant_size();
             if left == 0.0 || pass >= FEWEST_BALANCES && left > ROUNDING * last {
                 return;
             }
             last = left;
-            let inverse_mass = &system.form.inverse_mass;
+            let inverse_mass = &system.coefficients.inverse_mass;
             self.rigid.balance(&self.moment, self.free.turns, &mut self.changes);
             for (j, rates) in rates.chunks_exact_mut(n).enumerate() {
                 let shift = [0, 1, 2].map(|d| {
@@ -282,7 +282,7 @@ impl Prediction {
 
     /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
     pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
-        let (n, s, rule) = (self.arm.len(), system.time_scale, &system.form.rule);
+        let (n, s, rule) = (self.arm.len(), system.time_scale, &system.coefficients.rule);
         let mut work = 0.0;
         let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
         if self.mass > 0.0 {
@@ -315,21 +315,21 @@ impl Prediction {
     }
 
     /// Predicts the rates of the step that was started.
-    pub fn predict(&mut self, carry: Carry, form: &StageForm, step_size: f64, rates: &mut [f64]) {
-        let (k, n) = (form.rule.degree(), self.arm.len());
+    pub fn predict(&mut self, carry: Carry, stage: &StageCoefficients, step_size: f64, rates: &mut [f64]) {
+        let (k, n) = (stage.rule.degree(), self.arm.len());
         match self.last_size {
-            Some(last_size) => self.set_coefficients(carry, form, step_size / last_size),
+            Some(last_size) => self.set_continuation(carry, stage, step_size / last_size),
             // The deviation is a velocity, the same in all stages.
-            None if carry == Carry::Nothing => self.set_coefficients(carry, form, 0.0),
-            None => self.set_coefficients(Carry::Repeated, form, step_size),
+            None if carry == Carry::Nothing => self.set_continuation(carry, stage, 0.0),
+            None => self.set_continuation(Carry::Repeated, stage, step_size),
         }
         for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
-            let turn = exp(&self.rigid.rotation.map(|w| form.rule.nodes()[i] * w));
+            let turn = exp(&self.rigid.rotation.map(|w| stage.rule.nodes()[i] * w));
             let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
             let nodes = rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)).enumerate();
             for (node, (x, y)) in nodes {
                 let mut carried = [0.0; 3];
-                for (e, z) in self.coefficients[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
+                for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
                     (0..3).for_each(|d| carried[d] += e * z[3 * node + d]);
                 }
                 let (rigid, carried) = (image(D, y), image(&turn, &carried));
@@ -339,23 +339,23 @@ impl Prediction {
     }
 
     /// Sets e for a ratio of step sizes, new over old.
-    fn set_coefficients(&mut self, carry: Carry, form: &StageForm, ratio: f64) {
+    fn set_continuation(&mut self, carry: Carry, stage: &StageCoefficients, ratio: f64) {
         match carry {
-            Carry::Continued => form.rule.continuation(ratio, &mut self.coefficients),
+            Carry::Continued => stage.rule.continuation(ratio, &mut self.continuation),
             Carry::Repeated => {
-                self.coefficients.fill(0.0);
-                self.coefficients.iter_mut().step_by(form.rule.degree() + 1).for_each(|e| *e = ratio);
+                self.continuation.fill(0.0);
+                self.continuation.iter_mut().step_by(stage.rule.degree() + 1).for_each(|e| *e = ratio);
             }
-            Carry::Nothing => self.coefficients.fill(0.0),
+            Carry::Nothing => self.continuation.fill(0.0),
         }
     }
 
     /// Keeps what the rates of the step that was started have besides its rigid motion.
-    pub fn remember(&mut self, form: &StageForm, rates: &[f64], step_size: f64) {
+    pub fn remember(&mut self, stage: &StageCoefficients, rates: &[f64], step_size: f64) {
         let n = self.arm.len();
         let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
         for (i, (rates, deviation)) in stages {
-            let turn = exp(&self.rigid.rotation.map(|w| (1.0 - form.rule.nodes()[i]) * w));
+            let turn = exp(&self.rigid.rotation.map(|w| (1.0 - stage.rule.nodes()[i]) * w));
             let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
             let nodes = rates.chunks_exact(3).zip(self.arm.chunks_exact(3));
             for (z, (x, y)) in deviation.chunks_exact_mut(3).zip(nodes) {

@@ -1,15 +1,15 @@
-//! What is predicted exactly.
+//! Motions that are predicted exactly.
 
-use super::rigid::RigidStep;
-use super::rotation::{UNIT, cross, exp, image, product, product_transposed};
 use super::{Carry, Prediction};
 use crate::body::{Body, InitialVelocity, Region, Support};
 use crate::material::NeoHooke;
 use crate::mesh::{Mesh, block};
 use crate::sparse::Solver;
 use crate::tensor::Mat3;
+use crate::tensor::rotation::{IDENTITY, exp, image, product, product_transposed, skew};
+use crate::time::rigid_step::RigidStep;
 use crate::time::stage_system::StageSystem;
-use crate::time::{Scheme, State, TimeElement};
+use crate::time::{State, TimeElement};
 
 fn body_of(mesh: Mesh) -> Body {
     let rubber = Region::new(None, 1.5, NeoHooke::new(1000.0, 500.0).unwrap());
@@ -17,14 +17,13 @@ fn body_of(mesh: Mesh) -> Body {
 }
 
 fn system(body: &Body, k: usize) -> StageSystem<'_> {
-    StageSystem::new(body, TimeElement::new(Scheme::DiscreteGradient, k).unwrap().into(), Solver::Auto)
-        .unwrap()
+    StageSystem::new(body, TimeElement::discrete_gradient(k).unwrap().coefficients(), Solver::Auto).unwrap()
 }
 
 fn start(system: &mut StageSystem<'_>, prediction: &mut Prediction, state: &State, h: f64) {
     system.start(&state.displacement, h);
-    let (k, n) = (system.form.rule.degree(), state.momentum.len());
-    for (row, known) in system.form.mass.chunks_exact(k).zip(system.known.chunks_exact_mut(n)) {
+    let (k, n) = (system.coefficients.rule.degree(), state.momentum.len());
+    for (row, known) in system.coefficients.mass.chunks_exact(k).zip(system.known.chunks_exact_mut(n)) {
         let sum: f64 = row.iter().sum();
         known.iter_mut().zip(&state.momentum).for_each(|(g, p)| *g = sum * h * p);
     }
@@ -39,8 +38,8 @@ fn spinning(body: &Body, angular_velocity: [f64; 3]) -> State {
 
 /// The turn of the whole step, `I + sum_j b_j D_j`.
 fn whole_turn(prediction: &Prediction, system: &StageSystem<'_>) -> Mat3<f64> {
-    let mut end = UNIT;
-    for (D, b) in prediction.rigid.rates.iter().zip(system.form.rule.weights()) {
+    let mut end = IDENTITY;
+    for (D, b) in prediction.rigid.rates.iter().zip(system.coefficients.rule.weights()) {
         (0..3).for_each(|i| (0..3).for_each(|j| end[i][j] += b * D[i][j]));
     }
     end
@@ -61,12 +60,12 @@ fn a_step_turns_the_body_by_an_orthogonal_tensor_without_strain_rates() {
         let mut prediction = Prediction::new(k, body.n_dofs());
         start(&mut system, &mut prediction, &state, 0.4);
         let end = whole_turn(&prediction, &system);
-        assert_close(&product_transposed(&end, &end), &UNIT, 1e-14);
+        assert_close(&product_transposed(&end, &end), &IDENTITY, 1e-14);
         assert_close(&exp(&prediction.rigid.rotation), &end, 1e-14);
         for i in 0..k {
-            let mut place = UNIT;
+            let mut place = IDENTITY;
             for (j, D) in prediction.rigid.rates.iter().enumerate() {
-                let a = system.form.rule.coefficients()[i * k + j];
+                let a = system.coefficients.rule.coefficients()[i * k + j];
                 (0..9).for_each(|at| place[at / 3][at % 3] += a * D[at / 3][at % 3]);
             }
             let transposed = [0, 1, 2].map(|r| [0, 1, 2].map(|c| place[c][r]));
@@ -109,7 +108,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let mut rates = vec![0.0; k * n];
-        prediction.predict(Carry::Repeated, &system.form, 0.3, &mut rates);
+        prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
         // Nothing but the rigid motion at first: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
             let (move_on, D) = (prediction.translation[i], prediction.rigid.rates[i]);
@@ -119,7 +118,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
             }
         }
         rates.iter_mut().enumerate().for_each(|(at, x)| *x = 0.5 * (1.3 * at as f64).sin());
-        prediction.remember(&system.form, &rates, 0.3);
+        prediction.remember(&system.coefficients, &rates, 0.3);
 
         let turn = exp(&prediction.rigid.rotation);
         let mut next = spinning(&body, [0.0; 3]);
@@ -133,7 +132,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
         }
         start(&mut system, &mut prediction, &next, 0.3);
         let mut predicted = vec![0.0; k * n];
-        prediction.predict(Carry::Repeated, &system.form, 0.3, &mut predicted);
+        prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut predicted);
         for (new, old) in predicted.chunks_exact(3).zip(rates.chunks_exact(3)) {
             let expected = image(&turn, old);
             (0..3).for_each(|d| assert!((new[d] - expected[d]).abs() < 1e-13, "k = {k}"));
@@ -150,11 +149,11 @@ fn a_translation_is_predicted_whatever_the_step_size() {
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let at_speed = |h: f64| state.velocity.iter().cycle().take(k * n).map(move |v| h * v);
-        prediction.remember(&system.form, &at_speed(0.3).collect::<Vec<f64>>(), 0.3);
+        prediction.remember(&system.coefficients, &at_speed(0.3).collect::<Vec<f64>>(), 0.3);
         for carry in [Carry::Continued, Carry::Repeated, Carry::Nothing] {
             let mut predicted = vec![0.0; k * n];
             start(&mut system, &mut prediction, &state, 0.7);
-            prediction.predict(carry, &system.form, 0.7, &mut predicted);
+            prediction.predict(carry, &system.coefficients, 0.7, &mut predicted);
             for (x, expected) in predicted.iter().zip(at_speed(0.7)) {
                 assert!((x - expected).abs() < 1e-13);
             }
@@ -182,7 +181,7 @@ fn lines_planes_and_supports_are_no_special_cases() {
     let mid_point = system(&plane, 1);
     let mut rod = RigidStep::new(1);
     let tensor = |b: [f64; 3]| [0, 1, 2].map(|i| [0, 1, 2].map(|j| b[i] * along[j]));
-    rod.solve(&mid_point.form, &tensor(along), &[tensor(velocity.map(|v| 2.0 * v))], [true; 3]);
+    rod.solve(&mid_point.coefficients, &tensor(along), &[tensor(velocity.map(|v| 2.0 * v))], [true; 3]);
     let rate = image(&rod.rates[0], &along);
     // x = w x (y + x/2) with the angle 2 atan(|v|/2) in the plane of y and v.
     let speed = 0.05f64.sqrt();
@@ -212,9 +211,9 @@ fn resultants_and_moments_are_balanced_to_rounding() {
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let (mut rates, mut residual) = (vec![0.0; k * n], vec![0.0; k * n]);
-        prediction.predict(Carry::Repeated, &system.form, 0.3, &mut rates);
+        prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
         for (x, y) in rates.chunks_exact_mut(3).zip(prediction.arm.chunks_exact(3).cycle()) {
-            let turned = image(&cross(&[1e-6, -2e-6, 3e-6]), y);
+            let turned = image(&skew(&[1e-6, -2e-6, 3e-6]), y);
             (0..3).for_each(|d| x[d] += turned[d] + 1e-6 * (d as f64 - 0.5));
         }
         let size: f64 = state.momentum.iter().map(|p| 0.3 * p.abs()).sum();

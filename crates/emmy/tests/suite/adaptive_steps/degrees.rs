@@ -3,10 +3,11 @@
 use emmy::Error;
 use emmy::body::Body;
 use emmy::motion::{Adaptivity, EventKind, MarchError, Motion, State, StepPlan};
-use emmy::time::{Estimator, Scheme};
+use emmy::time::Estimator;
 
 use super::problems::*;
 use super::{Watch, march};
+use crate::shared::schemes::{DGM, at};
 
 fn plan(until: f64, tolerance: f64, degrees: Option<[usize; 2]>) -> StepPlan {
     let estimator = Some(Estimator::Residual);
@@ -95,11 +96,11 @@ fn assert_goes_on(body: &Body, state: &State, plan: &StepPlan) {
     // Before the step in which it is decided, after it, and after the first one of the new degree.
     for after in [change - 1, change, change + 1, (change + n) / 2, n - 1] {
         let mut whole = Watch { snapshot_after: Some(after), ..Watch::default() };
-        let mut motion = Motion::new(body, DGM, 1, settings(), state.clone()).unwrap();
+        let mut motion = Motion::starting(body, at(DGM, 1), settings(), state.clone()).unwrap();
         motion.march(plan, &mut [&mut whole]).unwrap();
         let snapshot = whole.snapshot.take().unwrap();
         let mut rest = Watch::default();
-        let mut resumed = Motion::resumed(body, DGM, 1, settings(), snapshot.clone()).unwrap();
+        let mut resumed = Motion::resumed(body, at(DGM, 1), settings(), snapshot.clone()).unwrap();
         assert_eq!(resumed.snapshot(), snapshot);
         resumed.march_on(plan, &mut [&mut rest]).unwrap();
         let own = format!("{:?} {:?}", rest.records, resumed.state());
@@ -145,8 +146,7 @@ fn degrees_that_cannot_be_are_named() {
         ("estimator", Adaptivity { estimator: difference, ..good }, 1),
     ] {
         let plan = StepPlan::adaptive(0.0, 1.0, bad).unwrap();
-        let mut motion =
-            Motion::new(&body, Scheme::DiscreteGradient, degree, settings(), state.clone()).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state.clone()).unwrap();
         match motion.march(&plan, &mut []) {
             Err(MarchError::Step(Error::Adaptivity { setting: named, .. })) => assert_eq!(named, setting),
             other => panic!("{setting}: {other:?}"),

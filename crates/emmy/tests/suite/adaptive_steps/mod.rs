@@ -12,13 +12,14 @@ use emmy::motion::{Phase, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
 use emmy::{Error, mesh, sparse::Solver};
 
+use crate::shared::schemes::{DGM, at, fe};
 use crate::shared::watch::Watch;
 use problems::*;
 
 /// Estimated over true error of the displacement at the end of a march.
 fn effectivity((body, start): &(Body, State), degree: usize, plan: &StepPlan, exact: &State) -> f64 {
-    let mut estimate = GlobalError::new(body, DGM, degree, settings(), start).unwrap();
-    let mut motion = Motion::new(body, DGM, degree, settings(), start.clone()).unwrap();
+    let mut estimate = GlobalError::new(body, at(DGM, degree), settings(), start).unwrap();
+    let mut motion = Motion::starting(body, at(DGM, degree), settings(), start.clone()).unwrap();
     motion.march(plan, &mut [&mut estimate]).unwrap();
     let pairs = motion.state().displacement.iter().zip(&exact.displacement);
     let error: Vec<f64> = pairs.map(|(own, exact)| own - exact).collect();
@@ -27,7 +28,7 @@ fn effectivity((body, start): &(Body, State), degree: usize, plan: &StepPlan, ex
 
 /// The state at the end of equal steps of FE(k).
 fn reference((body, start): &(Body, State), degree: usize, until: f64, size: f64) -> State {
-    let mut motion = Motion::new(body, Scheme::Standard(degree), degree, settings(), start.clone()).unwrap();
+    let mut motion = Motion::starting(body, at(fe(degree), degree), settings(), start.clone()).unwrap();
     motion.march(&equal(until, size), &mut []).unwrap();
     motion.state().clone()
 }
@@ -88,7 +89,7 @@ fn what_no_step_resolves_is_estimated_in_size() {
 
 fn march(body: &Body, state: &State, degree: usize, plan: &StepPlan) -> (Watch, State) {
     let mut watch = Watch::default();
-    let mut motion = Motion::new(body, DGM, degree, settings(), state.clone()).unwrap();
+    let mut motion = Motion::starting(body, at(DGM, degree), settings(), state.clone()).unwrap();
     motion.march(plan, &mut [&mut watch]).unwrap();
     let end = motion.state().clone();
     (watch, end)
@@ -144,11 +145,11 @@ fn an_eccentric_orbit_takes_a_third_of_the_equal_steps_at_equal_error() {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
         let (error, n) = (closure(&body, &end), watch.records.len() - 1 + refusals(&watch));
         // Equal steps, three times as many.
-        let mut motion = Motion::new(&body, DGM, degree, settings(), state.clone()).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state.clone()).unwrap();
         let equal = 3 * n;
         let h = period(e) / equal as f64;
-        for i in 1..=equal {
-            motion.step(h, h * i as f64).unwrap();
+        for _ in 1..=equal {
+            motion.step(h).unwrap();
         }
         let of_equal = closure(&body, motion.state());
         // The book's table.
@@ -308,11 +309,11 @@ fn a_motion_that_goes_on_from_a_snapshot_is_the_motion_itself() {
         };
         for after in [0, 1, n / 3, n / 2, 3 * n / 4, n - 1] {
             let mut whole = Watch { snapshot_after: Some(after), ..Watch::default() };
-            let mut motion = Motion::new(&body, DGM, degree, settings, state.clone()).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, degree), settings, state.clone()).unwrap();
             motion.march(&plan, &mut [&mut whole]).unwrap();
             let snapshot = whole.snapshot.take().unwrap();
             let mut rest = Watch::default();
-            let mut resumed = Motion::resumed(&body, DGM, degree, settings, snapshot.clone()).unwrap();
+            let mut resumed = Motion::resumed(&body, at(DGM, degree), settings, snapshot.clone()).unwrap();
             assert_eq!(resumed.snapshot(), snapshot);
             resumed.march_on(&plan, &mut [&mut rest]).unwrap();
             let own = format!("{:?} {:?}", rest.records, resumed.state());
@@ -330,7 +331,7 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
     let (body, state) = orbit(0.9);
     let adaptivity = Adaptivity { smallest: 0.05, ..Adaptivity::new(1e-8) };
     let plan = StepPlan::adaptive(0.0, period(0.9), adaptivity).unwrap();
-    let mut motion = Motion::new(&body, DGM, 1, settings(), state).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 1), settings(), state).unwrap();
     let before = motion.state().clone();
     match motion.march(&plan, &mut []) {
         Err(MarchError::Step(Error::SmallestStep { cause, .. })) => {
@@ -370,7 +371,7 @@ fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
 fn what_has_no_scale_or_no_estimate_is_refused() {
     let (body, state) = orbit(0.5);
     let newmark = "Newmark(0.25, 0.5)".parse().unwrap();
-    let mut motion = Motion::new(&body, newmark, 1, settings(), state).unwrap();
+    let mut motion = Motion::starting(&body, at(newmark, 1), settings(), state).unwrap();
     let refused = motion.march(&adaptive(1.0, 1e-4), &mut []);
     assert!(matches!(refused, Err(MarchError::Step(Error::Scheme { .. }))), "{refused:?}");
 }

@@ -3,12 +3,10 @@
 use emmy::body::{Body, Nodal, PointMass, Region};
 use emmy::material::Link;
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::time::Scheme;
 
 pub use crate::shared::blocks::{soft_block, soft_block_under};
 pub use crate::shared::points::{moving, network, orbit};
-
-pub const DGM: Scheme = Scheme::DiscreteGradient;
+use crate::shared::schemes::{at, fe};
 
 pub fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
@@ -39,10 +37,9 @@ pub fn mean(body: &Body, field: &[f64]) -> f64 {
 
 /// The state after a time, by an element of a high degree in many steps.
 pub fn exact(body: &Body, state: &State, time: f64) -> State {
-    let mut motion = Motion::new(body, Scheme::Standard(5), 5, settings(), state.clone()).unwrap();
-    let start = state.time;
-    for i in 1..=8 {
-        motion.step(time / 8.0, start + time * f64::from(i) / 8.0).unwrap();
+    let mut motion = Motion::starting(body, at(fe(5), 5), settings(), state.clone()).unwrap();
+    for _ in 1..=8 {
+        motion.step(time / 8.0).unwrap();
     }
     motion.state().clone()
 }

@@ -3,6 +3,7 @@
 use emmy::motion::Record;
 
 use super::*;
+use crate::shared::schemes::{DGM, at};
 
 const WIDTH: f64 = 0.01;
 
@@ -31,7 +32,7 @@ fn at_rest(body: &Body) -> State {
 
 /// The record at the end of a march from rest.
 fn end(body: &Body, degree: usize, plan: &StepPlan) -> Record {
-    let mut motion = Motion::new(body, DGM, degree, settings(), at_rest(body)).unwrap();
+    let mut motion = Motion::starting(body, at(DGM, degree), settings(), at_rest(body)).unwrap();
     motion.march(plan, &mut []).unwrap();
     motion.record().clone()
 }
@@ -68,7 +69,7 @@ fn a_moving_support_is_found_from_rest() {
 fn planned_steps_that_miss_a_pulse_are_counted() {
     let body = loaded();
     for (scheme, size, missed) in [(DGM, 0.5, 1..3), (DGM, 0.005, 0..1), (Scheme::Bathe, 0.5, 1..3)] {
-        let mut motion = Motion::new(&body, scheme, 1, settings(), at_rest(&body)).unwrap();
+        let mut motion = Motion::starting(&body, at(scheme, 1), settings(), at_rest(&body)).unwrap();
         let mut count = Unresolved(0);
         let plan =
             StepPlan::new(0.0, vec![Phase { until: 4.6, size: 0.46 }, Phase { until: 5.6, size }]).unwrap();
@@ -95,7 +96,7 @@ impl emmy::motion::Observer for Unresolved {
 fn a_smallest_size_that_misses_a_pulse_ends_the_march() {
     let body = loaded();
     let plan = StepPlan::adaptive(0.0, 10.0, Adaptivity { smallest: 0.2, ..Adaptivity::new(1e-4) }).unwrap();
-    let mut motion = Motion::new(&body, DGM, 1, settings(), at_rest(&body)).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 1), settings(), at_rest(&body)).unwrap();
     let Err(MarchError::Step(Error::SmallestStep { cause, .. })) = motion.march(&plan, &mut []) else {
         panic!("the pulse is missed");
     };

@@ -8,6 +8,7 @@ use emmy::motion::{Adaptivity, Motion, Observer, StepPlan, View};
 
 use super::problems::*;
 use super::state::oscillator;
+use crate::shared::schemes::{DGM, at};
 
 #[test]
 fn the_gradient_does_not_depend_on_the_checkpoints() {
@@ -17,7 +18,7 @@ fn the_gradient_does_not_depend_on_the_checkpoints() {
     for degree in [1, 3] {
         let (mut gradients, mut errors) = (Vec::new(), Vec::new());
         for spacing in [None, Some(1), Some(4), Some(7), Some(23), Some(100)] {
-            let mut motion = Motion::new(&body, DGM, degree, settings(), start.clone()).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, degree), settings(), start.clone()).unwrap();
             let mut trajectory = Trajectory::new(&motion).unwrap();
             if let Some(spacing) = spacing {
                 trajectory = trajectory.with_spacing(spacing);
@@ -69,7 +70,7 @@ fn gradients_of_adaptive_motions_are_those_at_their_steps() {
     let goal = Goal::displacement_at(&body, 0, [0.6, 0.8, 0.0]);
     for degree in [1, 2] {
         let plan = StepPlan::adaptive(0.0, 1.5, Adaptivity::new(1e-4)).unwrap();
-        let mut motion = Motion::new(&body, DGM, degree, settings(), start.clone()).unwrap();
+        let mut motion = Motion::starting(&body, at(DGM, degree), settings(), start.clone()).unwrap();
         let (mut trajectory, mut sizes) = (Trajectory::new(&motion).unwrap(), Sizes::default());
         motion.march(&plan, &mut [&mut trajectory, &mut sizes]).unwrap();
         let gradient = trajectory.gradient(&goal, &[]).unwrap();
@@ -77,9 +78,9 @@ fn gradients_of_adaptive_motions_are_those_at_their_steps() {
             let mut state = start.clone();
             let direction = scattered(6, 1);
             shift(&body, &mut state, d, &direction, d, &direction);
-            let mut motion = Motion::new(&body, DGM, degree, settings(), state).unwrap();
-            sizes.0.iter().for_each(|&[size, end]| {
-                motion.step(size, end).unwrap();
+            let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state).unwrap();
+            sizes.0.iter().for_each(|&[size, _]| {
+                motion.step(size).unwrap();
             });
             goal.value(motion.state())
         };

@@ -2,9 +2,9 @@
 
 use emmy::adjoint::Goal;
 use emmy::motion::{Adaptivity, StepPlan};
-use emmy::time::Scheme;
 
 use super::problems::*;
+use crate::shared::schemes::{DGM, fe};
 
 /// The estimate has the sign and, where the steps resolve the motion, the size of the error of a probe.
 #[test]
@@ -21,7 +21,7 @@ fn the_error_of_a_goal_is_estimated_with_its_sign() {
         ("soft block", soft_block(), 1.0, 0.01, 1e-5, of_block),
     ];
     for (name, (body, start), until, size, tolerance, quoted) in &problems {
-        let exact = end(body, Scheme::Standard(5), 5, start, &equal(*until, 0.5 * size));
+        let exact = end(body, fe(5), 5, start, &equal(*until, 0.5 * size));
         for degree in [1, 2, 3] {
             let adaptive = StepPlan::adaptive(0.0, *until, Adaptivity::new(*tolerance)).unwrap();
             let mut quoted = quoted[degree - 1].into_iter();

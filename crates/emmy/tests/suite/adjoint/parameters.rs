@@ -5,6 +5,7 @@ use emmy::body::Body;
 use emmy::time::Scheme;
 
 use super::problems::*;
+use crate::shared::schemes::{DGM, assumed_strain, fe};
 
 /// Relative difference of a derivative by a parameter from that of whole motions.
 fn parameter_error(body: impl Fn(f64) -> Result<Body>, value: f64, (scheme, degree): (Scheme, usize)) -> f64 {
@@ -25,7 +26,7 @@ fn parameter_error(body: impl Fn(f64) -> Result<Body>, value: f64, (scheme, degr
 #[test]
 fn gradients_by_parameters_are_differences_of_motions() {
     for k in 1..=3 {
-        for scheme in [Scheme::Standard(k), Scheme::AssumedStrain(k + 1), DGM] {
+        for scheme in [fe(k), assumed_strain(k + 1), DGM] {
             for rubber in [true, false] {
                 let errors = [
                     parameter_error(|lambda| held_block([lambda, 15.0], 1.0, 2.0, rubber), 30.0, (scheme, k)),

@@ -10,10 +10,11 @@ use emmy::time::Scheme;
 
 pub use crate::shared::blocks::soft_block;
 pub use crate::shared::points::{masses, network, orbit};
+use crate::shared::schemes::{assumed_strain, at, fe};
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-pub const DGM: Scheme = Scheme::DiscreteGradient;
+pub use crate::shared::schemes::DGM;
 
 pub fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-13, max_iterations: 30, ..NewtonSettings::default() }
@@ -25,13 +26,7 @@ pub fn equal(until: f64, size: f64) -> StepPlan {
 
 /// Schemes of a degree.
 pub fn schemes(k: usize) -> [Scheme; 5] {
-    [
-        Scheme::Standard(k),
-        Scheme::Standard(k + 2),
-        Scheme::AssumedStrain(k),
-        Scheme::AssumedStrain(k + 2),
-        DGM,
-    ]
+    [fe(k), fe(k + 2), assumed_strain(k), assumed_strain(k + 2), DGM]
 }
 
 /// Numbers between -1 and 1 without order.
@@ -95,7 +90,7 @@ pub fn scattered_goal(body: &Body) -> Goal {
 }
 
 pub fn end(body: &Body, scheme: Scheme, degree: usize, start: &State, plan: &StepPlan) -> State {
-    let mut motion = Motion::new(body, scheme, degree, settings(), start.clone()).unwrap();
+    let mut motion = Motion::starting(body, at(scheme, degree), settings(), start.clone()).unwrap();
     motion.march(plan, &mut []).unwrap();
     motion.state().clone()
 }
@@ -107,7 +102,7 @@ pub fn trajectory<'a>(
     start: &State,
     plan: &StepPlan,
 ) -> Trajectory<'a> {
-    let mut motion = Motion::new(body, scheme, degree, settings(), start.clone()).unwrap();
+    let mut motion = Motion::starting(body, at(scheme, degree), settings(), start.clone()).unwrap();
     let mut trajectory = Trajectory::new(&motion).unwrap();
     motion.march(plan, &mut [&mut trajectory]).unwrap();
     trajectory

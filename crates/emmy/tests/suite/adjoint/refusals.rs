@@ -9,6 +9,7 @@ use emmy::motion::{MarchError, Motion, Phase, State, StepPlan};
 use emmy::time::Scheme;
 
 use super::problems::*;
+use crate::shared::schemes::{DGM, at};
 
 #[test]
 fn what_is_not_covered_is_refused() {
@@ -22,7 +23,7 @@ fn what_is_not_covered_is_refused() {
     let refused = |supports: &[Support], loads: &[Load], scheme: Scheme| {
         let body = Body::new(block(), rubber(), supports, loads).unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
-        let motion = Motion::new(&body, scheme, 1, settings(), state).unwrap();
+        let motion = Motion::starting(&body, at(scheme, 1), settings(), state).unwrap();
         Trajectory::new(&motion).unwrap_err().to_string()
     };
     let cases = [
@@ -40,12 +41,12 @@ fn what_is_not_covered_is_refused() {
 fn a_trajectory_with_gaps_is_refused() {
     let body = rubber();
     let goal = Goal::displacement_at(&body, 11, [1.0, 0.0, 0.0]);
-    let mut motion = Motion::new(&body, DGM, 1, settings(), disturbed(&body, 0.0, 0.5)).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 1), settings(), disturbed(&body, 0.0, 0.5)).unwrap();
     let mut trajectory = Trajectory::new(&motion).unwrap();
     trajectory.record(&motion).unwrap();
     let has = |error: Error, part: &str| assert!(error.to_string().contains(part), "{error}");
     has(trajectory.gradient(&goal, &[]).unwrap_err(), "no step");
-    motion.step(0.1, 0.1).unwrap();
+    motion.step(0.1).unwrap();
     trajectory.record(&motion).unwrap();
     trajectory.record(&motion).unwrap();
     assert_eq!(trajectory.n_steps(), 1);
@@ -63,14 +64,14 @@ fn a_trajectory_with_gaps_is_refused() {
         Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![rubber], &[], &[load])
     });
     has(trajectory.gradient(&goal, &[pressed.unwrap()]).unwrap_err(), "pressures that follow");
-    (2..4).for_each(|step| {
-        motion.step(0.1, 0.1 * f64::from(step)).unwrap();
+    (2..4).for_each(|_| {
+        motion.step(0.1).unwrap();
     });
     has(trajectory.record(&motion).unwrap_err(), "did not see");
     let march = motion
         .march(&StepPlan::new(0.3, vec![Phase { until: 0.5, size: 0.1 }]).unwrap(), &mut [&mut trajectory]);
     assert!(matches!(march, Err(MarchError::Observer(_))));
-    let other = Motion::new(&body, DGM, 2, settings(), disturbed(&body, 0.0, 0.5)).unwrap();
+    let other = Motion::starting(&body, at(DGM, 2), settings(), disturbed(&body, 0.0, 0.5)).unwrap();
     has(trajectory.record(&other).unwrap_err(), "another body, scheme or settings");
     assert!(Parameter::linear(1.0, 0.0, |_| Ok(rubber())).is_err());
 }

@@ -5,4 +5,5 @@ pub mod flight;
 pub mod patch;
 pub mod plane_patch;
 pub mod points;
+pub mod schemes;
 pub mod watch;

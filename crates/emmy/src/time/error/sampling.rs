@@ -1,11 +1,11 @@
-//! Errors of steps between two that are estimated.
+//! Errors of the steps between two estimates.
 
-use super::Memory;
 use crate::body::Body;
 use crate::error::Result;
 use crate::quadrature::gauss;
+use crate::time::Memory;
 
-/// Carries the error of a step that was estimated on to the steps after it.
+/// Extrapolates the estimated error of a step to the steps after it.
 ///
 /// The error of a step of size h grows like `h^q`, and with the derivatives of the motion. The lowest one that an element of degree k has not is seen from the jump of the
 /// k-th derivative of u^h between two steps,
@@ -23,7 +23,7 @@ use crate::quadrature::gauss;
 /// with e_0, h_0, g_0 of the step that was estimated; one that swings wider has p = 1. The law is taken for small changes only, for so many steps as it has
 /// proved good for.
 #[derive(Debug)]
-pub(super) struct Sampling {
+pub struct Sampling {
     /// q and p.
     order: f64,
     power: f64,
@@ -32,11 +32,11 @@ pub(super) struct Sampling {
     /// D of the last step that was accepted, and its size.
     derivative: Vec<f64>,
     last_size: Option<f64>,
-    /// D of the step that is looked at.
+    /// D of the observed step.
     new_derivative: Vec<f64>,
     /// u^(k+1) of that step, and its size g.
     jump: Vec<f64>,
-    activity: Option<f64>,
+    derivative_norm: Option<f64>,
     /// h_0 and g_0.
     sample: Option<[f64; 2]>,
     /// The errors that were estimated.
@@ -45,20 +45,20 @@ pub(super) struct Sampling {
     /// Steps that were to follow the last estimate without one, and those of them that are left.
     pause: usize,
     left: usize,
-    is_carried: bool,
+    is_extrapolated: bool,
 }
 
-/// Steps without an estimate, one after the other, at the most.
-const LONGEST_PAUSE: usize = 16;
+/// Largest number of consecutive steps without an estimate.
+const MAX_PAUSE: usize = 16;
 
-/// Growth of the size for which the law is taken; a smaller step has a small error.
-const LARGER: f64 = 2.0;
+/// Largest growth of the step size to which the law is applied; a smaller step has a small error.
+const MAX_EXTRAPOLATED_GROWTH: f64 = 2.0;
 
-/// Change of the activity for which the law is taken: there the two powers differ by a half at the most.
-const ACTIVITY: f64 = 2.0;
+/// Largest change of the norm of the derivative to which the law is applied: there the two powers differ by a half at most.
+const MAX_DERIVATIVE_RATIO: f64 = 2.0;
 
-/// Factor between the error by the law and the one estimated that leaves the law its good name.
-const AGREES: f64 = 1.5;
+/// Largest factor between the extrapolated and the estimated error with which pauses grow.
+const AGREEMENT_RATIO: f64 = 1.5;
 
 impl Sampling {
     /// For steps of a degree whose error grows like `h^order`, with n degrees of freedom.
@@ -77,13 +77,13 @@ impl Sampling {
             last_size: None,
             new_derivative: zero.clone(),
             jump: zero.clone(),
-            activity: None,
+            derivative_norm: None,
             sample: None,
             displacement: zero.clone(),
             velocity: zero,
             pause: 0,
             left: 0,
-            is_carried: false,
+            is_extrapolated: false,
         }
     }
 
@@ -92,15 +92,15 @@ impl Sampling {
         (self.last_size, self.sample, self.pause, self.left) = (None, None, 0, 0);
     }
 
-    /// Looks at a step with the rates `[k][n_nodes][3]`.
-    pub fn look(&mut self, body: &Body, rates: &[f64], step_size: f64) {
+    /// Observes a step with the rates `[k][n_nodes][3]`.
+    pub fn observe(&mut self, body: &Body, rates: &[f64], step_size: f64) {
         let (n, scale) = (self.derivative.len(), step_size.powi(-(self.weights.len() as i32)));
         self.new_derivative.fill(0.0);
         for (rates, weight) in rates.chunks_exact(n).zip(&self.weights) {
             let terms = self.new_derivative.iter_mut().zip(rates);
             terms.for_each(|(D, x)| *D += scale * weight * x);
         }
-        self.activity = self.last_size.map(|last_size| {
+        self.derivative_norm = self.last_size.map(|last_size| {
             let distance = 0.5 * (step_size + last_size);
             let pairs = self.new_derivative.iter().zip(&self.derivative);
             self.jump.iter_mut().zip(pairs).for_each(|(jump, (new, old))| *jump = (new - old) / distance);
@@ -108,49 +108,52 @@ impl Sampling {
         });
     }
 
-    /// The error of the step that was looked at over that of the sample, where the law can be taken.
+    /// Ratio of the error of the observed step to the error of the sample, where the law applies.
     fn factor(&self, step_size: f64) -> Option<f64> {
-        let ([size, sampled], activity) = (self.sample?, self.activity?);
-        let (larger, change) = (step_size / size, activity / sampled);
-        let is_near = larger <= LARGER && (1.0 / ACTIVITY..=ACTIVITY).contains(&change);
+        let ([size, sampled], derivative_norm) = (self.sample?, self.derivative_norm?);
+        let (larger, change) = (step_size / size, derivative_norm / sampled);
+        let is_near = larger <= MAX_EXTRAPOLATED_GROWTH
+            && (1.0 / MAX_DERIVATIVE_RATIO..=MAX_DERIVATIVE_RATIO).contains(&change);
         is_near.then(|| larger.powf(self.order) * change.powf(self.power))
     }
 
-    /// Sets the errors of the step that was looked at by the law; false if they are to be estimated.
-    pub fn carry(&mut self, step_size: f64, displacement: &mut [f64], velocity: &mut [f64]) -> bool {
+    /// Sets the errors of the observed step by the law; false if they are to be estimated.
+    pub fn extrapolate(&mut self, step_size: f64, displacement: &mut [f64], velocity: &mut [f64]) -> bool {
         let factor = self.factor(step_size).filter(|_| self.left > 0);
-        self.is_carried = factor.is_some();
+        self.is_extrapolated = factor.is_some();
         if let Some(factor) = factor {
             displacement.iter_mut().zip(&self.displacement).for_each(|(new, e)| *new = factor * e);
             velocity.iter_mut().zip(&self.velocity).for_each(|(new, e)| *new = factor * e);
         }
-        self.is_carried
+        self.is_extrapolated
     }
 
-    /// Whether the errors of the last step are those of the law.
-    pub fn is_carried(&self) -> bool {
-        self.is_carried
+    /// Whether the errors of the last step were extrapolated.
+    pub fn is_extrapolated(&self) -> bool {
+        self.is_extrapolated
     }
 
-    /// Takes the errors estimated of the step that was looked at for the next sample.
-    pub fn take(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
+    /// Takes the estimated errors of the observed step as the next sample.
+    pub fn resample(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
         let by_law = self.factor(step_size).map(|factor| factor * body.mean(&self.displacement));
-        let agrees = by_law.is_some_and(|e| (1.0 / AGREES..=AGREES).contains(&(body.mean(displacement) / e)));
-        self.pause = if agrees { (2 * self.pause).clamp(1, LONGEST_PAUSE) } else { 0 };
-        (self.left, self.is_carried) = (self.pause, false);
-        self.sample = self.activity.map(|activity| [step_size, activity]);
+        let agrees = by_law.is_some_and(|e| {
+            (1.0 / AGREEMENT_RATIO..=AGREEMENT_RATIO).contains(&(body.mean(displacement) / e))
+        });
+        self.pause = if agrees { (2 * self.pause).clamp(1, MAX_PAUSE) } else { 0 };
+        (self.left, self.is_extrapolated) = (self.pause, false);
+        self.sample = self.derivative_norm.map(|derivative_norm| [step_size, derivative_norm]);
         self.displacement.copy_from_slice(displacement);
         self.velocity.copy_from_slice(velocity);
     }
 
-    /// Goes over to the next step.
+    /// Advances to the next step.
     pub fn accept(&mut self, step_size: f64) {
         std::mem::swap(&mut self.derivative, &mut self.new_derivative);
         self.last_size = Some(step_size);
-        self.left -= usize::from(self.is_carried);
+        self.left -= usize::from(self.is_extrapolated);
     }
 
-    /// Keeps what the next errors depend on.
+    /// Keeps the memory that the next errors depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("sampling.derivative", &self.derivative);
         memory.keep("sampling.last_size", self.last_size.as_slice());
@@ -160,7 +163,7 @@ impl Sampling {
         memory.keep("sampling.pause", &[self.pause as f64, self.left as f64]);
     }
 
-    /// Takes over what [`Sampling::keep`] kept.
+    /// Restores what [`Sampling::keep`] kept.
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -168,7 +171,7 @@ impl Sampling {
         memory.fill("sampling.derivative", &mut self.derivative)?;
         self.last_size = memory.option("sampling.last_size")?;
         self.sample = match *memory.list("sampling.sample")? {
-            [size, activity] => Some([size, activity]),
+            [size, derivative_norm] => Some([size, derivative_norm]),
             _ => None,
         };
         memory.fill("sampling.displacement", &mut self.displacement)?;
@@ -201,15 +204,15 @@ mod tests {
 
     /// The k-th derivative of u^h is that of `t^(k+1)` in the middle of a step, times 1/(k-1)!, so that the jump is (k+1) k.
     #[test]
-    fn activity_is_the_derivative_that_the_element_has_not() {
+    fn the_derivative_that_the_element_lacks_is_measured() {
         let body = cube();
         for k in 1..=3 {
             let mut sampling = Sampling::new(k, 2 * k + 1, 24);
             let (mut t, expected) = (0.2, (k * (k + 1)) as f64 * 3f64.sqrt());
             for h in [0.1, 0.1, 0.07, 0.2] {
-                sampling.look(&body, &rates(k, k as i32 + 1, t, h), h);
+                sampling.observe(&body, &rates(k, k as i32 + 1, t, h), h);
                 if t > 0.2 {
-                    let found = sampling.activity.unwrap();
+                    let found = sampling.derivative_norm.unwrap();
                     assert!((found / expected - 1.0).abs() < 1e-12, "k = {k}: {found} {expected}");
                 }
                 sampling.accept(h);
@@ -228,10 +231,10 @@ mod tests {
         let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);
         let mut estimated = Vec::new();
         for step in steps {
-            sampling.look(body, &cubic(1.0, 0.1 * step as f64, 0.1), 0.1);
-            if !sampling.carry(0.1, &mut displacement, &mut velocity) {
+            sampling.observe(body, &cubic(1.0, 0.1 * step as f64, 0.1), 0.1);
+            if !sampling.extrapolate(0.1, &mut displacement, &mut velocity) {
                 estimated.push(step);
-                sampling.take(body, 0.1, &[error; 24], &[2.0 * error; 24]);
+                sampling.resample(body, 0.1, &[error; 24], &[2.0 * error; 24]);
             }
             sampling.accept(0.1);
         }
@@ -246,7 +249,7 @@ mod tests {
         // It has to prove good again after a jump.
         sampling.restart();
         assert_eq!(march(&mut sampling, &body, 0..20, 1e-3), [0, 1, 2, 4, 7, 12]);
-        // An error beyond the law takes its good name.
+        // An error beyond the law shortens the pauses.
         assert_eq!(march(&mut sampling, &body, 20..41, 2e-3), [21, 22, 24, 27, 32]);
     }
 
@@ -261,13 +264,13 @@ mod tests {
             let target = sampling.derivative[0] + s.powi(3) * 0.5 * (0.1 + h);
             let [first, last] = [gauss(2).points[0][0], gauss(2).points[1][0]];
             let rates = [first, last].map(|c| [target * h * h * c; 24]);
-            sampling.look(&body, rates.as_flattened(), h);
-            sampling.carry(h, &mut displacement, &mut velocity).then(|| [displacement[5], velocity[23]])
+            sampling.observe(&body, rates.as_flattened(), h);
+            sampling.extrapolate(h, &mut displacement, &mut velocity).then(|| [displacement[5], velocity[23]])
         };
         let expected = 1e-3 * (1.2f64 * 0.5).powi(5);
         let [u, v] = look(&mut sampling, 1.2, 0.05).unwrap();
         assert!((u / expected - 1.0).abs() < 1e-9 && (v / expected - 2.0).abs() < 1e-9, "{u} {v}");
-        // Three times the size, four times the activity, nothing at all: to be estimated.
+        // Three times the size, four times the derivative_norm, nothing at all: to be estimated.
         assert_eq!(look(&mut sampling, 1.0, 0.3), None);
         assert_eq!(look(&mut sampling, 4f64.cbrt(), 0.1), None);
         assert_eq!(look(&mut sampling, 0.0, 0.1), None);

@@ -1,4 +1,4 @@
-//! Solvers of `(M + lambda K) y = b`, one for each mode of the stage equations.
+//! Solvers of `(M + lambda K) y = b`.
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,26 +6,32 @@ use std::sync::Arc;
 use half::bf16;
 use rayon::prelude::*;
 
-use crate::body::Body;
-use crate::error::Result;
-use crate::sparse::{
-    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Real, Row, ShiftedMatrix,
+use super::kernel::Row;
+use super::{
+    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Real, ShiftedMatrix,
     StageMatrix, SweepOrder,
 };
+use crate::error::Result;
 
 /// A solver; vectors are `[n_nodes][3][columns]`.
 pub trait ShiftedSolver: fmt::Debug + Send {
-    /// Takes over the stiffness K, a matrix of one stage; `shift`: lambda.
+    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the rows that are fixed, and lambda.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if the matrix is not finite or there is not enough memory.
-    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()>;
+    fn factorize(
+        &mut self,
+        stiffness: &StageMatrix,
+        mass: &[f64],
+        fixed: &[bool],
+        shift: [f64; 2],
+    ) -> Result<()>;
 
     /// Solves in place to a relative tolerance. Returns the number of iterations, `None` if it was not reached.
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
 
-    /// What it costs to take over a stiffness, that included to compute it, in solutions.
-    fn renewal_cost(&self) -> f64;
+    /// Cost of a new stiffness and its factorisation, in solutions.
+    fn refactorization_cost(&self) -> f64;
 
     /// Solves in place, nearly, with the real matrix `M + |lambda| K`: always the same linear map.
     fn precondition(&mut self, x: &mut [f64]);
@@ -44,9 +50,10 @@ pub struct Iterative<const C: usize> {
 const MAX_ITERATIONS: usize = 400;
 
 impl<const C: usize> Iterative<C> {
-    pub fn new(body: &Body, sweep: Arc<SweepOrder>) -> Self {
+    /// Memory for a matrix with fixed rows, `[n_rows 3]`.
+    pub fn new(fixed: &[bool], sweep: Arc<SweepOrder>) -> Self {
         Iterative {
-            matrix: ShiftedMatrix::new(&sweep, body.fixed()),
+            matrix: ShiftedMatrix::new(&sweep, fixed),
             factor: IncompleteCholesky::new(&sweep),
             krylov: ConjugateGradients::new(sweep.n_rows()),
             sweep,
@@ -55,11 +62,17 @@ impl<const C: usize> Iterative<C> {
 }
 
 impl<const C: usize> ShiftedSolver for Iterative<C> {
-    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
+    fn factorize(
+        &mut self,
+        stiffness: &StageMatrix,
+        mass: &[f64],
+        fixed: &[bool],
+        shift: [f64; 2],
+    ) -> Result<()> {
         let block = |position: usize| stiffness.block(position);
-        self.matrix.set(&self.sweep, shift, body.mass(), block);
+        self.matrix.set(&self.sweep, shift, mass, block);
         let modulus = shift[0].hypot(shift[1]);
-        self.factor.factorize(&self.sweep, body.fixed(), modulus, body.mass(), block);
+        self.factor.factorize(&self.sweep, fixed, modulus, mass, block);
         Ok(())
     }
 
@@ -75,7 +88,7 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
     }
 
-    fn renewal_cost(&self) -> f64 {
+    fn refactorization_cost(&self) -> f64 {
         4.0
     }
 
@@ -97,19 +110,19 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// Symbolic work.
+    /// Symbolic factorisation; `order[new] = old`.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
-    pub fn new(body: &Body, node_order: &[usize]) -> Result<Self> {
-        Ok(Direct { factor: BlockCholesky::new(body.pattern(), 3, body.fixed(), node_order)? })
+    pub fn new(pattern: &Pattern, fixed: &[bool], order: &[usize]) -> Result<Self> {
+        Ok(Direct { factor: BlockCholesky::new(pattern, 3, fixed, order)? })
     }
 
-    fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, modulus: f64) -> Result<()> {
+    fn factorize_real(&mut self, stiffness: &StageMatrix, mass: &[f64], modulus: f64) -> Result<()> {
         self.factor.factorize(|source| {
             // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
-            let mass = if source % 9 % 4 == 0 { body.mass()[source / 9] } else { 0.0 };
-            mass + modulus * stiffness.block(source / 9)[source % 9]
+            let diagonal = if source % 9 % 4 == 0 { mass[source / 9] } else { 0.0 };
+            diagonal + modulus * stiffness.block(source / 9)[source % 9]
         })
     }
 
@@ -123,8 +136,14 @@ impl Direct {
 }
 
 impl ShiftedSolver for Direct {
-    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
-        self.factorize(body, stiffness, shift[0])
+    fn factorize(
+        &mut self,
+        stiffness: &StageMatrix,
+        mass: &[f64],
+        _: &[bool],
+        shift: [f64; 2],
+    ) -> Result<()> {
+        self.factorize_real(stiffness, mass, shift[0])
     }
 
     fn solve(&mut self, x: &mut [f64], _: f64) -> Option<usize> {
@@ -132,7 +151,7 @@ impl ShiftedSolver for Direct {
         Some(1)
     }
 
-    fn renewal_cost(&self) -> f64 {
+    fn refactorization_cost(&self) -> f64 {
         self.factor.cost_over_solution()
     }
 
@@ -159,14 +178,17 @@ struct Reordered {
 }
 
 impl DirectPair {
-    /// Symbolic work.
+    /// Symbolic factorisation; `order[new] = old`.
     ///
     /// # Errors
-    /// Those of [`Direct::new`].
-    pub fn new(body: &Body, node_order: &[usize], sweep: Arc<SweepOrder>) -> Result<Self> {
+    /// As [`Direct::new`].
+    pub fn new(pattern: &Pattern, fixed: &[bool], order: &[usize], sweep: Arc<SweepOrder>) -> Result<Self> {
         Ok(DirectPair {
-            matrix: ShiftedMatrix::new(&sweep, body.fixed()),
-            inverse: Reordered { direct: Direct::new(body, node_order)?, work: vec![0.0; 2 * body.n_dofs()] },
+            matrix: ShiftedMatrix::new(&sweep, fixed),
+            inverse: Reordered {
+                direct: Direct::new(pattern, fixed, order)?,
+                work: vec![0.0; 2 * fixed.len()],
+            },
             krylov: ConjugateGradients::new(sweep.n_rows()),
             sweep,
         })
@@ -174,9 +196,15 @@ impl DirectPair {
 }
 
 impl ShiftedSolver for DirectPair {
-    fn renew(&mut self, body: &Body, stiffness: &StageMatrix, shift: [f64; 2]) -> Result<()> {
-        self.matrix.set(&self.sweep, shift, body.mass(), |position| stiffness.block(position));
-        self.inverse.direct.factorize(body, stiffness, shift[0].hypot(shift[1]))
+    fn factorize(
+        &mut self,
+        stiffness: &StageMatrix,
+        mass: &[f64],
+        _: &[bool],
+        shift: [f64; 2],
+    ) -> Result<()> {
+        self.matrix.set(&self.sweep, shift, mass, |position| stiffness.block(position));
+        self.inverse.direct.factorize_real(stiffness, mass, shift[0].hypot(shift[1]))
     }
 
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
@@ -187,8 +215,8 @@ impl ShiftedSolver for DirectPair {
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
     }
 
-    fn renewal_cost(&self) -> f64 {
-        self.inverse.direct.renewal_cost()
+    fn refactorization_cost(&self) -> f64 {
+        self.inverse.direct.refactorization_cost()
     }
 
     fn precondition(&mut self, x: &mut [f64]) {

@@ -1,8 +1,9 @@
-//! Rotations as 3x3 tensors.
+//! Rotations as 3 x 3 tensors.
 
-use crate::tensor::Mat3;
+use super::Mat3;
 
-pub const UNIT: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// Identity.
+pub const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A B.
 pub fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
@@ -12,6 +13,11 @@ pub fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
 /// A B^T.
 pub fn product_transposed(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][0] * B[j][0] + A[i][1] * B[j][1] + A[i][2] * B[j][2]))
+}
+
+/// Transpose.
+pub fn transposed(A: &Mat3<f64>) -> Mat3<f64> {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[j][i]))
 }
 
 /// A v.
@@ -24,8 +30,8 @@ pub fn moment(W: &Mat3<f64>) -> [f64; 3] {
     [W[2][1] - W[1][2], W[0][2] - W[2][0], W[1][0] - W[0][1]]
 }
 
-/// The tensor `[w]` with `[w] v = w x v`.
-pub fn cross(w: &[f64; 3]) -> Mat3<f64> {
+/// Skew tensor `[w]` with `[w] v = w x v`.
+pub fn skew(w: &[f64; 3]) -> Mat3<f64> {
     [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]]
 }
 
@@ -81,7 +87,7 @@ mod tests {
             let back = log(&R);
             for i in 0..3 {
                 assert!((back[i] - w[i]).abs() < 1e-15 + 2e-15 * w[i].abs().max(1.0), "{w:?}: {back:?}");
-                assert!((0..3).all(|j| (unit[i][j] - UNIT[i][j]).abs() < 1e-15));
+                assert!((0..3).all(|j| (unit[i][j] - IDENTITY[i][j]).abs() < 1e-15));
             }
         }
     }

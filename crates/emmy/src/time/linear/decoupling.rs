@@ -107,18 +107,17 @@ impl Mode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::stage_system::StageForm;
-    use crate::time::{Scheme, TimeElement};
+    use crate::time::TimeElement;
 
     #[test]
     fn modes_solve_the_stage_equations_of_an_oscillator() {
         // (a^-1 + y a) x = r for one degree of freedom with M = 1, s^2 K = y.
         let y = 3.7;
         for k in 1..=5 {
-            let form: StageForm = TimeElement::new(Scheme::DiscreteGradient, k).unwrap().into();
+            let stage = TimeElement::discrete_gradient(k).unwrap().coefficients();
             let right: Vec<f64> = (0..k).map(|i| (i as f64 + 0.3).cos()).collect();
             let mut x = vec![0.0; k];
-            let modes = modes(&form.inverse_mass, &form.response).unwrap();
+            let modes = modes(&stage.inverse_mass, &stage.response).unwrap();
             assert_eq!(modes.iter().map(Mode::n_columns).sum::<usize>(), k);
             for mode in &modes {
                 let mut columns = vec![0.0; mode.n_columns()];
@@ -135,7 +134,7 @@ mod tests {
             }
             for i in 0..k {
                 let left: f64 =
-                    (0..k).map(|j| (form.mass[i * k + j] + y * form.response[i * k + j]) * x[j]).sum();
+                    (0..k).map(|j| (stage.mass[i * k + j] + y * stage.response[i * k + j]) * x[j]).sum();
                 assert!((left - right[i]).abs() < 1e-11, "{k}: {left} {}", right[i]);
             }
         }

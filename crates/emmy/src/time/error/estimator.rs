@@ -1,7 +1,7 @@
 //! Kinds of estimators of the local error.
 
-use super::Scheme;
 use crate::error::{Error, Result};
+use crate::time::TimeElement;
 
 /// How the local error is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,9 +33,9 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
 ];
 
 impl Estimator {
-    /// The estimator that is taken where none is asked for: differences where they do, else the sampled residual.
-    pub fn of(scheme: Scheme, degree: usize) -> Self {
-        match Estimator::Difference.check(scheme, degree) {
+    /// The default: differences where they do, else the sampled residual.
+    pub fn of(element: TimeElement) -> Self {
+        match Estimator::Difference.check(element) {
             Ok(()) => Estimator::Difference,
             Err(_) => Estimator::Sampled,
         }
@@ -46,19 +46,25 @@ impl Estimator {
         ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
     }
 
-    /// Checks that the estimator goes with a scheme and a degree.
+    /// Checks that the estimator goes with a time element.
     ///
     /// # Errors
     /// [`Error::Adaptivity`]: differences go with degree 1 only, and not with a scheme that dissipates, which has another error.
-    pub fn check(self, scheme: Scheme, degree: usize) -> Result<()> {
+    pub fn check(self, element: TimeElement) -> Result<()> {
+        let degree = element.degree;
         let reason = match self {
             Estimator::Difference if degree != 1 => {
                 format!("\"difference\" goes with degree 1 only, not {degree}")
             }
-            Estimator::Difference if scheme.dissipation().is_some() => {
-                format!("\"difference\" does not go with {scheme}, whose error is that of its dissipation")
+            Estimator::Difference if element.spectral_radius.is_some() => {
+                format!(
+                    "\"difference\" does not go with {}, whose error is that of its dissipation",
+                    element.name()
+                )
             }
-            _ => return Ok(()),
+            Estimator::Difference | Estimator::Sampled | Estimator::Residual | Estimator::Element => {
+                return Ok(());
+            }
         };
         Err(Error::Adaptivity { setting: "estimator", reason })
     }

@@ -1,10 +1,10 @@
-//! From the rates of a step to those that strain the body.
+//! The rates that strain a turning body.
 
-use super::prediction::rigid::eliminate;
-use super::prediction::rotation::cross;
 use crate::average::Rule;
+use crate::sparse::eliminate;
+use crate::tensor::rotation::skew;
 
-/// The matrix C from changes of the rates to those that strain, `[3 k][3 k]`, the same at every node.
+/// Transformation C from changes of the rates to the changes that strain the body, `[3 k][3 k]`, the same at every node.
 ///
 /// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`, which answers to a change of the rates, in a
 /// body that turns with spins w_m, by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`. The rates that strain it are
@@ -17,18 +17,18 @@ use crate::average::Rule;
 /// The spins are those of the rigid motion that obeys the equations of the step; with those of the iterate, found by least squares,
 /// Newton's residuals are the same in two digits.
 #[derive(Debug)]
-pub struct Straining {
+pub struct StrainRateTransform {
     degree: usize,
     matrix: Vec<f64>,
     inverse: Vec<f64>,
     old: Vec<f64>,
 }
 
-impl Straining {
+impl StrainRateTransform {
     /// Memory for a degree and a number of degrees of freedom.
     pub fn new(degree: usize, n_dofs: usize) -> Self {
         let n = 3 * degree;
-        Straining {
+        StrainRateTransform {
             degree,
             matrix: vec![0.0; n * n],
             inverse: vec![0.0; n * n],
@@ -36,24 +36,30 @@ impl Straining {
         }
     }
 
-    /// Takes the spins of a step; all without effect if they are singular.
-    pub fn turn(&mut self, rule: &Rule, spins: &[[f64; 3]]) {
-        let (k, n, a) = (self.degree, 3 * self.degree, rule.coefficients());
-        set_unit(&mut self.matrix, n);
-        set_unit(&mut self.inverse, n);
+    /// Sets the matrix for the spins of a step; the identity if it is singular.
+    pub fn set_spins(&mut self, rule: &Rule, spins: &[[f64; 3]]) {
+        let k = self.degree;
+        let n = 3 * k;
+        let a = rule.coefficients();
+        set_identity(&mut self.matrix, n);
+        set_identity(&mut self.inverse, n);
         for m in 0..k {
-            let spin = cross(&spins[m]);
-            for (j, d, e) in (0..9 * k).map(|at| (at / 9, at / 3 % 3, at % 3)) {
-                self.matrix[(3 * m + d) * n + 3 * j + e] -= a[m * k + j] * spin[d][e];
+            let spin = skew(&spins[m]);
+            for d in 0..3 {
+                for j in 0..k {
+                    for e in 0..3 {
+                        self.matrix[(3 * m + d) * n + 3 * j + e] -= a[m * k + j] * spin[d][e];
+                    }
+                }
             }
         }
         if !eliminate(&mut self.matrix, &mut self.inverse, n) {
-            set_unit(&mut self.inverse, n);
+            set_identity(&mut self.inverse, n);
         }
     }
 
     /// `x = C^-1 x` at every node; x: `[k][n_nodes][3]`.
-    pub fn undo(&mut self, x: &mut [f64]) {
+    pub fn apply_inverse(&mut self, x: &mut [f64]) {
         let (k, n) = (self.degree, x.len() / self.degree);
         self.old.copy_from_slice(x);
         for i in 0..k {
@@ -68,7 +74,7 @@ impl Straining {
     }
 }
 
-fn set_unit(matrix: &mut [f64], n: usize) {
+fn set_identity(matrix: &mut [f64], n: usize) {
     matrix.fill(0.0);
     matrix.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = 1.0);
 }

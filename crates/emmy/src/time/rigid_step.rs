@@ -1,8 +1,9 @@
 //! The rigid motion that obeys the equations of a step: k spins from the balance of moments.
 
-use super::rotation::{UNIT, cross, log, moment, product, product_transposed};
+use super::stage_coefficients::StageCoefficients;
+use crate::sparse::eliminate;
 use crate::tensor::Mat3;
-use crate::time::stage_system::StageForm;
+use crate::tensor::rotation::{IDENTITY, log, moment, product, product_transposed, skew};
 
 /// More iterations than Newton's method needs from no rotation, up to a radian or two a step.
 const ITERATIONS: usize = 20;
@@ -42,7 +43,7 @@ pub struct RigidStep {
     /// D_j.
     pub rates: Vec<Mat3<f64>>,
     /// T_i.
-    places: Vec<Mat3<f64>>,
+    positions: Vec<Mat3<f64>>,
     /// Rotation vector of the whole step.
     pub rotation: [f64; 3],
     /// Matrix of the collocation and its right-hand sides: three for D, then three for every component of a spin.
@@ -61,7 +62,7 @@ impl RigidStep {
             k,
             spins: vec![[0.0; 3]; k],
             rates: vec![[[0.0; 3]; 3]; k],
-            places: vec![UNIT; k],
+            positions: vec![IDENTITY; k],
             rotation: [0.0; 3],
             collocation: vec![0.0; 9 * k * k],
             changes: vec![0.0; 3 * k * (3 + 9 * k)],
@@ -73,10 +74,10 @@ impl RigidStep {
     }
 
     /// No rotation.
-    pub fn stay(&mut self) {
+    pub fn set_rest(&mut self) {
         self.spins.fill([0.0; 3]);
         self.rates.fill([[0.0; 3]; 3]);
-        self.places.fill(UNIT);
+        self.positions.fill(IDENTITY);
         self.rotation = [0.0; 3];
         self.is_solved = false;
     }
@@ -106,18 +107,24 @@ impl RigidStep {
     }
 
     /// Finds the spins about the axes that are free; where there is no solution the body stays.
-    pub fn solve(&mut self, form: &StageForm, inertia: &Mat3<f64>, known: &[Mat3<f64>], free: [bool; 3]) {
-        self.stay();
+    pub fn solve(
+        &mut self,
+        coefficients: &StageCoefficients,
+        inertia: &Mat3<f64>,
+        known: &[Mat3<f64>],
+        free: [bool; 3],
+    ) {
+        self.set_rest();
         if !free.contains(&true) {
             return;
         }
         for _ in 0..ITERATIONS {
-            if !self.collocate(form) {
+            if !self.collocate(coefficients) {
                 break;
             }
-            if self.linearise(form, inertia, known, free) {
-                let weights = form.rule.weights();
-                let mut end = UNIT;
+            if self.linearise(coefficients, inertia, known, free) {
+                let weights = coefficients.rule.weights();
+                let mut end = IDENTITY;
                 self.rates.iter().zip(weights).for_each(|(D, b)| add(&mut end, *b, D));
                 self.rotation = log(&end);
                 self.is_solved = true;
@@ -130,7 +137,7 @@ impl RigidStep {
                 (0..3).for_each(|d| spin[d] += turn[d]);
             }
         }
-        self.stay();
+        self.set_rest();
     }
 
     /// Sets D, T and the changes of D with the spins.
@@ -138,15 +145,15 @@ impl RigidStep {
     /// ```math
     /// D_i - [w_i] sum_j a_ij D_j = [w_i],     dD_i - [w_i] sum_j a_ij dD_j = [dw_i] T_i
     /// ```
-    fn collocate(&mut self, form: &StageForm) -> bool {
-        let (k, n, a) = (self.k, 3 * self.k, form.rule.coefficients());
+    fn collocate(&mut self, coefficients: &StageCoefficients) -> bool {
+        let (k, n, a) = (self.k, 3 * self.k, coefficients.rule.coefficients());
         // T_i first, for the right-hand sides of the changes; two eliminations of a small matrix.
         for columns in [3, 3 + 3 * n] {
             self.collocation.fill(0.0);
             let changes = &mut self.changes[..n * columns];
             changes.fill(0.0);
             for i in 0..k {
-                let spin = cross(&self.spins[i]);
+                let spin = skew(&self.spins[i]);
                 for d in 0..3 {
                     let row = 3 * i + d;
                     for (j, e) in (0..k).flat_map(|j| [(j, 0), (j, 1), (j, 2)]) {
@@ -156,7 +163,7 @@ impl RigidStep {
                     changes[row * columns..row * columns + 3].copy_from_slice(&spin[d]);
                     for axis in (0..3).filter(|_| columns > 3) {
                         let at = row * columns + 3 + 3 * (3 * i + axis);
-                        let turned = product(&unit_cross(axis), &self.places[i]);
+                        let turned = product(&unit_cross(axis), &self.positions[i]);
                         changes[at..at + 3].copy_from_slice(&turned[d]);
                     }
                 }
@@ -168,8 +175,8 @@ impl RigidStep {
                 self.rates[i] = block(changes, columns, i, 0);
             }
             for i in 0..k {
-                self.places[i] = UNIT;
-                (0..k).for_each(|j| add(&mut self.places[i], a[i * k + j], &self.rates[j]));
+                self.positions[i] = IDENTITY;
+                (0..k).for_each(|j| add(&mut self.positions[i], a[i * k + j], &self.rates[j]));
             }
         }
         true
@@ -178,13 +185,13 @@ impl RigidStep {
     /// Sets the moments, with the other sign, and their derivatives by the spins; whether the moments are balanced.
     fn linearise(
         &mut self,
-        form: &StageForm,
+        coefficients: &StageCoefficients,
         inertia: &Mat3<f64>,
         known: &[Mat3<f64>],
         free: [bool; 3],
     ) -> bool {
         let (k, n) = (self.k, 3 * self.k);
-        let (m, a, columns) = (&form.mass, form.rule.coefficients(), 3 + 3 * n);
+        let (m, a, columns) = (&coefficients.mass, coefficients.rule.coefficients(), 3 + 3 * n);
         let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
         let (mut size, mut largest) = (0f64, 0f64);
         for i in 0..k {
@@ -193,7 +200,7 @@ impl RigidStep {
             let parts = force.iter().flatten().chain(known[i].iter().flatten());
             size = parts.fold(size, |size, part| size.max(part.abs()));
             add(&mut force, -1.0, &known[i]);
-            let residual = moment(&product_transposed(&force, &self.places[i]));
+            let residual = moment(&product_transposed(&force, &self.positions[i]));
             for d in 0..3 {
                 self.turns[3 * i + d] = if free[d] { -residual[d] } else { 0.0 };
                 largest = largest.max(self.turns[3 * i + d].abs());
@@ -205,7 +212,7 @@ impl RigidStep {
                     add(&mut of_force, m[i * k + j], &product(&change, inertia));
                     add(&mut of_place, a[i * k + j], &change);
                 }
-                let mut change = product_transposed(&of_force, &self.places[i]);
+                let mut change = product_transposed(&of_force, &self.positions[i]);
                 add(&mut change, 1.0, &product_transposed(&force, &of_place));
                 let change = moment(&change);
                 for d in 0..3 {
@@ -254,7 +261,7 @@ fn block(matrix: &[f64], columns: usize, i: usize, column: usize) -> Mat3<f64> {
 fn unit_cross(axis: usize) -> Mat3<f64> {
     let mut unit = [0.0; 3];
     unit[axis] = 1.0;
-    cross(&unit)
+    skew(&unit)
 }
 
 /// `A += s B`.
@@ -262,30 +269,4 @@ fn add(A: &mut Mat3<f64>, s: f64, B: &Mat3<f64>) {
     for (A, B) in A.iter_mut().flatten().zip(B.iter().flatten()) {
         *A += s * B;
     }
-}
-
-/// Solves a small system for several right-hand sides, in place, by elimination with row pivots; false if it is singular.
-pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {
-    let n = matrix.len().isqrt();
-    for column in 0..n {
-        let size = |row: usize| matrix[row * n + column].abs();
-        let pivot = (column..n).fold(column, |best, row| if size(row) > size(best) { row } else { best });
-        if size(pivot).is_nan() || size(pivot) == 0.0 {
-            return false;
-        }
-        (0..n).for_each(|j| matrix.swap(pivot * n + j, column * n + j));
-        (0..columns).for_each(|j| x.swap(pivot * columns + j, column * columns + j));
-        for row in column + 1..n {
-            let factor = matrix[row * n + column] / matrix[column * n + column];
-            (column..n).for_each(|j| matrix[row * n + j] -= factor * matrix[column * n + j]);
-            (0..columns).for_each(|j| x[row * columns + j] -= factor * x[column * columns + j]);
-        }
-    }
-    for row in (0..n).rev() {
-        for j in 0..columns {
-            let rest: f64 = (row + 1..n).map(|i| matrix[row * n + i] * x[i * columns + j]).sum();
-            x[row * columns + j] = (x[row * columns + j] - rest) / matrix[row * n + row];
-        }
-    }
-    true
 }

@@ -1,11 +1,12 @@
-//! Stage equations that are solved nearly, from a starting point that is nearly a solution.
+//! Approximate solution of the stage equations from a starting point near the solution.
 
-use super::stage_system::{StageForm, StageSystem};
-use super::{MAX_DEGREE, Memory};
 use crate::error::Result;
 use crate::newton::{STAGNATION, System, Tangent};
+use crate::time::stage_coefficients::StageCoefficients;
+use crate::time::stage_system::StageSystem;
+use crate::time::{MAX_DEGREE, Memory};
 
-/// A few corrections with a kept stiffness.
+/// A few corrections with a reused stiffness.
 ///
 /// Each leaves a part of order h^2 of the defect, of order h^3 if the stiffness is new, since M stands in the tangent as it is (but for the 16 bits of the matrix that
 /// conjugate gradients read, which leave less than a hundredth). The end of the step depends on
@@ -14,7 +15,7 @@ use crate::newton::{STAGNATION, System, Tangent};
 pub struct DefectCorrection {
     residual: Vec<f64>,
     correction: Vec<f64>,
-    /// What the corrections have done to displacement and velocity at the end of the step, `[2][n_nodes][3]`.
+    /// Sum of all changes of displacement and velocity at the end of the step, `[2][n_nodes][3]`.
     at_end: Vec<f64>,
     /// Corrections beyond the least number, since the stiffness was made; `None`: there is none.
     excess: Option<usize>,
@@ -23,17 +24,18 @@ pub struct DefectCorrection {
 /// Tolerance of the linear solver: the end of the step depends on less of the defect than its size.
 const TOLERANCE: f64 = 1e-4;
 
-/// What is left to do at the end of the step, over what has been done there: the part of the last correction times what it leaves of the residual.
-const LEFT: f64 = 0.05;
+/// Largest remaining change at the end of the step over the change so far: the part of the last correction times the part of the
+/// residual that it leaves.
+const MAX_END_CHANGE: f64 = 0.05;
 
-/// A correction that leaves more than this is one with a stiffness that does not fit.
-const SLOW: f64 = 0.3;
+/// A correction that leaves a larger part of the residual has an outdated stiffness.
+const SLOW_CONTRACTION: f64 = 0.3;
 
-/// Corrections beyond the least number at the most.
-const MOST: usize = 4;
+/// Largest number of corrections beyond the minimum.
+const MAX_EXTRA_CORRECTIONS: usize = 4;
 
 impl DefectCorrection {
-    /// Corrects rates so often, or more often where that leaves much; false if it does not help.
+    /// Corrects rates at least `least` times, and more often where much is left; false if it does not converge.
     ///
     /// # Errors
     /// Those of the system.
@@ -46,24 +48,24 @@ impl DefectCorrection {
         let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
         let mut is_fresh = is_old;
         let mut size = system.residual(rates, &mut self.residual)?.residual;
-        for count in 1..=least + MOST {
+        for count in 1..=least + MAX_EXTRA_CORRECTIONS {
             if size == 0.0 {
                 return Ok(true);
             }
             system.correction(rates, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
             rates.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
-            let change = self.change_at_end(&system.form);
+            let change = self.change_at_end(&system.coefficients);
             let sizes = system.residual(rates, &mut self.residual)?;
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
             let is_rounding = sizes.residual <= floor;
-            let is_enough = change * left <= LEFT;
+            let is_enough = change * left <= MAX_END_CHANGE;
             if count >= least && (is_enough || is_rounding) {
                 let before = if is_fresh { 0 } else { self.excess.unwrap_or(0) };
                 self.excess = Some(before + count - least);
                 return Ok(true);
             }
-            let is_slow = !(left <= SLOW || is_rounding);
+            let is_slow = !(left <= SLOW_CONTRACTION || is_rounding);
             if is_slow && is_fresh {
                 break;
             }
@@ -75,12 +77,12 @@ impl DefectCorrection {
         Ok(false)
     }
 
-    /// Takes note of what the last correction does at the end of the step; returns its part in that of all corrections, in displacement or
+    /// Adds the last correction to the changes at the end of the step; returns its part in the sum of all corrections, in displacement or
     /// velocity.
-    fn change_at_end(&mut self, form: &StageForm) -> f64 {
+    fn change_at_end(&mut self, coefficients: &StageCoefficients) -> f64 {
         let n = self.at_end.len() / 2;
         let mut weights = [[0.0; 2]; MAX_DEGREE];
-        (0..self.correction.len() / n).for_each(|j| weights[j] = form.arrival_weights(j));
+        (0..self.correction.len() / n).for_each(|j| weights[j] = coefficients.end_weights(j));
         let mut part: f64 = 0.0;
         for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
             let (mut change, mut all) = (0.0, 0.0);
@@ -97,13 +99,13 @@ impl DefectCorrection {
         part
     }
 
-    /// Keeps what the next corrections depend on.
+    /// Keeps the memory that the next corrections depend on.
     pub fn keep(&self, memory: &mut Memory) {
         let excess = self.excess.map(|excess| excess as f64);
         memory.keep("defect.excess", excess.as_slice());
     }
 
-    /// Takes over what [`DefectCorrection::keep`] kept.
+    /// Restores what [`DefectCorrection::keep`] kept.
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

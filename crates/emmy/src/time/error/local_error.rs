@@ -1,13 +1,14 @@
-//! The local error of a step: what a step makes of a state, less what the motion makes of it.
+//! The local error of a step: the end of the step less the exact motion from the same start.
 
-use super::classic::{Forces, Start};
+use super::Estimator;
 use super::defect_correction::DefectCorrection;
 use super::reconstruction::Reconstruction;
 use super::sampling::Sampling;
-use super::{Estimator, Memory, Scheme, State, Stepper, TimeElement, TimeElementStepper};
 use crate::body::Body;
 use crate::error::Result;
 use crate::newton::NewtonSettings;
+use crate::time::classic::{Forces, Start};
+use crate::time::{AveragingRule, Memory, State, Stepper, TimeElement, TimeElementStepper};
 
 /// Estimates the error of each step of a time element, in positions and velocities at its end.
 ///
@@ -80,7 +81,7 @@ struct NextDegree<'a> {
     end: State,
 }
 
-/// What differences are taken of.
+/// Memory of the differences.
 #[derive(Debug)]
 struct Difference {
     /// Acceleration at a time before the step, and how far that lies before its start.
@@ -89,35 +90,32 @@ struct Difference {
     /// Third derivative of the displacement at the start of the step before, and how far that lies before.
     third: Vec<f64>,
     third_before: Option<f64>,
-    /// What a step that is accepted puts in their place.
+    /// Values that replace them when the step is accepted.
     new_acceleration: Vec<f64>,
     new_third: Vec<f64>,
 }
 
 impl<'a> LocalError<'a> {
-    /// The estimator for steps of a scheme from a state.
+    /// The estimator for steps of a time element from a state.
     ///
     /// # Errors
-    /// [`crate::Error::Scheme`] if the scheme is not a time element's, [`crate::Error::Adaptivity`] if the estimator does not go with the degree;
+    /// [`crate::Error::Scheme`] if the element cannot be, [`crate::Error::Adaptivity`] if the estimator does not go with the degree;
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(
         body: &'a Body,
-        (scheme, degree): (Scheme, usize),
+        element: TimeElement,
         estimator: Estimator,
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        estimator.check(scheme, degree)?;
+        estimator.check(element)?;
         let n = body.n_dofs();
-        let next = || NextDegree::new(body, (scheme, degree), estimator, settings, state).map(Box::new);
+        let next = || NextDegree::new(body, element, estimator, settings, state).map(Box::new);
         let kind = match estimator {
-            Estimator::Difference => {
-                TimeElement::new(scheme, degree)?;
-                Kind::Difference(Box::new(Difference::new(n)))
-            }
+            Estimator::Difference => Kind::Difference(Box::new(Difference::new(n))),
             Estimator::Element | Estimator::Residual => Kind::Element(next()?),
             Estimator::Sampled => {
-                let sampling = Sampling::new(degree, LocalError::order(scheme, degree), n);
+                let sampling = Sampling::new(element.degree, LocalError::order(element), n);
                 Kind::Sampled(next()?, Box::new(sampling))
             }
         };
@@ -135,11 +133,11 @@ impl<'a> LocalError<'a> {
     }
 
     /// Power of the step size with which the error grows: one more than the order of the scheme.
-    pub fn order(scheme: Scheme, degree: usize) -> usize {
-        scheme.order(degree) + 1
+    pub fn order(element: TimeElement) -> usize {
+        element.order() + 1
     }
 
-    /// Begins anew at a state, where a load has jumped.
+    /// Starts again from a state, where a load has jumped.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -155,10 +153,10 @@ impl<'a> LocalError<'a> {
         Ok(())
     }
 
-    /// Estimates the error of a step between two states with the rates of [`super::Stepper::rates`].
+    /// Estimates the error of a step between two states with the rates of [`Stepper::rates`].
     ///
     /// # Errors
-    /// Those of [`super::Stepper::advance`]: the element of degree k + 1 may fail where that of degree k did not.
+    /// Those of [`Stepper::advance`]: the element of degree k + 1 may fail where that of degree k did not.
     pub fn estimate(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<()> {
         match &mut self.kind {
             Kind::Difference(difference) => {
@@ -167,8 +165,8 @@ impl<'a> LocalError<'a> {
             }
             Kind::Element(_) => self.solve(start, end, rates, step_size)?,
             Kind::Sampled(_, sampling) => {
-                sampling.look(self.body, rates, step_size);
-                if !sampling.carry(step_size, &mut self.displacement, &mut self.velocity) {
+                sampling.observe(self.body, rates, step_size);
+                if !sampling.extrapolate(step_size, &mut self.displacement, &mut self.velocity) {
                     self.solve(start, end, rates, step_size)?;
                 }
             }
@@ -176,21 +174,21 @@ impl<'a> LocalError<'a> {
         Ok(())
     }
 
-    /// Whether the error of the last step is that of an earlier one, carried on ([`Estimator::Sampled`]).
-    pub fn is_carried(&self) -> bool {
-        matches!(&self.kind, Kind::Sampled(_, sampling) if sampling.is_carried())
+    /// Whether the error of the last step was extrapolated from an earlier one ([`Estimator::Sampled`]).
+    pub fn is_extrapolated(&self) -> bool {
+        matches!(&self.kind, Kind::Sampled(_, sampling) if sampling.is_extrapolated())
     }
 
-    /// Estimates the step that was estimated last by its own residual, if its error was carried; whether it was.
+    /// Estimates the step that was estimated last by its own residual, if its error was extrapolated; whether it was.
     ///
     /// # Errors
     /// Those of [`LocalError::estimate`].
     pub fn confirm(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<bool> {
-        let is_carried = self.is_carried();
-        if is_carried {
+        let is_extrapolated = self.is_extrapolated();
+        if is_extrapolated {
             self.solve(start, end, rates, step_size)?;
         }
-        Ok(is_carried)
+        Ok(is_extrapolated)
     }
 
     /// Sets the errors to the difference from the end of the element of degree k + 1.
@@ -202,7 +200,7 @@ impl<'a> LocalError<'a> {
         }
         self.clear_fixed();
         if let Kind::Sampled(_, sampling) = &mut self.kind {
-            sampling.take(self.body, step_size, &self.displacement, &self.velocity);
+            sampling.resample(self.body, step_size, &self.displacement, &self.velocity);
         }
         Ok(())
     }
@@ -233,7 +231,7 @@ impl<'a> LocalError<'a> {
         &self.velocity
     }
 
-    /// What the estimates to come depend on.
+    /// Memory that later estimates depend on.
     pub fn memory(&self) -> Memory {
         match &self.kind {
             Kind::Difference(difference) => {
@@ -253,7 +251,7 @@ impl<'a> LocalError<'a> {
         }
     }
 
-    /// Takes over the memory of another estimator of the same kind.
+    /// Restores the memory of another estimator of the same kind.
     ///
     /// # Errors
     /// [`crate::Error::Memory`], and those of [`Stepper::restore`].
@@ -278,20 +276,23 @@ impl<'a> LocalError<'a> {
 impl<'a> NextDegree<'a> {
     fn new(
         body: &'a Body,
-        (scheme, degree): (Scheme, usize),
+        element: TimeElement,
         estimator: Estimator,
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        TimeElement::new(scheme, degree)?;
-        let next = degree + 1;
+        element.check()?;
+        let degree = element.degree;
         // At the Gauss points the stage residual of FE(k + 1) is the strong residual.
-        let (scheme, correction) = match estimator {
-            Estimator::Element => (scheme.conserving().of_degree(next), None),
-            _ => (Scheme::Standard(next), Some((DefectCorrection::default(), degree / 2 + 1))),
+        let (next, correction) = match estimator {
+            Estimator::Element => (element.conserving().at_degree(degree + 1)?, None),
+            Estimator::Difference | Estimator::Residual | Estimator::Sampled => {
+                let next = TimeElement::new(AveragingRule::Standard(degree + 1), degree + 1)?;
+                (next, Some((DefectCorrection::default(), degree / 2 + 1)))
+            }
         };
         Ok(NextDegree {
-            stepper: TimeElementStepper::new(body, TimeElement::new(scheme, next)?, settings)?,
+            stepper: TimeElementStepper::new(body, next, settings)?,
             reconstruction: Reconstruction::new(degree, body.n_dofs()),
             correction,
             end: state.clone(),
@@ -304,7 +305,9 @@ impl<'a> NextDegree<'a> {
         self.reconstruction.set(&start.velocity, rates, step_size);
         let given = &self.reconstruction.rates;
         if let Some((correction, least)) = &mut self.correction
-            && self.stepper.correct_from(&mut self.end, step_size, given, (correction, *least))?
+            && self.stepper.correct_from(&mut self.end, step_size, given, |system, rates| {
+                correction.solve(system, rates, *least)
+            })?
         {
             return Ok(());
         }

@@ -1,0 +1,27 @@
+//! Stage averages of linear forces.
+
+use super::TimePoint;
+
+/// Stage averages of a polynomial path, as a linear force sees it.
+///
+/// ```math
+/// (1/b_i) sum_m w_m l_i(alpha_m) u(alpha_m) = start_i u_1 + sum_j rates_ij x_j
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mean {
+    /// Coefficients of the displacement at the start, `[k]`.
+    pub start: Vec<f64>,
+    /// Coefficients of the rates, `[i k + j]`.
+    pub rates: Vec<f64>,
+}
+
+impl Mean {
+    pub(super) fn of(degree: usize, points: &[TimePoint]) -> Mean {
+        let sum = |of: &dyn Fn(&TimePoint) -> f64| points.iter().map(of).sum::<f64>();
+        let rate = |n: usize| sum(&|point| point.share[n / degree] * point.passed[n % degree]);
+        Mean {
+            start: (0..degree).map(|i| sum(&|point| point.share[i])).collect(),
+            rates: (0..degree * degree).map(rate).collect(),
+        }
+    }
+}

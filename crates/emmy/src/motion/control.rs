@@ -1,0 +1,66 @@
+//! Control of the step sizes by the error.
+
+use super::degree_choice::DegreeChoice;
+use super::{Adaptivity, Controller};
+use crate::body::Body;
+use crate::error::Result;
+use crate::time::{LocalError, Memory, State};
+
+/// Control of the step sizes of a motion by the error of each step.
+#[derive(Debug)]
+pub struct Control<'a> {
+    pub adaptivity: Adaptivity,
+    pub controller: Controller,
+    pub estimator: LocalError<'a>,
+    pub degrees: Option<DegreeChoice>,
+    /// Scale of positions.
+    pub length: f64,
+    /// Duration of the plan.
+    pub duration: f64,
+    /// Times that lie closer together are the same.
+    pub same_time: f64,
+    /// The state at the start of the step.
+    pub start: State,
+}
+
+/// The first step is this part of the time in which the body moves by its own size.
+const FIRST_PART: f64 = 0.01;
+
+impl<'a> Control<'a> {
+    /// Memory that the next size depends on.
+    pub fn memory(&self, degree: usize) -> Memory {
+        let mut memory = self.estimator.memory();
+        memory.keep("controller", &self.controller.memory());
+        if let Some(choice) = &self.degrees {
+            choice.keep(degree, &mut memory);
+        }
+        memory
+    }
+
+    /// A size with which to begin: a part of the time in which the body moves by its own length.
+    pub fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
+        let acceleration = LocalError::acceleration(body, state)?;
+        let by_velocity = self.length / body.mean(&state.velocity);
+        let by_acceleration = (2.0 * self.length / body.mean(&acceleration)).sqrt();
+        Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
+    }
+
+    /// Error of the last step: the larger one of those of positions and velocities, in their scales.
+    pub fn error(&self, body: &Body) -> f64 {
+        self.size_of_error(body, &self.estimator)
+    }
+
+    /// The same of what an estimator estimated.
+    pub fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
+        let position = body.mean(estimator.displacement()) / self.length;
+        match self.adaptivity.velocity {
+            Some(scale) => larger(position, body.mean(estimator.velocity()) / scale),
+            None => position,
+        }
+    }
+}
+
+/// The larger one of two errors; NaN if one of them is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}

@@ -1,0 +1,123 @@
+//! Choice of the degree by its work.
+
+use crate::error::Result;
+use crate::time::Memory;
+
+/// Chooses the degree with which a unit of time costs least.
+///
+/// Steps of degree k have the error `c_k h^(2k+1)`; c_k is measured by repeating the last accepted step with each neighbouring degree. A
+/// step of degree k costs k, since a correction of its equations has k stages to evaluate and to solve for, and degrees differ little in how many it takes. So
+///
+/// ```math
+/// W_k = k / h_k,    h_k = h (c/e_k)^(1/(2k+1)),    c = 0.6 tolerance
+/// ```
+///
+/// with the error e_k of the trial, of size h. The law is not trusted beyond some factor, h_k does not go beyond the largest step or the time between two outputs, and
+/// another degree is taken only if it costs clearly less. Trials cost a few steps, and become rare where they change nothing. There is no clock in it: a motion has
+/// the same degrees on every machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DegreeChoice {
+    lowest: usize,
+    highest: usize,
+    /// Steps to go to the next trials, and from those to the ones after.
+    left: usize,
+    pause: usize,
+}
+
+/// Steps from a new degree to the first trials, and between trials at the most.
+const PAUSES: [usize; 2] = [8, 128];
+
+/// A step with a smaller part of the aimed error was shortened to meet a time, or is one of the first.
+pub const MIN_TELLING_ERROR: f64 = 0.01;
+
+/// Largest change of the size that is extrapolated by the law.
+const MAX_SIZE_RATIO: f64 = 3.0;
+
+/// Largest ratio of the work of another degree to the present work with which the degree changes.
+pub const MAX_WORK_RATIO: f64 = 0.8;
+
+impl DegreeChoice {
+    pub fn new([lowest, highest]: [usize; 2]) -> Self {
+        DegreeChoice { lowest, highest, left: PAUSES[0], pause: PAUSES[0] }
+    }
+
+    /// Counts an accepted step; true if trials are due and the step is long enough to judge sizes by it.
+    pub fn is_due(&mut self, is_telling: bool) -> bool {
+        self.left = self.left.saturating_sub(1);
+        self.left == 0 && is_telling
+    }
+
+    /// Waits for the next trials: twice as long where nothing changed.
+    pub fn wait(&mut self, has_changed: bool) {
+        self.pause = if has_changed { PAUSES[0] } else { (2 * self.pause).min(PAUSES[1]) };
+        self.left = self.pause;
+    }
+
+    /// Degrees beside one.
+    pub fn neighbours(&self, degree: usize) -> impl Iterator<Item = usize> + use<> {
+        let (lowest, highest) = (self.lowest, self.highest);
+        [degree - 1, degree + 1].into_iter().filter(move |k| (lowest..=highest).contains(k))
+    }
+
+    /// Keeps the memory that later choices depend on.
+    pub fn keep(&self, degree: usize, memory: &mut Memory) {
+        memory.keep("degree", &[degree as f64]);
+        memory.keep("degree.trials", &[self.left as f64, self.pause as f64]);
+    }
+
+    /// Restores what [`DegreeChoice::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        let [left, pause] = memory.array("degree.trials")?;
+        (self.left, self.pause) = (left as usize, pause as usize);
+        Ok(())
+    }
+}
+
+/// The degree in the memory of a control that chooses degrees.
+pub fn degree_of(memory: &Memory) -> Option<usize> {
+    memory.array("degree").ok().map(|[degree]| degree as usize)
+}
+
+/// Size at which an error that grows with an order is the one aimed at, by a step of a size and its error over that.
+pub fn size_of(order: usize, size: f64, error: f64) -> f64 {
+    let power = 1.0 / order as f64;
+    size * error
+        .max(f64::MIN_POSITIVE)
+        .recip()
+        .powf(power)
+        .clamp(MAX_SIZE_RATIO.recip().powi(2), MAX_SIZE_RATIO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_follow_the_law_within_its_limits() {
+        // 2.5^5 of the error that is aimed at: 2.5 times too large for degree 2.
+        assert!((size_of(5, 1.0, 2.5f64.powi(5)) - 0.4).abs() < 1e-12);
+        assert!((size_of(3, 0.1, 1.0 / 8.0) - 0.2).abs() < 1e-12);
+        assert_eq!((size_of(7, 1.0, 0.0), size_of(3, 1.0, 1e30)), (3.0, 1.0 / 9.0));
+    }
+
+    #[test]
+    fn trials_become_rare_and_come_back_with_a_change() {
+        let mut choice = DegreeChoice::new([1, 3]);
+        let mut trials = Vec::new();
+        for step in 1..=200 {
+            if choice.is_due(true) {
+                trials.push(step);
+                choice.wait(step == 56);
+            }
+        }
+        assert_eq!(trials, [8, 24, 56, 64, 80, 112, 176]);
+        assert_eq!(choice.neighbours(1).collect::<Vec<_>>(), [2]);
+        assert_eq!(choice.neighbours(2).collect::<Vec<_>>(), [1, 3]);
+        // Short steps say nothing about the degree.
+        let mut choice = DegreeChoice::new([1, 3]);
+        assert!((0..99).all(|_| !choice.is_due(false)) && choice.is_due(true));
+    }
+}

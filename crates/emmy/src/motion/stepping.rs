@@ -1,0 +1,372 @@
+//! A body in motion, and its single steps.
+
+use super::control::Control;
+use super::degree_choice::degree_of;
+use super::plan::SHORTEST;
+use super::{Event, EventKind, PlannedStep, Record, Resolution, Snapshot, Subdivision};
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::newton::NewtonSettings;
+use crate::number::short;
+use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
+
+/// A body in motion: its state, and the stepper that advances it.
+///
+/// ```
+/// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
+/// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
+/// let rubber = NeoHooke::new(1000.0, 500.0)?;
+/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 6.0], about: [0.5; 3], ..Default::default() };
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(State::initial(&body, 0.0, &[spin])?)?;
+/// motion.step(0.05)?;
+/// motion.step_to(0.1)?;
+/// motion.march(&StepPlan::new(0.1, vec![Phase { until: 1.0, size: 0.1 }])?, &mut [])?;
+/// assert!((motion.record().total_energy - 3.0).abs() < 1e-12); // m (a^2 + b^2) / 12 * omega^2 / 2
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Motion<'a> {
+    pub(super) body: &'a Body,
+    /// The scheme as it was given, and with the present degree.
+    given: Scheme,
+    pub(super) scheme: Scheme,
+    pub(super) settings: NewtonSettings,
+    pub(super) stepper: Box<dyn Stepper + 'a>,
+    pub(super) state: State,
+    /// The state before the last step.
+    last: State,
+    pub(super) record: Record,
+    /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
+    pub(super) smallest: Option<SmallestStep>,
+    pub(super) subdivision: Subdivision,
+    /// The control of the step sizes by the error, or its memory, of which it is to be made.
+    pub(super) control: Option<Control<'a>>,
+    pub(super) control_memory: Option<Memory>,
+    /// Whether steps resolve what acts on the body; `None` where there is nothing to resolve.
+    pub(super) resolution: Option<Resolution>,
+    pub(super) releases: usize,
+    was_at_rounding_floor: bool,
+    /// Cuts, rejections and releases since the last good step.
+    pub(super) cuts: usize,
+    pub(super) rejections: usize,
+    released: usize,
+    /// Events that observers have not seen yet.
+    pub(super) events: Vec<Event>,
+}
+
+/// How far a failing step may be cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SmallestStep {
+    /// Down to a size \[time\].
+    Size(f64),
+    /// Down to this part of the planned step, given as the number of halvings.
+    Halvings(u32),
+}
+
+/// Halvings of a planned step, where no smallest size is given: down to 1/1024 of it.
+const MAX_HALVINGS: u32 = 10;
+
+/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+pub(super) const SAME_TIME: f64 = 1e-6;
+
+impl<'a> Motion<'a> {
+    /// A motion from rest at t = 0 with default settings; see [`Motion::from`] and [`Motion::newton`].
+    ///
+    /// # Errors
+    /// As [`Motion::starting`] and [`State::initial`].
+    pub fn new(body: &'a Body, scheme: impl Into<Scheme>) -> Result<Self> {
+        Motion::starting(body, scheme, NewtonSettings::default(), State::initial(body, 0.0, &[])?)
+    }
+
+    /// The motion with another start.
+    ///
+    /// # Errors
+    /// As [`Motion::starting`].
+    pub fn from(self, state: State) -> Result<Self> {
+        Motion::starting(self.body, self.scheme, self.settings, state)
+    }
+
+    /// The motion with other settings of Newton's iteration.
+    ///
+    /// # Errors
+    /// As [`Motion::starting`].
+    pub fn newton(self, settings: NewtonSettings) -> Result<Self> {
+        Motion::starting(self.body, self.scheme, settings, self.state)
+    }
+
+    /// A motion that starts from a state, with all settings.
+    ///
+    /// # Errors
+    /// As [`Scheme::stepper`]; [`Error::Memory`] for a state of another body.
+    pub fn starting(
+        body: &'a Body,
+        scheme: impl Into<Scheme>,
+        settings: NewtonSettings,
+        mut state: State,
+    ) -> Result<Self> {
+        let scheme = scheme.into();
+        check_state(body, &state)?;
+        let stepper = scheme.stepper(body, settings, &mut state)?;
+        let degree = scheme.degree();
+        let record =
+            Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
+        Ok(Motion {
+            body,
+            given: scheme,
+            scheme,
+            settings,
+            stepper,
+            last: state.clone(),
+            state,
+            record,
+            smallest: None,
+            subdivision: Subdivision::default(),
+            control: None,
+            control_memory: None,
+            resolution: None,
+            releases: 0,
+            was_at_rounding_floor: false,
+            cuts: 0,
+            rejections: 0,
+            released: 0,
+            events: Vec::new(),
+        })
+    }
+
+    /// A motion that continues from a snapshot. With the stepper's memory, and the same scheme and settings, it is bit-identical to
+    /// the motion of the snapshot. A degree that was chosen by the control is taken from the snapshot.
+    ///
+    /// # Errors
+    /// As [`Scheme::stepper`] and [`Stepper::restore`]; [`Error::Memory`] for a state of another body.
+    pub fn resumed(
+        mut body: &'a Body,
+        scheme: impl Into<Scheme>,
+        settings: NewtonSettings,
+        snapshot: Snapshot,
+    ) -> Result<Self> {
+        let Snapshot { state, record, subdivision, control, releases, was_at_rounding_floor, memory } =
+            snapshot;
+        for _ in 0..releases {
+            let Some((_, released)) = body.release() else { break };
+            body = released;
+        }
+        let given = scheme.into();
+        let degree = control.as_ref().and_then(degree_of);
+        let scheme = degree.map_or(Ok(given), |degree| given.at_degree(degree))?;
+        let mut motion = Motion::starting(body, scheme, settings, state.clone())?;
+        motion.given = given;
+        match &memory {
+            Some(memory) => {
+                motion.stepper.restore(memory)?;
+                motion.state = state;
+                motion.record = record;
+            }
+            // The new stepper may have set the momentum by a mass of its own.
+            None => motion.record = record.at(body, &motion.state),
+        }
+        Ok(Motion { subdivision, control_memory: control, releases, was_at_rounding_floor, ..motion })
+    }
+
+    /// The whole state of the motion between two steps; see [`Motion::resumed`].
+    pub fn snapshot(&self) -> Snapshot {
+        let control = self.control.as_ref().map(|control| control.memory(self.scheme.degree()));
+        Snapshot {
+            state: self.state.clone(),
+            record: self.record.clone(),
+            subdivision: self.subdivision,
+            control: control.or(self.control_memory.clone()),
+            releases: self.releases,
+            was_at_rounding_floor: self.was_at_rounding_floor,
+            memory: Some(self.stepper.memory()),
+        }
+    }
+
+    /// Has failing steps of a march cut by two (see [`Subdivision`]), down to a size; without one, to 1/1024 of the planned step.
+    pub fn allow_cuts(&mut self, smallest_step: Option<f64>) {
+        self.smallest = Some(smallest_step.map_or(SmallestStep::Halvings(MAX_HALVINGS), SmallestStep::Size));
+    }
+
+    /// Present time \[time\].
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Present state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The body, without the supports that have been released.
+    pub fn body(&self) -> &'a Body {
+        self.body
+    }
+
+    /// The scheme, with the present degree.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// Settings of Newton's iteration.
+    pub fn settings(&self) -> NewtonSettings {
+        self.settings
+    }
+
+    /// The record of the last step.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// The stepper.
+    pub fn stepper(&self) -> &(dyn Stepper + 'a) {
+        &*self.stepper
+    }
+
+    /// Replaces the stepper by a new one of another degree.
+    pub(super) fn set_degree(&mut self, degree: usize) -> Result<()> {
+        self.scheme = self.given.at_degree(degree)?;
+        self.stepper = self.scheme.stepper(self.body, self.settings, &mut self.state)?;
+        Ok(())
+    }
+
+    /// The scheme with another degree than the present one.
+    pub(super) fn scheme_of(&self, degree: usize) -> Result<Scheme> {
+        self.given.at_degree(degree)
+    }
+
+    /// Continues with the body without the supports that are released by now; times that lie closer together than `same_time` are the
+    /// same. The state stays.
+    pub(super) fn release(&mut self, same_time: f64) -> Result<()> {
+        while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
+            self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
+            self.body = body;
+            self.releases += 1;
+            self.released += 1;
+            let message = format!("a support was released (until = {})", short(time));
+            self.note(EventKind::Release, self.state.step + 1, message);
+        }
+        Ok(())
+    }
+
+    /// Notes an event at the present time.
+    pub(super) fn note(&mut self, kind: EventKind, step: usize, message: String) {
+        self.events.push(Event { step, time: self.state.time, kind, message });
+    }
+
+    /// Advances by one step of a size and records it. A support that is released holds until the first step that starts at the
+    /// time of the release or after it.
+    ///
+    /// # Errors
+    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record are then those of the last good step.
+    pub fn step(&mut self, step_size: f64) -> Result<&Record> {
+        self.step_with_end(step_size, self.state.time + step_size)
+    }
+
+    /// Advances by one step that ends at a time.
+    ///
+    /// # Errors
+    /// As [`Motion::step`].
+    pub fn step_to(&mut self, end: f64) -> Result<&Record> {
+        self.step_with_end(end - self.state.time, end)
+    }
+
+    /// Advances by a step of a plan, to exactly its end.
+    ///
+    /// # Errors
+    /// As [`Motion::step`].
+    pub fn step_of_plan(&mut self, step: &PlannedStep) -> Result<&Record> {
+        self.step_with_end(step.size, step.end)
+    }
+
+    /// Advances by one step of a size; the time at its end may differ from the sum by rounding.
+    pub(super) fn step_with_end(&mut self, step_size: f64, end: f64) -> Result<&Record> {
+        self.release(SAME_TIME * step_size)?;
+        let outcome = self.advance(step_size);
+        let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
+        let missed =
+            self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
+        self.conclude(step_size, end, &outcome);
+        self.record.is_unresolved = missed.is_some();
+        Ok(&self.record)
+    }
+
+    /// Advances the state. One that is not finite is not accepted, whatever its residual says.
+    ///
+    /// # Errors
+    /// As [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.
+    pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
+        let time = self.state.time;
+        if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
+            return Err(Error::NoDuration { time, step_size });
+        }
+        self.last.copy_from(&self.state);
+        let outcome = self.stepper.advance(&mut self.state, step_size)?;
+        let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
+        let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
+        if dof.is_none() && outcome.strained.strain_energy.is_finite() {
+            return Ok(outcome);
+        }
+        self.state.copy_from(&self.last);
+        let node = dof.unwrap_or(0) / 3;
+        let position = self.state.position(self.body, node);
+        Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
+    }
+
+    /// Records a step that the state has done.
+    pub(super) fn conclude(&mut self, step_size: f64, end: f64, outcome: &StepOutcome) {
+        self.state.time = end;
+        self.state.step += 1;
+        self.record = self.record.after(self.body, &self.state, step_size, outcome);
+        self.record.cuts = std::mem::take(&mut self.cuts);
+        self.record.refusals = std::mem::take(&mut self.rejections);
+        self.record.releases = std::mem::take(&mut self.released);
+        self.record.degree = self.scheme.degree();
+        if self.record.at_rounding_floor && !self.was_at_rounding_floor {
+            self.was_at_rounding_floor = true;
+            let message = "Newton's iteration ended at the rounding floor, above the tolerance: the body is too stiff for it";
+            self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
+        }
+    }
+}
+
+/// Checks that a state has the degrees of freedom of a body.
+fn check_state(body: &Body, state: &State) -> Result<()> {
+    for (name, list) in
+        [("displacement", &state.displacement), ("momentum", &state.momentum), ("velocity", &state.velocity)]
+    {
+        if list.len() != body.n_dofs() {
+            let reason = format!("has {} numbers, not {}", list.len(), body.n_dofs());
+            return Err(Error::Memory { name: name.to_string(), reason });
+        }
+    }
+    Ok(())
+}
+
+/// The time of the next release of supports and the body from then on, if a motion has come there; times that lie closer together than
+/// `same_time` are the same.
+pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
+    body.release().filter(|(time, _)| now >= time - same_time)
+}
+
+/// The error of a step, with the place of the cell if one was inverted.
+pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+    let inner = match &error {
+        Error::StepFailed { cause, .. } => cause,
+        error => error,
+    };
+    let Error::Inverted { cell, det } = *inner else { return error };
+    let Some(found) = body.mesh().cells().nth(cell) else { return error };
+    let position = |node: &u32| state.position(body, *node as usize);
+    let mut centre = [0.0; 3];
+    for corner in found.nodes.iter().map(position) {
+        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
+    }
+    Error::CellInverted {
+        step: state.step + 1,
+        time: state.time + step_size,
+        cell,
+        kind: found.kind,
+        position: centre,
+        det,
+    }
+}

@@ -1,0 +1,296 @@
+//! The tangent of a step, approximated by one stiffness.
+
+use rayon::prelude::*;
+
+use super::mode_solvers::ModeSolvers;
+use super::strain_rates::StrainRateTransform;
+use crate::average::{Rule, Want};
+use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::error::Result;
+use crate::polynomial::lagrange_integral;
+use crate::quadrature::gauss;
+use crate::sparse::{Solver, SolverChoice, SolverKind};
+use crate::tensor::Mat3;
+use crate::tensor::rotation::{IDENTITY, exp, product, transposed};
+use crate::time::Memory;
+use crate::time::rigid_step::RigidStep;
+use crate::time::stage_coefficients::StageCoefficients;
+
+/// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric for every scheme. It is
+/// reused until the iteration becomes slow.
+#[derive(Debug)]
+pub struct ApproximateTangent {
+    solvers: ModeSolvers,
+    /// Modulus of the largest eigenvalue of the response.
+    response_size: f64,
+    /// Integrals of the basis up to the middle of the step, or to its end if the rule finds the middle, `[k]`.
+    integrals: Vec<f64>,
+    rule: Rule,
+    assembly: Assembly,
+    /// Rotation from the body of K to the body in the middle of the step.
+    orientation: Mat3<f64>,
+    /// Rotation vector of the step.
+    rotation: [f64; 3],
+    /// Rotations from the middle of the step to its Gauss points, `[k]`.
+    stage_rotations: Vec<Mat3<f64>>,
+    /// Whether the body turns under a rule that takes strains from rates.
+    turns: bool,
+    strain_rates: StrainRateTransform,
+    turned: Vec<f64>,
+    /// The time s of the stage equations that the solvers were made for.
+    made_for: Option<f64>,
+    /// Factor on viscosities in K.
+    viscous_rate: f64,
+    /// Displacement of K.
+    displacement: Vec<f64>,
+    rates: Vec<f64>,
+    /// `sum_m |K_lm|` of each row l.
+    row_sums: Vec<f64>,
+}
+
+impl ApproximateTangent {
+    /// Allocates memory; solvers are created with the first stiffness.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`].
+    pub fn new(body: &Body, coefficients: &StageCoefficients, solver: Solver) -> Result<Self> {
+        let n = body.n_dofs();
+        let nodes = coefficients.rule.nodes();
+        let (rule, until) = if coefficients.rule.is_energy_momentum() && nodes.len() == 1 {
+            (Rule::straining_rates(), 1.0)
+        } else {
+            (Rule::standard(1, &gauss(1)), 0.5)
+        };
+        let solvers = ModeSolvers::new(coefficients, n, solver)?;
+        Ok(ApproximateTangent {
+            // m^-1 w is the square of w.
+            response_size: solvers.largest_modulus().sqrt(),
+            solvers,
+            viscous_rate: 0.0,
+            integrals: (0..nodes.len()).map(|j| lagrange_integral(nodes, j, until)).collect(),
+            rule,
+            assembly: body.assembly(1),
+            orientation: IDENTITY,
+            rotation: [0.0; 3],
+            stage_rotations: vec![IDENTITY; nodes.len()],
+            turns: false,
+            strain_rates: StrainRateTransform::new(nodes.len(), n),
+            turned: vec![0.0; n * nodes.len()],
+            made_for: None,
+            displacement: vec![0.0; n],
+            rates: vec![0.0; n],
+            row_sums: vec![0.0; n],
+        })
+    }
+
+    /// Whether there is a stiffness.
+    pub fn is_made(&self) -> bool {
+        self.made_for.is_some()
+    }
+
+    /// Takes the stiffness in the middle of a step from a displacement with rates x; at its start, if the middle is inverted.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    pub fn refactorize(
+        &mut self,
+        body: &Body,
+        displacement: &[f64],
+        rates: &[f64],
+        time_scale: f64,
+    ) -> Result<()> {
+        self.made_for = None;
+        self.orientation = IDENTITY;
+        self.set_midpoint(displacement, rates);
+        // By the size of w viscosities have there the weight that they have in the stage equations.
+        self.viscous_rate = 0.5 / (time_scale * self.response_size);
+        if self.assemble(body).is_err() {
+            self.displacement.copy_from_slice(displacement);
+            self.rates.fill(0.0);
+            self.assemble(body)?;
+        }
+        self.sum_rows(body);
+        self.set(body, time_scale)
+    }
+
+    /// Keeps what the next steps depend on. The stiffness itself follows from displacement and rates.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep("tangent.displacement", &self.displacement);
+        memory.keep("tangent.rates", &self.rates);
+        memory.keep("tangent.viscous_rate", &[self.viscous_rate]);
+        memory.keep("tangent.orientation", self.orientation.as_flattened());
+        memory.keep("tangent.rotation", &self.rotation);
+        memory.keep("tangent.made_for", self.made_for.as_slice());
+        self.solvers.keep(memory);
+    }
+
+    /// Restores what [`ApproximateTangent::keep`] kept, and computes stiffness and factors again.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
+        memory.fill("tangent.displacement", &mut self.displacement)?;
+        memory.fill("tangent.rates", &mut self.rates)?;
+        [self.viscous_rate] = memory.array("tangent.viscous_rate")?;
+        memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
+        self.rotation = memory.array("tangent.rotation")?;
+        self.made_for = None;
+        self.solvers.restore(body, memory)?;
+        if let Some(time_scale) = memory.option("tangent.made_for")? {
+            self.assemble(body)?;
+            self.sum_rows(body);
+            self.set(body, time_scale)?;
+        }
+        Ok(())
+    }
+
+    /// Sets displacement and rates from which the rule of K evaluates the middle of the step.
+    fn set_midpoint(&mut self, displacement: &[f64], rates: &[f64]) {
+        let n = displacement.len();
+        self.displacement.copy_from_slice(displacement);
+        self.rates.fill(0.0);
+        let sum = if self.rule.is_energy_momentum() { &mut self.rates } else { &mut self.displacement };
+        for (rates, integral) in rates.chunks_exact(n).zip(&self.integrals) {
+            sum.iter_mut().zip(rates).for_each(|(sum, x)| *sum += integral * x);
+        }
+    }
+
+    /// Advances to the next step, in which the body turns by a rotation vector: `M + lambda K` turns with it, so that K stays
+    /// near, however often the body turns around.
+    pub fn turn(&mut self, step: &RigidStep, rule: &Rule) {
+        for half in [&self.rotation, &step.rotation] {
+            self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
+        }
+        self.rotation = step.rotation;
+        for (stage, c) in self.stage_rotations.iter_mut().zip(rule.nodes()) {
+            *stage = exp(&step.rotation.map(|w| (c - 0.5) * w));
+        }
+        self.turns = rule.is_energy_momentum() && step.rotation != [0.0; 3];
+        if self.turns {
+            self.strain_rates.set_spins(rule, &step.spins);
+        }
+    }
+
+    /// The solver, once there is one.
+    pub fn choice(&self) -> Option<SolverChoice> {
+        self.solvers.choice()
+    }
+
+    /// Sets the solvers to a time s, with the present stiffness.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`].
+    pub fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+        if self.made_for == Some(time_scale) { Ok(()) } else { self.set(body, time_scale) }
+    }
+
+    fn assemble(&mut self, body: &Body) -> Result<()> {
+        // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2` where they are those of the modes.
+        let step = StepInput {
+            rule: &self.rule,
+            tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
+            displacement: &self.displacement,
+            rates: &self.rates,
+            damping: StepDamping { rate: self.viscous_rate, excess: 0.0 },
+        };
+        body.assemble(&step, Want::Tangent, &[0.0], &mut self.assembly)
+    }
+
+    fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+        self.made_for = None;
+        self.solvers.set(body, &self.assembly.matrix, time_scale)?;
+        self.made_for = Some(time_scale);
+        Ok(())
+    }
+
+    /// Cost of a new stiffness, in corrections with the old one.
+    pub fn refactorization_cost(&self) -> f64 {
+        self.solvers.refactorization_cost()
+    }
+
+    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
+    /// iterations, `None` if a solver missed the tolerance.
+    pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
+        self.turn_back(r);
+        z.fill(0.0);
+        let iterations = self.solvers.solve(&self.turned, z, tolerance);
+        self.turn_forward(z);
+        if iterations.is_none() {
+            self.solvers.fall_back_to_direct();
+            self.made_for = None;
+        }
+        iterations
+    }
+
+    /// `z = P^-1 r`, a linear map near the inverse of the linearised stage equations.
+    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        self.turn_back(r);
+        z.fill(0.0);
+        self.solvers.precondition(&self.turned, z);
+        self.turn_forward(z);
+    }
+
+    /// Sets `turned` to stages turned back to the orientation of K.
+    fn turn_back(&mut self, stages: &[f64]) {
+        let n = self.row_sums.len();
+        self.turned.copy_from_slice(stages);
+        for (stage, R) in self.turned.chunks_exact_mut(n).zip(&self.stage_rotations) {
+            rotate(stage, &transposed(&product(R, &self.orientation)));
+        }
+    }
+
+    /// Turns stages forward from the orientation of K.
+    fn turn_forward(&mut self, stages: &mut [f64]) {
+        let n = self.row_sums.len();
+        for (stage, R) in stages.chunks_exact_mut(n).zip(&self.stage_rotations) {
+            rotate(stage, &product(R, &self.orientation));
+        }
+        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
+        if self.turns && self.solvers.is(SolverKind::Direct) {
+            self.strain_rates.apply_inverse(stages);
+        }
+    }
+
+    fn sum_rows(&mut self, body: &Body) {
+        let matrix = &self.assembly.matrix;
+        self.row_sums.as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
+            *sums = [0.0; 3];
+            for position in body.pattern().range(row) {
+                let block = matrix.block(position);
+                (0..9).for_each(|at| sums[at / 3] += block[at].abs());
+            }
+        });
+    }
+
+    /// Norm of `|s^2 K| |u|` over the free degrees of freedom, u being alike at neighbours: rounding of the forces is eps times
+    /// this.
+    pub fn rounding_size(&self, body: &Body, displacement: &[f64], rates: &[f64], time_scale: f64) -> f64 {
+        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.fixed());
+        let square = |((sum, (u, x)), fixed): ((&f64, (&f64, &f64)), &bool)| {
+            if *fixed { 0.0 } else { (sum * (u.abs() + x.abs())).powi(2) }
+        };
+        time_scale * time_scale * terms.map(square).sum::<f64>().sqrt()
+    }
+
+    /// Strain energy of displacements that are off by rounding, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
+    pub fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
+        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
+        let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
+        0.125 * f64::EPSILON * f64::EPSILON * sum
+    }
+}
+
+/// Nodes that one task works on.
+const NODES: usize = 2048;
+
+/// Turns the vectors of all nodes, `[n_nodes][3]`.
+fn rotate(vectors: &mut [f64], R: &Mat3<f64>) {
+    if *R == IDENTITY {
+        return;
+    }
+    vectors.par_chunks_mut(3 * NODES).for_each(|vectors| {
+        for v in vectors.as_chunks_mut::<3>().0 {
+            *v = [0, 1, 2].map(|a| R[a][0] * v[0] + R[a][1] * v[1] + R[a][2] * v[2]);
+        }
+    });
+}

@@ -1,0 +1,46 @@
+//! The linear system of a Newton iteration with the exact tangent.
+
+use super::approximate_tangent::ApproximateTangent;
+use crate::body::{Assembly, Body};
+use crate::sparse::LinearSystem;
+use crate::time::dissipation::RigidProjection;
+
+/// The linear system of a Newton iteration, on the free degrees of freedom.
+pub struct LinearisedStages<'a> {
+    pub body: &'a Body,
+    pub assembly: &'a mut Assembly,
+    pub approximate_tangent: &'a mut ApproximateTangent,
+    pub projection: Option<&'a mut RigidProjection>,
+    pub time_scale: f64,
+    /// Memory for a right-hand side.
+    pub right: &'a mut [f64],
+}
+
+impl LinearSystem for LinearisedStages<'_> {
+    fn product(&mut self, x: &[f64], y: &mut [f64]) {
+        self.assembly.matrix.multiply(self.body.pattern(), x, y);
+        if let Some(projection) = &mut self.projection {
+            projection.add_derivative(self.body, self.time_scale, x, y);
+        }
+        clear_fixed(self.body, y);
+    }
+
+    fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
+        match &mut self.projection {
+            Some(projection) => {
+                self.right.copy_from_slice(x);
+                projection.correct(self.right);
+                clear_fixed(self.body, self.right);
+                self.approximate_tangent.precondition(self.right, y);
+            }
+            None => self.approximate_tangent.precondition(x, y),
+        }
+    }
+}
+
+/// Sets the entries of the fixed degrees of freedom to zero in every stage.
+pub fn clear_fixed(body: &Body, vector: &mut [f64]) {
+    for stage in vector.chunks_exact_mut(body.n_dofs()) {
+        stage.iter_mut().zip(body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(value, _)| *value = 0.0);
+    }
+}

@@ -1,0 +1,10 @@
+//! The linearised stage equations: an approximate tangent made of one stiffness, decoupled into one system for each mode.
+
+mod approximate_tangent;
+mod decoupling;
+mod linearised;
+mod mode_solvers;
+mod strain_rates;
+
+pub use approximate_tangent::ApproximateTangent;
+pub use linearised::{LinearisedStages, clear_fixed};

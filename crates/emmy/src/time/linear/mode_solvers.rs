@@ -1,0 +1,257 @@
+//! One linear solver for each mode of the stage equations, and the choice of its kind by cost.
+
+use std::sync::Arc;
+
+use super::decoupling::{Mode, modes};
+use crate::body::Body;
+use crate::error::Result;
+use crate::sparse::{
+    Direct, DirectPair, Iterative, ShiftedSolver, Solver, SolverChoice, SolverKind, StageMatrix, SweepOrder,
+    inverse,
+};
+use crate::time::Memory;
+use crate::time::stage_coefficients::StageCoefficients;
+
+/// The modes of the stage equations with their solvers.
+#[derive(Debug)]
+pub struct ModeSolvers {
+    modes: Vec<Mode>,
+    /// Coefficients of the inertia without drag, and of the response, `[i k + j]`.
+    mass: Vec<f64>,
+    response: Vec<f64>,
+    /// The time s that the modes were made for, where they depend on it.
+    modes_for: Option<f64>,
+    solvers: Vec<Box<dyn ShiftedSolver>>,
+    /// The solver asked for.
+    requested: Solver,
+    /// Whether conjugate gradients failed where the solver was left open.
+    has_fallen_back: bool,
+    choice: Option<SolverChoice>,
+    n_dofs: usize,
+    columns: Vec<f64>,
+}
+
+impl ModeSolvers {
+    /// The modes for n degrees of freedom; their solvers are made with the first stiffness.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`].
+    pub fn new(coefficients: &StageCoefficients, n: usize, requested: Solver) -> Result<Self> {
+        let k = coefficients.rule.degree();
+        Ok(ModeSolvers {
+            modes: modes(&coefficients.inverse_mass, &coefficients.response)?,
+            mass: coefficients.mass.clone(),
+            response: coefficients.response.clone(),
+            modes_for: None,
+            solvers: Vec::new(),
+            requested,
+            has_fallen_back: false,
+            choice: None,
+            n_dofs: n,
+            columns: vec![0.0; if k > 1 { 2 * n } else { n }],
+        })
+    }
+
+    /// Modulus of the largest eigenvalue of `m^-1 w`.
+    pub fn largest_modulus(&self) -> f64 {
+        self.modes.iter().map(Mode::modulus).fold(0.0, f64::max)
+    }
+
+    /// The solver, once there is one.
+    pub fn choice(&self) -> Option<SolverChoice> {
+        self.choice
+    }
+
+    /// Whether the solver chosen is of a kind.
+    pub fn is(&self, kind: SolverKind) -> bool {
+        self.choice.is_some_and(|choice| choice.kind == kind)
+    }
+
+    /// Cost of a new stiffness, in corrections with the old one.
+    pub fn refactorization_cost(&self) -> f64 {
+        let costs = self.solvers.iter().map(|solver| solver.refactorization_cost());
+        costs.fold(0.0, f64::max)
+    }
+
+    /// Sets the solvers to a stiffness and a time s.
+    ///
+    /// # Errors
+    /// [`crate::Error::Linear`].
+    pub fn set(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
+        if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
+            self.set_modes(body, time_scale)?;
+        }
+        self.choose(body, stiffness, time_scale)?;
+        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
+            let shift = mode.eigenvalue.map(|part| time_scale * time_scale * part);
+            solver.factorize(stiffness, body.mass(), body.fixed(), shift)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the modes of a body with viscosity or drag. Viscosities are taken as a time t_v by which the stiffness is multiplied.
+    ///
+    /// ```math
+    /// m_ij + s alpha delta_ij,    w_ij + t_v/s delta_ij
+    /// ```
+    fn set_modes(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+        let mass = with_diagonal(&self.mass, time_scale * body.drag());
+        let response = with_diagonal(&self.response, body.viscous_time() / time_scale);
+        self.modes = modes(&inverse(&mass), &response)?;
+        self.modes_for = Some(time_scale);
+        Ok(())
+    }
+
+    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only when the other
+    /// kind has become clearly cheaper.
+    fn choose(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
+        let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
+        if !self.solvers.is_empty() && requested != Solver::Auto {
+            return Ok(());
+        }
+        let scale = time_scale * time_scale * self.largest_modulus();
+        let number = scale * stiffness_over_mass(body, stiffness);
+        let limit = iterative_limit(body);
+        let cheaper = |limit: f64| if number < limit { SolverKind::Iterative } else { SolverKind::Direct };
+        if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
+            let kind = match choice.kind {
+                SolverKind::Iterative => cheaper(limit * SWITCH_RATIO),
+                SolverKind::Direct => cheaper(limit / SWITCH_RATIO),
+            };
+            if kind == choice.kind {
+                return Ok(());
+            }
+            self.solvers.clear();
+        }
+        let (kind, limit) = match requested {
+            Solver::Auto => (cheaper(limit), Some(limit)),
+            Solver::Direct => (SolverKind::Direct, None),
+            Solver::Iterative => (SolverKind::Iterative, None),
+        };
+        let choice = SolverChoice { kind, stiffness: number, limit };
+        self.choice = Some(choice);
+        self.create(body, choice)
+    }
+
+    fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
+        let (pattern, fixed) = (body.pattern(), body.fixed());
+        let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
+        let needs_sweep = has_pairs || choice.kind == SolverKind::Iterative;
+        let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
+        for mode in &self.modes {
+            self.solvers.push(match (&sweep, choice.kind, mode.n_columns()) {
+                (Some(sweep), SolverKind::Iterative, 1) => {
+                    Box::new(Iterative::<1>::new(fixed, sweep.clone()))
+                }
+                (Some(sweep), SolverKind::Iterative, _) => {
+                    Box::new(Iterative::<2>::new(fixed, sweep.clone()))
+                }
+                (Some(sweep), SolverKind::Direct, 2) => {
+                    Box::new(DirectPair::new(pattern, fixed, body.node_order()?, sweep.clone())?)
+                }
+                _ => Box::new(Direct::new(pattern, fixed, body.node_order()?)?),
+            });
+        }
+        Ok(())
+    }
+
+    /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
+    /// iterations, `None` if a solver missed the tolerance.
+    pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
+        let mut total = Some(0);
+        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
+            let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
+            mode.restrict(r, columns);
+            total = solver.solve(columns, tolerance).and_then(|n| total.map(|total| total + n));
+            mode.add_to(&mode.backward, columns, z);
+        }
+        total
+    }
+
+    /// Adds to z a linear map of r near that of [`ModeSolvers::solve`].
+    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+        for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
+            let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
+            mode.restrict(r, columns);
+            solver.precondition(columns);
+            mode.add_to(&mode.turned, columns, z);
+        }
+    }
+
+    /// Factorises the next stiffness, where the solver was left open and conjugate gradients failed.
+    pub fn fall_back_to_direct(&mut self) {
+        if self.requested == Solver::Auto && self.is(SolverKind::Iterative) {
+            self.has_fallen_back = true;
+            self.solvers.clear();
+        }
+    }
+
+    /// Keeps what the next steps depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep("solver.has_fallen_back", &[f64::from(u8::from(self.has_fallen_back))]);
+        memory.keep("solver.is_ready", &[f64::from(u8::from(!self.solvers.is_empty()))]);
+        for kind in SolverKind::ALL {
+            let choice = self.choice.filter(|choice| choice.kind == kind);
+            memory.keep(&stiffness_of(kind), choice.map(|choice| choice.stiffness).as_slice());
+        }
+        memory.keep("solver.limit", self.choice.and_then(|choice| choice.limit).as_slice());
+    }
+
+    /// Restores what [`ModeSolvers::keep`] kept.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`], [`crate::Error::Linear`].
+    pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
+        let [has_fallen_back] = memory.array("solver.has_fallen_back")?;
+        self.has_fallen_back = has_fallen_back != 0.0;
+        let limit = memory.option("solver.limit")?;
+        self.choice = None;
+        for kind in SolverKind::ALL {
+            if let Some(stiffness) = memory.option(&stiffness_of(kind))? {
+                self.choice = Some(SolverChoice { kind, stiffness, limit });
+            }
+        }
+        self.solvers.clear();
+        let [is_ready] = memory.array("solver.is_ready")?;
+        self.choice.filter(|_| is_ready != 0.0).map_or(Ok(()), |choice| self.create(body, choice))
+    }
+}
+
+/// Name of the stiffness number of a solver in a memory.
+fn stiffness_of(kind: SolverKind) -> String {
+    format!("solver.{}.stiffness", kind.name())
+}
+
+/// A square matrix with a number added to its diagonal.
+fn with_diagonal(matrix: &[f64], value: f64) -> Vec<f64> {
+    let mut matrix = matrix.to_vec();
+    let k = matrix.len().isqrt();
+    (0..k).for_each(|i| matrix[i * k + i] += value);
+    matrix
+}
+
+/// Largest ratio of a diagonal entry of K to the mass of its node.
+fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
+    let ratio = |dof: usize| {
+        let node = dof / 3;
+        let diagonal = body.pattern().position(node, node).unwrap_or(0);
+        stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
+    };
+    let free = (0..body.n_dofs()).filter(|&dof| !body.fixed()[dof]);
+    free.map(ratio).fold(0.0, f64::max)
+}
+
+/// Stiffness number up to which conjugate gradients cost less than factorisations.
+///
+/// Both are limited by memory. By profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2 ns a
+/// coupling of nodes, `12 sqrt(c)` of them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the
+/// factor, which has about `15 n^(4/3)` of them for n degrees of freedom, as nested dissection leaves in three dimensions. Times of
+/// both solvers side by side cross at c = 170 (r = 2, where this gives 180) and above 600 (r = 4, 500).
+fn iterative_limit(body: &Body) -> f64 {
+    let iteration = 2.0e-9 * body.pattern().n_blocks() as f64;
+    let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
+    (6.0 * solution / (12.0 * iteration)).powi(2)
+}
+
+/// Factor beyond the limit of the stiffness number at which solvers are replaced.
+const SWITCH_RATIO: f64 = 4.0;
