@@ -4,7 +4,7 @@
 
 #![allow(non_snake_case)] // the letters of the formulas
 
-use emmy::body::{Body, Custom, InitialVelocity, Region};
+use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::Material;
 use emmy::motion::{Motion, Record, State};
 use emmy::tensor::{Elasticity, Lane, Sym, double_dot, sym_scaled};
@@ -41,8 +41,8 @@ impl Material for Foam {
 
 fn fly() -> emmy::Result<Vec<Record>> {
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2])?;
-    let body =
-        Body::new(mesh, vec![Region::new(None, 1.0, Custom(Foam { mu: 200.0, stiffening: 5.0 }))], &[], &[])?;
+    let foam = Foam { mu: 200.0, stiffening: 5.0 };
+    let body = Body::new(mesh, vec![Region::new(None, 1.0, foam)], &[], &[])?;
     let spin = InitialVelocity { angular_velocity: [8.0, 1.0, 3.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin])?;
     let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(state)?;

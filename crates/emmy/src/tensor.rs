@@ -78,6 +78,12 @@ pub trait Lane:
     fn min(self, other: Self) -> Self;
     /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// Calls a function compiled for the instruction set of the lanes: what a table of functions does, whose caller cannot
+    /// inline it.
+    #[inline(always)]
+    fn vectorize<T>(self, function: impl FnOnce() -> T) -> T {
+        function()
+    }
     /// Eigenvalues and eigenvectors (in columns) of a symmetric tensor: [`eigen`] in every lane.
     fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>);
 }

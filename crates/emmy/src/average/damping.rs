@@ -2,7 +2,7 @@
 
 use super::{Average, Rule, Want};
 use crate::tensor::{
-    Elasticity, Lane, Mat3, Sym, double_dot, identity_plus_times_sym, inlined, sym_add_scaled,
+    Elasticity, Lane, Mat3, Sym, add_scaled, double_dot, identity_plus_times_sym, inlined, sym_add_scaled,
     sym_transposed_product,
 };
 
@@ -30,10 +30,10 @@ pub struct Damping {
 }
 
 impl Rule {
-    /// Stress averages of a damping alone, and their derivatives if wanted: the part of a rule that knows no material. `start`, `rates`, `average` as in
-    /// [`Rule::average`].
+    /// Adds the stress averages of a damping, and their derivatives if wanted, to those of [`Rule::average`], whose arguments
+    /// `start`, `rates` and `average` these are; the rates must be there.
     #[inline(always)]
-    pub fn average_damping<L: Lane>(
+    pub fn add_damping<L: Lane>(
         &self,
         damping: &Damping,
         start: &Mat3<L>,
@@ -47,10 +47,11 @@ impl Rule {
         average.stiffness.fill([[zero; 6]; 6]);
         self.add_damping_stress(damping, want, average);
         for i in 0..self.degree() {
-            average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
+            let P = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
+            average.stress[i] = add_scaled(&average.stress[i], 1.0, &P);
         }
         if want == Want::Tangent {
-            self.energy_momentum_tangent(rates, average);
+            self.energy_momentum_tangent(rates, false, average);
         }
     }
 
@@ -169,7 +170,7 @@ mod tests {
 
     fn averaged(rule: &Rule, damping: &Damping, rates: &[Mat3<f64>], want: Want) -> Average<f64> {
         let mut average = Average::new(rule.degree(), 0.0);
-        rule.average_damping(damping, &START, rates, want, &mut average);
+        rule.add_damping(damping, &START, rates, want, &mut average);
         average
     }
 

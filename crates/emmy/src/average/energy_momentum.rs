@@ -5,7 +5,7 @@
 
 use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
 use super::{Average, Kind, Rule, Want};
-use crate::material::Material;
+use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
     inlined, mat3, sym_add_scaled, sym_scaled, sym_transposed_product, trace,
@@ -16,9 +16,9 @@ impl Rule {
     /// P_i = F(c_i) S_i
     /// ```
     #[inline(always)]
-    pub(super) fn average_energy_momentum<L: Lane, M: Material>(
+    pub(super) fn average_energy_momentum<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
         want: Want,
@@ -30,7 +30,8 @@ impl Rule {
         for i in 0..k {
             let G = Rule::gradient_at(start, &self.a[i * k..(i + 1) * k], rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
-            average.strain_rates[i] = strain_part::<L, M>(sym_transposed_product(&G, &rates[i]));
+            let rate = sym_transposed_product(&G, &rates[i]);
+            average.strain_rates[i] = if material.is_link() { trace_part(&rate) } else { rate };
             average.gradients[i] = G;
         }
         let E_1 = green_lagrange(start);
@@ -44,7 +45,7 @@ impl Rule {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
         }
         if want == Want::Tangent {
-            self.energy_momentum_tangent(rates, average);
+            self.energy_momentum_tangent(rates, true, average);
         }
     }
 
@@ -71,9 +72,9 @@ impl Rule {
     /// S_i = (1/b_i) sum_m w_m l_i(alpha_m) 2 DW(C~(alpha_m))
     /// ```
     #[inline(always)]
-    fn assumed_strain_stress<L: Lane, M: Material>(
+    fn assumed_strain_stress<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         E_1: &Sym<L>,
         want: Want,
         average: &mut Average<L>,
@@ -82,33 +83,29 @@ impl Rule {
         average.stresses.fill([zero; 6]);
         let is_straight = k == 1 && self.points.len() > 1;
         if is_straight {
-            let points = self.points.iter().map(
-                #[inline(always)]
-                |point| [point.passed[0], point.share[0]],
-            );
-            average.stresses[0] = material.stress_along(E_1, &average.strain_rates[0], points);
+            material.stress_along(E_1, &average.strain_rates[0], &self.path, &mut average.stresses[0]);
         }
         if want == Want::Tangent {
             average.stiffness.fill([[zero; 6]; 6]);
         } else if is_straight {
             return;
         }
+        let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.passed, average);
-            let (S, D) = match want {
-                Want::Stress => (material.stress(&E), None),
-                Want::Tangent => {
-                    let (S, D) = material.stress_and_elasticity(&E);
-                    (S, Some(D))
-                }
-            };
+            match want {
+                Want::Stress => material.stress(&E, &mut S),
+                Want::Tangent => material.stress_and_elasticity(&E, &mut S, &mut D),
+            }
             if !is_straight {
                 for i in 0..k {
                     average.stresses[i] =
                         sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
                 }
             }
-            let Some(D) = D else { continue };
+            if want == Want::Stress {
+                continue;
+            }
             for i in 0..k {
                 for m in 0..k {
                     let weight = point.share[i] * point.passed[m];
@@ -124,9 +121,9 @@ impl Rule {
     ///
     /// (in C: equation (64), with 2 DW = S and C' = 2 E').
     #[inline(always)]
-    fn discrete_gradient_stress<L: Lane, M: Material>(
+    fn discrete_gradient_stress<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         E_1: &Sym<L>,
         end: &Mat3<L>,
         want: Want,
@@ -138,10 +135,10 @@ impl Rule {
             let E = self.assumed_strain_at(E_1, &self.a[i * k..(i + 1) * k], average);
             let rate = average.strain_rates[i];
             change = sym_add_scaled(&change, zero.splat(self.b[i]), &rate);
-            if want == Want::Tangent {
-                (average.stresses[i], average.elasticities[i]) = material.stress_and_elasticity(&E);
-            } else {
-                average.stresses[i] = material.stress(&E);
+            let (stress, elasticity) = (&mut average.stresses[i], &mut average.elasticities[i]);
+            match want {
+                Want::Stress => material.stress(&E, stress),
+                Want::Tangent => material.stress_and_elasticity(&E, stress, elasticity),
             }
             work += double_dot(&average.stresses[i], &rate) * self.b[i];
             square += double_dot(&rate, &rate) * self.b[i];
@@ -159,8 +156,9 @@ impl Rule {
         let inverse = (square * square).select_below(resting, zero, zero.splat(1.0) / square);
         let r = numerator * inverse;
         if want == Want::Tangent {
-            let S_2 = material.stress(&green_lagrange(end));
-            self.discrete_gradient_stiffness::<L, M>(&S_2, r, inverse, average);
+            let mut S_2 = [zero; 6];
+            material.stress(&green_lagrange(end), &mut S_2);
+            self.discrete_gradient_stiffness(&S_2, r, inverse, material.is_link(), average);
         }
         for i in 0..k {
             average.stresses[i] = sym_add_scaled(&average.stresses[i], r, &average.strain_rates[i]);
@@ -170,19 +168,19 @@ impl Rule {
     /// W_2 - W_1 of a material without a form of its own: the difference, or its Gauss quadrature along the assumed strain where the
     /// two agree within the rounding of the difference: there the quadrature is the less noisy one.
     #[inline(always)]
-    fn energy_difference<L: Lane, M: Material>(
+    fn energy_difference<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         E_1: &Sym<L>,
         E_2: &Sym<L>,
         average: &mut Average<L>,
     ) -> L {
         let zero = E_1[0].splat(0.0);
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
-        let (mut integral, mut stress_norm) = (zero, zero);
+        let (mut integral, mut stress_norm, mut S) = (zero, zero, [zero; 6]);
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.passed, average);
-            let S = material.stress(&E);
+            material.stress(&E, &mut S);
             let mut rate = [zero; 6];
             for (&l_j, r) in point.basis.iter().zip(&average.strain_rates) {
                 rate = sym_add_scaled(&rate, zero.splat(l_j), r);
@@ -199,11 +197,12 @@ impl Rule {
 
     /// dS_i/dE'_m of the discrete gradient: r and the stresses differentiated (equation (79)).
     #[inline(always)]
-    fn discrete_gradient_stiffness<L: Lane, M: Material>(
+    fn discrete_gradient_stiffness<L: Lane>(
         &self,
         S_2: &Sym<L>,
         r: L,
         inverse: L,
+        is_link: bool,
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), r.splat(0.0));
@@ -228,7 +227,7 @@ impl Rule {
                     }
                 }
                 if i == m {
-                    add_derivative_of_rate::<L, M>(X, r);
+                    add_derivative_of_rate(X, r, is_link);
                 }
             }
         }
@@ -240,7 +239,12 @@ impl Rule {
     /// dP_i = a_ij dF'_j S_i + F(c_i) sum_m dS_i/dE'_m : sym(H_mj^T dF'_j),    H_mj = F(c_j) delta_mj + a_mj F'_m
     /// ```
     #[inline(always)]
-    pub(super) fn energy_momentum_tangent<L: Lane>(&self, rates: &[Mat3<L>], average: &mut Average<L>) {
+    pub(super) fn energy_momentum_tangent<L: Lane>(
+        &self,
+        rates: &[Mat3<L>],
+        is_first: bool,
+        average: &mut Average<L>,
+    ) {
         let k = self.degree();
         for i in 0..k {
             for j in 0..k {
@@ -268,27 +272,27 @@ impl Rule {
                 }
                 let mut A = first_from_second(&average.gradients[i], &Y);
                 add_geometric(&mut A, self.a[i * k + j], &average.stresses[i]);
-                average.tangent[i * k + j] = A;
+                let sum = &mut average.tangent[i * k + j];
+                for (sum, A) in sum.as_flattened_mut().iter_mut().zip(A.as_flattened()) {
+                    *sum = if is_first { *A } else { *sum + *A };
+                }
             }
         }
     }
 }
 
-/// The part of a strain rate that the discrete gradient may push along: all of it, but for a link, whose energy knows tr E
-/// only, the trace. Its stress is then a multiple of I, which pulls along the link and turns nothing.
+/// `1/3 tr E' I`, the strain rate of a link: its energy depends on tr E alone. A correction along it is a multiple of I, which
+/// pulls along the link and has no moment.
 #[inline(always)]
-fn strain_part<L: Lane, M: Material>(rate: Sym<L>) -> Sym<L> {
-    if !M::IS_LINK {
-        return rate;
-    }
-    let (third, zero) = (trace(&rate) * (1.0 / 3.0), rate[0].splat(0.0));
+fn trace_part<L: Lane>(rate: &Sym<L>) -> Sym<L> {
+    let (third, zero) = (trace(rate) * (1.0 / 3.0), rate[0].splat(0.0));
     [third, third, third, zero, zero, zero]
 }
 
 /// Adds the derivative of `r E'` by E' at fixed r.
 #[inline(always)]
-fn add_derivative_of_rate<L: Lane, M: Material>(X: &mut Elasticity<L>, r: L) {
-    if M::IS_LINK {
+fn add_derivative_of_rate<L: Lane>(X: &mut Elasticity<L>, r: L, is_link: bool) {
+    if is_link {
         for a in 0..3 {
             for b in 0..3 {
                 X[a][b] += r * (1.0 / 3.0);

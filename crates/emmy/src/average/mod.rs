@@ -25,7 +25,7 @@ pub use follower::FollowerRule;
 pub use mean::Mean;
 pub use start_tangent::StartTangent;
 
-use crate::material::Material;
+use crate::material::Response;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
 use crate::quadrature::{Quadrature, gauss, lobatto};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
@@ -49,6 +49,8 @@ pub struct Rule {
     fastest: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
+    /// `[L_1, w l_1 / b_1]` of every point: for k = 1 the path of strains is straight.
+    path: Vec<[f64; 2]>,
     mean: Mean,
     load_quadrature: Quadrature<1>,
     smooth_quadrature: Quadrature<1>,
@@ -248,6 +250,7 @@ impl Rule {
             TimePoint { alpha, weight, passed, basis, share }
         });
         let points: Vec<TimePoint> = points.collect();
+        let path = points.iter().map(|point| [point.passed[0], point.share[0]]).collect();
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
             // The rule's own quadrature has the path at its points.
@@ -257,7 +260,7 @@ impl Rule {
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
         let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
-        Rule { c, b, a, fastest, kind, points, mean, load_quadrature, smooth_quadrature }
+        Rule { c, b, a, fastest, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }
 
     /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
@@ -355,9 +358,9 @@ impl Rule {
     /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] takes the
     /// gradient there as well, with no rates beside it. The result is in `average`.
     #[inline(always)]
-    pub fn average<L: Lane, M: Material>(
+    pub fn average<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
         want: Want,

@@ -1,7 +1,7 @@
 //! Standard rules: one quadrature for everything (section 4.4.1).
 
 use super::{Average, Rule, Want};
-use crate::material::Material;
+use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, add_scaled, det_of_identity_plus, dot3, green_lagrange,
     identity_plus_times_sym, inlined, nine,
@@ -12,9 +12,9 @@ impl Rule {
     /// P_i = (1/b_i) sum_l w_l l_i(alpha_l) F(alpha_l) S(C(alpha_l))
     /// ```
     #[inline(always)]
-    pub(super) fn average_standard<L: Lane, M: Material>(
+    pub(super) fn average_standard<L: Lane>(
         &self,
-        material: &M,
+        material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
         want: Want,
@@ -22,16 +22,18 @@ impl Rule {
     ) {
         let (k, zero) = (self.degree(), start[0][0].splat(0.0));
         average.min_det = zero.splat(f64::INFINITY);
+        let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for (index, point) in self.points.iter().enumerate() {
             let is_first = index == 0;
             let G = Rule::gradient_at(start, &point.passed, rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
             let E = green_lagrange(&G);
             if want == Want::Stress {
-                add_stress(&mut average.stress, &point.share, is_first, &G, &material.stress(&E));
+                material.stress(&E, &mut S);
+                add_stress(&mut average.stress, &point.share, is_first, &G, &S);
                 continue;
             }
-            let (S, D) = material.stress_and_elasticity(&E);
+            material.stress_and_elasticity(&E, &mut S, &mut D);
             add_stress(&mut average.stress, &point.share, is_first, &G, &S);
             let A = first_elasticity(&G, &S, &D);
             for i in 0..k {

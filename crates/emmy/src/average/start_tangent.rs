@@ -3,7 +3,7 @@
 use super::energy_momentum::times_doubled;
 use super::standard::{add_geometric, first_elasticity, first_from_second, strain_response, with_identity};
 use super::{Average, Kind, Rule, Want};
-use crate::material::Material;
+use crate::material::Response;
 use crate::tensor::{Elasticity, Mat3, Sym, Tangent, double_dot, green_lagrange, sym_add_scaled, sym_scaled};
 
 /// Derivatives of a rule's averages at a material point, with their working memory.
@@ -35,9 +35,9 @@ impl Rule {
     /// FE: dP_i = (1/b_i) sum_l w_l l_i(alpha_l) A(F(alpha_l)) dF_1
     /// AS, DGM: dP_i = dF_1 S_i + F(c_i) [dS_i/dE_1 : sym(F_1^T dF_1) + sum_m dS_i/dE'_m : sym(F'_m^T dF_1)]
     /// ```
-    pub fn start_tangent<M: Material>(
+    pub fn start_tangent(
         &self,
-        material: &M,
+        material: &dyn Response<f64>,
         start: &Mat3<f64>,
         rates: &[Mat3<f64>],
         result: &mut StartTangent,
@@ -57,17 +57,18 @@ impl Rule {
         }
     }
 
-    fn standard_start_tangent<M: Material>(
+    fn standard_start_tangent(
         &self,
-        material: &M,
+        material: &dyn Response<f64>,
         start: &Mat3<f64>,
         rates: &[Mat3<f64>],
         result: &mut StartTangent,
     ) {
         result.tangent.fill([[0.0; 9]; 9]);
+        let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
             let G = Rule::gradient_at(start, &point.passed, rates);
-            let (S, D) = material.stress_and_elasticity(&green_lagrange(&G));
+            material.stress_and_elasticity(&green_lagrange(&G), &mut S, &mut D);
             let A = first_elasticity(&G, &S, &D);
             for (tangent, share) in result.tangent.iter_mut().zip(&point.share) {
                 let entries = tangent.as_flattened_mut().iter_mut().zip(A.as_flattened());
@@ -79,16 +80,17 @@ impl Rule {
     /// ```math
     /// dS_i/dE_1 = (1/b_i) sum_m w_m l_i(alpha_m) D(E~(alpha_m))
     /// ```
-    fn assumed_strain_start_stiffness<M: Material>(
+    fn assumed_strain_start_stiffness(
         &self,
-        material: &M,
+        material: &dyn Response<f64>,
         E_1: &Sym<f64>,
         result: &mut StartTangent,
     ) {
         result.stiffness.fill([[0.0; 6]; 6]);
+        let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.passed, &mut result.average);
-            let (_, D) = material.stress_and_elasticity(&E);
+            material.stress_and_elasticity(&E, &mut S, &mut D);
             for (stiffness, share) in result.stiffness.iter_mut().zip(&point.share) {
                 let entries = stiffness.as_flattened_mut().iter_mut().zip(D.as_flattened());
                 entries.for_each(|(sum, entry)| *sum += share * entry);
@@ -99,16 +101,19 @@ impl Rule {
     /// ```math
     /// dS_i/dE_1 = D(E~_i) + E'_i (x) [S_2 - S_1 - sum_j b_j D(E~_j) : E'_j] / sum_j b_j E'_j : E'_j
     /// ```
-    fn discrete_gradient_start_stiffness<M: Material>(
+    fn discrete_gradient_start_stiffness(
         &self,
-        material: &M,
+        material: &dyn Response<f64>,
         start: &Mat3<f64>,
         rates: &[Mat3<f64>],
         result: &mut StartTangent,
     ) {
         let average = &result.average;
         let (E_1, E_2) = (green_lagrange(start), green_lagrange(&Rule::gradient_at(start, &self.b, rates)));
-        let mut dr = sym_add_scaled(&material.stress(&E_2), -1.0, &material.stress(&E_1));
+        let (mut S_1, mut S_2) = ([0.0; 6], [0.0; 6]);
+        material.stress(&E_1, &mut S_1);
+        material.stress(&E_2, &mut S_2);
+        let mut dr = sym_add_scaled(&S_2, -1.0, &S_1);
         let (mut square, mut change) = (0.0, [0.0; 6]);
         for (j, rate) in average.strain_rates.iter().enumerate() {
             dr = sym_add_scaled(&dr, -self.b[j], &times_doubled(&average.elasticities[j], rate));

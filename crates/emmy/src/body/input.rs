@@ -1,8 +1,8 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
-use super::{Field, History, Viscosity, term::Solid};
+use super::{Field, History, Viscosity, solid::RegionMaterial};
 use crate::error::Result;
-use crate::material::Link;
+use crate::material::{Link, Material};
 use crate::mesh::Mesh;
 
 /// Part of the body with one material and density.
@@ -16,13 +16,13 @@ pub struct Region {
     pub thickness: f64,
     /// Viscosity; none unless it is set. That of links is [`Viscosity::time`] alone.
     pub viscosity: Viscosity,
-    pub(super) solid: Box<dyn Solid>,
+    pub(super) material: RegionMaterial,
 }
 
 impl Region {
-    /// A region of a material of this crate, or of a [`super::Custom`] one.
-    pub fn new(group: Option<String>, density: f64, material: impl Solid + 'static) -> Self {
-        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), solid: Box::new(material) }
+    /// A region of a material.
+    pub fn new(group: Option<String>, density: f64, material: impl Material) -> Self {
+        Region::of(group, density, RegionMaterial::Solid(material.compiled()))
     }
 
     /// A region of links. `density` is the mass per volume of bars; springs and attractions have no mass.
@@ -38,12 +38,19 @@ impl Region {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn links(group: Option<String>, density: f64, link: Link) -> Self {
-        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), solid: Box::new(link) }
+        Region::of(group, density, RegionMaterial::Link(link))
+    }
+
+    fn of(group: Option<String>, density: f64, material: RegionMaterial) -> Self {
+        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), material }
     }
 
     /// The link that the region is made of, if it is one of links.
     pub fn link(&self) -> Option<Link> {
-        self.solid.link()
+        match self.material {
+            RegionMaterial::Solid(_) => None,
+            RegionMaterial::Link(link) => Some(link),
+        }
     }
 
     /// The same region with another thickness of its plane cells.

@@ -5,10 +5,10 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::batches::{CellBatches, PointGeometry};
+use super::batches::CellBatches;
 use super::term::StepInput;
-use crate::average::{Average, Want};
-use crate::material::Material;
+use crate::average::{Average, Damping, Want};
+use crate::material::Response;
 use crate::tensor::{
     Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
     three,
@@ -18,10 +18,8 @@ use crate::tensor::{
 #[derive(Debug)]
 pub struct Scratch {
     batch: BatchMemory,
-    /// For links, which have a material each.
-    numbers: PointMemory<f64>,
-    /// [`PointMemory`] of the registers that the machine has.
-    registers: Box<dyn Any + Send + Sync>,
+    /// [`PointMemory`] of single cells, and of the registers that the machine has.
+    points: [Box<dyn Any + Send + Sync>; 2],
 }
 
 /// Fields and results of a batch.
@@ -30,9 +28,9 @@ pub struct BatchMemory {
     /// Nodal displacement and rates, or what the rule sees of them, `[1 + k][n_nodes][3]`.
     pub(super) nodal: Vec<[Packed; 3]>,
     /// Weighted stresses in reference coordinates, `w P J^-T`, `[k][point][3][3]`.
-    pub(super) stress: Vec<[[Packed; 3]; 3]>,
+    stress: Vec<[[Packed; 3]; 3]>,
     /// Gradients of the shape functions at a point, `[n_nodes][3]`.
-    pub(super) gradients: Vec<[Packed; 3]>,
+    gradients: Vec<[Packed; 3]>,
     /// Stage forces, `[k][n_nodes][3]`.
     pub force: Vec<[Packed; 3]>,
     /// Stage derivatives, `[k k][A][B][3 i + k]`; B >= A only where they are symmetric.
@@ -41,27 +39,24 @@ pub struct BatchMemory {
     pub min_det: Packed,
 }
 
-/// What a rule works on at a point.
+/// Working memory at a quadrature point.
 #[derive(Debug)]
 pub struct PointMemory<R> {
-    pub(super) average: Average<R>,
-    pub(super) rates: Vec<Mat3<R>>,
+    average: Average<R>,
+    /// Displacement gradient at the start of the step, then the rates of the deformation gradient, `[1 + k]`.
+    gradients: Vec<Mat3<R>>,
 }
 
-impl<R: Register> PointMemory<R> {
-    fn new(degree: usize, zero: R) -> Self {
-        PointMemory { average: Average::new(degree, zero), rates: vec![[[zero; 3]; 3]; degree] }
-    }
-}
-
-/// Makes the memory of a degree for the registers that the machine has.
+/// Makes the memory of a degree for the registers of an instruction set.
 struct NewPointMemory(usize);
 
 impl WithSimd for NewPointMemory {
     type Output = Box<dyn Any + Send + Sync>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        Box::new(PointMemory::new(self.0, Batch::new(simd, 0.0)))
+        let (degree, zero) = (self.0, Batch::new(simd, 0.0));
+        let gradients = vec![[[zero; 3]; 3]; 1 + degree];
+        Box::new(PointMemory { average: Average::new(degree, zero), gradients })
     }
 }
 
@@ -77,39 +72,36 @@ impl Scratch {
             stiffness: vec![[zero; 9]; degree * degree * n_nodes * n_nodes],
             min_det: zero,
         };
-        let registers = Arch::new().dispatch(NewPointMemory(degree));
-        Scratch { batch, numbers: PointMemory::new(degree, 0.0), registers }
-    }
-
-    /// The memory for points that are taken one by one.
-    #[inline(always)]
-    pub fn numbers(&mut self) -> (&mut BatchMemory, &mut PointMemory<f64>) {
-        (&mut self.batch, &mut self.numbers)
+        let points = [Arch::Scalar, Arch::new()].map(|arch| arch.dispatch(NewPointMemory(degree)));
+        Scratch { batch, points }
     }
 
     /// The memory for registers.
+    ///
+    /// # Panics
+    /// For registers that the machine does not have.
     #[inline(always)]
-    pub fn registers<R: Register>(&mut self) -> (&mut BatchMemory, &mut PointMemory<R>) {
-        let registers = self.registers.downcast_mut();
-        (&mut self.batch, registers.expect("the instruction set of a machine does not change"))
+    pub fn of<R: Register>(&mut self) -> (&mut BatchMemory, &mut PointMemory<R>) {
+        let points = self.points.iter_mut().find_map(|points| points.downcast_mut());
+        (&mut self.batch, points.expect("the instruction set of a machine does not change"))
     }
 }
 
-/// Copies what the rule sees of a step to the nodes of a batch; the number of fields. `wants_rates`: even if the rule does not need
-/// them.
+/// Copies what the rule sees of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`; returns the number of fields. `wants_rates`: even
+/// if the rule does not need them.
 #[inline(always)]
 pub fn gather(
     cells: &CellBatches,
     batch: usize,
     step: &StepInput<'_>,
     wants_rates: bool,
-    memory: &mut BatchMemory,
+    nodal: &mut [[Packed; 3]],
 ) -> usize {
     let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement.as_chunks().0);
     if let Some(passed) = step.rule.only_point().filter(|_| !wants_rates) {
         cells.gather(
             batch,
-            &mut memory.nodal[..n],
+            &mut nodal[..n],
             #[inline(always)]
             |node| {
                 let mut value = u[node];
@@ -122,48 +114,115 @@ pub fn gather(
         );
         return 1;
     }
-    let k = step.rule.degree();
-    cells.gather(
-        batch,
-        &mut memory.nodal[..n],
-        #[inline(always)]
-        |node| u[node],
-    );
-    for (j, rates) in step.rates.chunks_exact(stride).take(k).enumerate() {
-        let rates = rates.as_chunks().0;
+    let fields = std::iter::once(step.displacement).chain(step.rates.chunks_exact(stride));
+    let n_fields = 1 + step.rule.degree();
+    for (field, nodal) in fields.zip(nodal.chunks_exact_mut(n)).take(n_fields) {
+        let field = field.as_chunks().0;
         cells.gather(
             batch,
-            &mut memory.nodal[(j + 1) * n..(j + 2) * n],
+            nodal,
             #[inline(always)]
-            |node| rates[node],
+            |node| field[node],
         );
     }
-    1 + k
+    n_fields
 }
 
-/// Stage forces (and derivatives) of part `part` of a batch, from the nodal fields in its memory.
+/// The cells of a batch that share a register.
+#[derive(Clone, Copy)]
+pub struct RegisterCells<'a, R> {
+    pub cells: &'a CellBatches,
+    pub batch: usize,
+    /// Which part of the batch they are.
+    pub part: usize,
+    pub zero: R,
+}
+
+impl<R: Register> RegisterCells<'_, R> {
+    /// Gradients of nodal fields at a quadrature point, `nodal: [n_fields][n_nodes][3]`: displacement gradients of displacements.
+    ///
+    /// ```math
+    /// (sum_A u_A (x) dN_A/dxi) dxi/dX
+    /// ```
+    #[inline(always)]
+    pub fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
+        let (dN, inverse) = (self.cells.reference_gradients_at(point), self.inverse_jacobian(point));
+        for (gradient, field) in gradients.iter_mut().zip(nodal.chunks_exact(self.cells.n_nodes)) {
+            *gradient = self.field_gradient(field, dN, &inverse);
+        }
+    }
+
+    #[inline(always)]
+    fn field_gradient(&self, field: &[[Packed; 3]], dN: &[[f64; 3]], inverse: &Mat3<R>) -> Mat3<R> {
+        let zero = self.zero;
+        let mut H = [[zero; 3]; 3];
+        for (u, dN) in field.iter().zip(dN) {
+            let u = vector(zero, u, self.part);
+            for m in 0..3 {
+                let dN = zero.splat(dN[m]);
+                (0..3).for_each(
+                    #[inline(always)]
+                    |i| H[i][m] = u[i].mul_add(dN, H[i][m]),
+                );
+            }
+        }
+        let column = inlined!(|J: usize| [inverse[0][J], inverse[1][J], inverse[2][J]]);
+        mat3(
+            #[inline(always)]
+            |i, J| dot3(H[i], column(J)),
+        )
+    }
+
+    /// Gradients of the shape functions at a quadrature point, `dN_A/dxi dxi/dX`.
+    #[inline(always)]
+    pub fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
+        let (zero, inverse) = (self.zero, self.inverse_jacobian(point));
+        for (dN, gradient) in self.cells.reference_gradients_at(point).iter().zip(gradients) {
+            let dN = [zero.splat(dN[0]), zero.splat(dN[1]), zero.splat(dN[2])];
+            for J in 0..3 {
+                dot3(dN, [inverse[0][J], inverse[1][J], inverse[2][J]]).store(&mut gradient[J], self.part);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn inverse_jacobian(&self, point: usize) -> Mat3<R> {
+        let geometry = &self.cells.geometry_of(self.batch)[point];
+        mat3(
+            #[inline(always)]
+            |i, j| self.zero.load(&geometry.inverse_jacobian[i][j], self.part),
+        )
+    }
+
+    /// Weight of a quadrature point.
+    #[inline(always)]
+    pub fn weight(&self, point: usize) -> R {
+        self.zero.load(&self.cells.geometry_of(self.batch)[point].weight, self.part)
+    }
+}
+
+/// Stage forces (and derivatives) of the cells of a register, from the nodal fields in their memory.
 #[inline(always)]
-pub fn integrate<R: Register, M: Material>(
-    (cells, batch, part): (&CellBatches, usize, usize),
+pub fn integrate<R: Register>(
+    cells: RegisterCells<'_, R>,
     n_fields: usize,
-    (material, is_damped): (&M, bool),
-    step: &StepInput<'_>,
-    want: Want,
+    (material, damping): (&dyn Response<R>, Option<&Damping>),
+    (step, want): (&StepInput<'_>, Want),
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
 ) {
-    let (n, k, n_points) = (cells.n_nodes, step.rule.degree(), cells.n_points);
-    let PointMemory { average, rates } = point_memory;
-    let zero = average.min_det.splat(0.0);
+    let (n, k, n_points) = (cells.cells.n_nodes, step.rule.degree(), cells.cells.n_points);
+    let (zero, part) = (cells.zero, cells.part);
+    let PointMemory { average, gradients } = point_memory;
     let mut min_det = zero.splat(f64::INFINITY);
-    for (point, geometry) in cells.geometry_of(batch).iter().enumerate() {
-        let (dN, inverse) = (cells.reference_gradients_at(point), inverse_jacobian(zero, geometry, part));
-        let start = field_gradient(zero, &memory.nodal[..n], dN, &inverse, part);
-        for j in 1..n_fields {
-            rates[j - 1] = field_gradient(zero, &memory.nodal[j * n..(j + 1) * n], dN, &inverse, part);
+    for point in 0..n_points {
+        cells.set_field_gradients(point, &memory.nodal[..n_fields * n], &mut gradients[..n_fields]);
+        let (start, rates) = (&gradients[0], &gradients[1..n_fields]);
+        step.rule.average(material, start, rates, want, average);
+        if let Some(damping) = damping {
+            step.rule.add_damping(damping, start, rates, want, average);
         }
-        step.rule.average(material, &start, &rates[..n_fields - 1], want, average);
         min_det = min_det.min(average.min_det);
-        let weight = zero.load(&geometry.weight, part);
+        let (inverse, weight) = (cells.inverse_jacobian(point), cells.weight(point));
         for i in 0..k {
             let (P, stress) = (&average.stress[i], &mut memory.stress[i * n_points + point]);
             for r in 0..3 {
@@ -174,11 +233,11 @@ pub fn integrate<R: Register, M: Material>(
         }
         if want == Want::Tangent {
             let factor = weight * step.tangent_factor;
-            set_gradients(zero, dN, &inverse, &mut memory.gradients[..n], part);
+            cells.set_shape_gradients(point, &mut memory.gradients[..n]);
             let blocks = memory.stiffness.chunks_exact_mut(n * n);
             for (tangent, stiffness) in average.tangent.iter().zip(blocks) {
                 let (gradients, is_first) = (&memory.gradients[..n], point == 0);
-                let skips = step.rule.is_symmetric(is_damped);
+                let skips = step.rule.is_symmetric(damping.is_some());
                 add_stiffness(tangent, gradients, factor, (is_first, skips), stiffness, part);
             }
         }
@@ -186,35 +245,44 @@ pub fn integrate<R: Register, M: Material>(
     min_det.store(&mut memory.min_det, part);
     for i in 0..k {
         let stress = &memory.stress[i * n_points..(i + 1) * n_points];
-        set_force(zero, cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
+        set_force(zero, cells.cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
     }
 }
 
-/// Stored energy of part `part` of a batch at a nodal displacement, and the smallest det F.
+/// Stored energy of the cells of a register at a nodal displacement, and the smallest det F.
 #[inline(always)]
-pub fn strained<R: Register, M: Material>(
-    zero: R,
-    (cells, batch, part): (&CellBatches, usize, usize),
-    material: &M,
+pub fn strained<R: Register>(
+    cells: RegisterCells<'_, R>,
+    material: &dyn Response<R>,
     nodal: &[[Packed; 3]],
 ) -> (R, R) {
-    let (mut energy, mut min_det) = (zero, zero.splat(f64::INFINITY));
-    for (point, geometry) in cells.geometry_of(batch).iter().enumerate() {
-        let (dN, inverse) = (cells.reference_gradients_at(point), inverse_jacobian(zero, geometry, part));
-        let G = field_gradient(zero, nodal, dN, &inverse, part);
-        let W = material.strain_energy(&green_lagrange(&G));
-        energy = W.mul_add(zero.load(&geometry.weight, part), energy);
-        min_det = min_det.min(det_of_identity_plus(&G));
+    let (mut energy, mut min_det) = (cells.zero, cells.zero.splat(f64::INFINITY));
+    let mut G = [[[cells.zero; 3]; 3]];
+    for point in 0..cells.cells.n_points {
+        cells.set_field_gradients(point, nodal, &mut G);
+        let W = material.strain_energy(&green_lagrange(&G[0]));
+        energy = W.mul_add(cells.weight(point), energy);
+        min_det = min_det.min(det_of_identity_plus(&G[0]));
     }
     (energy, min_det)
 }
 
+/// Energy that a damping dissipates in the cells of a register in a step, from the nodal fields in their memory.
 #[inline(always)]
-pub(super) fn inverse_jacobian<R: Register>(zero: R, geometry: &PointGeometry, part: usize) -> Mat3<R> {
-    mat3(
-        #[inline(always)]
-        |i, j| zero.load(&geometry.inverse_jacobian[i][j], part),
-    )
+pub fn dissipated<R: Register>(
+    cells: RegisterCells<'_, R>,
+    damping: &Damping,
+    step: &StepInput<'_>,
+    (memory, point_memory): (&BatchMemory, &mut PointMemory<R>),
+) -> R {
+    let PointMemory { average, gradients } = point_memory;
+    let mut energy = cells.zero;
+    for point in 0..cells.cells.n_points {
+        cells.set_field_gradients(point, &memory.nodal, gradients);
+        let density = step.rule.dissipated(damping, &gradients[0], &gradients[1..], average);
+        energy = density.mul_add(cells.weight(point), energy);
+    }
+    energy
 }
 
 #[inline(always)]
@@ -222,56 +290,12 @@ fn vector<R: Register>(zero: R, from: &[Packed; 3], part: usize) -> [R; 3] {
     [zero.load(&from[0], part), zero.load(&from[1], part), zero.load(&from[2], part)]
 }
 
-/// `(sum_A u_A (x) dN_A/dxi) dxi/dX` of a nodal field.
-#[inline(always)]
-pub(super) fn field_gradient<R: Register>(
-    zero: R,
-    field: &[[Packed; 3]],
-    dN: &[[f64; 3]],
-    inverse: &Mat3<R>,
-    part: usize,
-) -> Mat3<R> {
-    let mut H = [[zero; 3]; 3];
-    for (u, dN) in field.iter().zip(dN) {
-        let u = vector(zero, u, part);
-        for m in 0..3 {
-            let dN = zero.splat(dN[m]);
-            (0..3).for_each(
-                #[inline(always)]
-                |i| H[i][m] = u[i].mul_add(dN, H[i][m]),
-            );
-        }
-    }
-    let column = inlined!(|J: usize| [inverse[0][J], inverse[1][J], inverse[2][J]]);
-    mat3(
-        #[inline(always)]
-        |i, J| dot3(H[i], column(J)),
-    )
-}
-
-/// Gradients of the shape functions, `dN_A/dxi dxi/dX`.
-#[inline(always)]
-pub(super) fn set_gradients<R: Register>(
-    zero: R,
-    dN: &[[f64; 3]],
-    inverse: &Mat3<R>,
-    gradients: &mut [[Packed; 3]],
-    part: usize,
-) {
-    for (dN, gradient) in dN.iter().zip(gradients) {
-        let dN = [zero.splat(dN[0]), zero.splat(dN[1]), zero.splat(dN[2])];
-        for J in 0..3 {
-            dot3(dN, [inverse[0][J], inverse[1][J], inverse[2][J]]).store(&mut gradient[J], part);
-        }
-    }
-}
-
 /// Nodes whose forces are summed in registers at the same time.
 const BLOCK: usize = 4;
 
 /// Forces of one stage, `f_A = sum_points (w P J^-T) dN_A/dxi`.
 #[inline(always)]
-pub(super) fn set_force<R: Register>(
+fn set_force<R: Register>(
     zero: R,
     cells: &CellBatches,
     stress: &[[[Packed; 3]; 3]],
@@ -325,7 +349,7 @@ fn set_forces<R: Register, const N: usize>(
 /// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead; `skips`: leaves
 /// B < A out.
 #[inline(always)]
-pub(super) fn add_stiffness<R: Register>(
+fn add_stiffness<R: Register>(
     tangent: &Tangent<R>,
     gradients: &[[Packed; 3]],
     weight: R,

@@ -3,7 +3,6 @@
 #![allow(non_snake_case)]
 
 mod batches;
-mod damping;
 mod drive;
 mod facets;
 mod field;
@@ -42,7 +41,7 @@ pub use mass::MassSolver;
 pub use regions::RegionSummary;
 pub use signal::{Signal, SignalTarget};
 pub use symmetry::symmetry_axis;
-pub use term::{Custom, Solid, StepDamping, StepInput, Strained, Term};
+pub use term::{StepDamping, StepInput, Strained, Term};
 pub use viscosity::Viscosity;
 
 use drive::Drive;

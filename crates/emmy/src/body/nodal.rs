@@ -191,5 +191,5 @@ fn ground_attraction(
         weights: vec![1.0; nodes.len()],
         nodes,
     };
-    Ok(Box::new(SolidTerm::with_materials(energies, table)?))
+    Ok(Box::new(SolidTerm::links(energies, table)?))
 }

@@ -144,7 +144,7 @@ impl Region {
 
 /// One term for each region and kind of cell.
 pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Result<Vec<Box<dyn Term>>> {
-    let mut terms = Vec::new();
+    let mut terms: Vec<Box<dyn Term>> = Vec::new();
     for (region, of_region) in regions.iter().zip(of_cell.cells_by_region(regions.len())) {
         for kind in CellKind::ALL {
             let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind;
@@ -152,9 +152,9 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
-                let mut term = region.solid.term(CellTable::new(mesh, kind, cells, section)?)?;
+                let mut term = region.material.term(CellTable::new(mesh, kind, cells, section)?)?;
                 term.set_viscosity(&region.viscosity);
-                terms.push(term);
+                terms.push(Box::new(term));
             }
         }
     }

@@ -3,18 +3,11 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::geometry::CellTable;
 use super::integral::Scratch;
-use super::solid::SolidTerm;
 use super::viscosity::Viscosity;
 use crate::average::{Rule, Want};
 use crate::error::{Error, Result};
-use crate::material::{
-    ArrudaBoyce, CiarletGeymonat, Gent, Hencky, HolzapfelGasserOgden, Link, Material, MooneyRivlin, NeoHooke,
-    Ogden, Orthotropic, SaintVenantKirchhoff, Yeoh,
-};
 use crate::sparse::{Pattern, RowPart};
-use crate::tensor::Sym;
 
 /// A step as the terms see it.
 #[derive(Debug, Clone, Copy)]
@@ -132,84 +125,4 @@ pub(super) fn viscous_time(terms: &[Box<dyn Term>]) -> f64 {
     let [viscosity, stiffness] =
         traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]]);
     if viscosity > 0.0 && stiffness > 0.0 { viscosity / stiffness } else { 0.0 }
-}
-
-/// What a region can be made of: it makes the term of a table of cells.
-///
-/// Implemented for every material of this crate, whose kernels are compiled with it, once. [`Custom`] makes one of a material of
-/// another crate, which is then compiled with that.
-pub trait Solid: fmt::Debug + Send + Sync {
-    /// The term.
-    ///
-    /// # Errors
-    /// [`crate::Error::OutOfMemory`].
-    fn term(&self, table: CellTable) -> Result<Box<dyn Term>>;
-
-    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` of a link, which has
-    /// no volume.
-    fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)>;
-
-    /// The link, if it is one.
-    fn link(&self) -> Option<Link> {
-        None
-    }
-}
-
-/// A material of another crate.
-#[derive(Debug, Clone)]
-pub struct Custom<M>(pub M);
-
-impl<M: Material + fmt::Debug> Solid for Custom<M> {
-    fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
-        Ok(Box::new(SolidTerm::new(self.0.clone(), table)?))
-    }
-
-    fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
-        Some((self.0.strain_energy(strain), self.0.stress(strain)))
-    }
-}
-
-macro_rules! solids {
-    ($($material:ty),+) => { $(
-        impl Solid for $material {
-            fn term(&self, table: CellTable) -> Result<Box<dyn Term>> {
-                Ok(Box::new(SolidTerm::new(self.clone(), table)?))
-            }
-
-            fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
-                Some((self.strain_energy(strain), self.stress(strain)))
-            }
-        }
-    )+ };
-}
-
-solids!(
-    ArrudaBoyce,
-    CiarletGeymonat,
-    Gent,
-    Hencky,
-    HolzapfelGasserOgden,
-    MooneyRivlin,
-    NeoHooke,
-    Ogden,
-    Orthotropic,
-    SaintVenantKirchhoff,
-    Yeoh
-);
-
-impl Solid for Link {
-    fn term(&self, mut table: CellTable) -> Result<Box<dyn Term>> {
-        // The measure of a link is its length; its energy is that of the whole link.
-        let energies = table.weights.iter().map(|&length| self.with_length(length)).collect();
-        table.weights.fill(1.0);
-        Ok(Box::new(SolidTerm::with_materials(energies, table)?))
-    }
-
-    fn response(&self, _: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
-        None
-    }
-
-    fn link(&self) -> Option<Link> {
-        Some(*self)
-    }
 }

@@ -5,7 +5,7 @@
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::{Material, lame, stable_lame};
+use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 
@@ -72,6 +72,8 @@ impl CiarletGeymonat {
 }
 
 impl Material for CiarletGeymonat {
+    compiled_with_this_crate!();
+
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let A = sym_scaled(E[0].splat(2.0), E);

@@ -6,7 +6,7 @@ use super::axes;
 use super::invariants::{add_dyad, commuting_product};
 use super::isochoric::{Distortion, SecondDerivative};
 use super::volumetric::Volume;
-use super::{Material, Volumetric, fulfils, positive};
+use super::{Material, Volumetric, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_scaled, sym_scaled};
 
@@ -144,6 +144,8 @@ fn double_dot_constant<L: Lane>(A: &Sym<L>, B: &Sym<f64>) -> L {
 }
 
 impl Material for HolzapfelGasserOgden {
+    compiled_with_this_crate!();
+
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let of = Distortion::of(E);

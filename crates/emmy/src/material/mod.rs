@@ -21,6 +21,7 @@ mod neo_hooke;
 mod ogden;
 mod orthotropic;
 mod polynomial;
+mod response;
 mod saint_venant_kirchhoff;
 mod spectral;
 mod volumetric;
@@ -36,9 +37,12 @@ pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
 pub use orthotropic::{EngineeringConstants, Orthotropic};
+pub use response::{CompiledMaterial, Response};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;
+
+use response::compiled_with_this_crate;
 
 use crate::error::{Error, Result};
 use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
@@ -85,15 +89,10 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// sum_m w_m S(E + alpha_m dE)
     /// ```
     #[inline(always)]
-    fn stress_along<L: Lane>(
-        &self,
-        strain: &Sym<L>,
-        change: &Sym<L>,
-        points: impl Iterator<Item = [f64; 2]>,
-    ) -> Sym<L> {
+    fn stress_along<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>, points: &[[f64; 2]]) -> Sym<L> {
         let zero = strain[0].splat(0.0);
         let mut sum = [zero; 6];
-        for [alpha, weight] in points {
+        for &[alpha, weight] in points {
             let stress = self.stress(&sym_add_scaled(strain, zero.splat(alpha), change));
             sum = sym_add_scaled(&sum, zero.splat(weight), &stress);
         }
@@ -102,6 +101,12 @@ pub trait Material: Clone + Send + Sync + 'static {
 
     /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
+
+    /// The tables of the material's functions that a region works with. The default is compiled with the crate that makes the
+    /// region, a few seconds; the materials of this crate override it and are compiled once.
+    fn compiled(&self) -> CompiledMaterial {
+        CompiledMaterial::new(self)
+    }
 }
 
 /// Lame parameters (lambda, mu) from Young's modulus and Poisson's ratio.
@@ -182,6 +187,7 @@ macro_rules! split_material {
             ) -> (crate::tensor::Sym<L>, crate::tensor::Elasticity<L>) {
                 super::$room::stress_and_elasticity(self, E)
             }
+            super::compiled_with_this_crate!();
         }
     };
 }

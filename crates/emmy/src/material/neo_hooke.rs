@@ -5,7 +5,7 @@
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::{Material, lame, stable_lame};
+use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{
     Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, mixed_cofactor, sym, sym_cofactor, sym_det,
@@ -80,6 +80,8 @@ impl NeoHooke {
 }
 
 impl Material for NeoHooke {
+    compiled_with_this_crate!();
+
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let A = sym_scaled(E[0].splat(2.0), E);
@@ -122,12 +124,7 @@ impl Material for NeoHooke {
     /// S = [mu (A + (II_A + det A) I - cof A) + lambda ln J ((1 + tr A) I - A + cof A)] / det C
     /// ```
     #[inline(always)]
-    fn stress_along<L: Lane>(
-        &self,
-        E: &Sym<L>,
-        dE: &Sym<L>,
-        points: impl Iterator<Item = [f64; 2]>,
-    ) -> Sym<L> {
+    fn stress_along<L: Lane>(&self, E: &Sym<L>, dE: &Sym<L>, points: &[[f64; 2]]) -> Sym<L> {
         let constant = inlined!(|value| E[0].splat(value));
         let (A, B) = (sym_scaled(constant(2.0), E), sym_scaled(constant(2.0), dE));
         let cofactors = [sym_cofactor(&A), mixed_cofactor(&A, &B), sym_cofactor(&B)];
@@ -139,7 +136,7 @@ impl Material for NeoHooke {
         let v_3 = sym_det(&B);
         let one = constant(1.0);
         let (mut moments, mut pressure) = ([constant(0.0); 3], constant(0.0));
-        for [alpha, weight] in points {
+        for &[alpha, weight] in points {
             let a = constant(alpha);
             let t = t_1.mul_add(a, t_0);
             let v = v_3.mul_add(a, v_2).mul_add(a, v_1).mul_add(a, v_0);

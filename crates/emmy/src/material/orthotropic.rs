@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Material, axes, fulfils, positive};
+use super::{Material, axes, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 
@@ -118,6 +118,8 @@ fn in_axes(stiffness: &[[f64; 3]; 3], shear_moduli: &[f64; 3], axes: &[[f64; 3];
 }
 
 impl Material for Orthotropic {
+    compiled_with_this_crate!();
+
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         double_dot(&self.stress(E), E) * 0.5

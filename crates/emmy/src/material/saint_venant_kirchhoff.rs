@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::{Material, lame, stable_lame};
+use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
 
@@ -49,6 +49,8 @@ impl SaintVenantKirchhoff {
 }
 
 impl Material for SaintVenantKirchhoff {
+    compiled_with_this_crate!();
+
     #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let tr = trace(E);
@@ -74,14 +76,9 @@ impl Material for SaintVenantKirchhoff {
 
     /// The stress of the mean strain.
     #[inline(always)]
-    fn stress_along<L: Lane>(
-        &self,
-        E: &Sym<L>,
-        dE: &Sym<L>,
-        points: impl Iterator<Item = [f64; 2]>,
-    ) -> Sym<L> {
+    fn stress_along<L: Lane>(&self, E: &Sym<L>, dE: &Sym<L>, points: &[[f64; 2]]) -> Sym<L> {
         let (mut weight, mut moment) = (0.0, 0.0);
-        for [alpha, w] in points {
+        for &[alpha, w] in points {
             (weight, moment) = (weight + w, moment + w * alpha);
         }
         let constant = inlined!(|value| E[0].splat(value));

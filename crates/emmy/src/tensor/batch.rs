@@ -4,7 +4,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 use super::{Lane, Mat3, Sym, eigen, mat3};
 
@@ -306,6 +306,10 @@ impl<S: Simd> Lane for Batch<S> {
         self.select(self.simd.less_than_f64s(self.lanes, bound.lanes), below, otherwise)
     }
     #[inline(always)]
+    fn vectorize<T>(self, function: impl FnOnce() -> T) -> T {
+        self.simd.vectorize(Call(function))
+    }
+    #[inline(always)]
     fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>) {
         let mut tensors = [Packed([0.0; LANES]); 6];
         for a in 0..6 {
@@ -332,6 +336,17 @@ impl<S: Simd> Lane for Batch<S> {
                 |i, j| load(&vectors[i][j]),
             ),
         )
+    }
+}
+
+/// A function to be called in the instruction set of registers.
+struct Call<F>(F);
+
+impl<T, F: FnOnce() -> T> WithSimd for Call<F> {
+    type Output = T;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> T {
+        (self.0)()
     }
 }
 

@@ -21,7 +21,7 @@ impl PointState {
     /// The state of a region's material at a displacement gradient; NaN where it is turned inside out.
     pub(super) fn new(region: &Region, G: &Mat3<f64>) -> Self {
         let (J, strain) = (det_of_identity_plus(G), green_lagrange(G));
-        let response = region.solid.response(&strain).filter(|_| J > 0.0);
+        let response = region.material.response(&strain).filter(|_| J > 0.0);
         let Some((energy, second)) = response else { return PointState::undefined() };
         let P = identity_plus_times_sym(G, &second);
         let cauchy = sym(|i, j| (P[i][j] + (0..3).map(|k| P[i][k] * G[j][k]).sum::<f64>()) / J);

@@ -6,19 +6,34 @@ use rayon::prelude::*;
 use super::SolidTerm;
 use crate::average::StartTangent;
 use crate::body::StepInput;
-use crate::material::Material;
-use crate::tensor::{LANES, Mat3};
+use crate::body::integral::{self, RegisterCells};
+use crate::tensor::{LANES, Mat3, Packed};
 
-/// What is needed for a cell.
+/// What is needed for a batch of cells.
 struct CellMemory {
+    /// Displacement and rates, then the adjoint vectors, `[1 + 2 k][n_nodes][3]`.
+    nodal: Vec<[Packed; 3]>,
+    /// Gradients of those fields at a point, `[1 + 2 k]`.
+    gradients: Vec<Mat3<f64>>,
     /// Gradients of the shape functions at a point, `[n_nodes][3]`.
-    gradients: Vec<[f64; 3]>,
-    rates: Vec<Mat3<f64>>,
+    shape_gradients: Vec<[Packed; 3]>,
     start_tangent: StartTangent,
 }
 
-impl<M: Material> SolidTerm<M> {
-    /// Adds `sum_i (df_i/du_1)^T mu_i`; cells are worked through side by side and added up in their order.
+impl CellMemory {
+    fn new(degree: usize, n_nodes: usize) -> Self {
+        let (n_fields, zero) = (1 + 2 * degree, Packed([0.0; LANES]));
+        CellMemory {
+            nodal: vec![[zero; 3]; n_fields * n_nodes],
+            gradients: vec![[[0.0; 3]; 3]; n_fields],
+            shape_gradients: vec![[zero; 3]; n_nodes],
+            start_tangent: StartTangent::new(degree),
+        }
+    }
+}
+
+impl SolidTerm {
+    /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are worked through side by side and added up in their order.
     pub(super) fn add_start_gradient_of_cells(
         &self,
         step: &StepInput<'_>,
@@ -27,67 +42,56 @@ impl<M: Material> SolidTerm<M> {
     ) {
         let (n, k) = (self.cells.n_nodes, step.rule.degree());
         let mut of_cells = vec![[0.0; 3]; self.cells.nodes.len()];
-        let memory = || CellMemory {
-            gradients: vec![[0.0; 3]; n],
-            rates: vec![[[0.0; 3]; 3]; k],
-            start_tangent: StartTangent::new(k),
-        };
-        of_cells.par_chunks_mut(n).enumerate().for_each_init(memory, |memory, (cell, sums)| {
-            (0..self.cells.n_points).for_each(|point| {
-                self.add_point((cell, point), step, adjoint, memory, sums);
-            });
-        });
+        let batches = of_cells.par_chunks_mut(n * LANES).enumerate();
+        batches.for_each_init(
+            || CellMemory::new(k, n),
+            |memory, (batch, sums)| {
+                self.gather_fields(batch, step, adjoint, memory);
+                for (part, (cell, sums)) in
+                    self.cells.cells_of(batch).zip(sums.chunks_exact_mut(n)).enumerate()
+                {
+                    let cells = RegisterCells { cells: &self.cells, batch, part, zero: 0.0 };
+                    (0..self.cells.n_points).for_each(|point| {
+                        self.add_point((cells, cell, point), step, memory, sums);
+                    });
+                }
+            },
+        );
         for (&node, sum) in self.cells.nodes.iter().zip(&of_cells) {
             (0..3).for_each(|i| gradient[3 * node as usize + i] += sum[i]);
+        }
+    }
+
+    fn gather_fields(&self, batch: usize, step: &StepInput<'_>, adjoint: &[f64], memory: &mut CellMemory) {
+        let (n, n_dofs) = (self.cells.n_nodes, step.displacement.len());
+        let n_fields = integral::gather(&self.cells, batch, step, true, &mut memory.nodal);
+        let adjoints = adjoint.chunks_exact(n_dofs).zip(memory.nodal[n_fields * n..].chunks_exact_mut(n));
+        for (mu, nodal) in adjoints {
+            self.cells.gather(batch, nodal, |node| mu.as_chunks().0[node]);
         }
     }
 
     /// Adds what a quadrature point of a cell gives, to `sums: [n_nodes]`.
     fn add_point(
         &self,
-        (cell, point): (usize, usize),
+        (cells, cell, point): (RegisterCells<'_, f64>, usize, usize),
         step: &StepInput<'_>,
-        adjoint: &[f64],
         memory: &mut CellMemory,
         sums: &mut [[f64; 3]],
     ) {
-        let CellMemory { gradients, rates, start_tangent } = memory;
-        let weight = self.set_gradients(cell, point, gradients);
-        let (nodes, n_dofs) = (self.cells.nodes_of(cell), step.displacement.len());
-        let start = gradient_of(step.displacement, nodes, gradients);
-        for (rate, x) in rates.iter_mut().zip(step.rates.chunks_exact(n_dofs)) {
-            *rate = gradient_of(x, nodes, gradients);
-        }
-        step.rule.start_tangent(self.material(cell), &start, rates, start_tangent);
-        let mut T = [0.0; 9];
-        for (tangent, mu) in start_tangent.tangent.iter().zip(adjoint.chunks_exact(n_dofs)) {
-            let mu = gradient_of(mu, nodes, gradients);
+        let CellMemory { nodal, gradients, shape_gradients, start_tangent } = memory;
+        cells.set_field_gradients(point, nodal, gradients);
+        cells.set_shape_gradients(point, shape_gradients);
+        let (fields, adjoints) = gradients.split_at(1 + step.rule.degree());
+        step.rule.start_tangent(self.materials.response(cell), &fields[0], &fields[1..], start_tangent);
+        let (mut T, weight) = ([0.0; 9], cells.weight(point));
+        for (tangent, mu) in start_tangent.tangent.iter().zip(adjoints) {
             for (row, mu) in tangent.iter().zip(mu.as_flattened()) {
                 T.iter_mut().zip(row).for_each(|(sum, entry)| *sum += weight * mu * entry);
             }
         }
-        for (sum, dN) in sums.iter_mut().zip(gradients) {
-            (0..3).for_each(|i| sum[i] += (0..3).map(|J| T[3 * i + J] * dN[J]).sum::<f64>());
+        for (sum, dN) in sums.iter_mut().zip(shape_gradients) {
+            (0..3).for_each(|i| sum[i] += (0..3).map(|J| T[3 * i + J] * dN[J].0[cells.part]).sum::<f64>());
         }
     }
-
-    /// Sets the gradients of the shape functions at a point, `[n_nodes][3]`; returns the weight.
-    fn set_gradients(&self, cell: usize, point: usize, gradients: &mut [[f64; 3]]) -> f64 {
-        let (geometry, lane) = (&self.cells.geometry_of(cell / LANES)[point], cell % LANES);
-        let inverse = &geometry.inverse_jacobian;
-        for (gradient, dN) in gradients.iter_mut().zip(self.cells.reference_gradients_at(point)) {
-            *gradient = [0, 1, 2].map(|J| (0..3).map(|m| dN[m] * inverse[m][J].0[lane]).sum());
-        }
-        geometry.weight.0[lane]
-    }
-}
-
-/// Gradient `sum_A u_A (x) grad N_A` of a nodal field.
-fn gradient_of(field: &[f64], nodes: &[u32], gradients: &[[f64; 3]]) -> Mat3<f64> {
-    let mut G = [[0.0; 3]; 3];
-    for (&node, dN) in nodes.iter().zip(gradients) {
-        let u = &field[3 * node as usize..3 * node as usize + 3];
-        (0..9).for_each(|at| G[at / 3][at % 3] += u[at / 3] * dN[at % 3]);
-    }
-    G
 }

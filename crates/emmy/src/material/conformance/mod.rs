@@ -311,7 +311,7 @@ fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) 
             sum = sym_add_scaled(&sum, weight, &stress);
             scale += norm(&stress);
         }
-        let along = material.stress_along(&E, &dE, points.into_iter());
+        let along = material.stress_along(&E, &dE, &points);
         let error = norm(&sym_add_scaled(&sum, -1.0, &along));
         prop_assert!(
             error < 1e-14 * scale,

@@ -1,14 +1,14 @@
 //! Free flight that must keep its balances.
 
-use emmy::body::{Body, InitialVelocity, Region, Solid};
-use emmy::material::{NeoHooke, Ogden, SaintVenantKirchhoff, Volumetric};
+use emmy::body::{Body, InitialVelocity, Region};
+use emmy::material::{Material, NeoHooke, Ogden, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{CellKind, Mesh};
 use emmy::motion::{Motion, NewtonSettings, State};
 
 use crate::shared::schemes::{DGM, at};
 
 /// A region of a material.
-fn region(material: impl Solid + 'static) -> Region {
+fn region(material: impl Material) -> Region {
     Region::new(None, 2.0, material)
 }
 

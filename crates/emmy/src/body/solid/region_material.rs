@@ -1,0 +1,43 @@
+//! What a region is made of: a material, or links.
+
+use super::SolidTerm;
+use crate::body::CellTable;
+use crate::error::Result;
+use crate::material::{CompiledMaterial, Link};
+use crate::tensor::Sym;
+
+/// What a region is made of.
+#[derive(Debug)]
+pub enum RegionMaterial {
+    /// A material of solid cells.
+    Solid(CompiledMaterial),
+    /// A law of links.
+    Link(Link),
+}
+
+impl RegionMaterial {
+    /// The term of a table of cells.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub fn term(&self, mut table: CellTable) -> Result<SolidTerm> {
+        match self {
+            RegionMaterial::Solid(material) => SolidTerm::new(material.clone(), table),
+            RegionMaterial::Link(link) => {
+                // The measure of a link is its length; its energy is that of the whole link.
+                let energies = table.weights.iter().map(|&length| link.with_length(length)).collect();
+                table.weights.fill(1.0);
+                SolidTerm::links(energies, table)
+            }
+        }
+    }
+
+    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` of a link, which has
+    /// no volume.
+    pub fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
+        let RegionMaterial::Solid(material) = self else { return None };
+        let (material, mut stress) = (material.response::<f64>(), [0.0; 6]);
+        material.stress(strain, &mut stress);
+        Some((material.strain_energy(strain), stress))
+    }
+}
