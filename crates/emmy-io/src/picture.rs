@@ -13,7 +13,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-use crate::directory::{MARK, replace};
+use crate::directory::MARK;
+use crate::whole_file::replace;
 
 /// Units of the canvas a point: plotters knows whole numbers only, and curves are finer than points.
 const UNITS: f64 = 10.0;

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use emmy::motion::Samples;
 use emmy_io::convergence::kept::{self, Found, Key};
-use emmy_io::convergence::{self, Row, Samples, Study};
+use emmy_io::convergence::{self, Row, Study};
 use emmy_io::input::Problem;
 
 use super::Effort;

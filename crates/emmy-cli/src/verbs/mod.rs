@@ -21,7 +21,7 @@ use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
 use crate::message::message;
-use crate::print::number;
+use crate::print::{number, number_below};
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -33,27 +33,27 @@ pub enum Verb {
     /// Compute the motion and write the results
     ///
     /// The output directory may be new, empty, or hold an earlier run of Emmy, which is replaced. Files that are not
-    /// Emmy's are never written over or removed; a directory that holds only such files is refused. Bad input leaves
+    /// Emmy's are never overwritten or removed; a directory that holds only such files is rejected. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
-    /// Write the page of a run, report.html, anew
+    /// Write report.html of a run again
     ///
-    /// A run writes it by itself, at its end and from time to time before. The page opens from disk in a browser: the motion in
-    /// three dimensions, energies, momenta, balances, and the verdict.
+    /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion in three
+    /// dimensions, energies, momenta, balances, and the verdict.
     Report(report::Arguments),
-    /// Go on with a run that was stopped, has failed, or is to go further
+    /// Resume a run that was stopped or has failed, or extend it
     ///
-    /// The newest whole checkpoint in the directory is taken up, rows and frames after it are taken out, and the run writes on into
-    /// the same directory: its history is then that of a run that was never stopped. Step size, scheme, degree, end, output and
-    /// limits may change; body, loads and supports may not.
+    /// The run resumes from the newest complete checkpoint in its directory. Later rows and frames are removed, so that the history is
+    /// the same as without the interruption. Step size, scheme, degree, end, output and limits may change; body, loads and supports
+    /// may not.
     Resume(resume::Arguments),
     /// Show several runs side by side: a page, charts and a table
     Compare(compare::Arguments),
     /// Measure the error over the step size
     ///
-    /// Each size takes the place of the plan's sizes from --from on; before, all runs share the plan and the state of the
-    /// input. The error is the L2 norm over nodes and time of the distance from a reference, which is kept in the output
-    /// directory and used again.
+    /// From --from on, each run has one of the given step sizes instead of the sizes of the plan; before, all runs share the plan and
+    /// the state of the input. The error is the L2 norm, over nodes and time, of the distance from a reference, which is kept in the
+    /// output directory for the next study.
     Converge(converge::Arguments),
     /// Say what there is: schemes, materials, elements, meshes, ...
     List(list::Arguments),
@@ -155,6 +155,6 @@ fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failur
         problem.scheme,
         number(critical)
     );
-    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number(limit));
+    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number_below(limit));
     Err(Failure::Usage { message, help: Some(help) })
 }

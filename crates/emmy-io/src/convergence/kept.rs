@@ -7,11 +7,11 @@ use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::motion::State;
+use emmy::motion::{Samples, State};
 
-use super::{Samples, Study};
-use crate::directory::replace;
+use super::Study;
 use crate::input::Problem;
+use crate::whole_file::replace;
 
 const HEADER: &str = "emmy reference 1\n";
 

@@ -4,9 +4,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use emmy::motion::{MarchError, Motion, Observer, Phase, State, StepPlan, View};
+use emmy::motion::{ErrorNorm, MarchError, Motion, Observer, Phase, Sampler, Samples, State, StepPlan};
 
-use super::{ErrorNorm, Measure, Row, Sampler, Samples, Study};
+use super::{Measure, Row, Study};
 use crate::input::Problem;
 
 /// The state at a time, reached by the input's own scheme and plan; its steps are counted from there.
@@ -117,10 +117,9 @@ fn measure(
 ) -> Result<Measure, MarchError> {
     let mut motion = Motion::new(&problem.body, study.scheme, study.degree, problem.newton, state.clone())?;
     let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
-    let mut newton = Newton(0);
-    motion.march(&study.plan(step_size)?, &mut [&mut norm, &mut newton])?;
+    motion.march(&study.plan(step_size)?, &mut [&mut norm])?;
     let (error, relative_error) = (norm.error(), norm.relative_error());
-    Ok(Measure { error, relative_error, newton_iterations: newton.0 })
+    Ok(Measure { error, relative_error, newton_iterations: motion.statistics().newton_iterations })
 }
 
 /// An error with everything that led to it.
@@ -128,15 +127,5 @@ fn with_causes(error: &dyn std::error::Error) -> String {
     match error.source() {
         Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
         None => error.to_string(),
-    }
-}
-
-/// Counts Newton iterations.
-struct Newton(usize);
-
-impl Observer for Newton {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.0 += view.record.newton_iterations;
-        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::Study;
 use crate::chart::{Axis, Chart, Guide, Series, Style};
-use crate::directory::replace;
+use crate::whole_file::replace;
 
 /// What was measured of a member.
 #[derive(Debug, Clone, Copy, PartialEq)]

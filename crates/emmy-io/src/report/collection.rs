@@ -7,9 +7,8 @@ use emmy::body::fields::{FieldName, Place};
 use roxmltree::Document;
 
 use super::ReportError;
-use crate::directory::COLLECTION_MARK;
 use crate::mesh::{MeshError, vtu};
-use crate::vtk::SeriesReader;
+use crate::vtk::{COLLECTION_MARK, SeriesReader};
 
 /// Frames that can be read one by one.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::pack::Pack;
 use super::thinning::{Row, kept_rows};
-use crate::history::{COLUMNS, HistoryError, Rows};
+use crate::history::{HistoryError, Rows, required};
 use crate::newton;
 
 /// Rows of a history that are kept.
@@ -37,7 +37,7 @@ impl Thinned {
         // Time and count go only upwards: the first row of a stretch will do.
         let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds");
         let peaked: Vec<usize> =
-            (0..columns.len().min(COLUMNS.len() + 1 + 12)).filter(|&i| !is_steady(&columns[i])).collect();
+            (0..columns.len().min(required().count() + 12)).filter(|&i| !is_steady(&columns[i])).collect();
         let limit = limit.min(MAX_NUMBERS / columns.len()).max(1);
         let (step, time) = (place(&columns, "step"), place(&columns, "time"));
         let (mut steps, mut last) = (Vec::new(), 0);

@@ -33,8 +33,9 @@ use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
 use crate::comparison::RunError;
-use crate::directory::{MARK, replace};
+use crate::directory::MARK;
 use crate::mesh::MeshError;
+use crate::whole_file::replace;
 use run::{Place, RunData};
 
 /// Rows of histories that a page has at most; of longer ones those with the extremes of every column are kept.

@@ -2,7 +2,7 @@
 
 mod array;
 mod frame;
-mod frames;
+mod frame_files;
 mod marks;
 mod series;
 
@@ -11,10 +11,12 @@ use std::path::{Path, PathBuf};
 
 use emmy::body::fields::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
+use serde::{Deserialize, Serialize};
 
-pub use frames::Frames;
-pub(crate) use series::CREATOR;
+pub use frame_files::FrameFiles;
+pub(crate) use frame_files::{COLLECTION_MARK, remove_frames, step_of_frame};
 pub use series::{Series, SeriesReader};
+pub(crate) use series::{is_series, series_fields};
 
 /// Which files the frames are.
 ///
@@ -24,7 +26,7 @@ pub use series::{Series, SeriesReader};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// `NAME.pvd` and a `.vtu` for each frame: [`Frames`].
+    /// `NAME.pvd` and a `.vtu` for each frame: [`FrameFiles`].
     Vtu,
     /// One `NAME.vtkhdf`: [`Series`].
     Vtkhdf,
@@ -78,20 +80,29 @@ impl Precision {
     }
 }
 
+/// Step and time of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrameTime {
+    /// Number of the step.
+    pub step: usize,
+    /// Time \[time\].
+    pub time: f64,
+}
+
 /// The frames of a run, in one of the formats.
 #[derive(Debug)]
 pub enum FrameWriter {
     /// A file for each frame.
-    Vtu(Frames),
+    Vtu(FrameFiles),
     /// One file.
     Vtkhdf(Box<Series>),
 }
 
 impl FrameWriter {
-    /// Frames in a directory, called by its name; `region_of_cell: [n_cells]`.
+    /// Frames in a directory, named after it; `region_of_cell: [n_cells]`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(
         (format, precision): (Format, Precision),
         directory: &Path,
@@ -99,7 +110,7 @@ impl FrameWriter {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         Ok(match format {
-            Format::Vtu => FrameWriter::Vtu(Frames::create(directory, precision, mesh, region_of_cell)?),
+            Format::Vtu => FrameWriter::Vtu(FrameFiles::create(directory, precision, mesh, region_of_cell)?),
             Format::Vtkhdf => {
                 let series = Series::create(directory, precision, mesh, region_of_cell)?;
                 FrameWriter::Vtkhdf(Box::new(series))
@@ -107,35 +118,34 @@ impl FrameWriter {
         })
     }
 
-    /// Frames of a run that is resumed after a step, with some of those that are there: steps and times. Returned with those that
-    /// should be there and are not.
+    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are missing.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(
         (format, precision): (Format, Precision),
         directory: &Path,
         mesh: &Mesh,
         region_of_cell: &[u32],
-        (kept, step): (&[(usize, f64)], usize),
-    ) -> io::Result<(Self, Vec<(usize, f64)>)> {
+        (kept, step): (&[FrameTime], usize),
+    ) -> io::Result<(Self, Vec<FrameTime>)> {
         match format {
             Format::Vtu => {
-                let mut frames = Frames::create(directory, precision, mesh, region_of_cell)?;
-                let lost = frames.resume(kept, step)?;
-                Ok((FrameWriter::Vtu(frames), lost))
+                let mut frames = FrameFiles::create(directory, precision, mesh, region_of_cell)?;
+                let missing = frames.resume(kept, step)?;
+                Ok((FrameWriter::Vtu(frames), missing))
             }
             Format::Vtkhdf => {
-                let (series, lost) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
-                Ok((FrameWriter::Vtkhdf(Box::new(series)), lost))
+                let (series, missing) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
+                Ok((FrameWriter::Vtkhdf(Box::new(series)), missing))
             }
         }
     }
 
-    /// Writes the fields of a step, unless it has been written.
+    /// Writes the fields of a step, once.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         match self {
             FrameWriter::Vtu(frames) => frames.write(step, time, fields),
@@ -143,7 +153,7 @@ impl FrameWriter {
         }
     }
 
-    /// Number of the last step that was written.
+    /// Number of the last step.
     pub fn last_step(&self) -> Option<usize> {
         match self {
             FrameWriter::Vtu(frames) => frames.last_step(),
@@ -151,10 +161,10 @@ impl FrameWriter {
         }
     }
 
-    /// Ends the files: every frame is where a reader finds it.
+    /// Completes the files.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn finish(&mut self) -> io::Result<()> {
         match self {
             FrameWriter::Vtu(frames) => frames.finish(),
@@ -162,7 +172,7 @@ impl FrameWriter {
         }
     }
 
-    /// The file to open: the collection, or the one that holds them all.
+    /// The file to open: the collection or the series.
     pub fn path(&self) -> PathBuf {
         match self {
             FrameWriter::Vtu(frames) => frames.collection(),

@@ -44,7 +44,7 @@ impl<'a> Control<'a> {
     /// What the choice of the next size depends on.
     pub fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
-        memory.keep("controller", &self.controller.memory());
+        self.controller.keep(&mut memory);
         if let Some(choice) = &self.degrees {
             choice.keep(degree, &mut memory);
         }
@@ -143,6 +143,7 @@ impl<'a> Motion<'a> {
                     self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
                     self.record.local_error = error;
                     self.record.is_unresolved = missed;
+                    self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
                         control.controller.restart(control.first_size(self.body, &self.state)?);
@@ -216,7 +217,7 @@ impl<'a> Motion<'a> {
             Error::Tolerance { error, .. } => {
                 control.controller.refuse(size, *error);
                 self.refusals += 1;
-                EventKind::Refused
+                EventKind::Rejected
             }
             _ => {
                 control.controller.fail(size);
@@ -287,7 +288,7 @@ impl<'a> Motion<'a> {
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;
-            control.controller.restore(memory.array("controller")?);
+            control.controller.restore(&memory)?;
             if let Some(choice) = &mut control.degrees {
                 choice.restore(&memory)?;
             }

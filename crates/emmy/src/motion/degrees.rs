@@ -64,8 +64,9 @@ impl DegreeChoice {
 
     /// Keeps what the choices to come depend on.
     pub fn keep(&self, degree: usize, memory: &mut Memory) {
-        memory.keep("degree", &[degree as f64]);
-        memory.keep("degree.trials", &[self.left as f64, self.pause as f64]);
+        memory.keep_number("degree", degree as f64);
+        memory.keep_number("degree.left", self.left as f64);
+        memory.keep_number("degree.pause", self.pause as f64);
     }
 
     /// Takes over what [`DegreeChoice::keep`] kept.
@@ -73,15 +74,15 @@ impl DegreeChoice {
     /// # Errors
     /// [`crate::Error::Memory`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
-        let [left, pause] = memory.array("degree.trials")?;
-        (self.left, self.pause) = (left as usize, pause as usize);
+        self.left = memory.number("degree.left")? as usize;
+        self.pause = memory.number("degree.pause")? as usize;
         Ok(())
     }
 }
 
 /// The degree that a motion had whose choice of sizes left a memory, if its degree was chosen.
 pub(super) fn degree_of(memory: &Memory) -> Option<usize> {
-    memory.array("degree").ok().map(|[degree]| degree as usize)
+    memory.number("degree").ok().map(|degree| degree as usize)
 }
 
 /// Size at which an error that grows with an order is the one aimed at, by a step of a size and its error over that.

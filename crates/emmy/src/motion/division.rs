@@ -1,5 +1,7 @@
 //! How the steps of the plan are divided where they fail.
 
+use serde::{Deserialize, Serialize};
+
 use super::PlannedStep;
 
 /// Division of a planned step into `2^level` equal parts, and how far the motion is in it.
@@ -7,7 +9,7 @@ use super::PlannedStep;
 /// A step that fails is cut by two, again and again; the level then stays for the steps that follow. After [`GOOD_STEPS`] steps
 /// that succeed one after the other it falls by one, as soon as that many of the smaller steps are done that the larger ones fit
 /// behind them. So every planned step ends at its own time, and all parts of one have the same bits in their size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Division {
     /// Number of times that a planned step is cut by two.
     pub level: u32,

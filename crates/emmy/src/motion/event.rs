@@ -18,8 +18,8 @@ pub struct Event {
 pub enum EventKind {
     /// A step failed and is cut by two.
     Cut,
-    /// A step with too large an error is done again with a smaller size.
-    Refused,
+    /// A step was rejected because of its error; it is repeated with a smaller size.
+    Rejected,
     /// Steps are twice as large again.
     Grown,
     /// The elements that follow have another degree.
@@ -35,7 +35,7 @@ impl EventKind {
     pub const fn name(self) -> &'static str {
         match self {
             EventKind::Cut => "cut",
-            EventKind::Refused => "refused",
+            EventKind::Rejected => "rejected",
             EventKind::Grown => "grown",
             EventKind::Degree => "degree",
             EventKind::Release => "release",

@@ -4,8 +4,8 @@ use super::adaptive::Control;
 use super::degrees::degree_of;
 use super::plan::SHORTEST;
 use super::{
-    Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Resolution, Snapshot, State,
-    StepPlan, View,
+    Division, Event, EventKind, MarchError, Observer, PlannedStep, Record, Resolution, RunStatistics,
+    Snapshot, State, StepPlan, View,
 };
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -39,6 +39,7 @@ pub struct Motion<'a> {
     /// The state before the last step.
     last: State,
     pub(super) record: Record,
+    pub(super) statistics: RunStatistics,
     /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
     smallest: Option<SmallestStep>,
     division: Division,
@@ -87,6 +88,8 @@ impl<'a> Motion<'a> {
         let stepper = scheme.stepper(body, degree, settings, &mut state)?;
         let record =
             Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
+        let mut statistics = RunStatistics::default();
+        statistics.add(body, &state, &record);
         Ok(Motion {
             body,
             scheme,
@@ -96,6 +99,7 @@ impl<'a> Motion<'a> {
             last: state.clone(),
             state,
             record,
+            statistics,
             smallest: None,
             division: Division::default(),
             control: None,
@@ -122,7 +126,16 @@ impl<'a> Motion<'a> {
         settings: NewtonSettings,
         snapshot: Snapshot,
     ) -> Result<Self> {
-        let Snapshot { state, record, division, control, releases, was_at_rounding_floor, memory } = snapshot;
+        let Snapshot {
+            state,
+            record,
+            statistics,
+            division,
+            control,
+            releases,
+            was_at_rounding_floor,
+            memory,
+        } = snapshot;
         for _ in 0..releases {
             let Some((_, released)) = body.release() else { break };
             body = released;
@@ -148,7 +161,14 @@ impl<'a> Motion<'a> {
             // The new stepper may have set the momentum by a mass of its own.
             None => motion.record = record.at(body, &motion.state),
         }
-        Ok(Motion { division, control_memory: control, releases, was_at_rounding_floor, ..motion })
+        Ok(Motion {
+            statistics,
+            division,
+            control_memory: control,
+            releases,
+            was_at_rounding_floor,
+            ..motion
+        })
     }
 
     /// All that the motion is now; see [`Motion::resumed`].
@@ -156,6 +176,7 @@ impl<'a> Motion<'a> {
         Snapshot {
             state: self.state.clone(),
             record: self.record.clone(),
+            statistics: self.statistics.clone(),
             division: self.division,
             control: self
                 .control
@@ -196,6 +217,23 @@ impl<'a> Motion<'a> {
     /// The record of the last step.
     pub fn record(&self) -> &Record {
         &self.record
+    }
+
+    /// Statistics of all steps so far, those before a resumption included.
+    ///
+    /// ```
+    /// # use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// # use emmy::{motion::{Motion, NewtonSettings, State}, time::Scheme};
+    /// # let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
+    /// # let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// # let state = State::initial(&body, 0.0, &[])?;
+    /// let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 1, NewtonSettings::default(), state)?;
+    /// motion.step(0.1, 0.1)?;
+    /// assert_eq!(motion.statistics().worst_energy_residual.value, 0.0); // at rest
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn statistics(&self) -> &RunStatistics {
+        &self.statistics
     }
 
     /// Degree of the elements now.
@@ -242,6 +280,7 @@ impl<'a> Motion<'a> {
             self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
         self.conclude(step_size, end, &outcome);
         self.record.is_unresolved = missed.is_some();
+        self.statistics.add(self.body, &self.state, &self.record);
         Ok(&self.record)
     }
 
@@ -272,7 +311,7 @@ impl<'a> Motion<'a> {
         self.state.time = end;
         self.state.step += 1;
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
-        (self.record.cuts, self.record.refusals) = (self.cuts, self.refusals);
+        (self.record.cuts, self.record.rejections) = (self.cuts, self.refusals);
         self.record.releases = self.released;
         self.record.degree = self.degree;
         (self.cuts, self.refusals, self.released) = (0, 0, 0);

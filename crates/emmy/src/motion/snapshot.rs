@@ -1,23 +1,28 @@
-//! All that a motion is between two steps.
+//! The state of a motion between two steps.
 
-use super::{Division, Record, State};
+use serde::{Deserialize, Serialize};
+
+use super::{Division, Record, RunStatistics, State};
 use crate::time::Memory;
 
-/// All that a motion is between two steps: [`super::Motion::resumed`] goes on from it, in every bit as the motion itself would.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, with the same bits as the motion
+/// itself.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The state.
     pub state: State,
-    /// The record of the last step, with what has accumulated.
+    /// The record of the last step.
     pub record: Record,
-    /// Where in the plan's steps the motion is.
+    /// Statistics of all steps so far.
+    pub statistics: RunStatistics,
+    /// Subdivision of the planned step in progress.
     pub division: Division,
-    /// What the choice of the next size depends on, where sizes are chosen by the error.
+    /// State of the step size control, with adaptive steps.
     pub control: Option<Memory>,
-    /// Number of supports that are released by now.
+    /// Number of supports released so far.
     pub releases: usize,
-    /// Whether Newton's iteration has ended at its rounding floor before.
+    /// Whether a Newton iteration has ended at the rounding floor.
     pub was_at_rounding_floor: bool,
-    /// The stepper's own memory; `None`: the stepper starts anew from the state, as it must with another scheme or degree.
+    /// Memory of the stepper. With `None`, the stepper starts again from the state, as it must with another scheme or degree.
     pub memory: Option<Memory>,
 }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// What the settings ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
@@ -16,14 +18,39 @@ pub enum Solver {
 
 /// All there are, with their names.
 pub const SOLVERS: [(&str, Solver, &str); 3] = [
-    ("auto", Solver::Auto, "conjugate gradients or Cholesky factorisation, by what the first step asks for"),
-    ("direct", Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
     (
-        "iterative",
+        Solver::Auto.name(),
+        Solver::Auto,
+        "conjugate gradients or Cholesky factorisation, by what the first step asks for",
+    ),
+    (Solver::Direct.name(), Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
+    (
+        Solver::Iterative.name(),
         Solver::Iterative,
         "conjugate gradients with an incomplete Cholesky factor, kept over steps",
     ),
 ];
+
+impl Solver {
+    /// Its name in the input and in checkpoints.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Solver::Auto => "auto",
+            Solver::Direct => "direct",
+            Solver::Iterative => "iterative",
+        }
+    }
+
+    /// The solver of a name; `None` if there is none.
+    ///
+    /// ```
+    /// use emmy::sparse::Solver;
+    /// assert_eq!(Solver::named("direct"), Some(Solver::Direct));
+    /// ```
+    pub fn named(name: &str) -> Option<Solver> {
+        SOLVERS.into_iter().find(|(own, ..)| *own == name).map(|(_, solver, _)| solver)
+    }
+}
 
 /// The solver that was chosen.
 ///
@@ -36,7 +63,7 @@ pub const SOLVERS: [(&str, Solver, &str); 3] = [
 /// (s: time scale of the stage equations, the step size of a time element; lambda: largest eigenvalue of the stage coupling; m:
 /// lumped mass): the square of the number of cells that a wave crosses in a step, but for a factor. The fill of a factorisation
 /// grows with the number of nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SolverChoice {
     /// Whether it is iterative.
     pub is_iterative: bool,

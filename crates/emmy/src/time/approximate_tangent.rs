@@ -16,7 +16,7 @@ use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
 use crate::quadrature::gauss;
-use crate::sparse::{SOLVERS, Solver, SolverChoice, SweepOrder, inverse};
+use crate::sparse::{Solver, SolverChoice, SweepOrder, inverse};
 use crate::tensor::Mat3;
 
 /// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric, whatever the scheme. It is
@@ -128,18 +128,20 @@ impl ApproximateTangent {
 
     /// Keeps what the next steps depend on. The stiffness itself follows from displacement and rates.
     pub fn keep(&self, memory: &mut Memory) {
-        let choice = self.choice.map(|choice| [f64::from(u8::from(choice.is_iterative)), choice.stiffness]);
-        let limit = self.choice.and_then(|choice| choice.limit);
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
-        memory.keep("tangent.viscous_rate", &[self.viscous_rate]);
+        memory.keep_number("tangent.viscous_rate", self.viscous_rate);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);
-        memory.keep("tangent.made_for", self.made_for.as_slice());
-        memory.keep("tangent.has_solvers", &[f64::from(u8::from(!self.solvers.is_empty()))]);
-        memory.keep("solver.wanted", &[f64::from(self.wanted as u8)]);
-        memory.keep("solver.choice", choice.as_slice().as_flattened());
-        memory.keep("solver.limit", limit.as_slice());
+        memory.keep_option("tangent.made_for", self.made_for);
+        memory.keep_flag("tangent.has_solvers", !self.solvers.is_empty());
+        memory.keep_word("solver.wanted", self.wanted.name());
+        memory.keep_flag("solver.is_chosen", self.choice.is_some());
+        if let Some(choice) = self.choice {
+            memory.keep_flag("solver.is_iterative", choice.is_iterative);
+            memory.keep_number("solver.stiffness", choice.stiffness);
+            memory.keep_option("solver.limit", choice.limit);
+        }
     }
 
     /// Takes over what [`ApproximateTangent::keep`] kept, and makes stiffness and factors of it again.
@@ -149,24 +151,23 @@ impl ApproximateTangent {
     pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
-        [self.viscous_rate] = memory.array("tangent.viscous_rate")?;
+        self.viscous_rate = memory.number("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
-        let [wanted] = memory.array("solver.wanted")?;
-        let all = SOLVERS.map(|(_, solver, _)| solver);
-        self.wanted =
-            all.into_iter().find(|solver| f64::from(*solver as u8) == wanted).unwrap_or(self.wanted);
-        let limit = memory.option("solver.limit")?;
-        self.choice = match *memory.list("solver.choice")? {
-            [is_iterative, stiffness] => {
-                Some(SolverChoice { is_iterative: is_iterative != 0.0, stiffness, limit })
-            }
-            _ => None,
-        };
+        let wanted = memory.word("solver.wanted")?;
+        self.wanted = Solver::named(wanted).unwrap_or(self.wanted);
+        self.choice = None;
+        if memory.flag("solver.is_chosen")? {
+            self.choice = Some(SolverChoice {
+                is_iterative: memory.flag("solver.is_iterative")?,
+                stiffness: memory.number("solver.stiffness")?,
+                limit: memory.option("solver.limit")?,
+            });
+        }
         self.solvers.clear();
         self.made_for = None;
-        let [has_solvers] = memory.array("tangent.has_solvers")?;
-        if let Some(choice) = self.choice.filter(|_| has_solvers != 0.0) {
+        let has_solvers = memory.flag("tangent.has_solvers")?;
+        if let Some(choice) = self.choice.filter(|_| has_solvers) {
             self.make_solvers(body, choice)?;
         }
         if let Some(time_scale) = memory.option("tangent.made_for")? {

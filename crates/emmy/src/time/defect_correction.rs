@@ -99,8 +99,7 @@ impl DefectCorrection {
 
     /// Keeps what the next corrections depend on.
     pub fn keep(&self, memory: &mut Memory) {
-        let excess = self.excess.map(|excess| excess as f64);
-        memory.keep("defect.excess", excess.as_slice());
+        memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
     /// Takes over what [`DefectCorrection::keep`] kept.

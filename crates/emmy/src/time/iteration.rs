@@ -4,7 +4,7 @@ use super::prediction::{Carry, Prediction};
 use super::stage_system::{StageForm, StageSystem};
 use super::{Memory, State};
 use crate::error::{Error, Result};
-use crate::newton::{Newton, NewtonSettings, Outcome, System};
+use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
 use crate::sparse::reduce::dot;
 
 /// The iteration of a step with its memory: the rates it solves for, and those of the step before.
@@ -62,7 +62,10 @@ impl Iteration {
     /// Keeps what the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
-        memory.keep("newton", &self.newton.memory());
+        let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
+        memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
+        memory.keep_number("newton.excess", excess as f64);
+        memory.keep_number("newton.forcing", forcing);
     }
 
     /// Takes over what [`Iteration::keep`] kept.
@@ -71,7 +74,11 @@ impl Iteration {
     /// [`Error::Memory`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.prediction.restore(memory)?;
-        self.newton.restore(memory.array("newton")?);
+        self.newton.restore(NewtonMemory {
+            fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
+            excess: memory.number("newton.excess")? as usize,
+            forcing: memory.number("newton.forcing")?,
+        });
         Ok(())
     }
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use emmy::motion::{MarchError, State};
+use emmy::motion::{MarchError, Samples, State};
 use emmy_io::convergence::kept::{self, Found, Key};
-use emmy_io::convergence::{self, Row, Samples, Study};
+use emmy_io::convergence::{self, Row, Study};
 use emmy_io::input::Problem;
 
 use super::not_written;

@@ -109,7 +109,7 @@ impl Prediction {
     /// Keeps what the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("prediction.deviation", &self.deviation);
-        memory.keep("prediction.last_size", self.last_size.as_slice());
+        memory.keep_option("prediction.last_size", self.last_size);
     }
 
     /// Takes over what [`Prediction::keep`] kept.
