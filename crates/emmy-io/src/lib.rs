@@ -44,6 +44,7 @@ pub mod report;
 pub mod results;
 mod rows;
 pub mod sizes;
+mod stored;
 pub mod summary;
 pub mod vtk;
 mod whole_file;

@@ -1,4 +1,4 @@
-//! The verbs, one a file.
+//! The verbs, each in a file.
 
 mod check;
 mod compare;
@@ -23,7 +23,7 @@ use crate::failure::Failure;
 use crate::message::message;
 use crate::print::{number, number_below};
 
-/// What to do.
+/// The verb.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
     /// Write a commented example input into the working directory
@@ -55,19 +55,19 @@ pub enum Verb {
     /// the state of the input. The error is the L2 norm, over nodes and time, of the distance from a reference, which is kept in the
     /// output directory for the next study.
     Converge(converge::Arguments),
-    /// Say what there is: schemes, materials, elements, meshes, ...
+    /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print the JSON schema of the input, for completion and checks in an editor
     ///
     /// `emmy schema > emmy.schema.json`, and as first line of an input `#:schema ./emmy.schema.json`: editors with a TOML language
-    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark what is wrong.
+    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark errors.
     Schema,
     /// Print completions for a shell
     Completions(completions::Arguments),
 }
 
 impl Verb {
-    /// Does it.
+    /// Runs the verb.
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Verb::New(arguments) => new::run(&arguments),
@@ -84,24 +84,24 @@ impl Verb {
     }
 }
 
-/// An input file and what the command line changes of it.
+/// An input file, and the changes of the command line.
 #[derive(Debug, Args)]
 struct Input {
     /// Input file (TOML)
     file: PathBuf,
-    /// Output directory, in place of the one in the input
+    /// Output directory, instead of the one in the input
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Change a value of the input, such as time.scheme=DGM or region.0.density=2.5 (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// End of the run: later steps are left out, or the last ones go on
+    /// End of the run: later steps are dropped, or the last phase is extended
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     until: Option<f64>,
 }
 
 impl Input {
-    /// The problem; what its reader remarks goes to standard error.
+    /// The problem; notes of its reader go to standard error.
     fn problem(&self) -> Result<Problem, Failure> {
         let overrides = Overrides {
             set: self.set.clone(),
@@ -115,7 +115,7 @@ impl Input {
     }
 }
 
-/// Works in the thread pool, with a number of threads: a thread outside of it would hand over every small task and wait for it.
+/// Runs a function in the thread pool, because a thread outside of it would wait for every small task.
 fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     if let Some(threads) = threads {
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
@@ -124,7 +124,7 @@ fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) 
     Ok(rayon::scope(|_| work()))
 }
 
-/// A warning of planned steps that miss a part of a load or of a moving support.
+/// A warning of planned steps that do not resolve a load or a moving support.
 fn unresolved_steps(problem: &Problem) -> Option<String> {
     let Problem { body, scheme, degree, plan, .. } = problem;
     let (count, first) = Resolution::new(body, *scheme, *degree, plan)?.unresolved_steps(plan);
@@ -136,7 +136,7 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
     })
 }
 
-/// The critical step of an explicit scheme at the start; `None` of the others.
+/// The critical step of an explicit scheme at the start; `None` for other schemes.
 ///
 /// # Errors
 /// [`Failure::Usage`] if the plan has larger steps than are stable.

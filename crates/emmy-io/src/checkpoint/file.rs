@@ -12,6 +12,7 @@ use emmy::motion::State;
 use serde_json::{Value, json};
 
 use super::Checkpoint;
+use crate::stored;
 
 /// Number of the format; a file of any other format is rejected.
 const FORMAT: u32 = 3;
@@ -34,9 +35,7 @@ pub fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
     let n_numbers = 3 * checkpoint.snapshot.state.displacement.len();
     let mut bytes = Vec::with_capacity(18 * n_numbers + 65_536);
     bytes.extend(format!("{MARK}{FORMAT}, Emmy {VERSION}\n").as_bytes());
-    rmp_serde::encode::write_named(&mut bytes, checkpoint).map_err(io::Error::other)?;
-    let sum = crc32fast::hash(&bytes);
-    bytes.extend(sum.to_le_bytes());
+    stored::append(&mut bytes, 0, checkpoint)?;
     Ok(bytes)
 }
 
@@ -64,11 +63,8 @@ fn content(bytes: &[u8]) -> Result<&[u8], String> {
             "has checkpoint format {format}, which {writer} reads; Emmy {VERSION} reads format {FORMAT} only"
         ));
     }
-    let (summed, sum) = bytes.split_last_chunk::<4>().ok_or(DAMAGED)?;
-    if crc32fast::hash(summed) != u32::from_le_bytes(*sum) {
-        return Err(DAMAGED.into());
-    }
-    summed.get(MARK.len() + end + 1..).ok_or_else(|| DAMAGED.into())
+    let before_sum = stored::verified(bytes).ok_or(DAMAGED)?;
+    before_sum.get(MARK.len() + end + 1..).ok_or_else(|| DAMAGED.into())
 }
 
 /// Whether a header can be quoted.

@@ -2,14 +2,14 @@
 //!
 //! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The reference is
 //! sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each member is compared with it
-//! while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`Row`].
+//! while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
 
 pub mod kept;
 mod runs;
 mod table;
 
 pub use runs::{members, on_one_thread, reference, start, until};
-pub use table::{Measure, Row, chart, orders, write};
+pub use table::{Measure, MemberRun, chart, orders, write};
 
 use emmy::Result;
 use emmy::motion::{Phase, StepPlan};

@@ -18,7 +18,7 @@ pub(crate) use frame_files::{COLLECTION_MARK, remove_frames, step_of_frame};
 pub use series::{Series, SeriesReader};
 pub(crate) use series::{is_series, series_fields};
 
-/// Which files the frames are.
+/// File format of the frames.
 ///
 /// ```
 /// use emmy_io::vtk::Format;
@@ -184,10 +184,10 @@ impl FrameWriter {
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
 pub(crate) const GROUP: &str = "group:";
 
-/// Array of a group of facets, as cell data: bit i of a cell's number stands for its face i. `facets:NAME`.
+/// Array of a group of facets, as cell data: bit i stands for face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
-/// Number of a cell type in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
+/// Number of a cell type in VTK. The base of a wedge is counter-clockwise as seen from the top, as in the face tables of VTK.
 pub(crate) fn cell_type(kind: CellKind) -> u8 {
     match kind {
         CellKind::Hex8 => 12,
@@ -207,7 +207,7 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
     }
 }
 
-/// Last part of a path, also of `.` and `..`. Characters that XML cannot hold become `_`.
+/// Name of a directory, also of `.` and `..`; characters that XML cannot hold become `_`.
 pub(crate) fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
     let name = whole.file_name().map_or("emmy".into(), |name| name.to_string_lossy().into_owned());
@@ -218,6 +218,6 @@ pub(crate) fn name_of(directory: &Path) -> String {
 /// Text as the value of an XML attribute.
 fn escaped(text: &str) -> String {
     let escaped = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    // A reader would make these blanks.
+    // A reader would replace these by blanks.
     escaped.replace('\t', "&#9;").replace('\n', "&#10;").replace('\r', "&#13;")
 }

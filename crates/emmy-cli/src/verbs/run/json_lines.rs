@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::print;
 
-/// Prints the record of every step, if it is switched on.
+/// Prints every step, if switched on.
 #[derive(Debug)]
 pub struct JsonLines {
     on: bool,

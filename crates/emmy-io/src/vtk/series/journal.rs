@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use emmy::body::fields::{FieldName, FieldValues};
 use serde::{Deserialize, Serialize};
 
+use crate::stored;
 use crate::vtk::FrameTime;
 use crate::whole_file::{named, remove};
 
@@ -65,24 +66,24 @@ impl Journal {
     }
 }
 
-/// A frame in the file.
+/// A frame as stored.
 #[derive(Serialize, Deserialize)]
-struct Frame<'a> {
+struct StoredFrame<'a> {
     step: usize,
     time: f64,
     #[serde(borrow)]
-    fields: Vec<Field<'a>>,
+    fields: Vec<StoredField<'a>>,
 }
 
 #[derive(Serialize, Deserialize)]
-struct Field<'a> {
+struct StoredField<'a> {
     name: Cow<'a, str>,
     numbers: Cow<'a, [f64]>,
 }
 
-impl<'a> Field<'a> {
+impl<'a> StoredField<'a> {
     fn of(values: &'a FieldValues) -> Self {
-        Field { name: Cow::Borrowed(values.name.name()), numbers: Cow::Borrowed(&values.numbers) }
+        StoredField { name: Cow::Borrowed(values.name.name()), numbers: Cow::Borrowed(&values.numbers) }
     }
 }
 
@@ -91,10 +92,8 @@ fn entry(at: FrameTime, fields: &[FieldValues]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(9 * n_numbers + 1024);
     bytes.extend([0; 8]);
     let FrameTime { step, time } = at;
-    let frame = Frame { step, time, fields: fields.iter().map(Field::of).collect() };
-    rmp_serde::encode::write_named(&mut bytes, &frame).map_err(io::Error::other)?;
-    let sum = crc32fast::hash(&bytes[8..]);
-    bytes.extend(sum.to_le_bytes());
+    let frame = StoredFrame { step, time, fields: fields.iter().map(StoredField::of).collect() };
+    stored::append(&mut bytes, 8, &frame)?;
     let length = bytes.len() as u64 - 8;
     bytes[..8].copy_from_slice(&length.to_le_bytes());
     Ok(bytes)
@@ -142,12 +141,8 @@ impl Entries {
 
 /// Step and fields of an entry without its length; `None` if it is damaged.
 fn frame(bytes: &[u8]) -> Option<(usize, Vec<FieldValues>)> {
-    let (content, sum) = bytes.split_last_chunk::<4>()?;
-    if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
-        return None;
-    }
-    let frame: Frame<'_> = rmp_serde::from_slice(content).ok()?;
-    let values = |field: Field<'_>| {
+    let frame: StoredFrame<'_> = rmp_serde::from_slice(stored::verified(bytes)?).ok()?;
+    let values = |field: StoredField<'_>| {
         Some(FieldValues { name: FieldName::from_name(&field.name)?, numbers: field.numbers.into_owned() })
     };
     Some((frame.step, frame.fields.into_iter().map(values).collect::<Option<_>>()?))

@@ -10,8 +10,8 @@
 //!     PointDataOffsets/NAME, ..   row at which each frame begins
 //! ```
 //!
-//! A frame takes a whole number of chunks of each field, the last of which is filled up with zeros: no chunk is written twice, and
-//! all are compressed side by side. A slash in the name of a group, which HDF5 would take for a path, is written as U+2215.
+//! A frame takes a whole number of chunks of each field, the last of them padded with zeros, so that chunks are written once and
+//! compressed in parallel. A slash in the name of a group, which would be a path in HDF5, is written as U+2215.
 
 mod chunks;
 mod journal;
@@ -53,7 +53,7 @@ const fn groups(place: Place) -> [&'static str; 2] {
     }
 }
 
-/// A name of a group of the mesh as that of a dataset.
+/// Name of the dataset of a group.
 fn without_slash(name: &str) -> String {
     name.replace('/', "\u{2215}")
 }

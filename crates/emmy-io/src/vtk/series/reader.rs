@@ -1,4 +1,4 @@
-//! The file read back.
+//! Reads a series.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -70,7 +70,7 @@ impl SeriesReader {
         &self.times
     }
 
-    /// Fields that are there.
+    /// Fields in the file.
     pub fn fields(&self) -> Vec<FieldName> {
         let names = self.file.dataset_names();
         let is_there = |field: &FieldName| {
@@ -83,7 +83,7 @@ impl SeriesReader {
     /// A field of a frame, `[n_nodes][n_components]` or `[n_cells][n_components]`.
     ///
     /// # Errors
-    /// Errors of the system, a field or a frame that is not there.
+    /// Errors of the system, a missing field or frame.
     pub fn values(&self, name: FieldName, frame: usize) -> io::Result<Vec<f64>> {
         let [data, offsets] = groups(name.place());
         let offsets: Vec<i64> = read(&self.file, &format!("{offsets}/{name}"))?;
@@ -101,7 +101,7 @@ impl SeriesReader {
         dataset.read_slice(start, count).map_err(rejected)
     }
 
-    /// All fields of the frame at a time, if there is one; its time may be off by rounding.
+    /// All fields of the frame at a time, up to rounding of the time.
     pub(super) fn frame_at(&self, time: f64) -> io::Result<Option<Vec<FieldValues>>> {
         let is_same = |own: &f64| (own - time).abs() <= 1e-9 * time.abs();
         let Some(frame) = self.times.iter().position(is_same) else { return Ok(None) };
@@ -112,7 +112,7 @@ impl SeriesReader {
     /// The mesh with its groups.
     ///
     /// # Errors
-    /// Errors of the system, or a mesh that is none.
+    /// Errors of the system, an invalid mesh.
     pub fn mesh(&self) -> io::Result<Mesh> {
         let of = |name: &str| format!("VTKHDF/{name}");
         let points: Vec<f64> = read(&self.file, &of("Points"))?;
@@ -157,7 +157,7 @@ impl SeriesReader {
     }
 }
 
-/// Places of the numbers that are not zero.
+/// Indices of the numbers that are not zero.
 fn members(bits: &[u8]) -> Vec<u32> {
     (0..bits.len() as u32).filter(|&member| bits[member as usize] != 0).collect()
 }

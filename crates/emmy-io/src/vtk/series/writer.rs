@@ -1,4 +1,4 @@
-//! The file as it grows.
+//! Writes a series.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ pub struct Series {
     precision: Precision,
     n_nodes: usize,
     n_cells: usize,
-    fields: Vec<Field>,
+    fields: Vec<FieldDataset>,
     n_frames: usize,
     last_step: Option<usize>,
     published: Instant,
@@ -41,8 +41,8 @@ pub struct Series {
     cost: Option<Duration>,
 }
 
-/// A field in the file that is open.
-struct Field {
+/// A field in the open file.
+struct FieldDataset {
     name: FieldName,
     chunks: Chunks,
     dataset: H5Dataset,
@@ -165,7 +165,7 @@ impl Series {
         }
     }
 
-    /// Writes a frame into the growing file.
+    /// Appends a frame to the growing file.
     fn append(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         if self.n_frames == 0 {
             self.fields = fields.iter().map(|field| self.new_field(field.name)).collect::<io::Result<_>>()?;
@@ -204,7 +204,7 @@ impl Series {
         self.last_step
     }
 
-    /// Puts a copy in place of the file to read.
+    /// Replaces the file to read by a copy.
     fn publish(&mut self) -> io::Result<()> {
         let start = Instant::now();
         if let Some(file) = self.file.take() {
@@ -228,7 +228,7 @@ impl Series {
         self.file.as_ref().ok_or_else(|| io::Error::other("the series of frames has ended"))
     }
 
-    fn new_field(&self, name: FieldName) -> io::Result<Field> {
+    fn new_field(&self, name: FieldName) -> io::Result<FieldDataset> {
         let (place, components) = (name.place(), name.components().len());
         let n_rows = if place == Place::Nodes { self.n_nodes } else { self.n_cells };
         let chunks = Chunks::new(n_rows, components, self.precision);
@@ -238,7 +238,7 @@ impl Series {
             Precision::Double => growing::<f64>(file, &data, chunks),
             Precision::Single => growing::<f32>(file, &data, chunks),
         };
-        Ok(Field {
+        Ok(FieldDataset {
             name,
             chunks,
             dataset: dataset.map_err(rejected)?,
@@ -267,7 +267,7 @@ impl Drop for Series {
     }
 }
 
-impl Field {
+impl FieldDataset {
     fn write(&self, frame: usize, numbers: &[f64]) -> rust_hdf5::Result<()> {
         let chunks = self.chunks;
         let Chunks { count, components, .. } = chunks;
@@ -340,7 +340,7 @@ fn write_mesh(file: &H5File, mesh: &Mesh) -> rust_hdf5::Result<()> {
     dataset.create("VTKHDF/Points")?.write_raw(&points)
 }
 
-/// A list that is written once.
+/// A list without later frames.
 fn once<T: H5Type>(file: &H5File, name: &str, numbers: Vec<T>) -> rust_hdf5::Result<()> {
     let n = numbers.len();
     let dataset = file.new_dataset::<T>().shape([n]).chunk(&[n.clamp(1, ROWS)]).shuffle_deflate(LEVEL);
@@ -356,7 +356,7 @@ fn growing<T: H5Type>(file: &H5File, name: &str, chunks: Chunks) -> rust_hdf5::R
     dataset.shuffle_deflate(LEVEL).create(name)
 }
 
-/// An empty table that grows by a number a step; `has_columns`: on two axes.
+/// An empty table that grows by a number for each step; `has_columns`: it has two axes.
 fn table<T: H5Type>(file: &H5File, name: &str, has_columns: bool) -> rust_hdf5::Result<H5Dataset> {
     let dataset = file.new_dataset::<T>();
     let dataset = match has_columns {
@@ -377,7 +377,7 @@ fn steps(file: &H5File) -> rust_hdf5::Result<H5Group> {
     file.root_group().group("VTKHDF")?.group("Steps")
 }
 
-/// A text of fixed length, as VTK's reader wants it.
+/// Text of fixed length, as the reader of VTK requires.
 fn text(text: &str) -> DatatypeMessage {
     DatatypeMessage::fixed_string(text.len() as u32)
 }
