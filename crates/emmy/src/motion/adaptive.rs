@@ -90,6 +90,7 @@ impl<'a> Motion<'a> {
                     self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
                     self.record.local_error = error;
                     self.record.is_unresolved = missed;
+                    self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
                         control.controller.restart(control.first_size(self.body, &self.state)?);
@@ -220,7 +221,7 @@ impl<'a> Motion<'a> {
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;
-            control.controller.restore(memory.array("controller")?);
+            control.controller.restore(&memory)?;
             if let Some(choice) = &mut control.degrees {
                 choice.restore(&memory)?;
             }

@@ -30,7 +30,7 @@ impl<'a> Control<'a> {
     /// Memory that the next size depends on.
     pub fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
-        memory.keep("controller", &self.controller.memory());
+        self.controller.keep(&mut memory);
         if let Some(choice) = &self.degrees {
             choice.keep(degree, &mut memory);
         }

@@ -3,7 +3,7 @@
 use super::control::Control;
 use super::degree_choice::degree_of;
 use super::plan::SHORTEST;
-use super::{Event, EventKind, PlannedStep, Record, Resolution, Snapshot, Subdivision};
+use super::{Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, Subdivision};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
@@ -37,6 +37,7 @@ pub struct Motion<'a> {
     /// The state before the last step.
     last: State,
     pub(super) record: Record,
+    pub(super) statistics: RunStatistics,
     /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
@@ -111,6 +112,8 @@ impl<'a> Motion<'a> {
         let degree = scheme.degree();
         let record =
             Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
+        let mut statistics = RunStatistics::default();
+        statistics.add(body, &state, &record);
         Ok(Motion {
             body,
             given: scheme,
@@ -120,6 +123,7 @@ impl<'a> Motion<'a> {
             last: state.clone(),
             state,
             record,
+            statistics,
             smallest: None,
             subdivision: Subdivision::default(),
             control: None,
@@ -145,8 +149,16 @@ impl<'a> Motion<'a> {
         settings: NewtonSettings,
         snapshot: Snapshot,
     ) -> Result<Self> {
-        let Snapshot { state, record, subdivision, control, releases, was_at_rounding_floor, memory } =
-            snapshot;
+        let Snapshot {
+            state,
+            record,
+            statistics,
+            subdivision,
+            control,
+            releases,
+            was_at_rounding_floor,
+            memory,
+        } = snapshot;
         for _ in 0..releases {
             let Some((_, released)) = body.release() else { break };
             body = released;
@@ -165,7 +177,14 @@ impl<'a> Motion<'a> {
             // The new stepper may have set the momentum by a mass of its own.
             None => motion.record = record.at(body, &motion.state),
         }
-        Ok(Motion { subdivision, control_memory: control, releases, was_at_rounding_floor, ..motion })
+        Ok(Motion {
+            statistics,
+            subdivision,
+            control_memory: control,
+            releases,
+            was_at_rounding_floor,
+            ..motion
+        })
     }
 
     /// The whole state of the motion between two steps; see [`Motion::resumed`].
@@ -174,6 +193,7 @@ impl<'a> Motion<'a> {
         Snapshot {
             state: self.state.clone(),
             record: self.record.clone(),
+            statistics: self.statistics.clone(),
             subdivision: self.subdivision,
             control: control.or(self.control_memory.clone()),
             releases: self.releases,
@@ -215,6 +235,21 @@ impl<'a> Motion<'a> {
     /// The record of the last step.
     pub fn record(&self) -> &Record {
         &self.record
+    }
+
+    /// Statistics of all steps so far, those before a resumption included.
+    ///
+    /// ```
+    /// # use emmy::{body::{Body, Region}, material::NeoHooke, mesh, motion::Motion, time::TimeElement};
+    /// # let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
+    /// # let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
+    /// motion.step(0.1)?;
+    /// assert_eq!(motion.statistics().worst_energy_residual.value, 0.0); // at rest
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn statistics(&self) -> &RunStatistics {
+        &self.statistics
     }
 
     /// The stepper.
@@ -287,6 +322,7 @@ impl<'a> Motion<'a> {
             self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
         self.conclude(step_size, end, &outcome);
         self.record.is_unresolved = missed.is_some();
+        self.statistics.add(self.body, &self.state, &self.record);
         Ok(&self.record)
     }
 
@@ -318,7 +354,7 @@ impl<'a> Motion<'a> {
         self.state.step += 1;
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
         self.record.cuts = std::mem::take(&mut self.cuts);
-        self.record.refusals = std::mem::take(&mut self.rejections);
+        self.record.rejections = std::mem::take(&mut self.rejections);
         self.record.releases = std::mem::take(&mut self.released);
         self.record.degree = self.scheme.degree();
         if self.record.at_rounding_floor && !self.was_at_rounding_floor {

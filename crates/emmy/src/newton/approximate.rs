@@ -3,37 +3,26 @@
 use super::{FIRST_FORCING, Newton, Run, System, Tangent};
 use crate::error::Result;
 
-/// What is known of the approximate tangent.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Approximation {
-    /// Corrections that the solution took for which it was made; `None`: there is none.
-    fresh: Option<usize>,
-    /// Corrections since then beyond those.
-    excess: usize,
+/// State of the approximate tangent between two solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NewtonMemory {
+    /// Corrections in the solution for which the tangent was factored; `None`: there is no tangent.
+    pub fresh: Option<usize>,
+    /// Corrections since then beyond that number.
+    pub excess: usize,
     /// Relative tolerance of the next correction.
-    forcing: f64,
-}
-
-impl Approximation {
-    /// As plain numbers; a negative count stands for none.
-    fn numbers(&self) -> [f64; 3] {
-        [self.fresh.map_or(-1.0, |fresh| fresh as f64), self.excess as f64, self.forcing]
-    }
-
-    fn of([fresh, excess, forcing]: [f64; 3]) -> Self {
-        Approximation { fresh: (fresh >= 0.0).then_some(fresh as usize), excess: excess as usize, forcing }
-    }
+    pub forcing: f64,
 }
 
 impl Newton {
-    /// What is known of the approximate tangent, for [`Newton::restore`].
-    pub fn memory(&self) -> [f64; 3] {
-        self.approximation.numbers()
+    /// State of the approximate tangent, for [`Newton::restore`].
+    pub fn memory(&self) -> NewtonMemory {
+        self.approximation
     }
 
-    /// Takes over what was known of the approximate tangent.
-    pub fn restore(&mut self, memory: [f64; 3]) {
-        self.approximation = Approximation::of(memory);
+    /// Sets the state of the approximate tangent.
+    pub fn restore(&mut self, memory: NewtonMemory) {
+        self.approximation = memory;
     }
 
     /// Has the approximate tangent renewed with the next solution: that of a solution that failed is of no use.

@@ -4,7 +4,7 @@ mod approximate;
 #[cfg(test)]
 mod tests;
 
-use approximate::Approximation;
+pub use approximate::NewtonMemory;
 
 use crate::error::Result;
 use crate::sparse::Solver;
@@ -116,7 +116,7 @@ pub struct Newton {
     trial_residual: Vec<f64>,
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
-    approximation: Approximation,
+    approximation: NewtonMemory,
     /// Residuals in the history before those with the exact tangent; an approximate one may be slow without stagnation.
     exact_from: usize,
 }

@@ -122,7 +122,8 @@ impl Stepper for CentralDifferences<'_> {
         memory.keep("inertia", &self.inertia);
         self.start.keep(&mut memory);
         memory.keep("stability.mode", &self.limit.mode);
-        memory.keep("stability", &[self.limit.critical_step, self.limit.n_steps as f64]);
+        memory.keep_number("stability.critical_step", self.limit.critical_step);
+        memory.keep_number("stability.n_steps", self.limit.n_steps as f64);
         memory
     }
 
@@ -130,8 +131,8 @@ impl Stepper for CentralDifferences<'_> {
         memory.fill("inertia", &mut self.inertia)?;
         self.start.restore(memory)?;
         memory.fill("stability.mode", &mut self.limit.mode)?;
-        let [critical_step, n_steps] = memory.array("stability")?;
-        (self.limit.critical_step, self.limit.n_steps) = (critical_step, n_steps as usize);
+        self.limit.critical_step = memory.number("stability.critical_step")?;
+        self.limit.n_steps = memory.number("stability.n_steps")? as usize;
         Ok(())
     }
 }

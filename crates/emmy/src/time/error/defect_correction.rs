@@ -101,8 +101,7 @@ impl DefectCorrection {
 
     /// Keeps the memory that the next corrections depend on.
     pub fn keep(&self, memory: &mut Memory) {
-        let excess = self.excess.map(|excess| excess as f64);
-        memory.keep("defect.excess", excess.as_slice());
+        memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
     /// Restores what [`DefectCorrection::keep`] kept.

@@ -237,9 +237,9 @@ impl<'a> LocalError<'a> {
             Kind::Difference(difference) => {
                 let mut memory = Memory::default();
                 memory.keep("acceleration", &difference.acceleration);
-                memory.keep("before", &[difference.before]);
+                memory.keep_number("before", difference.before);
                 memory.keep("third", &difference.third);
-                memory.keep("third_before", difference.third_before.as_slice());
+                memory.keep_option("third_before", difference.third_before);
                 memory
             }
             Kind::Element(next) => next.memory(),
@@ -259,7 +259,7 @@ impl<'a> LocalError<'a> {
         match &mut self.kind {
             Kind::Difference(difference) => {
                 memory.fill("acceleration", &mut difference.acceleration)?;
-                [difference.before] = memory.array("before")?;
+                difference.before = memory.number("before")?;
                 memory.fill("third", &mut difference.third)?;
                 difference.third_before = memory.option("third_before")?;
                 Ok(())

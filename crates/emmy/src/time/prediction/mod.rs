@@ -108,7 +108,7 @@ impl Prediction {
     /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("prediction.deviation", &self.deviation);
-        memory.keep("prediction.last_size", self.last_size.as_slice());
+        memory.keep_option("prediction.last_size", self.last_size);
     }
 
     /// Restores what [`Prediction::keep`] kept.
