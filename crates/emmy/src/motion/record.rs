@@ -105,7 +105,7 @@ impl Record {
             newton_iterations: outcome.newton.iterations,
             newton_target: outcome.newton.target,
             linear_iterations: outcome.newton.linear_iterations,
-            refactorizations: outcome.newton.renewals,
+            refactorizations: outcome.newton.refactorizations,
             took_exact_tangent: outcome.newton.took_exact_tangent,
             solver: outcome.solver,
             at_rounding_floor: outcome.newton.at_rounding_floor,

@@ -25,12 +25,12 @@ impl Newton {
         self.approximation = memory;
     }
 
-    /// Has the approximate tangent renewed with the next solution: that of a solution that failed is of no use.
+    /// Has the approximate tangent refactorised with the next solution: the tangent of a failed solution is of no use.
     pub fn forget(&mut self) {
         self.approximation.fresh = None;
     }
 
-    /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
+    /// Corrections with the approximate tangent, which is refactorised where they become slow; false if that does not help either.
     ///
     /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
     /// evaluated.
@@ -41,8 +41,8 @@ impl Newton {
         run: &mut Run<'_>,
     ) -> Result<bool> {
         let old = &mut self.approximation;
-        let is_old = old.fresh.is_none() || old.excess as f64 >= system.renewal_cost();
-        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let is_old = old.fresh.is_none() || old.excess as f64 >= system.refactorization_cost();
+        let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
         let mut contraction = 1.0;
@@ -65,12 +65,12 @@ impl Newton {
                 return Ok(false);
             }
             let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
-            run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
+            run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
                 self.approximation.fresh = None;
                 return Ok(false);
             };
-            tangent = Tangent::Kept;
+            tangent = Tangent::Reused;
             run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
             let sizes = system.residual(&self.trial, &mut self.trial_residual);
@@ -89,8 +89,8 @@ impl Newton {
                 return Ok(false);
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
-            if !is_fresh && (is_slow || left > system.renewal_cost() + FRESH) {
-                (tangent, is_fresh) = (Tangent::Renewed, true);
+            if !is_fresh && (is_slow || left > system.refactorization_cost() + FRESH) {
+                (tangent, is_fresh) = (Tangent::Refactorized, true);
             }
         }
     }
@@ -111,7 +111,7 @@ impl Newton {
                 self.history.push(run.sizes.residual);
             }
             let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
-            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Reused)?;
             run.outcome.iterations += 1;
             x.copy_from_slice(&self.trial);
             left *= tolerance.max(contraction);

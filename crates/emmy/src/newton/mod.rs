@@ -30,17 +30,17 @@ pub trait System {
         dx: &mut [f64],
     ) -> Result<usize>;
 
-    /// What a new approximate tangent costs, in corrections with the one that is there.
-    fn renewal_cost(&self) -> f64;
+    /// Cost of a new approximate tangent, in corrections with the present one.
+    fn refactorization_cost(&self) -> f64;
 }
 
 /// Which K a correction is to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
-    /// An approximation that is cheap to solve with, as it was made before.
-    Kept,
-    /// The approximation, made anew near x.
-    Renewed,
+    /// An approximation that is cheap to solve with, reused from an earlier iteration.
+    Reused,
+    /// The approximation, computed and factorised again near x.
+    Refactorized,
     /// The derivative of R at x.
     Exact,
     /// The derivative of R that was taken last.
@@ -90,8 +90,8 @@ pub struct Outcome {
     pub target: f64,
     /// Whether it converged.
     pub converged: bool,
-    /// How often the approximate tangent was made anew.
-    pub renewals: usize,
+    /// How often the approximate tangent was refactorised.
+    pub refactorizations: usize,
     /// Whether the exact tangent was needed.
     pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.

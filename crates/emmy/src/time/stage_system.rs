@@ -391,13 +391,13 @@ impl System for StageSystem<'_> {
         dx: &mut [f64],
     ) -> Result<usize> {
         self.negative.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
-        if tangent == Tangent::Renewed || !self.approximate_tangent.is_made() {
+        if tangent == Tangent::Refactorized || !self.approximate_tangent.is_made() {
             self.refactorize(x)?;
         }
         self.approximate_tangent.rescale(self.body, self.time_scale)?;
         self.set_floor(x);
         match tangent {
-            Tangent::Kept | Tangent::Renewed => self.solve_approximately(tolerance, dx),
+            Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
                 self.assemble(x, Want::Tangent)?;
                 self.solve_exactly(tolerance, dx)
@@ -406,7 +406,7 @@ impl System for StageSystem<'_> {
         }
     }
 
-    fn renewal_cost(&self) -> f64 {
+    fn refactorization_cost(&self) -> f64 {
         self.approximate_tangent.refactorization_cost()
     }
 }
