@@ -37,7 +37,7 @@ pub struct Adaptivity {
     pub velocity: Option<f64>,
     /// How the error is estimated; `None`: as [`Estimator::of`] says.
     pub estimator: Option<Estimator>,
-    /// Lowest and highest degree of the elements, of which the one is chosen that costs least; `None`: that of the motion.
+    /// Lowest and highest degree of the elements, of which the cheapest is chosen; `None`: the degree of the motion.
     pub degrees: Option<[usize; 2]>,
 }
 

@@ -6,6 +6,7 @@ mod control;
 mod degree_choice;
 mod error_norm;
 mod event;
+mod failure;
 mod global_error;
 mod march;
 mod observer;

@@ -2,6 +2,7 @@
 
 use super::control::Control;
 use super::degree_choice::degree_of;
+use super::failure::placed;
 use super::plan::SHORTEST;
 use super::{Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, Subdivision};
 use crate::body::Body;
@@ -292,7 +293,7 @@ impl<'a> Motion<'a> {
     /// time of the release or after it.
     ///
     /// # Errors
-    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record are then those of the last good step.
+    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record then belong to the last good step.
     pub fn step(&mut self, step_size: f64) -> Result<&Record> {
         self.step_with_end(step_size, self.state.time + step_size)
     }
@@ -382,27 +383,4 @@ fn check_state(body: &Body, state: &State) -> Result<()> {
 /// `same_time` are the same.
 pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
     body.release().filter(|(time, _)| now >= time - same_time)
-}
-
-/// The error of a step, with the place of the cell if one was inverted.
-pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
-    let inner = match &error {
-        Error::StepFailed { cause, .. } => cause,
-        error => error,
-    };
-    let Error::Inverted { cell, det } = *inner else { return error };
-    let Some(found) = body.mesh().cells().nth(cell) else { return error };
-    let position = |node: &u32| state.position(body, *node as usize);
-    let mut centre = [0.0; 3];
-    for corner in found.nodes.iter().map(position) {
-        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
-    }
-    Error::CellInverted {
-        step: state.step + 1,
-        time: state.time + step_size,
-        cell,
-        kind: found.kind,
-        position: centre,
-        det,
-    }
 }

@@ -32,7 +32,7 @@ impl Newton {
 
     /// Corrections with the approximate tangent, which is refactorised where they become slow; false if that does not help either.
     ///
-    /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
+    /// The iteration converges linearly, so it continues to rounding, by its own contraction: the last residual need not be
     /// evaluated.
     pub(super) fn solve_approximately(
         &mut self,

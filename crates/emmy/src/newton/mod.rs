@@ -54,7 +54,7 @@ pub struct Sizes {
     pub residual: f64,
     /// Largest norm of the parts that the residual is the sum of.
     pub scale: f64,
-    /// What rounding alone makes of the residual; 0 while unknown.
+    /// Rounding floor of the residual; 0 while unknown.
     pub floor: f64,
 }
 
@@ -86,7 +86,7 @@ pub struct Outcome {
     pub linear_iterations: usize,
     /// Norm of the last residual that was evaluated.
     pub residual: f64,
-    /// What it had to fall below.
+    /// Target that the norm had to fall below.
     pub target: f64,
     /// Whether it converged.
     pub converged: bool,
@@ -96,7 +96,7 @@ pub struct Outcome {
     pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.
     pub at_rounding_floor: bool,
-    /// What the residual at a rounding floor does to energy and momenta of the step, relative to them; 0 above the floor.
+    /// Relative change of energy and momenta of the step by a residual at the rounding floor; 0 above the floor.
     pub rounding: f64,
 }
 
@@ -139,7 +139,7 @@ impl Newton {
     /// residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
     ///
     /// # Errors
-    /// Those of the system at the start; later ones end the iteration without convergence if halving does not help.
+    /// As the system at the start; later errors end the iteration without convergence if halving does not help.
     pub fn solve(
         &mut self,
         system: &mut impl System,
@@ -281,7 +281,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// What rounding leaves of a residual that is solved as well as can be.
+    /// Residual that rounding leaves at best.
     fn round_off(&self) -> f64 {
         2.0 * f64::EPSILON * self.sizes.scale
     }

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
 use crate::sparse::reduce::dot;
 
-/// The iteration of a step with its memory: the rates it solves for, and those of the step before.
+/// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
 pub struct Iteration {
     settings: NewtonSettings,
@@ -16,7 +16,7 @@ pub struct Iteration {
     /// The unknowns x_i, `[k][n_nodes][3]`.
     pub rates: Vec<f64>,
     prediction: Prediction,
-    /// Residual at a starting point, where there is a choice, and that of the rigid motion.
+    /// Residual at a starting point, where there is a choice, and residual of the rigid motion.
     residual: Vec<f64>,
 }
 

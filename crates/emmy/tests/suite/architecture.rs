@@ -78,6 +78,7 @@ const INSIDE: [(&str, &[&str]); 3] = [
             "plan",
             "subdivision",
             "event",
+            "failure",
             "record",
             "statistics",
             "resolution",

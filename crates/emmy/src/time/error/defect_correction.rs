@@ -38,7 +38,7 @@ impl DefectCorrection {
     /// Corrects rates at least `least` times, and more often where much is left; false if it does not converge.
     ///
     /// # Errors
-    /// Those of the system.
+    /// As the system.
     pub fn solve(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], least: usize) -> Result<bool> {
         self.residual.resize(rates.len(), 0.0);
         self.correction.resize(rates.len(), 0.0);
