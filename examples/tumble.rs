@@ -11,7 +11,7 @@ use emmy::mesh::Mesh;
 use emmy::motion::{self, Motion, Observer, Phase, Record, State, StepPlan};
 use emmy::time::TimeElement;
 use emmy_io::chart::{Axis, Chart, Figure, Series, Style};
-use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
+use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 
 /// Keeps every record, and the positions at some times.
 struct Film {
@@ -64,7 +64,7 @@ fn picture<'a>(mesh: &'a Mesh, film: &Film) -> Drawing<'a> {
         mesh,
         configurations: film.times.iter().zip(&film.frames).map(configuration).collect(),
         arrangement: Arrangement::Beside(6),
-        view: View::default(),
+        view: Viewpoint::default(),
         below: Figure {
             charts: vec![chart("energy", energy), chart("angular momentum |L|", momentum)],
             columns: 2,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use emmy::mesh::Mesh;
 use emmy_io::chart::{Axis, Chart, Figure, Guide, Series as Drawn, Style};
-use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
+use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 
 use crate::case::Run;
 
@@ -88,7 +88,7 @@ impl Pictures {
             mesh,
             configurations: times.iter().map(configuration).collect(),
             arrangement: Arrangement::Beside(times.len().min(5)),
-            view: View::default(),
+            view: Viewpoint::default(),
             below: Figure::default(),
         };
         drawing.write(&self.folder.join(stem)).map_err(|error| format!("{stem}: {error}"))?;

@@ -108,11 +108,11 @@ impl Observer for Counts {
         &mut self,
         view: emmy::motion::View<'_>,
     ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let Record { newton_iterations, renewals, refusals, cuts, .. } = *view.record;
+        let Record { newton_iterations, refactorizations, rejections, cuts, .. } = *view.record;
         self.steps += usize::from(view.record.step > 0);
-        self.repeated += refusals + cuts;
+        self.repeated += rejections + cuts;
         self.corrections += newton_iterations;
-        self.renewals += renewals;
+        self.renewals += refactorizations;
         Ok(())
     }
 }

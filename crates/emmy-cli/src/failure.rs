@@ -1,4 +1,4 @@
-//! How a verb fails: what is shown, and the exit code.
+//! Failures of verbs: their messages and exit codes.
 
 use std::io::{IsTerminal, stderr};
 
@@ -9,51 +9,51 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnosti
 
 use crate::message::message;
 
-/// Exit code of a program that has a fault of its own.
-pub const FAULT_OF_THE_PROGRAM: u8 = 101;
+/// Exit code after an internal error.
+pub const INTERNAL_ERROR: u8 = 101;
 
-/// Most faults that are shown one by one.
-const MOST_FAULTS: usize = 20;
+/// Largest number of faults that are shown.
+const MAX_SHOWN_FAULTS: usize = 20;
 
-/// Exit code of a run that was stopped from outside.
+/// Exit code of a run that was stopped by a signal.
 pub const INTERRUPTED: u8 = 130;
 
 /// Why a verb ended early.
 #[derive(Debug)]
 pub enum Failure {
-    /// Bad input with places.
+    /// Faults in the input, with lines.
     Input(InputError),
-    /// Bad input of another kind: arguments, files that are not for us to write to.
+    /// Bad input of another kind: arguments, or files that Emmy must not overwrite.
     Usage {
-        /// What is wrong.
+        /// The reason.
         message: String,
-        /// What to try.
+        /// Advice.
         help: Option<String>,
     },
     /// A step did not converge.
     NoConvergence(String),
     /// A run of a study did not converge.
     Study {
-        /// Which one, and where.
+        /// The run and its failure.
         message: String,
-        /// What there is in spite of it, or what to try.
+        /// Advice, or the results that exist.
         help: String,
     },
     /// A limit was exceeded.
     Limit(String),
     /// A signal came.
     Interrupted {
-        /// Where the run is.
+        /// Step and time.
         message: String,
-        /// How to go on.
+        /// How to resume.
         help: String,
     },
-    /// Anything else, such as a full disk.
+    /// Any other failure, such as a full disk.
     Other(String),
 }
 
 impl Failure {
-    /// The failure to print a result.
+    /// A result could not be printed.
     pub fn from_stdout(error: std::io::Error) -> Self {
         Failure::Other(format!("cannot write to standard output: {error}"))
     }
@@ -69,7 +69,7 @@ impl Failure {
         }
     }
 
-    /// What is wrong.
+    /// The reason.
     pub fn message(&self) -> String {
         match self {
             Failure::Input(error) => error.to_string(),
@@ -86,7 +86,7 @@ impl Failure {
     pub fn show(&self) {
         match self {
             Failure::Input(error) => {
-                error.faults().iter().take(MOST_FAULTS).for_each(|fault| show(&fault.excerpt()));
+                error.faults().iter().take(MAX_SHOWN_FAULTS).for_each(|fault| show(&fault.excerpt()));
                 if error.faults().len() > 1 {
                     message!("{} faults in the input; nothing was run or written", error.faults().len());
                 }
@@ -112,7 +112,7 @@ fn plain(message: &str, help: Option<&str>) {
     }
 }
 
-/// Lines, carets and colours where there is a terminal; the same without colours, not wrapped, where there is none.
+/// Renders a diagnostic, with colours and line breaks only on a terminal.
 fn show(diagnostic: &dyn Diagnostic) {
     let handler = match stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
         true => GraphicalReportHandler::new_themed(GraphicalTheme::unicode()).with_width(110),
@@ -125,7 +125,7 @@ fn show(diagnostic: &dyn Diagnostic) {
     }
 }
 
-/// An error with everything that led to it.
+/// An error with its causes.
 pub fn with_causes(error: &dyn std::error::Error) -> String {
     match error.source() {
         Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
@@ -145,7 +145,7 @@ impl From<DirectoryError> for Failure {
     }
 }
 
-/// Errors of the library before the first step: the input asks for what cannot be.
+/// Errors of the library before the first step are errors of the input.
 impl From<emmy::Error> for Failure {
     fn from(error: emmy::Error) -> Self {
         Failure::Usage { message: error.to_string(), help: None }

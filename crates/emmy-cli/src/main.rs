@@ -1,6 +1,6 @@
-//! The command line of Emmy. One verb a file, in `verbs`; only results go to standard output.
+//! The command line of Emmy. Each verb is a file in `verbs`; only results go to standard output.
 
-// Both panic where they cannot write; `message` and `print::result` do not.
+// These macros panic if they cannot write; `message` and `print::result` do not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod failure;
@@ -27,13 +27,13 @@ struct Arguments {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
-                          130 stopped from outside, with a checkpoint; 1 anything else.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
+                          130 stopped by a signal, with a checkpoint; 1 any other failure.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|info| {
         message!("emmy: internal error: {info}. Please report it.");
         summary::abandon(Status::Failed, &format!("internal error: {info}"));
-        std::process::exit(failure::FAULT_OF_THE_PROGRAM.into());
+        std::process::exit(failure::INTERNAL_ERROR.into());
     }));
     let ended = match Arguments::try_parse() {
         Ok(arguments) => arguments.verb.run(),
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
             let _ = error.print();
             return ExitCode::from(error.exit_code() as u8);
         }
-        // Help or version, which are results.
+        // Help or version.
         Err(text) => text.print().or_else(print::without_reader).map_err(Failure::from_stdout),
     };
     match ended {

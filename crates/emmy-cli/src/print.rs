@@ -7,16 +7,27 @@ use emmy_io::message::escaped;
 
 use crate::failure::Failure;
 
-/// Prints a result; control characters of names and titles are escaped. A reader that has gone away (`emmy list schemes | head -1`) is no failure.
+/// Prints a result; control characters of names and titles are escaped. A reader that stops early (`emmy list schemes | head -1`) is not a
+/// failure.
 pub fn result(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     let written = stdout.write_all(escaped(text).as_bytes()).and_then(|()| stdout.flush());
     written.or_else(without_reader).map_err(Failure::from_stdout)
 }
 
-/// Success after all, if nobody reads on.
+/// Success if the reader of a pipe has stopped.
 pub fn without_reader(error: io::Error) -> io::Result<()> {
     if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
+}
+
+/// As [`number`], but rounded down, for limits that must not be exceeded.
+pub fn number_below(value: f64) -> String {
+    let rounded = number(value);
+    if rounded.parse().is_ok_and(|rounded: f64| rounded <= value) {
+        return rounded;
+    }
+    let last_digit = 10f64.powi(value.abs().log10().floor() as i32 - 5);
+    number(value - last_digit)
 }
 
 /// Rows of cells as lines with aligned columns: the first one to the left, the others to the right.
@@ -30,4 +41,17 @@ pub fn columns(rows: Vec<Vec<String>>) -> String {
     };
     let line = |row: &Vec<String>| row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ");
     rows.iter().map(|row| format!("{}\n", line(row).trim_end())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_not_rounded_up() {
+        for value in [0.123_456_7, 0.123_456_4, 9.999_999_9e-7, 1.0, 3e5, 2.0 / 3.0, 1e-300 / 3.0] {
+            let shown: f64 = number_below(value).parse().unwrap();
+            assert!(shown <= value && shown > value * (1.0 - 2e-5), "{value:e}: {shown:e}");
+        }
+    }
 }

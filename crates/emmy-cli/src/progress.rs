@@ -1,4 +1,4 @@
-//! Live progress on standard error: a bar on a terminal, else a line for every tenth of the way.
+//! Progress on standard error: a bar on a terminal, otherwise a line for every tenth of the run.
 
 use std::io::{IsTerminal, stderr};
 
@@ -8,16 +8,16 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::message::message;
 use crate::print::number;
 
-/// Shows how far a run is.
+/// Shows the progress of a run.
 #[derive(Debug)]
 pub struct Progress {
     form: Form,
     what: &'static str,
-    /// Number of the step that the state to start from has.
+    /// Number of the step at the start.
     first: Option<usize>,
     n_steps: usize,
     is_adaptive: bool,
-    /// Times at which the plan starts and ends.
+    /// Start and end of the plan.
     span: [f64; 2],
     largest_energy: f64,
 }
@@ -29,7 +29,7 @@ enum Form {
     Bar(ProgressBar),
 }
 
-/// Parts of the time of a run whose number of steps nobody knows.
+/// Length of the bar of a run with an unknown number of steps.
 const PARTS: f64 = 1000.0;
 
 const ADAPTIVE_STYLE: &str = "{bar:24} {percent:>3} %  {msg}  {eta} left";
@@ -42,7 +42,7 @@ impl Progress {
         Progress::of("", plan, quiet)
     }
 
-    /// Progress of one of several runs, which lines begin with.
+    /// Progress of one of several runs; `what` begins each line.
     pub fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
         let n_steps = plan.n_steps();
         let form = match (quiet, stderr().is_terminal()) {
@@ -56,14 +56,14 @@ impl Progress {
         Progress { form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0 }
     }
 
-    /// Counts the steps of a run that goes on from a state.
+    /// Counts the steps of a resumed run from its state on.
     pub fn start_at(&mut self, state: &State) {
         if state.step > 0 {
             self.first = Some(0);
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn end(&self) {
         if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
@@ -93,7 +93,7 @@ impl Observer for Progress {
         let record = view.record;
         self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         let done = record.step - *self.first.get_or_insert(record.step);
-        // Parts of the time where nobody knows the number of steps.
+        // The number of adaptive steps is unknown: the bar shows the time.
         let (position, whole) = match (self.is_adaptive, self.span) {
             (true, [start, end]) => {
                 ((PARTS * (record.time - start) / (end - start)) as usize, PARTS as usize)

@@ -1,5 +1,5 @@
-//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, a second one ends the program at once. No signal that can be handled
-//! leaves a run that says `running`.
+//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, and a second one ends the program at once. After every signal that
+//! can be handled, the status in the summary is no longer `running`.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use crate::message::message;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Listens to signals from now on.
+/// Installs the handlers.
 pub fn listen() -> Result<(), Failure> {
     let deaf = |error: &dyn fmt::Display| Failure::Other(format!("cannot listen to signals: {error}"));
     listen_to_others().map_err(|error| deaf(&error))?;
@@ -20,7 +20,7 @@ pub fn listen() -> Result<(), Failure> {
         if ASKED.swap(true, Ordering::SeqCst) {
             end("stopped at once by a second signal");
         }
-        message!("stopping at the end of this step; once more ends at once");
+        message!("stopping at the end of this step; a second signal stops at once");
     };
     ctrlc::set_handler(heard).map_err(|error| deaf(&error))
 }
@@ -31,20 +31,20 @@ fn end(why: &str) -> ! {
     std::process::exit(INTERRUPTED.into());
 }
 
-/// Signals beside those of `ctrlc`, which would end the program without a word.
+/// Handles signals besides those of `ctrlc`, which would end the program silently.
 #[cfg(unix)]
 fn listen_to_others() -> std::io::Result<()> {
     use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
-    // A file beyond the limit of its size is then an error of the write, as a full disk is.
+    // With a handler, a file that exceeds the size limit is a write error.
     signal_hook::flag::register(SIGXFSZ, Default::default())?;
-    // Batch systems send these before they kill, some of them more than once.
+    // Batch systems send these before they kill a job, some of them more than once.
     let mut signals = signal_hook::iterator::Signals::new([SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU])?;
     std::thread::spawn(move || {
         for signal in signals.forever() {
             if signal == SIGQUIT {
                 end("stopped at once by SIGQUIT");
             } else if !ASKED.swap(true, Ordering::SeqCst) {
-                message!("stopping at the end of this step, as signal {signal} asks");
+                message!("stopping at the end of this step because of signal {signal}");
             }
         }
     });
@@ -56,11 +56,11 @@ fn listen_to_others() -> std::io::Result<()> {
     Ok(())
 }
 
-/// Ends a march once a signal has come.
+/// Ends a march after a signal.
 #[derive(Debug)]
 pub struct Stop;
 
-/// The march was stopped from outside.
+/// The march was stopped by a signal.
 #[derive(Debug)]
 pub struct Interrupted {
     step: usize,

@@ -1,4 +1,4 @@
-//! Runs side by side: what they wrote, read back and drawn.
+//! Charts of several runs side by side, from their files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::history::{History, HistoryError};
 use crate::message::shown;
 
-/// A run that was read back.
+/// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// What charts and tables call it.
+    /// Name in charts and tables.
     pub name: String,
     /// Its history.
     pub history: History,
@@ -23,7 +23,7 @@ pub struct Run {
 /// Why a directory cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// It is not there, or a file.
+    /// It is missing, or a file.
     #[error("{path} is not a directory of a run")]
     NotADirectory {
         /// The path.
@@ -37,7 +37,7 @@ pub enum RunError {
     Summary {
         /// The path.
         path: PathBuf,
-        /// What is wrong.
+        /// The reason.
         reason: String,
     },
 }
@@ -46,7 +46,7 @@ impl Run {
     /// Reads a run.
     ///
     /// # Errors
-    /// [`RunError`] if `history.csv` or `summary.json` is not there or damaged.
+    /// [`RunError`] if `history.csv` or `summary.json` is missing or damaged.
     pub fn read(directory: &Path) -> Result<Self, RunError> {
         check(directory)?;
         let history = History::read(&directory.join("history.csv"))?;
@@ -56,12 +56,12 @@ impl Run {
         Ok(Run { name, history, summary })
     }
 
-    /// A column of the history; empty if it has none of that name.
+    /// A column of the history; empty if it is missing.
     fn column(&self, name: &str) -> Vec<f64> {
         self.history.column(name).unwrap_or_default()
     }
 
-    /// Scheme and degree, after the name.
+    /// Name, scheme and degree.
     fn label(&self) -> String {
         // Charts cannot hold control characters.
         let name = shown(&self.name);
@@ -78,7 +78,7 @@ impl Run {
     }
 }
 
-/// Checks that there is a directory.
+/// Checks that the directory exists.
 pub(crate) fn check(directory: &Path) -> Result<(), RunError> {
     if directory.is_dir() { Ok(()) } else { Err(RunError::NotADirectory { path: directory.to_path_buf() }) }
 }
@@ -91,7 +91,7 @@ pub(crate) fn summary(directory: &Path) -> Result<Value, RunError> {
     serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))
 }
 
-/// The charts of some runs, each with the end of its file's name.
+/// The charts of some runs, each with the ending of its file name.
 pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
     let of = |name: &'static str| move |run: &Run| run.column(name);
     let state = |label: &str, values: &dyn Fn(&Run) -> Vec<f64>| chart(runs, Axis::linear(label), values);
@@ -109,7 +109,7 @@ pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
     ]
 }
 
-/// Sizes of the residuals of a column; the start, which is no step, has none.
+/// Absolute values of a column of residuals; the start has none.
 fn residuals(name: &'static str) -> impl Fn(&Run) -> Vec<f64> {
     move |run| {
         let mut values: Vec<f64> = run.column(name).into_iter().map(f64::abs).collect();
@@ -118,7 +118,7 @@ fn residuals(name: &'static str) -> impl Fn(&Run) -> Vec<f64> {
     }
 }
 
-/// A chart of what belongs to steps: each value holds from the point before, so that the start needs none of its own.
+/// A chart of a quantity of steps: each value holds from the previous point on, and the start has none of its own.
 fn stairs(mut chart: Chart) -> Chart {
     for series in &mut chart.series {
         series.style = Style::Stairs;
@@ -138,7 +138,7 @@ pub fn figure(charts: &[(&'static str, Chart)]) -> Figure {
 /// Writes `compare.svg` with the figure, `compare-NAME.svg` with each chart, and all of them as PNG.
 ///
 /// # Errors
-/// What the system refuses.
+/// Errors of the system.
 pub fn write(directory: &Path, runs: &[Run]) -> io::Result<()> {
     let charts = charts(runs);
     figure(&charts).write(&directory.join("compare"))?;

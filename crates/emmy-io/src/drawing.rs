@@ -1,7 +1,7 @@
 //! Deformed configurations of a mesh, as SVG and PNG.
 //!
-//! The faces of the boundary are painted far to near, shaded by a light beside the observer; those that look away from
-//! the observer are left out. Of quadratic cells the corners are drawn.
+//! The faces of the boundary are painted from far to near, shaded by a light beside the observer; faces that point away from
+//! the observer are left out. Quadratic cells are drawn by their corners.
 
 use std::io;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::picture::{self, Area, Drawn, INK, stroke, text, units, writing};
 
 // Sizes in points.
 const WIDTH: f64 = 960.0;
-/// A row of configurations is not higher.
+/// Largest height of a row of configurations.
 const MOST_HEIGHT: f64 = 480.0;
 const LABEL: f64 = 11.5;
 /// Height of a row of labels.
@@ -28,38 +28,38 @@ const LIGHT: [f64; 3] = [0.25, 0.6, 0.75];
 /// Positions of all nodes of a mesh.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Configuration {
-    /// What is written below.
+    /// Label below.
     pub label: String,
-    /// Positions, `[n_nodes][3]` \[length\]. A face with a node that has none, or one that is not finite, is left out.
+    /// Positions, `[n_nodes][3]` \[length\]. A face with a node whose position is missing or not finite is left out.
     pub positions: Vec<[f64; 3]>,
 }
 
-/// Where configurations stand.
+/// Arrangement of the configurations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
-    /// Each in the middle of its own place, so many side by side.
+    /// Each in a frame of its own, with this number of frames in a row.
     Beside(usize),
-    /// All in one frame, which shows the path.
+    /// All in one frame, to show the path.
     Path,
 }
 
-/// Where the observer is.
+/// Position of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
+pub struct Viewpoint {
     /// Direction from the body to the observer.
     pub from: [f64; 3],
-    /// A direction that is up in the picture; not that to the observer.
+    /// A direction that is up in the picture; it differs from the direction to the observer.
     pub up: [f64; 3],
 }
 
-impl Default for View {
-    /// From a corner, above; the second axis is up.
+impl Default for Viewpoint {
+    /// From a corner above; the second axis is up.
     fn default() -> Self {
-        View { from: [0.52, 0.38, 0.76], up: [0.0, 1.0, 0.0] }
+        Viewpoint { from: [0.52, 0.38, 0.76], up: [0.0, 1.0, 0.0] }
     }
 }
 
-impl View {
+impl Viewpoint {
     /// Unit vectors to the right, up and to the observer.
     fn axes(&self) -> [[f64; 3]; 3] {
         let depth = unit(self.from);
@@ -68,12 +68,12 @@ impl View {
     }
 }
 
-/// Configurations of a mesh, drawn to one scale.
+/// Configurations of a mesh, drawn to the same scale.
 ///
 /// ```
 /// use emmy::mesh::block;
 /// use emmy_io::chart::Figure;
-/// use emmy_io::drawing::{Arrangement, Configuration, Drawing, View};
+/// use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 /// let mesh = block([1.0; 3], [1; 3])?;
 /// let configuration = |t: f64| Configuration {
 ///     label: format!("t = {t}"),
@@ -83,7 +83,7 @@ impl View {
 ///     mesh: &mesh,
 ///     configurations: vec![configuration(0.0), configuration(1.0)],
 ///     arrangement: Arrangement::Beside(2),
-///     view: View::default(),
+///     view: Viewpoint::default(),
 ///     below: Figure::default(),
 /// };
 /// assert_eq!(drawing.svg().matches("<polygon").count(), 2 * 3); // three faces of a cube are seen
@@ -95,11 +95,11 @@ pub struct Drawing<'a> {
     pub mesh: &'a Mesh,
     /// Its configurations.
     pub configurations: Vec<Configuration>,
-    /// Where they stand.
+    /// Their arrangement.
     pub arrangement: Arrangement,
-    /// Where the observer is.
-    pub view: View,
-    /// Charts below; there may be none.
+    /// Position of the observer.
+    pub view: Viewpoint,
+    /// Charts below; may be empty.
     pub below: Figure,
 }
 
@@ -119,19 +119,19 @@ impl Drawing<'_> {
     /// Writes `STEM.svg` and `STEM.png`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, stem: &Path) -> io::Result<()> {
         picture::write(&self.svg(), stem)
     }
 }
 
-/// What the observer sees: positions are right, up and to the observer.
+/// The mesh seen by the observer; coordinates are right, up and to the observer.
 struct Scene<'a> {
     drawing: &'a Drawing<'a>,
     seen: Vec<Vec<[f64; 3]>>,
     /// Lower and upper ends of the frame of each configuration, to the right and up.
     frames: Vec<[[f64; 2]; 2]>,
-    /// Points of the picture a length.
+    /// Points of the picture per unit of length.
     scale: f64,
     columns: usize,
 }
@@ -148,7 +148,7 @@ impl<'a> Scene<'a> {
         };
         let largest =
             |i: usize| frames.iter().map(|[low, high]: &[[f64; 2]; 2]| high[i] - low[i]).fold(0.0, f64::max);
-        // Some room is left between neighbours.
+        // With a margin between neighbours.
         let scale = (0.92 * WIDTH / columns as f64 / largest(0)).min(MOST_HEIGHT / largest(1));
         Scene { drawing, seen, frames, scale: if scale.is_finite() { scale } else { 1.0 }, columns }
     }
@@ -176,7 +176,7 @@ impl<'a> Scene<'a> {
         all.into_iter().try_for_each(|i| self.draw_label(area, i))
     }
 
-    /// Place of a point of a configuration on the canvas.
+    /// A point of a configuration on the canvas.
     fn place(&self, configuration: usize, [x, y]: [f64; 2]) -> (i32, i32) {
         let [low, high] = self.frames[configuration];
         let (row, column) = match self.drawing.arrangement {
@@ -189,7 +189,7 @@ impl<'a> Scene<'a> {
         (units(left + from_middle(0, x)), units(top - from_middle(1, y)))
     }
 
-    /// A face of a configuration, if it is seen.
+    /// A face of a configuration, if it is visible.
     fn face(&self, configuration: usize, nodes: &[u32]) -> Option<Face> {
         let seen = &self.seen[configuration];
         let corners: Vec<[f64; 3]> =
@@ -208,7 +208,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// The colour of a configuration where the light comes in at an angle.
+    /// The colour of a face of a configuration, from the angle of the light.
     fn fill(&self, configuration: usize, normal: [f64; 3]) -> RGBColor {
         let along = configuration as f64 / (self.seen.len().max(2) - 1) as f64;
         let light = (0.35 + 0.65 * dot(normal, LIGHT).max(0.0)).min(1.0);
@@ -217,7 +217,7 @@ impl<'a> Scene<'a> {
         RGBColor(red, green, blue)
     }
 
-    /// Side by side, labels stand in a row; along a path, below what they belong to.
+    /// Side by side, labels are in a row; along a path, each is below its configuration.
     fn draw_label(&self, area: &Area<'_>, configuration: usize) -> Drawn {
         let [low, high] = frame(self.seen[configuration].iter());
         let middle = self.place(configuration, [0.5 * (low[0] + high[0]), low[1]]);
@@ -231,7 +231,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// A face as it is painted.
+/// A face on the canvas.
 struct Face {
     depth: f64,
     corners: Vec<(i32, i32)>,
@@ -246,7 +246,7 @@ impl Face {
     }
 }
 
-/// Lower and upper ends of what is seen, to the right and up.
+/// Lower and upper ends of the visible nodes, to the right and up.
 fn frame<'a>(seen: impl Iterator<Item = &'a [f64; 3]>) -> [[f64; 2]; 2] {
     let none = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
     let [low, high] = seen
@@ -280,7 +280,7 @@ mod tests {
             mesh,
             configurations: [("far", 0.0), ("near", 3.0)].map(cube).to_vec(),
             arrangement,
-            view: View { from: [0.1, 0.2, 1.0], up: [0.0, 1.0, 0.0] },
+            view: Viewpoint { from: [0.1, 0.2, 1.0], up: [0.0, 1.0, 0.0] },
             below: Figure::default(),
         }
     }

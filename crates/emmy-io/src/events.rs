@@ -1,4 +1,4 @@
-//! `events.csv`: what happened besides steps that succeed.
+//! `events.csv`: cuts, rejections, releases and other events of a run.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::rows::RowFile;
 /// Columns of the file.
 pub const COLUMNS: &str = "step,time,event,message";
 
-/// The file; every row is on disk once it is written.
+/// The file; every row is written at once.
 #[derive(Debug)]
 pub struct EventsFile {
     rows: RowFile,
@@ -20,15 +20,15 @@ impl EventsFile {
     /// A new file with its header.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(path: &Path) -> io::Result<Self> {
         Ok(EventsFile { rows: RowFile::create(path, COLUMNS)? })
     }
 
-    /// The file of a run that goes on after a step; later events are taken out.
+    /// The file of a run that is resumed after a step; later events are removed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
         if !path.exists() {
             return EventsFile::create(path);
@@ -36,18 +36,18 @@ impl EventsFile {
         Ok(EventsFile { rows: RowFile::resume(path, step)? })
     }
 
-    /// Writes an event; its message is quoted as RFC 4180 has it.
+    /// Writes an event; its message is quoted as in RFC 4180.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, event: &Event) -> io::Result<()> {
         self.write_row(event.step, event.time, event.kind.name(), &event.message)
     }
 
-    /// Writes that frames which a run had written are not there any more, with how many.
+    /// Writes that frames of the run are missing.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write_lost_frames(&mut self, step: usize, time: f64, message: &str) -> io::Result<()> {
         self.write_row(step, time, "lost-frames", message)
     }

@@ -2,27 +2,25 @@
 //!
 //! | module | file |
 //! |---|---|
-//! | [`input`] | the input (TOML), checked key by key; every fault knows its line |
-//! | [`mesh`] | meshes of Gmsh and Abaqus |
-//! | [`results`] | everything that a run writes, as one observer of a motion |
-//! | [`directory`] | the output directory, and what in it is Emmy's |
+//! | [`input`] | the input (TOML); every error names its line |
+//! | [`mesh`] | meshes of Gmsh, Abaqus and VTK |
+//! | [`results`] | all files of a run, written by one observer of the motion |
+//! | [`directory`] | the output directory, its lock, and which files in it are Emmy's |
 //! | [`history`] | `history.csv` |
 //! | [`newton`] | `newton.csv` |
 //! | [`report`] | `report.html` |
-//! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or one file of them all (`.vtkhdf`) |
-//! | [`checkpoint`] | `checkpoint/`: what a run needs to go on |
+//! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or all frames in one file (`.vtkhdf`) |
+//! | [`checkpoint`] | `checkpoint/`: everything that a run needs to resume |
 //! | [`events`] | `events.csv` |
 //! | [`log`] | `run.log` |
-//! | [`lock`] | one run at a time in a directory |
 //! | [`summary`] | `summary.json` |
 //! | [`chart`] | charts as `.svg` and `.png` |
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
-//! | [`comparison`] | runs read back and drawn side by side |
+//! | [`comparison`] | charts of several runs side by side |
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
-//! | [`tally`] | balances over a whole run |
 //! | [`limits`] | `[limits]` |
-//! | [`sizes`] | how large the files of a run become |
-//! | [`message`] | texts as a terminal may have them |
+//! | [`sizes`] | estimated sizes of the files of a run |
+//! | [`message`] | text prepared for a terminal |
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
@@ -33,21 +31,20 @@ pub mod convergence;
 pub mod directory;
 pub mod drawing;
 pub mod events;
-mod file;
 pub mod history;
 pub mod input;
 pub mod limits;
-pub mod lock;
 pub mod log;
 pub mod mesh;
 pub mod message;
 pub mod newton;
 mod picture;
+mod recording;
 pub mod report;
 pub mod results;
 mod rows;
 pub mod sizes;
-mod sources;
+mod stored;
 pub mod summary;
-pub mod tally;
 pub mod vtk;
+mod whole_file;

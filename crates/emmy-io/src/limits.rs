@@ -1,9 +1,9 @@
-//! `[limits]`: when a run has lost too much of what it should keep.
+//! `[limits]`: bounds on the accumulated residuals of a run.
 
+use emmy::motion::RunStatistics;
 use emmy::number::short;
 
 use crate::input::Limits;
-use crate::tally::Tally;
 
 /// A limit was exceeded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,7 +15,7 @@ use crate::tally::Tally;
 pub struct LimitExceeded {
     /// The quantity, as its key in `[limits]` spells it.
     pub quantity: &'static str,
-    /// What it is measured by.
+    /// The quantity that it is relative to.
     pub of: &'static str,
     /// Number of the step.
     pub step: usize,
@@ -31,11 +31,11 @@ pub struct LimitExceeded {
 ///
 /// # Errors
 /// [`LimitExceeded`] for the first one that is exceeded; NaN exceeds every limit.
-pub fn check(limits: &Limits, tally: &Tally) -> Result<(), LimitExceeded> {
-    let (step, time) = (tally.steps, tally.time);
+pub fn check(limits: &Limits, statistics: &RunStatistics) -> Result<(), LimitExceeded> {
+    let (step, time) = (statistics.steps, statistics.time);
     let checks = [
-        ("energy", "T + V", limits.energy, tally.energy_drift()),
-        ("angular_momentum", "|L|", limits.angular_momentum, tally.angular_momentum_drift()),
+        ("energy", "T + V", limits.energy, statistics.energy_drift()),
+        ("angular_momentum", "|L|", limits.angular_momentum, statistics.angular_momentum_drift()),
     ];
     for (quantity, of, limit, drift) in checks {
         match limit {
@@ -54,12 +54,12 @@ mod tests {
 
     #[test]
     fn drift_counts_against_the_largest_value() {
-        let mut tally = Tally::default();
-        (tally.accumulated_energy, tally.largest_energy) = (-2e-6, 1.0);
+        let mut statistics = RunStatistics::default();
+        (statistics.accumulated_energy_residual, statistics.largest_energy) = (-2e-6, 1.0);
         let limits = |energy| Limits { energy: Some(energy), angular_momentum: Some(1e-8) };
-        assert!(check(&limits(1e-5), &tally).is_ok());
-        assert_eq!(check(&limits(1e-6), &tally).unwrap_err().quantity, "energy");
-        tally.accumulated_energy = f64::NAN;
-        assert!(check(&limits(1.0), &tally).is_err() && check(&Limits::default(), &tally).is_ok());
+        assert!(check(&limits(1e-5), &statistics).is_ok());
+        assert_eq!(check(&limits(1e-6), &statistics).unwrap_err().quantity, "energy");
+        statistics.accumulated_energy_residual = f64::NAN;
+        assert!(check(&limits(1.0), &statistics).is_err() && check(&Limits::default(), &statistics).is_ok());
     }
 }

@@ -1,4 +1,4 @@
-//! `run.log`: what ran, where, and how it went, for people. It only grows: a run that goes on adds to it.
+//! `run.log`: command, machine, steps and events of a run, to be read by people. A resumed run appends to it.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -8,23 +8,23 @@ use emmy::motion::{Event, Record};
 use emmy::number::short;
 use emmy::sparse::SolverChoice;
 
-use crate::directory::named;
 use crate::input::Problem;
+use crate::whole_file::named;
 
-/// The file; every line is on disk once it is written.
+/// The file; every line is written at once.
 #[derive(Debug)]
 pub struct RunLog {
     file: File,
     path: PathBuf,
-    /// The solver that was named last.
+    /// The solver named last.
     solver: Option<SolverChoice>,
 }
 
 impl RunLog {
-    /// The log of a run, opened with what runs and where; with a step, of one that goes on after it.
+    /// Opens the log with a header; `after`: step and time after which the run is resumed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn open(path: &Path, problem: &Problem, after: Option<(usize, f64)>) -> io::Result<Self> {
         let mut options = File::options();
         let options = match after {
@@ -35,7 +35,7 @@ impl RunLog {
         let mut log = RunLog { file, path: path.to_path_buf(), solver: None };
         if let Some((step, time)) = after {
             log.line(&format!(
-                "\nresumed after step {step}, t = {}; later steps above are taken back",
+                "\nresumed after step {step}, t = {}; later steps above were discarded",
                 short(time)
             ))?;
         }
@@ -48,15 +48,15 @@ impl RunLog {
     /// Writes a line.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn line(&mut self, text: &str) -> io::Result<()> {
         self.file.write_all(format!("{text}\n").as_bytes()).map_err(named(&self.path))
     }
 
-    /// Writes the linear solver of a step, where it is another than before.
+    /// Writes the linear solver of a step, if it has changed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn solver(&mut self, record: &Record) -> io::Result<()> {
         if let Some(solver) = record.solver.filter(|solver| self.solver != Some(*solver)) {
             self.line(&format!("linear solver: {solver}"))?;
@@ -68,7 +68,7 @@ impl RunLog {
     /// Writes a step.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn step(&mut self, record: &Record) -> io::Result<()> {
         let Record { step, newton_iterations, linear_iterations, .. } = record;
         let (time, step_size) = (short(record.time), short(record.step_size));
@@ -85,7 +85,7 @@ impl RunLog {
     /// Writes an event.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn event(&mut self, event: &Event) -> io::Result<()> {
         self.line(&format!(
             "{} (step {}, t = {}): {}",
@@ -128,7 +128,7 @@ fn heading(problem: &Problem) -> Vec<String> {
     lines
 }
 
-/// The vector instructions that the machine offers.
+/// The vector instructions of the machine.
 fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx512f") {

@@ -1,4 +1,4 @@
-//! Texts of messages: nothing raw reaches a terminal, and nothing is long without end.
+//! Text of messages: control characters are escaped, and long text is shortened.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -9,8 +9,8 @@ const LONGEST_WORD: usize = 400;
 /// Longest message in characters.
 const LONGEST_TEXT: usize = 4000;
 
-/// A message as a terminal may have it: control characters other than line feeds and tabs are escaped, and of a word of more than
-/// 400 characters, or a text of more than 4000, only beginning and end are left.
+/// A message for a terminal. Control characters other than line feeds and tabs are escaped. A word of more than 400 characters and
+/// text of more than 4000 keep only their beginning and end.
 ///
 /// ```
 /// use emmy_io::message::shown;
@@ -29,7 +29,7 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     Cow::Owned(cut(&words, LONGEST_TEXT).into_owned())
 }
 
-/// A text with its control characters, other than line feeds and tabs, as `\u{1b}`.
+/// Text with control characters, other than line feeds and tabs, escaped as `\u{1b}`.
 pub fn escaped(text: &str) -> Cow<'_, str> {
     if !text.contains(is_escaped) {
         return Cow::Borrowed(text);
@@ -39,7 +39,7 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Adds a character to a text, escaped if it is one that controls a terminal.
+/// Adds a character to a text, escaped if it is a control character.
 pub(crate) fn push_escaped(text: &mut String, c: char) {
     match is_escaped(c) {
         true => _ = write!(text, "\\u{{{:x}}}", c as u32),
@@ -51,7 +51,7 @@ fn is_escaped(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
 }
 
-/// A name as XML 1.0 can hold it, with `_` in place of what it cannot: control characters other than tabs and ends of lines, U+FFFE
+/// A name for XML 1.0, with `_` in place of characters that XML cannot hold: control characters other than tabs and line ends, U+FFFE
 /// and U+FFFF (XML 1.0, production 2, `Char`).
 pub(crate) fn name(text: &str) -> Cow<'_, str> {
     let is_forbidden = |c: char| matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
@@ -61,7 +61,7 @@ pub(crate) fn name(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The remark on a name that [`name`] has changed.
+/// A note on a name that [`name`] has changed.
 pub(crate) fn note_on_name(text: &str) -> Option<String> {
     match name(text) {
         Cow::Borrowed(_) => None,
@@ -71,7 +71,7 @@ pub(crate) fn note_on_name(text: &str) -> Option<String> {
     }
 }
 
-/// Half of the characters that there may be from the beginning of a longer text, a third from its end.
+/// The beginning and the end of a text that is too long: a half and a third of the allowed characters.
 fn cut(text: &str, longest: usize) -> Cow<'_, str> {
     let n_chars = text.chars().count();
     if n_chars <= longest {

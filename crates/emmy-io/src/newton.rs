@@ -1,4 +1,4 @@
-//! `newton.csv`: the residuals of Newton's iteration in every step; written, and read back.
+//! `newton.csv`: the residuals of the Newton iteration in every step.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -12,8 +12,8 @@ use crate::rows::RowFile;
 /// Columns of the file.
 pub const COLUMNS: &str = "step,iteration,residual,target";
 
-/// The file: one row an evaluation of the residual, with the number of corrections before it and what it had to fall below.
-/// Every step is on disk once it is written. Norms have four digits.
+/// The file: one row for each evaluation of the residual, with the number of corrections before it and the tolerance. Norms have four
+/// digits; every step is written at once.
 #[derive(Debug)]
 pub struct NewtonFile {
     rows: RowFile,
@@ -23,15 +23,15 @@ impl NewtonFile {
     /// A new file with its header.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(path: &Path) -> io::Result<Self> {
         Ok(NewtonFile { rows: RowFile::create(path, COLUMNS)? })
     }
 
-    /// The file of a run that goes on after a step; later rows are taken out.
+    /// The file of a run that is resumed after a step; later rows are removed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
         if !path.exists() {
             return NewtonFile::create(path);
@@ -42,7 +42,7 @@ impl NewtonFile {
     /// Writes the rows of a step.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, view: View<'_>) -> io::Result<()> {
         self.write_step(view.record.step, view.newton_residuals, view.record.newton_target)
     }
@@ -56,21 +56,21 @@ impl NewtonFile {
     }
 }
 
-/// Newton's iteration in a step.
+/// The Newton iteration in a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewtonStep {
     /// Number of the step.
     pub step: usize,
     /// Norms of the residuals, one for each evaluation.
     pub residuals: Vec<f64>,
-    /// What they had to fall below.
+    /// Tolerance.
     pub target: f64,
 }
 
-/// Reads the steps that are asked for, ascending. Rows that are damaged or still being written are left out.
+/// Reads the wanted steps, in ascending order. Damaged and incomplete rows are left out.
 ///
 /// # Errors
-/// What the system refuses.
+/// Errors of the system.
 pub fn read(path: &Path, mut is_wanted: impl FnMut(usize) -> bool) -> io::Result<Vec<NewtonStep>> {
     let mut reader = BufReader::new(File::open(path)?);
     let (mut steps, mut line) = (Vec::<NewtonStep>::new(), String::new());
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_come_back_as_they_were() {
+    fn steps_are_read_back() {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("newton.csv");
         let mut file = NewtonFile::create(&path).unwrap();

@@ -1,7 +1,6 @@
-//! What charts and drawings share: plotters draws into SVG, resvg turns that into PNG.
+//! Pictures, for charts and drawings: plotters writes SVG, resvg converts it to PNG.
 //!
-//! The font (DejaVu Sans, free, Bitstream Vera licence) is a part of the program: a picture depends on nothing that is
-//! installed.
+//! The font (DejaVu Sans, Bitstream Vera licence) is part of the program, so that pictures do not depend on installed fonts.
 
 use std::io;
 use std::path::Path;
@@ -13,21 +12,22 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-use crate::directory::{MARK, replace};
+use crate::directory::MARK;
+use crate::whole_file::replace;
 
-/// Units of the canvas a point: plotters knows whole numbers only, and curves are finer than points.
+/// Units of the canvas per point. plotters has integer coordinates, and curves need finer ones than points.
 const UNITS: f64 = 10.0;
-/// Pixels a point in PNG.
+/// Pixels per point in PNG.
 const PIXELS: f32 = 2.5;
 const FAMILY: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
-/// plotters writes texts smaller by this factor than it is told.
+/// plotters writes text smaller than requested by this factor.
 const SHRINKING: f64 = 1.24;
 
 pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 
 /// A part of the canvas, in units.
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// Whether something could be drawn.
+/// Result of drawing.
 pub(crate) type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 
 /// Units of a length in points.
@@ -40,17 +40,17 @@ pub(crate) fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
     ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: units(width) as u32 }
 }
 
-/// Writing of a size in points.
+/// Text of a size in points.
 pub(crate) fn writing(size: f64) -> TextStyle<'static> {
     static FONT: LazyLock<()> = LazyLock::new(|| {
-        // plotters only measures with it; if it could not, texts would stand less well.
+        // plotters only measures with the font; an error would misplace the text slightly.
         let _ = plotters::style::register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular());
     });
     LazyLock::force(&FONT);
     (FAMILY, UNITS * size * SHRINKING).into_font().color(&INK)
 }
 
-/// A text whose start, middle or end, half its height up, is at a place.
+/// Text whose start, middle or end, at half its height, is at a point.
 pub(crate) fn text(area: &Area<'_>, text: &str, style: &TextStyle<'_>, side: HPos, at: (i32, i32)) -> Drawn {
     if text.is_empty() {
         return Ok(());
@@ -84,7 +84,7 @@ pub(crate) fn svg((width, height): (f64, f64), draw: impl FnOnce(&Area<'_>) -> D
 
 /// Writes `STEM.svg` and `STEM.png`.
 pub(crate) fn write(svg: &str, stem: &Path) -> io::Result<()> {
-    // Not `with_extension`: the stem may have dots of its own.
+    // Not `with_extension`: the stem may contain dots.
     let file = |extension: &str| {
         let mut name = stem.file_name().unwrap_or_default().to_os_string();
         name.push(extension);

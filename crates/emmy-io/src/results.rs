@@ -1,82 +1,82 @@
-//! All files of a run: an observer that writes while the motion is computed.
+//! All files of a run, written by an observer of the motion.
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use emmy::body::fields::{FieldName, Fields};
-use emmy::motion::{Event, Motion, Observer, State, StepPlan, View};
+use emmy::motion::{Event, Motion, Observer, RunStatistics, StepPlan, View};
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
-use crate::directory::{self, DirectoryError, MARK, replace};
+use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::events::EventsFile;
-use crate::history::{self, Extent, HistoryError, HistoryFile};
+use crate::history::{HistoryColumns, HistoryError, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
-use crate::lock::Lock;
 use crate::log::RunLog;
 use crate::newton::NewtonFile;
+use crate::recording::{OtherFields, Recording};
 use crate::report::{self, ReportError};
-use crate::sources;
-use crate::summary::{self, Heading, Status};
-use crate::tally::Tally;
-use crate::vtk::{Format, FrameWriter};
+use crate::summary::{self, Status, SummaryHeader};
+use crate::vtk::{Format, FrameTime};
+use crate::whole_file::replace;
 
-/// Why results cannot be written on.
+/// Why the results of a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     /// The history cannot be continued.
     #[error(transparent)]
     History(#[from] HistoryError),
-    /// The run would remove what it reads.
+    /// The run would remove a file that it reads.
     #[error(transparent)]
     Directory(#[from] DirectoryError),
-    /// The system refused.
+    /// The frames have other fields.
+    #[error(transparent)]
+    Fields(#[from] OtherFields),
+    /// An error of the system.
     #[error("cannot write the results: {0}")]
     System(#[from] io::Error),
 }
 
-/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, the frames, checkpoints, `summary.json` and `report.html` into
-/// the output directory,
-/// and watches the limits.
+/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and `report.html` into the
+/// output directory, and checks the limits.
 #[derive(Debug)]
 pub struct Results {
     output: Output,
     plan: StepPlan,
-    extent: Extent,
+    columns: HistoryColumns,
     limits: Limits,
-    heading: Heading,
+    header: SummaryHeader,
     history: HistoryFile,
     newton: NewtonFile,
-    frames: Option<Frames>,
-    tally: Tally,
+    recording: Option<Recording>,
+    statistics: RunStatistics,
     events: EventsFile,
     log: RunLog,
     checkpoints: Option<Checkpoints>,
     started: Instant,
-    /// Seconds after which the page is written anew.
+    /// Duration of the run at which the report is due, in seconds.
     report_due: f64,
-    /// Seconds that the run took before it went on.
+    /// Duration of the run before it was resumed, in seconds.
     seconds_before: f64,
-    /// Estimated error of the positions, if it was asked for.
+    /// Estimated error of the positions, if requested.
     estimated_error: Option<f64>,
-    /// What the user should know of the files.
+    /// Notes to the user on the files.
     notes: Vec<String>,
     _lock: Lock,
 }
 
-/// Seconds between two pages of a run that is going on, at the least.
-const BETWEEN_REPORTS: f64 = 5.0;
+/// Least time between two reports of a run, in seconds.
+const REPORT_INTERVAL: f64 = 5.0;
 
-/// The run goes on for so many times the time that a page took before the next one: pages cost at most 2 per cent of it.
-const SPARINGLY: f64 = 50.0;
+/// Part of the time that reports of a running motion may take.
+const MAX_REPORT_COST: f64 = 0.02;
 
 impl Results {
-    /// Makes the directory ready and opens the files. The clock starts here.
+    /// Prepares the directory and opens the files. The clock starts here.
     ///
     /// # Errors
-    /// [`DirectoryError`] if the directory is not for Emmy to write to, or another run writes there; then nothing was changed.
+    /// [`DirectoryError`] if the directory is not Emmy's or another run writes there; nothing is changed then.
     pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
         let directory = &problem.output.directory;
         let system = |error| DirectoryError::System { path: directory.clone(), error };
@@ -85,22 +85,24 @@ impl Results {
         let lock = Lock::take(directory)?;
         directory::prepare(directory)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
-        let history = HistoryFile::create(&directory.join("history.csv"), &Extent::of(problem));
+        let history = HistoryFile::create(&directory.join("history.csv"), &HistoryColumns::of(problem));
         let history = history.map_err(system)?;
         Results::open(problem, lock, history, None).map_err(system)
     }
 
-    /// Takes the files of a run up where a checkpoint left them: what was written after it is taken out.
+    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed.
     ///
     /// # Errors
-    /// [`ResumeError`].
+    /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
     pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
         let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
         let path = directory.join("history.csv");
-        // The directory's own input is the one that is written again.
-        sources::check(directory, &problem.files[1..])?;
+        // The first file is the input in the directory, which is replaced by itself.
+        directory::check_sources(directory, &problem.files[1..])?;
+        Recording::check(problem)?;
+        let columns = HistoryColumns::of(problem);
         let history =
-            HistoryFile::resume(&path, &Extent::of(problem), state.step, state.time, checkpoint.history)?;
+            HistoryFile::resume(&path, &columns, state.step, state.time, checkpoint.history_checksum)?;
         replace(&directory.join("input.toml"), input(problem).as_bytes())?;
         Ok(Results::open(problem, lock, history, Some(checkpoint))?)
     }
@@ -112,23 +114,23 @@ impl Results {
         after: Option<&Checkpoint>,
     ) -> io::Result<Self> {
         let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
-        let place = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
+        let start = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
         let events = directory.join("events.csv");
-        let mut events = match place {
+        let mut events = match start {
             Some((step, _)) => EventsFile::resume(&events, step)?,
             None => EventsFile::create(&events)?,
         };
-        let mut log = RunLog::open(&directory.join("run.log"), problem, place)?;
+        let mut log = RunLog::open(&directory.join("run.log"), problem, start)?;
         let newton = directory.join("newton.csv");
-        let newton = match place {
+        let newton = match start {
             Some((step, _)) => NewtonFile::resume(&newton, step)?,
             None => NewtonFile::create(&newton)?,
         };
-        let frames = || Frames::open(problem, after);
-        let (frames, lost) = output.has_frames().then(frames).transpose()?.unzip();
-        let notes: Vec<String> = lost.and_then(|lost| lost_frames(&lost)).into_iter().collect();
-        if let Some((step, time)) = place {
-            directory::remove_unfinished(directory, frames.is_some() && output.format == Format::Vtkhdf)?;
+        let recording = output.has_frames().then(|| Recording::open(problem, after)).transpose()?;
+        let (recording, missing) = recording.unzip();
+        let notes: Vec<String> = missing.and_then(|missing| missing_frames(&missing)).into_iter().collect();
+        if let Some((step, time)) = start {
+            directory::remove_unfinished(directory, recording.is_some() && output.format == Format::Vtkhdf)?;
             for note in &notes {
                 events.write_lost_frames(step, time, note)?;
                 log.line(&format!("note: {note}"))?;
@@ -136,26 +138,27 @@ impl Results {
         }
         let checkpoints =
             (output.checkpoint_every > 0).then(|| Checkpoints::new(problem, after)).transpose()?;
-        let heading = Heading::new(problem);
-        let tally = after.map_or(Tally::default(), |checkpoint| checkpoint.tally.clone());
+        let header = SummaryHeader::new(problem);
+        let statistics =
+            after.map_or_else(RunStatistics::default, |checkpoint| checkpoint.snapshot.statistics.clone());
         let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
-        let summary = heading.summary(&tally, Status::Running, None, seconds_before);
+        let summary = header.summary(&statistics, Status::Running, None, seconds_before);
         summary::write(&directory.join("summary.json"), &summary)?;
         Ok(Results {
             limits: problem.limits,
-            extent: Extent::of(problem),
+            columns: HistoryColumns::of(problem),
             output,
             plan: problem.plan.clone(),
-            heading,
+            header,
             history,
             newton,
-            frames,
-            tally,
+            recording,
+            statistics,
             events,
             log,
             checkpoints,
             started: Instant::now(),
-            report_due: seconds_before + BETWEEN_REPORTS,
+            report_due: seconds_before + REPORT_INTERVAL,
             seconds_before,
             estimated_error: None,
             notes,
@@ -163,10 +166,10 @@ impl Results {
         })
     }
 
-    /// Ends the run: the last state is written as a frame and as a checkpoint if it is not there yet, then the summary. All is tried,
-    /// whatever fails of it; a run that was done has then failed.
+    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary. Each file is
+    /// tried even if another one fails; a run with the status `done` has then failed.
     pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
-        // A step that could not be written is not one to go on from.
+        // A run cannot resume from a step that could not be written.
         let is_sound = status != Status::Failed;
         let mut errors = vec![self.end_frames(motion, is_sound)];
         errors.extend(is_sound.then(|| self.write_checkpoint(motion, true)));
@@ -175,55 +178,57 @@ impl Results {
         let status = if error.is_some() && status == Status::Done { Status::Failed } else { status };
         let unwritten = error.as_ref().map(|error| format!("the results cannot be written: {error}"));
         let message = message.map(str::to_string).or(unwritten);
-        let end = format!("{} at step {}, t = {}", status.name(), self.tally.steps, self.tally.time);
+        let end =
+            format!("{} at step {}, t = {}", status.name(), self.statistics.steps, self.statistics.time);
         let end = message.as_ref().map_or(end.clone(), |message| format!("{end}: {message}"));
         let logged = self.log.line(&end);
-        let mut summary = self.heading.summary(&self.tally, status, message.as_deref(), self.wall_seconds());
+        let mut summary =
+            self.header.summary(&self.statistics, status, message.as_deref(), self.wall_seconds());
         summary["estimated_error"] = self.estimated_error.into();
         let written = summary::write(&self.summary_path(), &summary);
         error = error.or(logged.err()).or(written.err());
         Ending { status, summary, error }
     }
 
-    /// Ends the files of the frames, with the last state among them if that `is_sound`.
+    /// Completes the frames, with the last state if it `is_sound`.
     fn end_frames(&mut self, motion: &Motion<'_>, is_sound: bool) -> io::Result<()> {
-        let Some(frames) = &mut self.frames else { return Ok(()) };
-        let written = if is_sound { frames.write(motion.state()) } else { Ok(()) };
-        written.and(frames.files.finish())
+        let Some(recording) = &mut self.recording else { return Ok(()) };
+        let written = if is_sound { recording.write(motion.state()) } else { Ok(()) };
+        written.and(recording.finish())
     }
 
     fn summary_path(&self) -> PathBuf {
         self.directory().join("summary.json")
     }
 
-    /// What the user should know of the files of a run that was resumed.
+    /// Notes to the user on the files of a resumed run.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Notes the estimated error of the positions at the end, a mean over the mass \[length\], for the summary.
-    pub fn note_error(&mut self, error: f64) {
+    /// Sets the estimated error of the positions at the end for the summary: a root mean square over the mass \[length\].
+    pub fn set_error(&mut self, error: f64) {
         self.estimated_error = Some(error);
     }
 
-    /// Writes `report.html`, of the run as far as it is.
+    /// Writes `report.html` for the run so far.
     ///
     /// # Errors
-    /// [`ReportError`] if a file cannot be written, or read back.
+    /// [`ReportError`] if a file cannot be written or read.
     pub fn report(&self) -> Result<PathBuf, ReportError> {
         report::write(self.directory())
     }
 
-    /// Writes summary and page of a run that is going on, if it is time. A page that cannot be written is no reason to end a
-    /// run: the one at the end tells why.
+    /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they are reported at
+    /// its end.
     fn report_progress(&mut self) -> io::Result<()> {
         let begin = self.wall_seconds();
         if begin >= self.report_due {
-            let summary = self.heading.summary(&self.tally, Status::Running, None, begin);
+            let summary = self.header.summary(&self.statistics, Status::Running, None, begin);
             summary::write(&self.summary_path(), &summary)?;
             let _ = self.report();
             let now = self.wall_seconds();
-            self.report_due = now + BETWEEN_REPORTS.max(SPARINGLY * (now - begin));
+            self.report_due = now + REPORT_INTERVAL.max((now - begin) / MAX_REPORT_COST);
         }
         Ok(())
     }
@@ -233,17 +238,17 @@ impl Results {
         &self.output.directory
     }
 
-    /// The collection of frames, or the one file that holds them, if there are any.
+    /// The collection or the series of frames, if there are any.
     pub fn collection(&self) -> Option<PathBuf> {
-        self.frames.as_ref().map(|frames| frames.files.path())
+        self.recording.as_ref().map(Recording::path)
     }
 
-    /// What the run adds up to so far.
-    pub fn tally(&self) -> &Tally {
-        &self.tally
+    /// Statistics of the run so far.
+    pub fn statistics(&self) -> &RunStatistics {
+        &self.statistics
     }
 
-    /// Seconds since the start of the run, without the time in which it was not running.
+    /// Duration of the run in seconds, without the time in which it was not running.
     pub fn wall_seconds(&self) -> f64 {
         self.seconds_before + self.started.elapsed().as_secs_f64()
     }
@@ -256,14 +261,14 @@ impl Results {
     fn write_checkpoint(&mut self, motion: &Motion<'_>, is_last: bool) -> io::Result<()> {
         let seconds = self.wall_seconds();
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
-        let frames = self.frames.as_ref().map_or(&[][..], |frames| &frames.times);
+        let frames = self.recording.as_ref().map_or(&[][..], Recording::written);
         let is_safe = is_last || checkpoints.is_sync_due();
         if is_safe {
-            // A checkpoint must not know of more steps than the history has.
+            // The history must reach the disk before the checkpoint that belongs to it.
             self.history.sync()?;
         }
-        let progress = Progress { frames, history: self.history.sum(), wall_seconds: seconds };
-        checkpoints.write(motion, &self.tally, progress, is_safe)
+        let progress = Progress { frames, history_checksum: self.history.sum(), wall_seconds: seconds };
+        checkpoints.write(motion, progress, is_safe)
     }
 }
 
@@ -281,71 +286,29 @@ pub struct Ending {
     pub status: Status,
     /// The summary.
     pub summary: Value,
-    /// What could not be written first.
+    /// The first error.
     pub error: Option<io::Error>,
 }
 
-/// A note on frames that are not there any more.
-fn lost_frames(lost: &[(usize, f64)]) -> Option<String> {
-    let [(_, first), .., (_, last)] = lost else {
-        let (step, time) = lost.first()?;
-        return Some(format!(
+/// A note on missing frames.
+fn missing_frames(missing: &[FrameTime]) -> Option<String> {
+    match missing {
+        [] => None,
+        [FrameTime { step, time }] => Some(format!(
             "the frame of step {step}, t = {time}, is lost: it is not among the files of the run"
-        ));
-    };
-    let n = lost.len();
-    Some(format!(
-        "{n} frames from t = {first} to t = {last} are lost: they are not among the files of the run"
-    ))
-}
-
-/// The frames with what is in them.
-#[derive(Debug)]
-struct Frames {
-    files: FrameWriter,
-    fields: Fields,
-    names: Vec<FieldName>,
-    /// Steps and times of the frames that were written.
-    times: Vec<(usize, f64)>,
-}
-
-impl Frames {
-    /// The frames of a run; of one that is resumed, with those up to its checkpoint, and which of them are lost.
-    fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<(Self, Vec<(usize, f64)>)> {
-        let (body, output) = (&problem.body, &problem.output);
-        let fields = Fields::new(body);
-        let names = output.fields.iter().copied().filter(|&name| fields.has(name)).collect();
-        let (form, directory) = ((output.format, output.precision), &output.directory);
-        let (mesh, regions) = (body.mesh(), body.region_of_cell());
-        let Some(checkpoint) = after else {
-            let files = FrameWriter::create(form, directory, mesh, regions)?;
-            return Ok((Frames { files, fields, names, times: Vec::new() }, Vec::new()));
-        };
-        // The last state of a run that ended is a frame out of turn.
-        let step = checkpoint.snapshot.state.step;
-        let is_kept = |own: usize, time| own != step || output.is_frame(&problem.plan, own, time);
-        let written = checkpoint.frames.iter().copied();
-        let mut times: Vec<_> = written.filter(|(own, time)| is_kept(*own, *time)).collect();
-        let (files, lost) = FrameWriter::resume(form, directory, mesh, regions, (&times, step))?;
-        times.retain(|frame| !lost.contains(frame));
-        Ok((Frames { files, fields, names, times }, lost))
-    }
-
-    /// Writes a state, unless its step has been written.
-    fn write(&mut self, state: &State) -> io::Result<()> {
-        if self.files.last_step() == Some(state.step) {
-            return Ok(());
-        }
-        let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
-        self.files.write(state.step, state.time, &fields)?;
-        self.times.push((state.step, state.time));
-        Ok(())
+        )),
+        [first, .., last] => Some(format!(
+            "{} frames from t = {} to t = {} are lost: they are not among the files of the run",
+            missing.len(),
+            first.time,
+            last.time
+        )),
     }
 }
 
 impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let row = history::row(view, &self.extent, self.wall_seconds());
+        let row = self.columns.row(view, self.wall_seconds());
         self.history.write(&row)?;
         let every = self.output.log_every;
         let is_logged = every > 0 && view.record.step.is_multiple_of(every);
@@ -353,10 +316,10 @@ impl Observer for Results {
             self.newton.write(view)?;
         }
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
-        if let Some(frames) = self.frames.as_mut().filter(|_| is_frame) {
-            frames.write(view.state)?;
+        if let Some(recording) = self.recording.as_mut().filter(|_| is_frame) {
+            recording.write(view.state)?;
         }
-        self.tally.add(view);
+        self.statistics.clone_from(view.motion.statistics());
         self.log.solver(view.record)?;
         if is_logged {
             self.log.step(view.record)?;
@@ -366,7 +329,7 @@ impl Observer for Results {
             self.write_checkpoint(view.motion, false)?;
         }
         self.report_progress()?;
-        Ok(limits::check(&self.limits, &self.tally)?)
+        Ok(limits::check(&self.limits, &self.statistics)?)
     }
 
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
@@ -375,10 +338,10 @@ impl Observer for Results {
     }
 }
 
-/// The resolved input under its mark.
+/// The resolved input with its mark.
 fn input(problem: &Problem) -> String {
     format!(
-        "{MARK} {}: the input of this run with all values that hold.\n\n{}",
+        "{MARK} {}: the input of this run with all defaults.\n\n{}",
         env!("CARGO_PKG_VERSION"),
         problem.resolved
     )

@@ -1,17 +1,17 @@
-//! Files of rows, one a step or more, whose first column is the number of the step.
+//! Files of rows, one or more for each step, whose first column is the number of the step.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::directory::named;
+use crate::whole_file::named;
 
-/// A file that grows by whole rows.
+/// A file that grows row by row.
 #[derive(Debug)]
 pub struct RowFile {
     file: File,
     path: PathBuf,
-    /// Bytes of whole rows.
+    /// Bytes of complete rows.
     length: u64,
 }
 
@@ -19,7 +19,7 @@ impl RowFile {
     /// A new file with its header.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(path: &Path, header: &str) -> io::Result<Self> {
         let file = File::create(path).map_err(named(path))?;
         let mut rows = RowFile { file, path: path.to_path_buf(), length: 0 };
@@ -27,33 +27,33 @@ impl RowFile {
         Ok(rows)
     }
 
-    /// A file that is resumed after a step: rows of later ones, and one that is not whole, are cut off.
+    /// A file that is resumed after a step: rows of later steps and an incomplete row are removed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
         let reader = BufReader::new(File::open(path).map_err(named(path))?);
         RowFile::resume_at(path, kept(reader, step).map_err(named(path))?)
     }
 
-    /// A file that is resumed after some bytes of whole rows.
+    /// A file that is resumed after its first bytes.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume_at(path: &Path, length: u64) -> io::Result<Self> {
         let mut file = File::options().write(true).open(path).map_err(named(path))?;
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(named(path))?;
         Ok(RowFile { file, path: path.to_path_buf(), length })
     }
 
-    /// Writes a row, given without its end. A row that does not fit onto the disk is taken back.
+    /// Writes a row, given without its line feed. A row that does not fit onto the disk is removed.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, row: &str) -> io::Result<()> {
         let line = format!("{row}\n");
         if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
-            // What cannot be written may not be cut off either; readers leave a last line without its end out.
+            // If this fails too, readers leave the incomplete line out.
             let _ = self.file.set_len(self.length).and_then(|()| self.file.seek(SeekFrom::End(0)));
             return Err(named(&self.path)(error));
         }
@@ -61,10 +61,10 @@ impl RowFile {
         Ok(())
     }
 
-    /// Checks that the file is still there, with all its rows.
+    /// Checks that the file still has its length.
     ///
     /// # Errors
-    /// An error that says what is wrong.
+    /// How the file has changed.
     pub fn verify(&self) -> io::Result<()> {
         let message = match std::fs::metadata(&self.path) {
             Ok(found) if found.len() == self.length => return Ok(()),
@@ -85,22 +85,22 @@ impl RowFile {
         &self.path
     }
 
-    /// Has the system put all rows on the disk itself.
+    /// Syncs all rows to the disk.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn sync(&self) -> io::Result<()> {
         self.file.sync_data().map_err(named(&self.path))
     }
 }
 
-/// The step of a row that has its end.
+/// The step of a complete row.
 pub(crate) fn step_of(line: &[u8]) -> Option<usize> {
     let number = line.strip_suffix(b"\n")?.split(|&byte| byte == b',').next()?;
     std::str::from_utf8(number).ok()?.parse().ok()
 }
 
-/// Bytes of the header and the whole rows up to a step.
+/// Bytes of the header and of the complete rows up to a step.
 fn kept(mut reader: impl BufRead, step: usize) -> io::Result<u64> {
     let (mut length, mut line, mut is_first) = (0, Vec::new(), true);
     loop {
@@ -118,19 +118,12 @@ fn kept(mut reader: impl BufRead, step: usize) -> io::Result<u64> {
     }
 }
 
-/// A path with something added to the name of the file.
-pub(crate) fn with_ending(path: &Path, ending: &str) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(ending);
-    path.with_file_name(name)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn rows_of_later_steps_are_cut_off() {
+    fn rows_of_later_steps_are_removed() {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("rows.csv");
         let mut rows = RowFile::create(&path, "step,x").unwrap();
@@ -149,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_was_not_finished_is_cut_off() {
+    fn an_incomplete_row_is_removed() {
         assert_eq!(kept(&b"step,x\n0,1\n1,"[..], 5).unwrap(), 11);
         assert_eq!(kept(&b"step,x\n0,1\n10,2\n"[..], 1).unwrap(), 11);
         assert_eq!(kept(&b"step,x"[..], 1).unwrap(), 0);

@@ -1,48 +1,52 @@
-//! How large the files of a run become, about, before it runs.
+//! Estimated sizes of the files of a run.
 
 use emmy::body::fields::{Fields, Place};
 
-use crate::history::{Extent, columns};
+use crate::history::HistoryColumns;
 use crate::input::Problem;
 use crate::vtk::Format;
 
-/// Bytes of a number with 17 digits and its comma in `history.csv`: a sign now and then, an exponent of one or two digits.
+/// Bytes of a number with 17 digits and a comma in `history.csv`, averaged over signs and exponents.
 const NUMBER: f64 = 22.5;
 
 /// Bytes of a count and its comma.
 const COUNT: f64 = 5.0;
 
-/// Columns that are counts: `step`, `newton_iterations`.
+/// Columns of counts: `step`, `newton_iterations`.
 const COUNTS: usize = 2;
 
 /// Bytes of a step in `newton.csv`, with six evaluations of the residual, and in `run.log`.
 const LOGGED_STEP: f64 = 6.0 * 33.0 + 117.0;
+
+/// Bytes of a number in a checkpoint.
+const CHECKPOINT_NUMBER: f64 = 9.0;
 
 /// Bytes of the files of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sizes {
     /// A row of `history.csv`.
     pub row: f64,
-    /// A step in `newton.csv` and `run.log`, on the average over those that are not written.
+    /// A step in `newton.csv` and `run.log`, averaged over all steps.
     pub logged_step: f64,
-    /// A frame, at most: before compression.
+    /// A frame before compression.
     pub frame: f64,
     /// A checkpoint.
     pub checkpoint: f64,
 }
 
 impl Sizes {
-    /// Those of a problem.
+    /// The sizes for a problem.
     pub fn of(problem: &Problem) -> Self {
         let output = &problem.output;
-        let n_columns = columns(&Extent::of(problem)).len();
+        let n_columns = HistoryColumns::of(problem).names().len();
         let n_dofs = problem.body.n_dofs() as f64;
         Sizes {
             row: (n_columns - COUNTS) as f64 * NUMBER + COUNTS as f64 * COUNT,
             logged_step: if output.log_every == 0 { 0.0 } else { LOGGED_STEP / output.log_every as f64 },
             frame: frame(problem),
-            // The state, and what a stepper of degree k remembers.
-            checkpoint: 8.0 * (5 + problem.scheme.degree()) as f64 * n_dofs + problem.resolved.len() as f64,
+            // The state and the memory of a stepper of degree k.
+            checkpoint: CHECKPOINT_NUMBER * (5 + problem.scheme.degree()) as f64 * n_dofs
+                + problem.resolved.len() as f64,
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use emmy::motion::Samples;
 use emmy::time::Scheme;
 use emmy_io::convergence::kept::{self, Found, Key};
-use emmy_io::convergence::{self, Row, Samples, Study};
+use emmy_io::convergence::{self, MemberRun, Study};
 use emmy_io::input::Problem;
 
 use super::Effort;
@@ -37,7 +38,7 @@ pub struct Reference(pub &'static str, pub usize, pub f64);
 pub struct Curves {
     window: (f64, f64),
     reference: String,
-    curves: Vec<(Member, Vec<Row>)>,
+    curves: Vec<(Member, Vec<MemberRun>)>,
 }
 
 /// Runs all members from the state that the case reaches at the window's start.
@@ -142,7 +143,7 @@ impl Curves {
         self.rows(scheme, degree).iter().filter_map(|row| Some((row.wall_seconds, row.error()?))).collect()
     }
 
-    fn rows(&self, scheme: &str, degree: usize) -> &[Row] {
+    fn rows(&self, scheme: &str, degree: usize) -> &[MemberRun] {
         let is_it = |member: &Member| member.scheme == scheme && member.degree == degree;
         self.curves.iter().find(|(member, _)| is_it(member)).map_or(&[], |(_, rows)| rows)
     }
@@ -199,9 +200,9 @@ impl Curves {
         format!("error (80) on {from} < t < {to}; reference: {}", self.reference)
     }
 
-    fn series(&self, x: impl Fn(&Row) -> f64) -> Vec<Series> {
-        let point = |row: &Row| Some((x(row), row.error()?));
-        let curve = |(member, rows): &(Member, Vec<Row>)| {
+    fn series(&self, x: impl Fn(&MemberRun) -> f64) -> Vec<Series> {
+        let point = |row: &MemberRun| Some((x(row), row.error()?));
+        let curve = |(member, rows): &(Member, Vec<MemberRun>)| {
             Series::marked(&label(member.scheme, member.degree), rows.iter().filter_map(point).collect())
         };
         self.curves.iter().map(curve).collect()
@@ -213,7 +214,7 @@ impl Curves {
         sizes.sort_by(|a, b| b.total_cmp(a));
         sizes.dedup();
         let names = self.curves.iter().map(|(member, _)| label(member.scheme, member.degree));
-        let cell = |rows: &[Row], size: f64| match rows.iter().find(|row| row.step_size == size) {
+        let cell = |rows: &[MemberRun], size: f64| match rows.iter().find(|row| row.step_size == size) {
             None => String::new(),
             Some(row) => row.error().map_or("no convergence".into(), |error| format!("{error:.3e}")),
         };

@@ -1,4 +1,4 @@
-//! `emmy check FILE`: what an input stands for. Runs nothing and writes nothing.
+//! `emmy check FILE`: reports on an input. Runs nothing and writes nothing.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -45,13 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         message!("{warning}");
     }
     if let Err(error) = emmy_io::directory::check_run(&problem) {
-        message!("note: `emmy run` will refuse this: {error}");
+        message!("note: `emmy run` will reject this: {error}");
     }
     print::result(&report.text)
 }
 
-/// Most parts that are listed one by one.
-const MOST_PARTS: usize = 10;
+/// Largest number of parts that are listed.
+const MAX_LISTED_PARTS: usize = 10;
 
 /// Lines under key words.
 #[derive(Debug, Default)]
@@ -115,7 +115,7 @@ impl Report {
         self.damping(body);
     }
 
-    /// What takes energy out of the body.
+    /// Drag and viscosity.
     fn damping(&mut self, body: &Body) {
         if body.drag() > 0.0 {
             self.line("load", &format!("drag on all masses: rate {}", number(body.drag())));
@@ -156,14 +156,14 @@ impl Report {
         }
     }
 
-    /// Parts that do not hang together, if there are several: a mesh that was not joined, or bodies that fly apart.
+    /// Disconnected parts of the mesh, if there are several.
     fn parts(&mut self, body: &Body) {
         let parts = body.mesh().parts();
         if parts.len() == 1 {
             return;
         }
-        self.line("parts", &format!("{} that do not hang together", parts.len()));
-        for cells in parts.iter().take(MOST_PARTS) {
+        self.line("parts", &format!("{}, which are not connected", parts.len()));
+        for cells in parts.iter().take(MAX_LISTED_PARTS) {
             let mut counts = BTreeMap::<u32, usize>::new();
             cells
                 .iter()
@@ -176,8 +176,8 @@ impl Report {
             let (shares, first) = (shares.collect::<Vec<_>>().join(", "), cells[0]);
             self.line("", &format!("{shares}, the first is cell {first}"));
         }
-        if parts.len() > MOST_PARTS {
-            self.line("", &format!("and {} more", parts.len() - MOST_PARTS));
+        if parts.len() > MAX_LISTED_PARTS {
+            self.line("", &format!("and {} more", parts.len() - MAX_LISTED_PARTS));
         }
     }
 
@@ -194,7 +194,7 @@ impl Report {
         self.line("mass", &format!("{group}: mass {mass}, centre {centre}"));
     }
 
-    /// Springs and attractions that hold on to the ground.
+    /// Springs to the ground, and attractions.
     fn ground(&mut self, nodal: &Nodal) {
         for spring in &nodal.springs {
             self.line("support", &format!("{}: spring {}", spring.group, number(spring.stiffness)));
@@ -286,7 +286,7 @@ impl Report {
             adaptivity.velocity.map_or(String::new(), |v| format!(", of velocities {}", number(v)));
         self.line("", &format!("scale of positions {}{velocity}", number(length)));
         if let Some([lowest, highest]) = adaptivity.degrees {
-            self.line("", &format!("degrees from {lowest} to {highest}, the one that costs least"));
+            self.line("", &format!("degrees from {lowest} to {highest}, chosen by cost"));
         }
         let largest = if adaptivity.largest.is_finite() { number(adaptivity.largest) } else { "any".into() };
         self.line("", &format!("sizes from {} to {largest}", number(adaptivity.smallest)));
@@ -316,7 +316,7 @@ impl Report {
     }
 }
 
-/// A history in a few words.
+/// A history in short.
 fn summary(history: &History) -> String {
     let entries = history.entries();
     match (history.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
@@ -326,7 +326,7 @@ fn summary(history: &History) -> String {
     }
 }
 
-/// The tensor with zeros where there is nothing but rounding.
+/// The tensor with round-off replaced by zeros.
 fn without_rounding(tensor: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let largest = tensor.iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     tensor.map(|row| row.map(|x| if x.abs() < 1e-12 * largest { 0.0 } else { x }))

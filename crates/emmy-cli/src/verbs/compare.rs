@@ -1,4 +1,4 @@
-//! `emmy compare DIR...`: runs side by side, as a page, as charts and as a table.
+//! `emmy compare DIR...`: several runs side by side, in a page, charts and a table.
 
 use std::path::PathBuf;
 
@@ -43,13 +43,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&if arguments.json { lines(&runs) } else { table(&runs) })?;
     if !arguments.quiet {
         let stem = arguments.output.join("compare");
-        message!("written: {0}.svg, {0}.png, and each chart by itself, {0}-*", stem.display());
+        message!("written: {0}.svg, {0}.png, and single charts in {0}-*", stem.display());
         message!("to look at: {}", page.display());
     }
     Ok(())
 }
 
-/// Runs in directories of the same name are called by their whole paths.
+/// Names runs in directories of the same name by their full paths.
 fn name_apart(runs: &mut [Run], directories: &[PathBuf]) {
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     for (run, directory) in runs.iter_mut().zip(directories) {
@@ -59,7 +59,7 @@ fn name_apart(runs: &mut [Run], directories: &[PathBuf]) {
     }
 }
 
-/// What the table has of a summary.
+/// Fields of the summary in the table.
 const COLUMNS: [(&str, &str); 8] = [
     ("scheme", "scheme"),
     ("degree", "degree"),

@@ -1,4 +1,4 @@
-//! The verbs, one a file.
+//! The verbs, each in a file.
 
 mod check;
 mod compare;
@@ -21,9 +21,9 @@ use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
 use crate::message::message;
-use crate::print::number;
+use crate::print::{number, number_below};
 
-/// What to do.
+/// The verb.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
     /// Write a commented example input into the working directory
@@ -33,41 +33,41 @@ pub enum Verb {
     /// Compute the motion and write the results
     ///
     /// The output directory may be new, empty, or hold an earlier run of Emmy, which is replaced. Files that are not
-    /// Emmy's are never written over or removed; a directory that holds only such files is refused. Bad input leaves
+    /// Emmy's are never overwritten or removed; a directory that holds only such files is rejected. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
-    /// Write the page of a run, report.html, anew
+    /// Write report.html of a run again
     ///
-    /// A run writes it by itself, at its end and from time to time before. The page opens from disk in a browser: the motion in
-    /// three dimensions, energies, momenta, balances, and the verdict.
+    /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion in three
+    /// dimensions, energies, momenta, balances, and the verdict.
     Report(report::Arguments),
-    /// Go on with a run that was stopped, has failed, or is to go further
+    /// Resume a run that was stopped or has failed, or extend it
     ///
-    /// The newest whole checkpoint in the directory is taken up, rows and frames after it are taken out, and the run writes on into
-    /// the same directory: its history is then that of a run that was never stopped. Step size, scheme, degree, end, output and
-    /// limits may change; body, loads and supports may not.
+    /// The run resumes from the newest complete checkpoint in its directory. Later rows and frames are removed, so that the history is
+    /// the same as without the interruption. Step size, scheme, degree, end, output and limits may change; body, loads and supports
+    /// may not.
     Resume(resume::Arguments),
     /// Show several runs side by side: a page, charts and a table
     Compare(compare::Arguments),
     /// Measure the error over the step size
     ///
-    /// Each size takes the place of the plan's sizes from --from on; before, all runs share the plan and the state of the
-    /// input. The error is the L2 norm over nodes and time of the distance from a reference, which is kept in the output
-    /// directory and used again.
+    /// From --from on, each run has one of the given step sizes instead of the sizes of the plan; before, all runs share the plan and
+    /// the state of the input. The error is the L2 norm, over nodes and time, of the distance from a reference, which is kept in the
+    /// output directory for the next study.
     Converge(converge::Arguments),
-    /// Say what there is: schemes, materials, elements, meshes, ...
+    /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print the JSON schema of the input, for completion and checks in an editor
     ///
     /// `emmy schema > emmy.schema.json`, and as first line of an input `#:schema ./emmy.schema.json`: editors with a TOML language
-    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark what is wrong.
+    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark errors.
     Schema,
     /// Print completions for a shell
     Completions(completions::Arguments),
 }
 
 impl Verb {
-    /// Does it.
+    /// Runs the verb.
     pub fn run(self) -> Result<(), Failure> {
         match self {
             Verb::New(arguments) => new::run(&arguments),
@@ -84,24 +84,24 @@ impl Verb {
     }
 }
 
-/// An input file and what the command line changes of it.
+/// An input file, and the changes of the command line.
 #[derive(Debug, Args)]
 struct Input {
     /// Input file (TOML)
     file: PathBuf,
-    /// Output directory, in place of the one in the input
+    /// Output directory, instead of the one in the input
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Change a value of the input, such as time.scheme=DGM or region.0.density=2.5 (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// End of the run: later steps are left out, or the last ones go on
+    /// End of the run: later steps are dropped, or the last phase is extended
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     until: Option<f64>,
 }
 
 impl Input {
-    /// The problem; what its reader remarks goes to standard error.
+    /// The problem; notes of its reader go to standard error.
     fn problem(&self) -> Result<Problem, Failure> {
         let overrides = Overrides {
             set: self.set.clone(),
@@ -115,7 +115,7 @@ impl Input {
     }
 }
 
-/// Works in the thread pool, with a number of threads: a thread outside of it would hand over every small task and wait for it.
+/// Runs a function in the thread pool, because a thread outside of it would wait for every small task.
 fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     if let Some(threads) = threads {
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
@@ -124,7 +124,7 @@ fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) 
     Ok(rayon::scope(|_| work()))
 }
 
-/// A warning of planned steps that miss a part of a load or of a moving support.
+/// A warning of planned steps that do not resolve a load or a moving support.
 fn unresolved_steps(problem: &Problem) -> Option<String> {
     let Problem { body, scheme, plan, .. } = problem;
     let (count, first) = Resolution::new(body, *scheme, plan)?.unresolved_steps(plan);
@@ -136,7 +136,7 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
     })
 }
 
-/// The critical step of an explicit scheme at the start; `None` of the others.
+/// The critical step of an explicit scheme at the start; `None` for other schemes.
 ///
 /// # Errors
 /// [`Failure::Usage`] if the plan has larger steps than are stable.
@@ -155,6 +155,6 @@ fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failur
         problem.scheme,
         number(critical)
     );
-    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number(limit));
+    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number_below(limit));
     Err(Failure::Usage { message, help: Some(help) })
 }

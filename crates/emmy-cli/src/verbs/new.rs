@@ -1,4 +1,4 @@
-//! `emmy new NAME`: an example input to start from.
+//! `emmy new NAME`: writes an example input.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
@@ -15,10 +15,10 @@ pub struct Arguments {
     name: Option<String>,
 }
 
-/// An example input; every one is a file in `examples`.
+/// An example input, from a file in `examples`.
 #[derive(Debug, Clone, Copy)]
 pub struct Template {
-    /// Name of the example and of its file.
+    /// Name of the example and its file.
     pub name: &'static str,
     text: &'static str,
 }
@@ -51,10 +51,10 @@ pub const TEMPLATES: [Template; 11] = [
     template!("balloon"),
 ];
 
-/// Examples whose meshes lie beside them, so that an input file alone would be of no use.
+/// Examples with a mesh file, which `emmy new` does not write.
 const ON_MESHES: [&str; 2] = ["tuning-fork", "two-materials"];
 
-/// Writes the example, never over a file that is there.
+/// Writes the example, unless the file exists.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
     let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
@@ -80,7 +80,7 @@ fn unknown(name: &str) -> Failure {
     Failure::Usage { message, help: Some(help) }
 }
 
-/// Where an example with a mesh is.
+/// Tells where to find an example with a mesh.
 fn on_mesh(name: &str) -> Failure {
     let message = format!("the example `{name}` comes with a mesh, which `emmy new` does not write");
     let help = format!(
@@ -92,7 +92,7 @@ fn on_mesh(name: &str) -> Failure {
 
 fn not_written(file: &str, error: &std::io::Error) -> Failure {
     let message = match error.kind() {
-        ErrorKind::AlreadyExists => format!("{file} is there already; it was left as it is"),
+        ErrorKind::AlreadyExists => format!("{file} exists already and was not changed"),
         _ => format!("cannot write {file}: {error}"),
     };
     Failure::Usage { message, help: None }

@@ -1,4 +1,4 @@
-//! `emmy report DIR`: the page of a run, anew.
+//! `emmy report DIR`: writes the report of a run again.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::print;
 /// Arguments of the verb.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Output directory of a run; it may be going on
+    /// Output directory of a run, which may still be running
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! `emmy resume DIR`: a run goes on where its newest checkpoint is.
+//! `emmy resume DIR`: resumes a run from its newest checkpoint.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use clap::Args;
 use emmy::motion::Motion;
 use emmy_io::checkpoint::{self, Checkpoint, Identity};
+use emmy_io::directory::Lock;
 use emmy_io::input::{self, Overrides, Problem};
-use emmy_io::lock::Lock;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use serde_json::Value;
 
-use super::run::{self, Manner, march};
+use super::run::{self, RunOptions, march};
 use super::with_threads;
 use crate::failure::Failure;
 use crate::message::message;
@@ -23,7 +23,7 @@ use crate::print::number;
 pub struct Arguments {
     /// Output directory of the run
     directory: PathBuf,
-    /// End of the run: later steps are left out, or the last ones go on
+    /// End of the run: later steps are dropped, or the last phase is extended
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     until: Option<f64>,
     /// Size of the steps from here on
@@ -33,15 +33,15 @@ pub struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    manner: Manner,
+    options: RunOptions,
 }
 
-/// Takes the run up and goes on with it.
+/// Resumes the run.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.manner.threads, || run_here(arguments))?
+    with_threads(arguments.options.threads, || run_here(arguments))?
 }
 
-/// Does it in the thread that it is called in.
+/// Resumes the run in the calling thread.
 fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if !arguments.directory.join("input.toml").is_file() {
         return Err(usage(
@@ -51,10 +51,10 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     }
     let lock = Lock::take(&arguments.directory)?;
     let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
-        .map_err(|error| usage(error.to_string(), "`emmy run` on its input.toml starts it again"))?;
-    note.into_iter().for_each(|note| message!("note: {note}; the other checkpoint is taken"));
+        .map_err(|error| usage(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
+    note.into_iter().for_each(|note| message!("note: {note}; the other checkpoint is used"));
     let problem = problem(arguments, &checkpoint)?;
-    run::check(&problem, &arguments.manner)?;
+    run::check(&problem, &arguments.options)?;
     let identity = Identity::new(&problem);
     let same = checkpoint.identity.check(&identity);
     same.map_err(|mismatch| Failure::Usage { message: mismatch.to_string(), help: None })?;
@@ -64,19 +64,19 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
     let results = Results::resume(&problem, lock, &checkpoint);
-    let results = results.map_err(|error| usage(error.to_string(), "nothing but this was done"))?;
-    if !arguments.manner.quiet {
+    let results = results.map_err(|error| usage(error.to_string(), "nothing was changed"))?;
+    if !arguments.options.quiet {
         let state = motion.state();
-        message!("going on after step {}, t = {}", state.step, number(state.time));
+        message!("resuming after step {}, t = {}", state.step, number(state.time));
     }
-    march(&problem, &mut motion, results, &arguments.manner, Motion::march_on)
+    march(&problem, &mut motion, results, &arguments.options, Motion::march_on)
 }
 
 fn usage(message: String, help: &str) -> Failure {
     Failure::Usage { message, help: Some(help.to_string()) }
 }
 
-/// The problem of the directory's own input, with what the command line changes.
+/// The problem of the input in the directory, with the changes of the command line.
 fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Failure> {
     let overrides = Overrides {
         set: arguments.set.clone(),
@@ -89,7 +89,7 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Fa
     Ok(problem)
 }
 
-/// Rejects a run that has nothing left to do, unless it ended before all its files were written.
+/// Rejects a run that is complete, unless it ended before all its files were written.
 fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> {
     let (state, directory) = (&checkpoint.snapshot.state, &problem.output.directory);
     let is_unfinished = || {
@@ -109,22 +109,22 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
     }
     let (time, end) = (number(state.time), number(problem.plan.end()));
     let message =
-        format!("the run is at t = {time} (step {}) already; its plan ends at t = {end}", state.step);
+        format!("the run has already reached t = {time} (step {}); its plan ends at t = {end}", state.step);
     let help = format!(
-        "give a later end with --until T; `emmy report {}` writes the page again",
+        "give a later end with --until T; `emmy report {}` writes the report again",
         directory.display()
     );
     Err(usage(message, &help))
 }
 
-/// Puts the time onto the plan's grid, and leaves the stepper's memory behind where it does not hold on.
+/// Moves the time to the grid of the plan, and drops the memory of the stepper where it is no longer valid.
 fn settle(problem: &Problem, checkpoint: &mut Checkpoint, identity: &Identity) {
     let keeps_stepper = checkpoint.identity.has_same_stepper(identity);
     let snapshot = &mut checkpoint.snapshot;
     snapshot.state.time = problem.plan.on_grid(snapshot.state.time);
     snapshot.record.time = snapshot.state.time;
     let (step, time) = (snapshot.state.step, snapshot.state.time);
-    checkpoint.frames.iter_mut().filter(|(own, _)| *own == step).for_each(|frame| frame.1 = time);
+    checkpoint.frames.iter_mut().filter(|frame| frame.step == step).for_each(|frame| frame.time = time);
     if !keeps_stepper {
         (snapshot.memory, snapshot.control) = (None, None);
     }

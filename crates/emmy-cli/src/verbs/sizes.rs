@@ -1,4 +1,4 @@
-//! How large the files of a run become, about, in words.
+//! Estimated sizes of the files of a run, as text.
 
 use emmy_io::input::Problem;
 use emmy_io::sizes::Sizes;
@@ -7,7 +7,7 @@ use emmy_io::sizes::Sizes;
 pub fn text(problem: &Problem) -> String {
     let sizes = Sizes::of(problem);
     let plan = &problem.plan;
-    // Where nobody knows the number of steps: for one.
+    // With an unknown number of steps, the sizes are for one step.
     let (n_steps, each) = match plan.adaptivity() {
         Some(_) => (1.0, " a step"),
         None => (plan.n_steps() as f64, ""),

@@ -347,7 +347,7 @@ fn check_tells_of_directories_that_cannot_be_made() {
     let place = Place::with(BOX);
     for directory in ["/dev/null", "/dev/null/x", "box.toml/x", ".."] {
         let outcome = place.succeed(&["check", "box.toml", "--output", directory]);
-        assert!(outcome.stderr.contains("`emmy run` will refuse this: "), "{directory} {}", outcome.stderr);
+        assert!(outcome.stderr.contains("`emmy run` will reject this: "), "{directory} {}", outcome.stderr);
         assert_eq!(place.emmy(&["run", "box.toml", "--output", directory]).code, 2, "{directory}");
     }
 }

@@ -16,6 +16,7 @@ mod reference;
 mod report;
 mod results;
 mod resume;
+mod resume_rejections;
 mod run;
 mod unwritable;
 mod verbs;

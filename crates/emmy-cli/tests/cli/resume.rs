@@ -97,7 +97,7 @@ fn step_scheme_degree_and_output_may_change() {
     place.succeed(&["run", "box.toml", "--quiet"]);
     let outcome =
         place.succeed(&["resume", "out", "--until", "0.5", "--step", "0.1", "--set", "output.every=1"]);
-    assert!(outcome.stderr.contains("going on after step 6, t = 0.3"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("resuming after step 6, t = 0.3"), "{}", outcome.stderr);
     let sizes = place.history("out")["step_size"].clone();
     assert_eq!((sizes.len(), sizes[6], sizes[7], sizes[8]), (9, 0.05, 0.1, 0.1));
     let changes = ["--set", "time.scheme=DGM", "--set", "time.degree=2", "--set", "solver.kind=direct"];
@@ -163,8 +163,8 @@ fn damaged_checkpoints_are_not_taken() {
     bytes[middle] ^= 1;
     std::fs::write(&newest, &bytes).unwrap();
     let outcome = place.succeed(&["resume", "out", "--until", "0.5"]);
-    let note = format!("{newer}.checkpoint is damaged; the other checkpoint is taken");
-    for part in [note, format!("going on after step {left}, t = ")] {
+    let note = format!("{newer}.checkpoint is damaged; the other checkpoint is used");
+    for part in [note, format!("resuming after step {left}, t = ")] {
         assert!(outcome.stderr.contains(&part), "{}", outcome.stderr);
     }
     assert_same_rows(&place, "out", "whole");
@@ -181,7 +181,7 @@ fn damaged_checkpoints_are_not_taken() {
 }
 
 #[test]
-fn another_mesh_under_the_same_name_is_refused() {
+fn another_mesh_under_the_same_name_is_rejected() {
     let mesh = |name: &str| {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../emmy-io/tests/meshes");
         std::fs::read(format!("{folder}/{name}")).unwrap()
@@ -195,7 +195,7 @@ fn another_mesh_under_the_same_name_is_refused() {
     std::fs::write(place.path("body.msh"), mesh("tet4-41-ascii.msh")).unwrap();
     let outcome = place.emmy(&["resume", "out", "--until", "0.4"]);
     assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("the mesh is not that of the checkpoint"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("the mesh has changed since the checkpoint"), "{}", outcome.stderr);
 }
 
 /// Starts the binary without waiting for it.
@@ -248,7 +248,7 @@ fn signals_stop_a_run_at_the_end_of_a_step() {
         let summary = place.summary("out");
         assert_eq!(summary["status"], "interrupted");
         let outcome = place.succeed(&["resume", "out"]);
-        let step = format!("going on after step {},", summary["steps"]);
+        let step = format!("resuming after step {},", summary["steps"]);
         assert!(outcome.stderr.contains(&step), "{step}\n{}", outcome.stderr);
         assert_same_rows(&place, "out", "whole");
     }

@@ -91,7 +91,7 @@ fn check_reports_on_parts_and_the_whole_body() {
     let outcome = place.succeed(&["check", "box.toml"]);
     // Masses 3 and 1, centres 1 apart: I_yy = (3 + 1)/6 + 3/4.
     for part in [
-        "parts      2 that do not hang together",
+        "parts      2, which are not connected",
         "1 cell of steel, the first is cell 0",
         "1 cell of rubber, the first is cell 1",
         "largest aspect ratio 1.0000 (cell 0, hex8)",

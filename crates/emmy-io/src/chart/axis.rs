@@ -1,4 +1,4 @@
-//! From values to coordinates on an axis, and the ticks of it.
+//! Coordinates and ticks of an axis.
 
 use std::ops::Range;
 
@@ -7,28 +7,27 @@ use plotters::coord::types::RangedCoordf64;
 
 use super::Scale;
 
-/// An axis with its range in coordinates: values in units of a power of ten, or their decadic logarithms.
+/// An axis with its range in coordinates, which are values in units of a power of ten, or their decimal logarithms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ruler {
     scale: Scale,
-    /// The power of ten that the labels leave out.
+    /// The power of ten that is left out of the labels.
     pub(super) power: i32,
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Whether all values are whole numbers: there are no ticks between them.
+    /// Whether all values are whole numbers; there are no ticks between them then.
     is_whole: bool,
 }
 
 impl Ruler {
-    /// The axis that holds all values, with a part of the range as room around them. Values that cannot be drawn do not
-    /// count.
+    /// The axis for some values, with a margin that is a part of their range. Values that cannot be drawn are ignored.
     pub(super) fn over(scale: Scale, values: impl Iterator<Item = f64>, room: f64) -> Self {
         let bare = Ruler { scale, power: 0, low: 0.0, high: 1.0, is_whole: false };
         let drawn: Vec<f64> = values.filter_map(|value| bare.coordinate(value)).collect();
         let Some(low) = drawn.iter().copied().reduce(f64::min) else { return bare };
         let high = drawn.iter().copied().fold(low, f64::max);
         let is_whole = scale == Scale::Linear && drawn.iter().all(|value| value.fract() == 0.0);
-        // What does not change is shown as a level line, not as noise.
+        // A constant is drawn as a level line, without its rounding noise.
         let least = match scale {
             Scale::Linear if is_whole => 2.0,
             Scale::Linear => (0.01 * low.abs().max(high.abs())).max(1e-300),
@@ -39,7 +38,7 @@ impl Ruler {
         bare.with_range(middle - half, middle + half, is_whole)
     }
 
-    /// In units in which the labels are short.
+    /// The axis in units with short labels.
     fn with_range(self, low: f64, high: f64, is_whole: bool) -> Self {
         let power = low.abs().max(high.abs()).log10().floor() as i32;
         let power = if self.scale == Scale::Log || (-3..5).contains(&power) { 0 } else { power };
@@ -47,14 +46,14 @@ impl Ruler {
         Ruler { power, low: low / unit, high: high / unit, is_whole: is_whole && power == 0, ..self }
     }
 
-    /// Coordinate of a value; none if it cannot be drawn.
+    /// Coordinate of a value; `None` if it cannot be drawn.
     pub(super) fn coordinate(&self, value: f64) -> Option<f64> {
         let coordinate = match self.scale {
             Scale::Linear => value / 10f64.powi(self.power),
             Scale::Log if value > 0.0 => value.log10(),
             Scale::Log => return None,
         };
-        // Differences of such coordinates are finite.
+        // Differences of these coordinates are finite.
         (coordinate.abs() <= 1e300).then_some(coordinate)
     }
 
@@ -68,13 +67,13 @@ impl Ruler {
 
     fn linear_ticks(&self) -> Vec<f64> {
         let ticks = RangedCoordf64::from(self.low..self.high).key_points(6);
-        // plotters' ticks have the rounding errors of a sum.
+        // The ticks of plotters have the rounding errors of a sum.
         let round = 1e-6 * 10f64.powf((self.high - self.low).log10().floor());
         let ticks = ticks.into_iter().map(|tick| (tick / round).round() * round);
         ticks.filter(|tick| !self.is_whole || (tick - tick.round()).abs() < round).collect()
     }
 
-    /// First digits of the values that have a label: within the decades if there are few.
+    /// First digits of labelled values; with few decades, there are labels inside them.
     fn digits(&self) -> &'static [i32] {
         match self.high - self.low {
             decades if decades < 0.75 => &[1, 2, 3, 4, 5, 6, 8],
@@ -83,7 +82,7 @@ impl Ruler {
         }
     }
 
-    /// Every so many decades there is a label.
+    /// Number of decades from label to label.
     fn every(&self) -> i32 {
         ((self.high - self.low) / 8.0).ceil().max(1.0) as i32
     }
@@ -100,7 +99,7 @@ impl Ruler {
         if self.every() > 1 { Vec::new() } else { self.log_ticks(&[2, 3, 4, 5, 6, 7, 8, 9]) }
     }
 
-    /// As many as the ticks need.
+    /// Number of digits that the ticks need.
     fn decimals(&self) -> usize {
         let ticks = self.linear_ticks();
         let is_shown =
@@ -109,7 +108,7 @@ impl Ruler {
     }
 }
 
-/// The axis as plotters knows it.
+/// The axis for plotters.
 impl Ranged for Ruler {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
@@ -154,7 +153,7 @@ fn log_label(coordinate: f64) -> String {
     }
 }
 
-/// A whole number in raised digits.
+/// A whole number in superscript digits.
 pub(super) fn superscript(number: i32) -> String {
     let raised = |c: char| match c.to_digit(10) {
         Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],

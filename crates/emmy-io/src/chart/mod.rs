@@ -1,7 +1,7 @@
 //! Charts: lines and points over linear or logarithmic axes, as SVG and PNG.
 //!
-//! A [`Chart`] is data; plotters lays it out. Colours are those of Okabe and Ito (2008), which the colour-blind can tell
-//! apart; points differ in shape as well.
+//! A [`Chart`] is data, which plotters lays out. The colours of Okabe and Ito (2008) can be distinguished by colour-blind readers;
+//! points also differ in shape.
 
 mod axis;
 mod panel;
@@ -12,9 +12,9 @@ use std::path::Path;
 use crate::picture::{self, Area, Drawn, units};
 use panel::Legend;
 
-/// Size of a chart by itself, in points.
+/// Size of a single chart, in points.
 const SIZE: (f64, f64) = (560.0, 420.0);
-/// Size of a chart beside others.
+/// Size of a chart in a figure, in points.
 const BESIDE: (f64, f64) = (480.0, 300.0);
 
 /// How an axis is divided.
@@ -23,16 +23,16 @@ pub enum Scale {
     /// Equal distances for equal differences.
     #[default]
     Linear,
-    /// Equal distances for equal ratios; values that are not positive are left out.
+    /// Equal distances for equal ratios; values that are not positive are not drawn.
     Log,
 }
 
 /// An axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
-    /// What is on it.
+    /// Label.
     pub label: String,
-    /// How it is divided.
+    /// Scale.
     pub scale: Scale,
 }
 
@@ -58,35 +58,35 @@ pub enum Style {
     Dashed,
     /// A dotted line.
     Dotted,
-    /// Stairs: each value holds from the point before.
+    /// Stairs: each value holds from the previous point on.
     Stairs,
     /// Points.
     Points,
-    /// Points joined by a line.
+    /// Points connected by a line.
     LineAndPoints,
 }
 
-/// Values that belong together.
+/// A curve or a set of points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
     /// Name in the legend.
     pub label: String,
     /// Points (x, y); a value that is not finite makes a gap.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Style.
     pub style: Style,
-    /// Colour and shape of the points: an index into the palette, which starts over at its end.
+    /// Colour and shape of the points: an index into the palette, which repeats.
     pub colour: usize,
 }
 
-/// A straight line that shows a slope: of the logarithms where an axis is logarithmic.
+/// A straight line with a given slope; on logarithmic axes, the slope of the logarithms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
-    /// What is written beside it.
+    /// Label.
     pub label: String,
     /// The slope.
     pub slope: f64,
-    /// A point that it goes through.
+    /// A point on the line.
     pub through: (f64, f64),
 }
 
@@ -110,19 +110,19 @@ pub struct Guide {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
-    /// Title; empty for none.
+    /// Title; may be empty.
     pub title: String,
     /// Axis of the abscissa.
     pub x: Axis,
     /// Axis of the ordinate.
     pub y: Axis,
-    /// What is drawn.
+    /// The series.
     pub series: Vec<Series>,
-    /// Slopes to compare with.
+    /// Slopes for comparison.
     pub guides: Vec<Guide>,
 }
 
-/// Charts side by side under one legend, that of the first chart.
+/// Charts side by side under the legend of the first one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
     /// The charts, row by row.
@@ -141,14 +141,14 @@ impl Chart {
     /// Writes `STEM.svg` and `STEM.png`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, stem: &Path) -> io::Result<()> {
         picture::write(&self.svg(), stem)
     }
 }
 
 impl Figure {
-    /// The charts over a width in points.
+    /// The charts on a sheet of a width in points.
     pub(crate) fn sheet(&self, width: f64) -> Sheet<'_> {
         let columns = self.columns.clamp(1, self.charts.len().max(1));
         Sheet::new(&self.charts, columns, (width / columns as f64, BESIDE.1))
@@ -163,13 +163,13 @@ impl Figure {
     /// Writes `STEM.svg` and `STEM.png`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, stem: &Path) -> io::Result<()> {
         picture::write(&self.svg(), stem)
     }
 }
 
-/// Charts of a size, row by row under the legend of the first.
+/// Charts of one size, row by row under the legend of the first.
 pub(crate) struct Sheet<'a> {
     charts: &'a [Chart],
     /// Rows and columns.

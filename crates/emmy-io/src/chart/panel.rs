@@ -1,4 +1,4 @@
-//! A chart in its place, and the legend.
+//! Draws one chart and the legend.
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -8,7 +8,7 @@ use super::axis::{Ruler, superscript};
 use super::{Axis, Chart, Guide, Scale, Series, Style};
 use crate::picture::{Area, Drawn, INK, stroke, text, units, width, writing};
 
-/// Okabe and Ito (2008), the darker ones first; yellow, which is too pale on white for a line, is left out.
+/// Okabe and Ito (2008), dark colours first; without yellow, which is too pale for a line on white.
 const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
@@ -29,13 +29,13 @@ const SMALL: f64 = 10.5;
 const ROW: f64 = 18.0;
 /// Length of the line before a name in the legend.
 const SAMPLE: f64 = 26.0;
-/// Points of a series beyond this number are thinned.
+/// A series with more points is thinned.
 const MOST_POINTS: usize = 4000;
 
-/// A place on the canvas.
-type Place = (i32, i32);
+/// A point of the canvas.
+type CanvasPoint = (i32, i32);
 
-/// The legend of some series within a width in points; those without a name need none.
+/// The legend of some series within a width in points; series without a name are left out.
 pub(super) struct Legend<'a> {
     /// Series of each row, each with its width in units.
     rows: Vec<Vec<(&'a Series, i32)>>,
@@ -57,12 +57,12 @@ impl<'a> Legend<'a> {
         Legend { rows }
     }
 
-    /// Its height in points.
+    /// Height in points.
     pub(super) fn height(&self) -> f64 {
         8.0 + ROW * self.rows.len() as f64
     }
 
-    /// Draws it, its rows in the middle.
+    /// Draws the legend with its rows centred.
     pub(super) fn draw(&self, area: &Area<'_>) -> Drawn {
         let (sample, gap) = (units(SAMPLE), units(8.0));
         for (i, row) in self.rows.iter().enumerate() {
@@ -84,11 +84,11 @@ fn draw_series(
     area: &Area<'_>,
     series: &Series,
     width: f64,
-    lines: &[Vec<Place>],
-    points: &[Place],
+    lines: &[Vec<CanvasPoint>],
+    points: &[CanvasPoint],
 ) -> Drawn {
     let pen = stroke(PALETTE[series.colour % PALETTE.len()], width);
-    // Once the palette starts over, lines are dashed.
+    // When the palette repeats, lines are dashed.
     let style = match series.style {
         Style::Line | Style::Stairs | Style::LineAndPoints if series.colour >= PALETTE.len() => Style::Dashed,
         style => style,
@@ -105,8 +105,8 @@ fn draw_series(
     points.iter().filter(|_| is_marked).try_for_each(|&at| area.draw(&point(at, series.colour)))
 }
 
-/// A point of a series; the shape goes with the colour.
-fn point(at: Place, colour: usize) -> Polygon<Place> {
+/// A point of a series; each colour has a shape.
+fn point(at: CanvasPoint, colour: usize) -> Polygon<CanvasPoint> {
     let (n_corners, turn, radius) = match colour % PALETTE.len() {
         0 => (24, 0.0, 3.6),
         1 => (4, 0.125, 4.4),
@@ -150,7 +150,7 @@ pub(super) fn draw(area: &Area<'_>, chart: &Chart) -> Drawn {
         .try_for_each(|guide| draw_guide(&canvas, guide, guide_ends(chart, guide).map(place)))?;
     for (i, series) in chart.series.iter().enumerate() {
         let lines: Vec<_> = lines(series, place).iter().map(|line| thinned(line)).collect();
-        let points: Vec<Place> = lines.iter().flatten().copied().collect();
+        let points: Vec<CanvasPoint> = lines.iter().flatten().copied().collect();
         draw_series(&canvas, series, line_width(chart, i), &lines, &points)?;
     }
     let corners = [(x.low, y.low), (x.high, y.low), (x.high, y.high), (x.low, y.high), (x.low, y.low)];
@@ -158,7 +158,7 @@ pub(super) fn draw(area: &Area<'_>, chart: &Chart) -> Drawn {
     Ok(())
 }
 
-/// Both axes, with all points and guides on them.
+/// Both axes, with room for all points and guides.
 fn rulers(chart: &Chart) -> (Ruler, Ruler) {
     let points = || chart.series.iter().flat_map(|series| &series.points).copied();
     let ends = chart.guides.iter().flat_map(|guide| guide_ends(chart, guide));
@@ -167,7 +167,7 @@ fn rulers(chart: &Chart) -> (Ruler, Ruler) {
     (x, Ruler::over(chart.y.scale, points().chain(ends).map(|(_, y)| y), 0.06))
 }
 
-/// Where a guide crosses the ends of the data.
+/// The ends of a guide at the ends of the data.
 fn guide_ends(chart: &Chart, guide: &Guide) -> [(f64, f64); 2] {
     let values = |of: fn(&(f64, f64)) -> f64| chart.series.iter().flat_map(|s| &s.points).map(of);
     let x = Ruler::over(chart.x.scale, values(|point| point.0), 0.0);
@@ -179,8 +179,8 @@ fn guide_ends(chart: &Chart, guide: &Guide) -> [(f64, f64); 2] {
     })
 }
 
-/// A dashed line with its label below, where a line of this slope leaves room.
-fn draw_guide(area: &Area<'_>, guide: &Guide, ends: [Option<Place>; 2]) -> Drawn {
+/// A dashed line with its label below it.
+fn draw_guide(area: &Area<'_>, guide: &Guide, ends: [Option<CanvasPoint>; 2]) -> Drawn {
     let [Some(from), Some(to)] = ends else { return Ok(()) };
     let pen = stroke(MIDDLE, 1.1);
     area.draw(&DashedPathElement::new([from, to], units(6.0), units(4.0), pen))?;
@@ -193,35 +193,35 @@ fn with_power(axis: &Axis, power: i32) -> String {
     if power == 0 { axis.label.clone() } else { format!("{} (×10{})", axis.label, superscript(power)) }
 }
 
-/// Width of a line: wider where others lie on top, so that curves that fall together can all be seen.
+/// Width of a line; earlier lines are wider, so that coinciding curves can all be seen.
 fn line_width(chart: &Chart, index: usize) -> f64 {
     let style = chart.series[index].style;
     let is_bare = !matches!(style, Style::Points | Style::LineAndPoints);
     let above = chart.series[index + 1..].iter().filter(|series| is_bare && series.style == style).count();
-    // Less so on a logarithmic axis, where curves are rarely smooth.
+    // Less on a logarithmic axis, where curves are rarely smooth.
     let more = if chart.y.scale == Scale::Linear { 1.1 } else { 0.6 };
     1.4 + more * above.min(3) as f64
 }
 
-/// Runs of points without a gap.
-fn lines(series: &Series, place: impl Fn((f64, f64)) -> Option<Place>) -> Vec<Vec<Place>> {
-    let places: Vec<Option<Place>> = series.points.iter().map(|&point| place(point)).collect();
+/// Sequences of points without a gap.
+fn lines(series: &Series, place: impl Fn((f64, f64)) -> Option<CanvasPoint>) -> Vec<Vec<CanvasPoint>> {
+    let places: Vec<Option<CanvasPoint>> = series.points.iter().map(|&point| place(point)).collect();
     let lines = places.split(Option::is_none).map(|line| line.iter().copied().flatten().collect());
     if series.style == Style::Stairs { lines.map(stairs).collect() } else { lines.collect() }
 }
 
-/// Each value from the point before on.
-fn stairs(points: Vec<Place>) -> Vec<Place> {
-    let step = |pair: &[Place]| [(pair[0].0, pair[1].1), pair[1]];
+/// Stairs: each value from the previous point on.
+fn stairs(points: Vec<CanvasPoint>) -> Vec<CanvasPoint> {
+    let step = |pair: &[CanvasPoint]| [(pair[0].0, pair[1].1), pair[1]];
     points.first().copied().into_iter().chain(points.windows(2).flat_map(step)).collect()
 }
 
-/// First, lowest, highest and last point of each of many groups, if there are more points than can be told apart.
-fn thinned(points: &[Place]) -> Vec<Place> {
+/// First, lowest, highest and last point of each of many groups, if there are more points than can be distinguished.
+fn thinned(points: &[CanvasPoint]) -> Vec<CanvasPoint> {
     if points.len() <= MOST_POINTS {
         return points.to_vec();
     }
-    let group = |group: &[Place]| {
+    let group = |group: &[CanvasPoint]| {
         let low = (0..group.len()).min_by_key(|&i| group[i].1).unwrap_or(0);
         let high = (0..group.len()).max_by_key(|&i| group[i].1).unwrap_or(0);
         let mut kept = vec![0, low, high, group.len() - 1];

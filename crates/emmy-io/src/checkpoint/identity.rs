@@ -1,27 +1,28 @@
-//! Of what run a checkpoint is: what may not change when it goes on.
+//! The run that a checkpoint belongs to: the part of its input that may not change.
 
 use emmy::mesh::Mesh;
+use serde::{Deserialize, Serialize};
 
 use crate::input::Problem;
 
-/// Sections of the input that may not change: the body, what acts on it, and where it started from.
+/// Sections of the input that may not change: body, loads, supports and initial state.
 const FIXED: [&str; 6] = ["mesh", "region", "mass", "load", "support", "initial"];
 
-/// Of what run a checkpoint is.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// The run that a checkpoint belongs to.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
-    /// The input with all values that hold.
+    /// The input with all defaults filled in.
     pub input: String,
     /// Digest of the mesh: nodes, cells, groups.
     pub mesh: String,
 }
 
-/// A checkpoint of another problem.
+/// The checkpoint belongs to another problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Mismatch {
-    /// A key of the input is another.
+    /// A key of the input has another value.
     #[error(
-        "`{key}` is {now}, but {before} in the checkpoint: body, loads, supports and the start of a run cannot change on the way; \
+        "`{key}` is {now}, but {before} in the checkpoint: body, loads, supports and initial state of a run cannot change; \
          start another run with `emmy run`"
     )]
     Key {
@@ -32,9 +33,9 @@ pub enum Mismatch {
         /// Its value in the checkpoint.
         before: String,
     },
-    /// The mesh is another, although the input names the same.
+    /// The mesh has changed, although the input names the same file.
     #[error(
-        "the mesh is not that of the checkpoint ({before}): it is {now}; the mesh file has changed since, bring it back"
+        "the mesh has changed since the checkpoint: it had {before} and now has {now}; restore the mesh file"
     )]
     Mesh {
         /// The mesh of the checkpoint.
@@ -50,7 +51,7 @@ impl Identity {
         Identity { input: problem.resolved.clone(), mesh: digest(problem.body.mesh()) }
     }
 
-    /// Checks that a problem goes on with the same body, loads and supports.
+    /// Checks that a problem has the same body, loads and supports.
     ///
     /// # Errors
     /// [`Mismatch`] with the first key that differs.
@@ -72,7 +73,8 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the stepper's memory holds on: scheme, degree, what chooses it and estimates errors, and linear solver are the same.
+    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and linear solver are the
+    /// same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();

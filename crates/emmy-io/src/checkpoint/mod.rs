@@ -1,11 +1,9 @@
-//! Checkpoints: all that a run needs to go on, in every bit.
+//! Checkpoints: everything that a run needs to resume, with the same bits.
 //!
-//! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One is on the disk for certain, whatever becomes of the
-//! machine; the next checkpoint goes to the other one, under another name first. Waiting for the disk costs as much as a hundred
-//! steps of a small body, so it is done once in a second at most; then the files change their roles. [`newest`] takes the later one that
-//! is whole.
+//! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One of them has been synced to the disk; the next
+//! checkpoint replaces the other. Syncing takes as long as a hundred steps of a small body, so it is done at most once a second;
+//! then the files change roles. [`newest`] takes the later one that is complete.
 
-mod content;
 mod file;
 mod identity;
 
@@ -14,41 +12,38 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use emmy::motion::{Motion, Snapshot};
+use serde::{Deserialize, Serialize};
 
-use crate::directory::{PART, named, remove, replace, replace_durably};
 use crate::input::Problem;
-use crate::tally::Tally;
+use crate::vtk::FrameTime;
+use crate::whole_file::{PART, named, names, remove, replace, replace_durably};
 pub use identity::{Identity, Mismatch};
 
-/// Directory of the checkpoints in that of a run.
+/// Directory of the checkpoints, in the directory of a run.
 pub const DIRECTORY: &str = "checkpoint";
 
 /// The two files.
 pub const FILES: [&str; 2] = ["a.checkpoint", "b.checkpoint"];
 
-/// Time between two checkpoints whose writing is waited for until they are on the disk, at the least.
+/// Least time between two syncs.
 const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
-/// All that a run needs to go on.
-#[derive(Debug, Clone, PartialEq)]
+/// Everything that a run needs to resume.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Version of the program that wrote it.
-    pub version: String,
-    /// Of what run it is.
+    /// The run that it belongs to.
     pub identity: Identity,
     /// The motion.
     pub snapshot: Snapshot,
-    /// What the run adds up to so far.
-    pub tally: Tally,
-    /// Frames that were written: step and time.
-    pub frames: Vec<(usize, f64)>,
-    /// Checksum of the rows of the history up to here.
-    pub history: u32,
-    /// Seconds that the run took so far.
+    /// Frames written so far.
+    pub frames: Vec<FrameTime>,
+    /// Checksum of the rows of the history so far.
+    pub history_checksum: u32,
+    /// Duration of the run so far, in seconds.
     pub wall_seconds: f64,
 }
 
-/// Why there is no checkpoint to go on from.
+/// Why there is no checkpoint to resume from.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// There is none.
@@ -56,21 +51,21 @@ pub enum CheckpointError {
         "there is no checkpoint in {path}; `emmy run` writes them with `[output] checkpoint_every`, and when it is stopped"
     )]
     Missing {
-        /// Where it was looked for.
+        /// The directory.
         path: PathBuf,
     },
-    /// There are some, but none is whole.
+    /// None can be used.
     #[error("no checkpoint can be read: {reasons}; start again with `emmy run`")]
     Damaged {
-        /// What is wrong with each.
+        /// Why each of them cannot be used.
         reasons: String,
     },
 }
 
-/// The newest whole checkpoint of a run, and what is wrong with the other one, if anything is.
+/// The newest usable checkpoint of a run, and why the other one cannot be used, if so.
 ///
 /// # Errors
-/// [`CheckpointError`] if none is whole.
+/// [`CheckpointError`] if none can be used.
 pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), CheckpointError> {
     let folder = directory.join(DIRECTORY);
     let (mut whole, mut reasons): (Vec<Checkpoint>, Vec<String>) = (Vec::new(), Vec::new());
@@ -80,7 +75,7 @@ pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), Checkpoi
             Err(error) => Err(error.to_string()),
             Ok(bytes) => Ok(bytes),
         };
-        match bytes.and_then(|bytes| content::read(&bytes)) {
+        match bytes.and_then(|bytes| file::read(&bytes)) {
             Ok(checkpoint) => whole.push(checkpoint),
             Err(reason) => reasons.push(format!("{} {reason}", path.display())),
         }
@@ -96,19 +91,31 @@ pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), Checkpoi
 /// A checkpoint from the bytes of its file.
 ///
 /// # Errors
-/// What is wrong with them, as what would follow the name of the file.
+/// Why they cannot be used, as the predicate of a sentence about the file.
 pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
-    content::read(bytes)
+    file::read(bytes)
 }
 
-/// How far the files of a run are.
+/// Removes the checkpoints in a folder, and the folder if it is then empty.
+pub(crate) fn remove_all(folder: &Path) -> io::Result<()> {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    for name in FILES {
+        remove(&folder.join(name))?;
+        remove(&folder.join(format!("{name}{PART}")))?;
+    }
+    if names(folder)?.is_empty() { std::fs::remove_dir(folder) } else { Ok(()) }
+}
+
+/// State of the files of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress<'a> {
-    /// Frames that were written: step and time.
-    pub frames: &'a [(usize, f64)],
+    /// Frames written so far.
+    pub frames: &'a [FrameTime],
     /// Checksum of the rows of the history.
-    pub history: u32,
-    /// Seconds that the run took.
+    pub history_checksum: u32,
+    /// Duration of the run, in seconds.
     pub wall_seconds: f64,
 }
 
@@ -117,32 +124,32 @@ pub struct Progress<'a> {
 pub struct Checkpoints {
     folder: PathBuf,
     identity: Identity,
-    /// Index of the file that is on the disk; the other one is written next.
+    /// Index of the file that has been synced; the other one is written next.
     safe: usize,
-    /// When that was.
+    /// When it was synced.
     synced: Option<Instant>,
-    /// Step of the last one that was written.
+    /// Step of the last checkpoint.
     last_step: Option<usize>,
 }
 
 impl Checkpoints {
-    /// Checkpoints of a problem in its directory, after one with which it goes on.
+    /// Checkpoints of a problem in its directory; `after`: the checkpoint that it resumes from.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn new(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
         let folder = problem.output.directory.join(DIRECTORY);
         std::fs::create_dir_all(&folder).map_err(named(&folder))?;
         for name in FILES {
-            // What a run that was killed left of a checkpoint.
+            // A killed run may have left an unfinished checkpoint.
             remove(&folder.join(format!("{name}{PART}"))).map_err(named(&folder))?;
         }
         let last_step = after.map(|checkpoint| checkpoint.snapshot.state.step);
         let is_kept = |name: &&str| {
-            let step = std::fs::read(folder.join(name)).ok().and_then(|bytes| content::read(&bytes).ok());
+            let step = std::fs::read(folder.join(name)).ok().and_then(|bytes| file::read(&bytes).ok());
             step.map(|checkpoint| checkpoint.snapshot.state.step) == last_step
         };
-        // The one that is gone on from stays until the other one is whole.
+        // The checkpoint that the run resumes from stays until the other one is complete.
         let safe = match last_step {
             Some(_) => FILES.iter().position(is_kept).unwrap_or(1),
             None => 1,
@@ -150,38 +157,30 @@ impl Checkpoints {
         Ok(Checkpoints { identity: Identity::new(problem), folder, safe, synced: None, last_step })
     }
 
-    /// Whether the next checkpoint should wait for the disk. All that it builds on, such as the history, must be there before.
+    /// Whether the next checkpoint should be synced. The history must be synced before it.
     pub fn is_sync_due(&self) -> bool {
         self.synced.is_none_or(|then| then.elapsed() >= BETWEEN_SYNCS)
     }
 
-    /// Writes a checkpoint of a motion, unless there is one of this step or the state is not finite: nothing could be resumed from that.
-    /// On the disk for certain if `is_safe`.
+    /// Writes a checkpoint of a motion, once a step, and synced if `is_safe`. A state that is not finite is not written, since nothing could
+    /// resume from it.
     ///
     /// # Errors
-    /// What the system refuses; the one before is then still there.
-    pub fn write(
-        &mut self,
-        motion: &Motion<'_>,
-        tally: &Tally,
-        progress: Progress<'_>,
-        is_safe: bool,
-    ) -> io::Result<()> {
+    /// Errors of the system; the checkpoint before is then still there.
+    pub fn write(&mut self, motion: &Motion<'_>, progress: Progress<'_>, is_safe: bool) -> io::Result<()> {
         let step = motion.state().step;
-        if self.last_step == Some(step) || !content::is_finite(motion.state()) {
+        if self.last_step == Some(step) || !file::is_finite(motion.state()) {
             return Ok(());
         }
         let checkpoint = Checkpoint {
-            version: env!("CARGO_PKG_VERSION").to_string(),
             identity: self.identity.clone(),
             snapshot: motion.snapshot(),
-            tally: tally.clone(),
             frames: progress.frames.to_vec(),
-            history: progress.history,
+            history_checksum: progress.history_checksum,
             wall_seconds: progress.wall_seconds,
         };
         let other = 1 - self.safe;
-        let (path, bytes) = (self.folder.join(FILES[other]), content::bytes(&checkpoint));
+        let (path, bytes) = (self.folder.join(FILES[other]), file::bytes(&checkpoint)?);
         if is_safe {
             replace_durably(&path, &bytes)?;
             (self.safe, self.synced) = (other, Some(Instant::now()));

@@ -1,29 +1,33 @@
-//! References kept on disk, each under a key of all that it depends on.
+//! References kept on disk, each under a key with everything that it depends on.
 //!
-//! A file is text of the key, then numbers, then a checksum over everything before. It is used only if every part is as
-//! it should be and the key is the same, letter by letter; anything else is computed anew.
+//! A file consists of the key, the samples, and a checksum. It is used only if it is complete and its key is the same; otherwise the
+//! reference is computed again.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::motion::State;
+use emmy::motion::{Samples, State};
+use serde::{Deserialize, Serialize};
 
-use super::{Samples, Study};
-use crate::directory::replace;
+use super::Study;
 use crate::input::Problem;
+use crate::stored;
+use crate::whole_file::replace;
 
-const HEADER: &str = "emmy reference 1\n";
+const HEADER: &str = "emmy reference 2\n";
+const DAMAGED: &str = "is damaged";
 
 /// Everything that a reference depends on, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key(String);
 
 impl Key {
-    /// The key of a study's reference that starts from a state.
+    /// The key of the reference of a study that starts from a state.
     ///
     /// # Errors
-    /// What the system refuses when the mesh file is read.
+    /// Errors of the system when the mesh file is read.
     pub fn new(problem: &Problem, study: &Study, state: &State) -> io::Result<Self> {
         let mut key = String::new();
         let (start, end) = study.window;
@@ -38,21 +42,20 @@ impl Key {
         let _ =
             writeln!(key, "steps = {:?} from {:?} by {start:?} to {end:?}", study.reference_size, study.from);
         let _ = writeln!(key, "state = {:016x}", state_sum(state));
-        // The input may have lost what is not UTF-8 of the path of the mesh.
+        // The path of the mesh in the input has lost characters that are not UTF-8.
         let mesh = problem.files.get(1).map(PathBuf::as_path);
-        key.push_str(&what_matters(&problem.resolved, mesh)?);
+        key.push_str(&relevant_input(&problem.resolved, mesh)?);
         Ok(Key(key))
     }
 
-    /// Path of the file in a study's directory.
+    /// Path of the file in the directory of a study.
     pub fn path(&self, directory: &Path) -> PathBuf {
         directory.join("reference").join(format!("{:016x}.samples", checksum(self.0.as_bytes())))
     }
 }
 
-/// The resolved input without what does not change a motion from a given state, and with the content of the mesh file
-/// in place of its path.
-fn what_matters(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
+/// The part of the resolved input on which a motion from a given state depends, with a checksum of the mesh file in place of its path.
+fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     let mut input: toml::Table = resolved.parse().map_err(io::Error::other)?;
     ["title", "output", "limits", "initial"].into_iter().for_each(|section| drop(input.remove(section)));
     if let Some(time) = input.get_mut("time").and_then(toml::Value::as_table_mut) {
@@ -77,12 +80,12 @@ fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// What was found on disk.
+/// Result of a search for kept samples.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
-    /// Nothing under the key.
+    /// There is no file for the key.
     Nothing,
-    /// A file that is damaged, or not of this key; why.
+    /// The file cannot be used, for this reason.
     Unusable(&'static str),
     /// The samples.
     Samples(Samples),
@@ -101,50 +104,52 @@ pub fn find(directory: &Path, key: &Key, times: &[f64], tolerance: f64) -> Found
     }
 }
 
-/// Keeps samples under their key; the file is whole at every moment.
+/// Keeps samples under their key; a file is replaced as a whole.
 ///
 /// # Errors
-/// What the system refuses.
+/// Errors of the system.
 pub fn keep(directory: &Path, key: &Key, samples: &Samples) -> io::Result<()> {
     let path = key.path(directory);
     std::fs::create_dir_all(directory.join("reference"))?;
-    replace(&path, &encoded(key, samples))
+    replace(&path, &encoded(key, samples)?)
 }
 
-fn encoded(key: &Key, samples: &Samples) -> Vec<u8> {
+/// A reference as stored.
+#[derive(Serialize, Deserialize)]
+struct StoredReference<'a> {
+    key: Cow<'a, str>,
+    times: Cow<'a, [f64]>,
+    n_dofs: usize,
+    displacement: Cow<'a, [f64]>,
+}
+
+fn encoded(key: &Key, samples: &Samples) -> io::Result<Vec<u8>> {
     let mut bytes = HEADER.as_bytes().to_vec();
-    let sizes = [key.0.len(), samples.times.len(), samples.n_dofs];
-    sizes.iter().for_each(|size| bytes.extend((*size as u64).to_le_bytes()));
-    bytes.extend(key.0.as_bytes());
-    let numbers = samples.times.iter().chain(&samples.displacement);
-    numbers.for_each(|number| bytes.extend(number.to_le_bytes()));
-    let sum = checksum(&bytes);
-    bytes.extend(sum.to_le_bytes());
-    bytes
+    let Samples { times, n_dofs, displacement } = samples;
+    let reference = StoredReference {
+        key: Cow::Borrowed(&key.0),
+        times: Cow::Borrowed(times),
+        n_dofs: *n_dofs,
+        displacement: Cow::Borrowed(displacement),
+    };
+    stored::append(&mut bytes, 0, &reference)?;
+    Ok(bytes)
 }
 
 fn decoded(bytes: &[u8], key: &Key) -> Result<Samples, &'static str> {
-    const DAMAGED: &str = "is damaged";
-    let (content, sum) = bytes.split_last_chunk::<8>().ok_or(DAMAGED)?;
-    if checksum(content) != u64::from_le_bytes(*sum) {
-        return Err(DAMAGED);
-    }
-    let rest = content.strip_prefix(HEADER.as_bytes()).ok_or("is not a reference of this version")?;
-    let (sizes, rest) = rest.split_at_checked(24).ok_or(DAMAGED)?;
-    let [key_length, n_times, n_dofs] = [0, 8, 16]
-        .map(|i| sizes[i..i + 8].iter().rev().fold(0, |sum: usize, byte| sum << 8 | usize::from(*byte)));
-    let (text, rest) = rest.split_at_checked(key_length).ok_or(DAMAGED)?;
-    if text != key.0.as_bytes() {
+    let content = stored::verified(bytes).ok_or(DAMAGED)?;
+    let content = content.strip_prefix(HEADER.as_bytes()).ok_or("is not a reference of this version")?;
+    let stored: StoredReference<'_> = rmp_serde::from_slice(content).map_err(|_| DAMAGED)?;
+    if stored.key != key.0 {
         return Err("is of another study");
     }
-    let numbers: Vec<f64> =
-        rest.as_chunks::<8>().0.iter().map(|number| f64::from_le_bytes(*number)).collect();
-    let expected = n_times.checked_mul(n_dofs).and_then(|size| size.checked_add(n_times));
-    if expected != Some(numbers.len()) || rest.len() % 8 != 0 {
-        return Err(DAMAGED);
-    }
-    let (times, displacement) = numbers.split_at(n_times);
-    Ok(Samples { times: times.to_vec(), n_dofs, displacement: displacement.to_vec() })
+    let samples = Samples {
+        times: stored.times.into_owned(),
+        n_dofs: stored.n_dofs,
+        displacement: stored.displacement.into_owned(),
+    };
+    let n_numbers = samples.times.len().checked_mul(samples.n_dofs);
+    if n_numbers == Some(samples.displacement.len()) { Ok(samples) } else { Err(DAMAGED) }
 }
 
 #[cfg(test)]
@@ -174,9 +179,9 @@ mod tests {
     }
 
     #[test]
-    fn every_damage_is_seen() {
+    fn every_damage_is_detected() {
         let key = Key("key".into());
-        let whole = encoded(&key, &samples());
+        let whole = encoded(&key, &samples()).unwrap();
         assert_eq!(decoded(&whole, &key), Ok(samples()));
         for length in 0..whole.len() {
             assert!(decoded(&whole[..length], &key).is_err());
@@ -184,28 +189,21 @@ mod tests {
             flipped[length] ^= 4;
             assert!(decoded(&flipped, &key).is_err());
         }
-        // A whole checksum does not make a whole file.
-        for sizes in [[u64::MAX, 2, 3], [3, u64::MAX, 3], [3, 2, u64::MAX], [3, 2, 2]] {
-            let mut odd = whole[..whole.len() - 8].to_vec();
-            let at = HEADER.len();
-            sizes
-                .iter()
-                .enumerate()
-                .for_each(|(i, size)| odd[at + 8 * i..at + 8 * i + 8].copy_from_slice(&size.to_le_bytes()));
-            let sum = checksum(&odd);
-            odd.extend(sum.to_le_bytes());
-            assert!(decoded(&odd, &key).is_err(), "{sizes:?}");
+        // A valid checksum does not make a valid file.
+        for n_dofs in [0, 2, usize::MAX] {
+            let odd = encoded(&key, &Samples { n_dofs, ..samples() }).unwrap();
+            assert_eq!(decoded(&odd, &key), Err(DAMAGED), "{n_dofs}");
         }
     }
 
     #[test]
-    fn only_what_matters_is_in_the_key() {
+    fn the_key_has_only_what_a_motion_depends_on() {
         let input = |output: &str, mu: &str| {
             format!(
                 "title = 'a'\n[mesh]\nscale = 2.0\n[time]\nscheme = 'DGM'\n[region]\nmu = {mu}\n[output]\n{output}\n"
             )
         };
-        let key = |output: &str, mu: &str| what_matters(&input(output, mu), None).unwrap();
+        let key = |output: &str, mu: &str| relevant_input(&input(output, mu), None).unwrap();
         assert_eq!(key("every = 1", "3.0"), key("every = 2", "3.0"));
         assert_ne!(key("every = 1", "3.0"), key("every = 1", "3.5"));
         assert!(key("", "1.0").contains("scale"));

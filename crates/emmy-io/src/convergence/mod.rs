@@ -1,19 +1,15 @@
-//! Convergence studies: the error of runs over their step size, against a reference.
+//! Convergence studies: the error of runs as a function of their step size, measured against a reference.
 //!
-//! Members and reference start from one state and go through the same phases with steps of their own ([`Study`]). The
-//! reference is kept at the times of the members only ([`Samples`]), in memory and on disk ([`kept`]); a member is
-//! compared with it while it marches ([`ErrorNorm`]) and leaves a [`Row`].
+//! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The reference is
+//! sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each member is compared with it
+//! while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
 
 pub mod kept;
-mod norm;
 mod runs;
-mod samples;
 mod table;
 
-pub use norm::ErrorNorm;
 pub use runs::{members, on_one_thread, reference, start, until};
-pub use samples::{Sampler, Samples};
-pub use table::{Measure, Row, chart, orders, write};
+pub use table::{Measure, MemberRun, chart, orders, write};
 
 use emmy::Result;
 use emmy::motion::{Phase, StepPlan};
@@ -24,7 +20,7 @@ use emmy::time::Scheme;
 pub struct Study {
     /// Scheme of the members.
     pub scheme: Scheme,
-    /// Time at which all runs start from one state.
+    /// Time at which all runs start from the same state.
     pub from: f64,
     /// Times between which the error is measured; the runs end at the later one.
     pub window: (f64, f64),
@@ -34,12 +30,12 @@ pub struct Study {
     pub reference_scheme: Scheme,
     /// Step size of the reference.
     pub reference_size: f64,
-    /// Times at which supports are released: steps end there.
+    /// Times at which supports are released; steps end there.
     pub releases: Vec<f64>,
 }
 
 impl Study {
-    /// Plan of a run with steps of a size. Steps end on both ends of the window, shortened if need be.
+    /// Plan of a run with steps of a size. A step ends at each end of the window; it is shortened if necessary.
     ///
     /// # Errors
     /// [`emmy::Error::Plan`].
@@ -60,7 +56,7 @@ impl Study {
         Ok(ends.filter(|&time| time >= self.window.0 - self.tolerance()).collect())
     }
 
-    /// Times of all members: where the reference is needed. Ascending, each once.
+    /// Times of all members, at which the reference is needed: ascending, each once.
     ///
     /// # Errors
     /// [`emmy::Error::Plan`].
@@ -74,17 +70,20 @@ impl Study {
         Ok(times)
     }
 
-    /// How many of some times lie inside a step of the reference, which is interpolated there.
+    /// How many of some times lie inside a step of the reference, where it is interpolated.
     ///
     /// # Errors
     /// [`emmy::Error::Plan`].
     pub fn n_interpolated(&self, times: &[f64]) -> Result<usize> {
         let own = self.times(self.reference_size)?;
-        let is_own = |time: &&f64| samples::nearest(&own, **time, self.tolerance()).is_some();
+        let is_own = |time: &&f64| {
+            let next = own.partition_point(|other| *other < **time - self.tolerance());
+            own.get(next).is_some_and(|other| *other <= **time + self.tolerance())
+        };
         Ok(times.len() - times.iter().filter(is_own).count())
     }
 
-    /// Times nearer than this are the same but for rounding.
+    /// Times nearer than this differ by round-off only.
     pub fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.window.0.abs().max(self.window.1.abs())
     }

@@ -4,12 +4,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use emmy::motion::{MarchError, Motion, Observer, Phase, State, StepPlan, View};
+use emmy::motion::{ErrorNorm, MarchError, Motion, Observer, Phase, Sampler, Samples, State, StepPlan};
 
-use super::{ErrorNorm, Measure, Row, Sampler, Samples, Study};
+use super::{Measure, MemberRun, Study};
 use crate::input::Problem;
 
-/// The state at a time, reached by the input's own scheme and plan; its steps are counted from there.
+/// The state at a time, reached with scheme and plan of the input; steps are counted from there.
 ///
 /// # Errors
 /// [`MarchError`] of the first step that fails.
@@ -55,17 +55,16 @@ pub fn reference(
     Ok(sampler.finish())
 }
 
-/// All members, side by side; the longest ones begin. Rows stand in the order of the sizes, and are reported when they
-/// are there.
+/// All members, side by side, the longest first. They are reported when they are done, and returned in the order of their sizes.
 ///
-/// Every member has one thread: that of the problem's body must not expect more ([`on_one_thread`]).
+/// Every member has one thread, so the body must have been built for one ([`on_one_thread`]).
 pub fn members(
     problem: &Problem,
     study: &Study,
     state: &State,
     samples: &Samples,
-    report: impl Fn(&Row) + Sync,
-) -> Vec<Row> {
+    report: impl Fn(&MemberRun) + Sync,
+) -> Vec<MemberRun> {
     let mut order: Vec<usize> = (0..study.sizes.len()).collect();
     order.sort_by(|&a, &b| study.sizes[a].total_cmp(&study.sizes[b]));
     let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
@@ -73,7 +72,7 @@ pub fn members(
         while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
             let size = study.sizes[index];
             let row = on_one_thread(|| member(problem, study, state, samples, size));
-            let row = row.unwrap_or_else(|failure| Row {
+            let row = row.unwrap_or_else(|failure| MemberRun {
                 step_size: size,
                 outcome: Err(failure),
                 wall_seconds: 0.0,
@@ -92,20 +91,20 @@ pub fn members(
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
-/// Does something in a pool of one thread: what is built there works on one thread, whoever calls.
+/// Runs a function in a pool of one thread; bodies built there always work on one thread.
 ///
 /// # Errors
-/// The message of a system that has no thread to give.
+/// The message of the system, if it cannot start a thread.
 pub fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, String> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|error| format!("cannot start a thread: {error}"))?;
     Ok(pool.install(work))
 }
 
-fn member(problem: &Problem, study: &Study, state: &State, samples: &Samples, step_size: f64) -> Row {
+fn member(problem: &Problem, study: &Study, state: &State, samples: &Samples, step_size: f64) -> MemberRun {
     let started = Instant::now();
     let outcome = measure(problem, study, state, samples, step_size).map_err(|error| with_causes(&error));
-    Row { step_size, outcome, wall_seconds: started.elapsed().as_secs_f64() }
+    MemberRun { step_size, outcome, wall_seconds: started.elapsed().as_secs_f64() }
 }
 
 fn measure(
@@ -117,26 +116,15 @@ fn measure(
 ) -> Result<Measure, MarchError> {
     let mut motion = Motion::starting(&problem.body, study.scheme, problem.newton, state.clone())?;
     let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
-    let mut newton = Newton(0);
-    motion.march(&study.plan(step_size)?, &mut [&mut norm, &mut newton])?;
+    motion.march(&study.plan(step_size)?, &mut [&mut norm])?;
     let (error, relative_error) = (norm.error(), norm.relative_error());
-    Ok(Measure { error, relative_error, newton_iterations: newton.0 })
+    Ok(Measure { error, relative_error, newton_iterations: motion.statistics().newton_iterations })
 }
 
-/// An error with everything that led to it.
+/// An error with its causes.
 fn with_causes(error: &dyn std::error::Error) -> String {
     match error.source() {
         Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
         None => error.to_string(),
-    }
-}
-
-/// Counts Newton iterations.
-struct Newton(usize);
-
-impl Observer for Newton {
-    fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.0 += view.record.newton_iterations;
-        Ok(())
     }
 }

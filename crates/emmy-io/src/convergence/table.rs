@@ -5,14 +5,14 @@ use std::path::Path;
 
 use super::Study;
 use crate::chart::{Axis, Chart, Guide, Series, Style};
-use crate::directory::replace;
+use crate::whole_file::replace;
 
-/// What was measured of a member.
+/// Measurements of a member.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measure {
     /// Norm of the error \[length time^(1/2)\].
     pub error: f64,
-    /// The same over the norm of the reference's displacement.
+    /// The error over the norm of the displacement of the reference.
     pub relative_error: Option<f64>,
     /// Newton iterations.
     pub newton_iterations: usize,
@@ -20,31 +20,31 @@ pub struct Measure {
 
 /// A member of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct MemberRun {
     /// Step size.
     pub step_size: f64,
-    /// What was measured, or why there is nothing.
+    /// The measurements, or why the run failed.
     pub outcome: Result<Measure, String>,
-    /// Seconds that the member took.
+    /// Duration in seconds.
     pub wall_seconds: f64,
 }
 
-impl Row {
+impl MemberRun {
     /// The error, if there is one.
     pub fn error(&self) -> Option<f64> {
         self.outcome.as_ref().ok().map(|measure| measure.error)
     }
 }
 
-/// Observed orders, each against the row before:
+/// Observed orders, each from a member and the one before:
 ///
 /// ```math
 /// ln(e_1 / e_2) / ln(h_1 / h_2)
 /// ```
 ///
-/// None in the first row and where an error is missing or zero.
-pub fn orders(rows: &[Row]) -> Vec<Option<f64>> {
-    let order = |pair: &[Row]| {
+/// `None` for the first member, and where an error is missing or zero.
+pub fn orders(rows: &[MemberRun]) -> Vec<Option<f64>> {
+    let order = |pair: &[MemberRun]| {
         let (coarse, fine) = (pair[0].error()?, pair[1].error()?);
         let order = (coarse / fine).ln() / (pair[0].step_size / pair[1].step_size).ln();
         order.is_finite().then_some(order)
@@ -55,16 +55,16 @@ pub fn orders(rows: &[Row]) -> Vec<Option<f64>> {
 /// Writes `convergence.csv`, `convergence.svg` and `convergence.png` into a directory.
 ///
 /// # Errors
-/// What the system refuses.
-pub fn write(directory: &Path, study: &Study, rows: &[Row]) -> io::Result<()> {
+/// Errors of the system.
+pub fn write(directory: &Path, study: &Study, rows: &[MemberRun]) -> io::Result<()> {
     replace(&directory.join("convergence.csv"), csv(rows).as_bytes())?;
     chart(study, rows).write(&directory.join("convergence"))
 }
 
-/// Numbers have 17 significant digits; what is not there is empty.
-fn csv(rows: &[Row]) -> String {
+/// Numbers have 17 significant digits; missing ones are empty.
+fn csv(rows: &[MemberRun]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.16e}"));
-    let line = |(row, order): (&Row, Option<f64>)| {
+    let line = |(row, order): (&MemberRun, Option<f64>)| {
         let (size, error) = (number(Some(row.step_size)), number(row.error()));
         format!("{size},{error},{},{}\n", number(order), number(Some(row.wall_seconds)))
     };
@@ -72,8 +72,8 @@ fn csv(rows: &[Row]) -> String {
     format!("step_size,error,order,wall_seconds\n{lines}")
 }
 
-/// Error over step size, with the slope that the scheme's order at the time nodes, 2k, would have.
-pub fn chart(study: &Study, rows: &[Row]) -> Chart {
+/// Error over step size, with the slope of order 2k, the order of the scheme at the time nodes.
+pub fn chart(study: &Study, rows: &[MemberRun]) -> Chart {
     let mut points: Vec<(f64, f64)> =
         rows.iter().filter_map(|row| Some((row.step_size, row.error()?))).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -106,9 +106,9 @@ pub fn chart(study: &Study, rows: &[Row]) -> Chart {
 mod tests {
     use super::*;
 
-    fn row(step_size: f64, error: Option<f64>) -> Row {
+    fn row(step_size: f64, error: Option<f64>) -> MemberRun {
         let measure = |error| Measure { error, relative_error: None, newton_iterations: 1 };
-        Row { step_size, outcome: error.map(measure).ok_or_else(String::new), wall_seconds: 0.5 }
+        MemberRun { step_size, outcome: error.map(measure).ok_or_else(String::new), wall_seconds: 0.5 }
     }
 
     #[test]

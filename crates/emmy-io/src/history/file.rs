@@ -1,4 +1,4 @@
-//! The file as it grows, with a checksum of its rows.
+//! Writes `history.csv`, with a checksum of its rows.
 
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -6,9 +6,9 @@ use std::path::Path;
 
 use crc32fast::Hasher;
 
-use super::{Extent, HistoryError, Number, columns};
-use crate::directory::{PART, named};
-use crate::rows::{RowFile, step_of, with_ending};
+use super::{HistoryColumns, HistoryError, Number};
+use crate::rows::{RowFile, step_of};
+use crate::whole_file::{PART, named, with_ending};
 
 /// The file; every row is on disk once it is written.
 #[derive(Debug)]
@@ -17,7 +17,7 @@ pub struct HistoryFile {
     sum: RowSum,
 }
 
-/// Checksum of rows, without the time of the last one: a run that is resumed with another plan may change its rounding.
+/// Checksum of rows, without the time of the last one: another plan of a resumed run may change its last bit.
 #[derive(Debug, Default)]
 struct RowSum {
     before: Hasher,
@@ -43,29 +43,29 @@ impl HistoryFile {
     /// A new file with its header.
     ///
     /// # Errors
-    /// What the system refuses.
-    pub fn create(path: &Path, extent: &Extent) -> io::Result<Self> {
-        let rows = RowFile::create(path, &columns(extent).join(","))?;
+    /// Errors of the system.
+    pub fn create(path: &Path, columns: &HistoryColumns) -> io::Result<Self> {
+        let rows = RowFile::create(path, &columns.names().join(","))?;
         Ok(HistoryFile { rows, sum: RowSum::default() })
     }
 
-    /// The history of a run that is resumed after a step; later rows are cut off. `sum`: checksum of the others. The time of the
-    /// step's own row becomes the time of its state, which differs by rounding where the plan had ended there.
+    /// The history of a run that is resumed after a step; later rows are removed. `checksum`: of the rows up to that step. The time in the
+    /// last row becomes the time of the state, which differs in the last bit if the plan had ended there.
     ///
     /// # Errors
     /// [`HistoryError`] if the file is damaged, has other columns or other rows, or ends before the step.
     pub fn resume(
         path: &Path,
-        extent: &Extent,
+        columns: &HistoryColumns,
         step: usize,
         time: f64,
-        sum: u32,
+        checksum: u32,
     ) -> Result<Self, HistoryError> {
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
         let mut reader = BufReader::new(File::open(path).map_err(system)?);
         let mut line = Vec::new();
         let mut length = reader.read_until(b'\n', &mut line).map_err(system)?;
-        if line.trim_ascii_end() != columns(extent).join(",").as_bytes() {
+        if line.trim_ascii_end() != columns.names().join(",").as_bytes() {
             return Err(HistoryError::Columns { path: path.to_path_buf() });
         }
         let (mut own, mut last) = (RowSum::default(), None);
@@ -82,7 +82,7 @@ impl HistoryFile {
         if last != Some(step) {
             return Err(HistoryError::Short { path: path.to_path_buf(), step });
         }
-        if own.value() != sum {
+        if own.value() != checksum {
             return Err(HistoryError::Changed { path: path.to_path_buf() });
         }
         let row = with_time(&own.last, time);
@@ -101,10 +101,10 @@ impl HistoryFile {
         self.sum.value()
     }
 
-    /// Checks that the file is still there, with all its rows. Reads it.
+    /// Reads the file, and checks that all rows are still there.
     ///
     /// # Errors
-    /// An error that says what is wrong.
+    /// How the file has changed.
     pub fn verify(&self) -> io::Result<()> {
         self.rows.verify()?;
         let path = self.rows.path();
@@ -121,22 +121,22 @@ impl HistoryFile {
             return Ok(());
         }
         Err(named(path)(io::Error::other(
-            "it was changed during the run: its rows are not those that were written",
+            "it was changed during the run: its rows are not those that the run wrote",
         )))
     }
 
-    /// Has the system put all rows on the disk itself.
+    /// Syncs all rows to the disk.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn sync(&self) -> io::Result<()> {
         self.rows.sync()
     }
 
-    /// Writes a row with 17 significant digits, which is what it takes to read back the same numbers.
+    /// Writes a row with 17 significant digits, so that the same numbers are read back.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, row: &[Number]) -> io::Result<()> {
         let text = |number: &Number| match number {
             Number::Whole(value) => value.to_string(),
@@ -160,11 +160,11 @@ fn with_time(row: &[u8], time: f64) -> Vec<u8> {
     cells.map(|(i, cell)| if i == 1 { &time[..] } else { cell }).collect::<Vec<_>>().join(&b',')
 }
 
-/// Replaces all after a place in a file, so that at every moment either the old or the new file is there, whole.
-fn replace_end(path: &Path, place: u64, end: &[u8]) -> io::Result<()> {
+/// Replaces the end of a file from an offset on: at every moment either the old or the new file is there, complete.
+fn replace_end(path: &Path, offset: u64, end: &[u8]) -> io::Result<()> {
     let part = with_ending(path, PART);
     let mut new = File::create(&part).map_err(named(&part))?;
-    io::copy(&mut File::open(path)?.take(place), &mut new)
+    io::copy(&mut File::open(path)?.take(offset), &mut new)
         .and_then(|_| new.write_all(end))
         .map_err(named(&part))?;
     fs::rename(&part, path)

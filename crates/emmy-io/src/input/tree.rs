@@ -77,7 +77,7 @@ impl Node {
 /// The tree of a file.
 pub(super) fn read(path: &Path) -> Result<Node, InputError> {
     let name = path.display().to_string();
-    let bytes = crate::file::read(path).map_err(|error| unreadable(path, &error))?;
+    let bytes = crate::whole_file::read(path).map_err(|error| unreadable(path, &error))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count() + 1;

@@ -62,7 +62,7 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
-    let bytes = crate::file::read(path)
+    let bytes = crate::whole_file::read(path)
         .map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
     parse_with_links(path, &bytes, links)
 }

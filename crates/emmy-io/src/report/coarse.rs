@@ -1,11 +1,10 @@
-//! A coarser surface: nodes of a grid's box become one of them (Rossignac and Borrel 1993, vertex clustering).
+//! Coarsening of a surface: the nodes in each box of a grid become one of them (vertex clustering, Rossignac and Borrel 1993).
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::surface::Surface;
 
-/// The surface with at most `limit` nodes, each of them one that was there: of the nodes in a box the one nearest to their
-/// mean. `points`: of the mesh.
+/// The surface with at most `limit` of its nodes: of the nodes in a box, the one nearest to their mean stays. `points`: of the mesh.
 pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> Surface {
     if surface.nodes.len() <= limit {
         return surface;
@@ -28,7 +27,7 @@ pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> 
         }
         boxes
     };
-    // The largest number of divisions with few enough boxes.
+    // The largest number of divisions that leaves few enough boxes.
     let (mut few, mut many) = (1, 2 * n);
     while many - few > 1 {
         let middle = few + (many - few) / 2;
@@ -46,7 +45,7 @@ pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> 
     replaced(&surface, &representative)
 }
 
-/// The surface with nodes replaced by others; what collapses is left out.
+/// The surface with nodes replaced by others; collapsed triangles and lines are left out.
 fn replaced(surface: &Surface, representative: &[u32]) -> Surface {
     let new = |node: u32| representative[node as usize];
     let (mut seen, mut triangles, mut edges) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
@@ -85,7 +84,7 @@ mod tests {
         let coarse = coarsened(fine.clone(), mesh.points(), 500);
         assert!(coarse.nodes.len() <= 500 && coarse.nodes.len() > 200, "{}", coarse.nodes.len());
         assert!(coarse.nodes.iter().all(|node| fine.nodes.contains(node)));
-        // Of a closed surface every edge has two triangles.
+        // Every edge of a closed surface belongs to two triangles.
         assert_eq!(2 * coarse.edges.len(), 3 * coarse.triangles.len());
         assert_eq!(coarsened(fine.clone(), mesh.points(), 10_000), fine);
     }

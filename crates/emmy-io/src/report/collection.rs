@@ -7,62 +7,61 @@ use emmy::body::fields::{FieldName, Place};
 use roxmltree::Document;
 
 use super::ReportError;
-use crate::directory::COLLECTION_MARK;
 use crate::mesh::{MeshError, vtu};
-use crate::vtk::SeriesReader;
+use crate::vtk::{COLLECTION_MARK, SeriesReader};
 
-/// Frames that can be read one by one.
+/// The frames of a run, read one by one.
 #[derive(Debug)]
-pub(super) enum Frames {
-    /// One file each.
+pub(super) enum FrameSource {
+    /// One file for each frame.
     Files(Vec<Listed>),
-    /// All in one file, with the number of the step of each.
+    /// One file for all frames, with the step of each frame.
     Series(SeriesReader, Vec<u32>),
 }
 
-impl Frames {
-    /// The frames in a directory with the name of their file: a collection before a series.
-    pub(super) fn find(directory: &Path) -> Option<(String, Frames)> {
-        let files = collection(directory).map(|(name, listed)| (name, Frames::Files(listed)));
+impl FrameSource {
+    /// The frames in a directory, with the name of their file. A collection takes precedence over a series.
+    pub(super) fn find(directory: &Path) -> Option<(String, FrameSource)> {
+        let files = collection(directory).map(|(name, listed)| (name, FrameSource::Files(listed)));
         files.or_else(|| series(directory))
     }
 
-    /// Times of frames that do not know their steps.
+    /// Times of frames whose steps are unknown.
     pub(super) fn times(&self) -> &[f64] {
         match self {
-            Frames::Files(_) => &[],
-            Frames::Series(series, _) => series.times(),
+            FrameSource::Files(_) => &[],
+            FrameSource::Series(series, _) => series.times(),
         }
     }
 
-    /// Gives them their steps.
-    pub(super) fn number(&mut self, numbers: &[u32]) {
-        if let Frames::Series(_, steps) = self {
+    /// Sets unknown steps.
+    pub(super) fn set_steps(&mut self, numbers: &[u32]) {
+        if let FrameSource::Series(_, steps) = self {
             *steps = numbers.to_vec();
         }
     }
 
     pub(super) fn len(&self) -> usize {
         match self {
-            Frames::Files(listed) => listed.len(),
-            Frames::Series(_, steps) => steps.len(),
+            FrameSource::Files(listed) => listed.len(),
+            FrameSource::Series(_, steps) => steps.len(),
         }
     }
 
     /// Step and time of a frame.
     pub(super) fn at(&self, frame: usize) -> (u32, f64) {
         match self {
-            Frames::Files(listed) => (listed[frame].step, listed[frame].time),
-            Frames::Series(series, steps) => (steps[frame], series.times()[frame]),
+            FrameSource::Files(listed) => (listed[frame].step, listed[frame].time),
+            FrameSource::Series(series, steps) => (steps[frame], series.times()[frame]),
         }
     }
 
-    /// What there is to see in the first frame.
+    /// Mesh and nodal fields of the first frame.
     pub(super) fn first(&self) -> Result<vtu::Frame, ReportError> {
         match self {
-            Frames::Files(listed) => Ok(vtu::frame(&listed[0].path, &read(&listed[0])?)?),
-            Frames::Series(series, _) => {
-                let mesh = series.mesh().map_err(|error| refused(series, error))?;
+            FrameSource::Files(listed) => Ok(vtu::frame(&listed[0].path, &read(&listed[0])?)?),
+            FrameSource::Series(series, _) => {
+                let mesh = series.mesh().map_err(|error| unreadable_series(series, error))?;
                 let at_nodes = series.fields().into_iter().filter(|field| field.place() == Place::Nodes);
                 Ok(vtu::Frame {
                     points: mesh.points().to_vec(),
@@ -73,14 +72,18 @@ impl Frames {
         }
     }
 
-    /// Arrays of a frame at its nodes, in the order of their names; one that is not there is empty.
+    /// Nodal arrays of a frame by their names; a missing one is empty.
     pub(super) fn values(&self, frame: usize, names: &[&str]) -> Result<Vec<Vec<f64>>, ReportError> {
         match self {
-            Frames::Files(listed) => Ok(vtu::fields(&listed[frame].path, &read(&listed[frame])?, names)?),
-            Frames::Series(series, _) => {
+            FrameSource::Files(listed) => {
+                Ok(vtu::fields(&listed[frame].path, &read(&listed[frame])?, names)?)
+            }
+            FrameSource::Series(series, _) => {
                 let there = series.fields();
                 let field = |name: &&str| match there.iter().find(|field| field.name() == *name) {
-                    Some(&field) => series.values(field, frame).map_err(|error| refused(series, error)),
+                    Some(&field) => {
+                        series.values(field, frame).map_err(|error| unreadable_series(series, error))
+                    }
                     None => Ok(Vec::new()),
                 };
                 names.iter().map(field).collect()
@@ -94,21 +97,21 @@ fn read(frame: &Listed) -> Result<Vec<u8>, ReportError> {
     Ok(fs::read(&frame.path).map_err(unreadable)?)
 }
 
-fn refused(series: &SeriesReader, error: std::io::Error) -> ReportError {
+fn unreadable_series(series: &SeriesReader, error: std::io::Error) -> ReportError {
     ReportError::System { path: series.path().to_path_buf(), error }
 }
 
-/// The series of a directory, if there is one that Emmy wrote.
-fn series(directory: &Path) -> Option<(String, Frames)> {
+/// The series in a directory, if Emmy wrote one.
+fn series(directory: &Path) -> Option<(String, FrameSource)> {
     let path = in_order(directory, "vtkhdf").into_iter().next()?;
     let series =
         SeriesReader::open(&path).ok().filter(|series| series.fields().contains(&FieldName::Displacement))?;
-    // The file knows times only; those of the history are the same numbers.
+    // The file has times only, which are the same numbers as in the history.
     let steps = vec![0; series.times().len()];
-    Some((path.file_name()?.to_string_lossy().into_owned(), Frames::Series(series, steps)))
+    Some((path.file_name()?.to_string_lossy().into_owned(), FrameSource::Series(series, steps)))
 }
 
-/// Files of a directory with an extension: that of the directory's own name before others.
+/// Files of a directory with an extension; the one named after the directory is first.
 fn in_order(directory: &Path, extension: &str) -> Vec<PathBuf> {
     let own = directory.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_os_string()));
     let entries = fs::read_dir(directory).into_iter().flatten();
@@ -118,7 +121,7 @@ fn in_order(directory: &Path, extension: &str) -> Vec<PathBuf> {
     names
 }
 
-/// A frame that a collection lists.
+/// A frame in a collection.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Listed {
     pub(super) time: f64,
@@ -127,8 +130,7 @@ pub(super) struct Listed {
     pub(super) path: PathBuf,
 }
 
-/// Name of the collection in a directory and its frames, if there is one that Emmy wrote: that of the directory's own name
-/// before others.
+/// Name and frames of the collection in a directory, if Emmy wrote one; the one named after the directory is first.
 fn collection(directory: &Path) -> Option<(String, Vec<Listed>)> {
     in_order(directory, "pvd").into_iter().find_map(|path| {
         let text = fs::read_to_string(&path).ok().filter(|text| text.contains(COLLECTION_MARK))?;

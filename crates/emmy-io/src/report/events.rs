@@ -1,4 +1,4 @@
-//! `events.csv`: what happened beside the plan, `step,time,event,message`.
+//! Reads `events.csv`, with the columns `step,time,event,message`.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,13 +6,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-/// Events that a page has at most.
+/// Largest number of events of a page.
 const MAX_EVENTS: usize = 1000;
 
-/// Bytes that are read to find them.
+/// Bytes of the file that are read.
 const MAX_BYTES: u64 = 1_000_000;
 
-/// The first events of a file, and how many more there are, about.
+/// The first events of a file, and an estimate of the number of others.
 pub(super) fn read(path: &Path) -> (Vec<Value>, usize) {
     let mut bytes = Vec::new();
     let whole = File::open(path).and_then(|file| {
@@ -28,7 +28,7 @@ pub(super) fn read(path: &Path) -> (Vec<Value>, usize) {
     (events, more)
 }
 
-/// Events of the file's text; rows that are damaged or still being written are left out.
+/// Events in the text of the file; damaged and incomplete rows are left out.
 fn events(text: &str) -> Vec<Value> {
     let mut records = records(text).into_iter();
     let head = records.next().unwrap_or_default();
@@ -46,7 +46,7 @@ fn events(text: &str) -> Vec<Value> {
     records.filter_map(row).collect()
 }
 
-/// Records of comma-separated values, with cells in quotation marks where they hold commas, quotation marks or ends of lines.
+/// Records of comma-separated values; cells with commas, quotation marks or line ends are in quotation marks.
 fn records(text: &str) -> Vec<Vec<String>> {
     let (mut records, mut record, mut cell, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
     let mut letters = text.chars().peekable();

@@ -1,57 +1,57 @@
-//! The frames of a run: its surface, and on it displacements and fields as whole numbers.
+//! The frames of a run: the surface of the mesh, its displacements, and fields for colouring, as integers.
 
 use serde_json::{Value, json};
 
 use super::coarse::coarsened;
-use super::collection::Frames;
+use super::collection::FrameSource;
 use super::pack::{Pack, quantised};
 use super::surface::Surface;
 use super::{MAX_NODES, ReportError};
 use crate::mesh::vtu;
 
-/// A number at every node that the page may colour by.
-struct Field {
+/// A nodal quantity for colouring.
+struct ColourField {
     name: &'static str,
     label: &'static str,
-    /// Array of the frames, with its number of components.
+    /// Array in the frames, and its number of components.
     array: (&'static str, usize),
     value: fn(&[f64]) -> f64,
-    /// Whether zero is in the middle of its colours.
+    /// Whether zero has the middle colour.
     is_signed: bool,
 }
 
-/// What the page may colour by besides the displacement.
-const FIELDS: [Field; 6] = [
-    Field {
+/// Quantities for colouring besides the displacement.
+const FIELDS: [ColourField; 6] = [
+    ColourField {
         name: "von_mises_stress",
         label: "von Mises stress",
         array: ("von_mises_stress", 1),
         value: |numbers| numbers[0],
         is_signed: false,
     },
-    Field {
+    ColourField {
         name: "strain_energy_density",
         label: "strain energy density",
         array: ("strain_energy_density", 1),
         value: |numbers| numbers[0],
         is_signed: false,
     },
-    Field { name: "speed", label: "speed |v|", array: ("velocity", 3), value: norm, is_signed: false },
-    Field {
+    ColourField { name: "speed", label: "speed |v|", array: ("velocity", 3), value: norm, is_signed: false },
+    ColourField {
         name: "mean_stress",
         label: "mean stress tr \u{3c3} / 3",
         array: ("cauchy_stress", 6),
         value: |numbers| (numbers[0] + numbers[1] + numbers[2]) / 3.0,
         is_signed: true,
     },
-    Field {
+    ColourField {
         name: "largest_stretch",
         label: "largest principal stretch",
         array: ("principal_stretches", 3),
         value: |numbers| numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         is_signed: false,
     },
-    Field {
+    ColourField {
         name: "smallest_stretch",
         label: "smallest principal stretch",
         array: ("principal_stretches", 3),
@@ -64,11 +64,15 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Bytes of a node's displacement in a frame.
+/// Bytes for the displacement of a node in a frame.
 const DISPLACEMENT: usize = 6;
 
-/// Packs mesh and frames, in so many bytes before compression; what the page needs to know of them, or `None` without a frame.
-pub(super) fn gather(frames: &Frames, room: usize, pack: &mut Pack) -> Result<Option<Value>, ReportError> {
+/// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a frame.
+pub(super) fn gather(
+    frames: &FrameSource,
+    room: usize,
+    pack: &mut Pack,
+) -> Result<Option<Value>, ReportError> {
     let n_frames = frames.len();
     if n_frames == 0 {
         return Ok(None);
@@ -76,7 +80,7 @@ pub(super) fn gather(frames: &Frames, room: usize, pack: &mut Pack) -> Result<Op
     let frame = frames.first()?;
     let whole = Surface::new(&frame.cells);
     let n_whole = whole.nodes.len();
-    // Frames may have other fields only: then there is no motion to see.
+    // Without displacements there is no motion to show.
     if n_whole == 0 || !frame.fields.contains(&("displacement".to_string(), 3)) {
         return Ok(None);
     }
@@ -87,7 +91,7 @@ pub(super) fn gather(frames: &Frames, room: usize, pack: &mut Pack) -> Result<Op
     pack_frames((frames, &kept), &surface, frame.points.len(), &fields, pack)?;
     let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false });
     let of_field =
-        |field: &&Field| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
+        |field: &&ColourField| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
     let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
     Ok(Some(json!({
         "written": n_frames,
@@ -98,19 +102,19 @@ pub(super) fn gather(frames: &Frames, room: usize, pack: &mut Pack) -> Result<Op
     })))
 }
 
-/// Fields that the frames have, with a number somewhere.
-fn present(frames: &Frames, frame: &vtu::Frame) -> Result<Vec<&'static Field>, ReportError> {
-    let has = |field: &&Field| {
+/// Quantities in the frames with at least one finite value.
+fn present(frames: &FrameSource, frame: &vtu::Frame) -> Result<Vec<&'static ColourField>, ReportError> {
+    let has = |field: &&ColourField| {
         frame.fields.iter().any(|(name, components)| (name.as_str(), *components) == field.array)
     };
-    let mut fields: Vec<&Field> = FIELDS.iter().filter(has).collect();
+    let mut fields: Vec<&ColourField> = FIELDS.iter().filter(has).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.array.0).collect();
     let mut arrays = frames.values(0, &names)?.into_iter();
     fields.retain(|_| arrays.next().is_some_and(|array| array.iter().any(|number| number.is_finite())));
     Ok(fields)
 }
 
-/// Indices of the frames that are kept: as many as there is room for, at equal distances, the first and the last among them.
+/// Indices of the frames that are kept: as many as there is room for, equally spaced, with the first and the last.
 fn kept(n: usize, bytes: usize, bytes_of_frame: usize) -> Vec<usize> {
     let room = (bytes / bytes_of_frame.max(1)).max(2);
     if n <= room {
@@ -142,10 +146,10 @@ fn pack_mesh(surface: &Surface, points: &[[f64; 3]], pack: &mut Pack) {
 }
 
 fn pack_frames(
-    (frames, kept): (&Frames, &[usize]),
+    (frames, kept): (&FrameSource, &[usize]),
     surface: &Surface,
     n_points: usize,
-    fields: &[&Field],
+    fields: &[&ColourField],
     pack: &mut Pack,
 ) -> Result<(), ReportError> {
     let names: Vec<&str> =
@@ -196,7 +200,7 @@ mod tests {
         assert_eq!(kept(1, 1000, 2000), [0]);
         let some = kept(1001, 1100, 100);
         assert_eq!((some.len(), some[0], some[5], some[10]), (11, 0, 500, 1000));
-        // A surface that fills the page by itself still moves.
+        // A surface that fills the page by itself still has two frames.
         assert_eq!(kept(50, 1000, 2000), [0, 49]);
     }
 }

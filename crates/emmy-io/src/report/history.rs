@@ -1,4 +1,4 @@
-//! What a page has of a history.
+//! The history in a page, reduced to a limited number of rows.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
@@ -7,39 +7,38 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::pack::Pack;
-use super::thinning::{Row, kept_rows};
-use crate::history::{COLUMNS, HistoryError, Rows};
+use super::thinning::{KeptRow, kept_rows};
+use crate::history::{HistoryError, Rows, required};
 use crate::newton;
 
-/// Rows of a history that are kept.
+/// The rows of a history that are kept.
 #[derive(Debug)]
 pub(super) struct Thinned {
     columns: Vec<String>,
-    rows: Vec<Row>,
-    /// Rows of the file.
+    rows: Vec<KeptRow>,
+    /// Number of rows in the file.
     written: usize,
     stretches: usize,
-    /// Number of the step at each of the times that were asked for.
+    /// Number of the step at each of the given times.
     pub(super) steps: Vec<u32>,
 }
 
-/// Numbers of a history that are kept at most; many probes leave room for fewer rows.
+/// Largest number of values; with many probes, fewer rows are kept.
 const MAX_NUMBERS: usize = 600_000;
 
 impl Thinned {
-    /// Reads a history of which at most `limit` rows are kept, and finds the steps of some times, ascending: those of the first rows
-    /// that are not before them.
+    /// Reads a history, keeps at most `limit` rows, and finds the steps at some ascending times: the first rows that are not before them.
     pub(super) fn read(path: &Path, limit: usize, times: &[f64]) -> Result<Self, HistoryError> {
         let rows = Rows::open(path)?;
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
         let written = count(path).map_err(system)?.saturating_sub(1);
         let columns = rows.columns().to_vec();
-        // Time and count go only upwards: the first row of a stretch will do.
+        // These columns only increase, so that the first row of a stretch is enough.
         let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds");
         let peaked: Vec<usize> =
-            (0..columns.len().min(COLUMNS.len() + 1 + 12)).filter(|&i| !is_steady(&columns[i])).collect();
+            (0..columns.len().min(required().count() + 12)).filter(|&i| !is_steady(&columns[i])).collect();
         let limit = limit.min(MAX_NUMBERS / columns.len()).max(1);
-        let (step, time) = (place(&columns, "step"), place(&columns, "time"));
+        let (step, time) = (index_of(&columns, "step"), index_of(&columns, "time"));
         let (mut steps, mut last) = (Vec::new(), 0);
         let rows = rows.inspect(|row| {
             let Ok(row) = row else { return };
@@ -56,7 +55,7 @@ impl Thinned {
         self.rows.iter().map(|(_, row)| row[index]).collect()
     }
 
-    /// Packs the columns; what the page needs to know of them.
+    /// Packs the columns, and returns their manifest.
     pub(super) fn pack(&self, pack: &mut Pack) -> Value {
         for (index, name) in self.columns.iter().enumerate() {
             pack.push(&format!("history/{name}"), &self.column(index));
@@ -65,16 +64,16 @@ impl Thinned {
         json!({ "columns": self.columns, "written": written, "kept": kept, "buckets": self.stretches })
     }
 
-    /// Packs Newton's residuals of the steps whose rows are kept, with the times between which the page shows them.
+    /// Packs the Newton residuals of the kept rows, with the times between which the page shows them.
     pub(super) fn pack_newton(&self, path: &Path, pack: &mut Pack) {
-        let time = self.column(place(&self.columns, "time"));
+        let time = self.column(index_of(&self.columns, "time"));
         let numbers: Vec<usize> =
-            self.column(place(&self.columns, "step")).iter().map(|step| *step as usize).collect();
+            self.column(index_of(&self.columns, "step")).iter().map(|step| *step as usize).collect();
         let Ok(steps) = newton::read(path, |step| numbers.binary_search(&step).is_ok()) else { return };
         let (mut start, mut end) = (Vec::new(), Vec::new());
         for of_step in &steps {
             let Ok(at) = numbers.binary_search(&of_step.step) else { continue };
-            // Steps that are left out are covered by the next one.
+            // The next kept step covers those that are left out.
             start.push(time[at.saturating_sub(1)]);
             end.push(time[at]);
         }
@@ -89,12 +88,12 @@ impl Thinned {
     }
 }
 
-/// Place of a column that every history has.
-fn place(columns: &[String], name: &str) -> usize {
+/// Index of a required column.
+fn index_of(columns: &[String], name: &str) -> usize {
     columns.iter().position(|column| column == name).unwrap_or(0)
 }
 
-/// Number of whole lines.
+/// Number of complete lines.
 fn count(path: &Path) -> io::Result<usize> {
     let (mut reader, mut n) = (BufReader::with_capacity(1 << 16, File::open(path)?), 0);
     loop {

@@ -1,10 +1,10 @@
-//! When loads and driven supports of an input act, as far as their histories are tables.
+//! Time intervals in which loads and driven supports act, where their histories are tables.
 
 use serde_json::{Value, json};
 use toml::Table;
 
-/// What does work on the body of a resolved input: `[{ label, intervals }]`; `intervals`: null for what acts throughout, an end
-/// of null for what does not end. Attractions belong to the energy of the body and are no loads here.
+/// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always acts; the end of an
+/// interval is null if it does not end. Attractions are part of the strain energy and not included.
 pub(super) fn loads(input: &Table) -> Vec<Value> {
     let entries = |name: &str| {
         let list = input.get(name).and_then(toml::Value::as_array);
@@ -23,21 +23,21 @@ pub(super) fn loads(input: &Table) -> Vec<Value> {
         .collect()
 }
 
-/// Loads that a page tells apart at most.
+/// Largest number of loads shown separately.
 const MAX_LOADS: usize = 200;
 
-/// Intervals of a load at most; of more, some that follow each other become one.
+/// Largest number of intervals of a load; with more, neighbouring ones are merged.
 const MAX_INTERVALS: usize = 500;
 
 type Interval = [Option<f64>; 2];
 
-/// What does work on the body; without intervals throughout.
+/// A load or driven support; without intervals it always acts.
 struct Load {
     label: String,
     intervals: Option<Vec<Interval>>,
 }
 
-/// Those that act throughout as one, and the others as one.
+/// Merges the loads that always act, and the others.
 fn together(loads: Vec<Load>) -> Vec<Load> {
     let (timed, always): (Vec<Load>, Vec<Load>) =
         loads.into_iter().partition(|load| load.intervals.is_some());
@@ -52,7 +52,7 @@ fn counted(n: usize) -> String {
     if n == 1 { "1 load".to_string() } else { format!("{n} loads") }
 }
 
-/// Intervals in their order, those that overlap as one, and not too many.
+/// Intervals in ascending order, with overlapping ones merged, up to the largest number.
 fn joined(mut intervals: Vec<Interval>) -> Vec<Interval> {
     let end = |interval: &Interval| interval[1].unwrap_or(f64::INFINITY);
     let start = |interval: &Interval| interval[0].unwrap_or(f64::NEG_INFINITY);
@@ -91,7 +91,7 @@ fn load(load: &Table) -> Load {
     Load { label, intervals: table.and_then(|points| intervals(&points)).map(joined) }
 }
 
-/// Times and factors of a history; what is none of them is left out, for the input has been checked.
+/// Times and factors of a history.
 fn table(points: &[toml::Value]) -> Vec<[f64; 2]> {
     let point = |point: &toml::Value| match point.as_array().map(Vec::as_slice) {
         Some([time, factor]) => Some([number(time)?, number(factor)?]),
@@ -100,7 +100,7 @@ fn table(points: &[toml::Value]) -> Vec<[f64; 2]> {
     points.iter().filter_map(point).collect()
 }
 
-/// Intervals in which a table is not zero, joined; `None` if it is zero nowhere.
+/// Intervals in which a table is not zero, merged; `None` if it is zero nowhere.
 fn intervals(points: &[[f64; 2]]) -> Option<Vec<Interval>> {
     let mut intervals: Vec<Interval> = Vec::new();
     let [first, last] = [points.first()?, points.last()?];

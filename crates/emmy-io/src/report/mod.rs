@@ -1,21 +1,21 @@
-//! `report.html`: a run, or several side by side, as one page that opens from disk and loads nothing.
+//! `report.html`: one run, or several side by side, as a page that opens from disk and loads nothing.
 //!
 //! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`, `input.toml`
-//! and the frames of its collection. The page is written whole or not at all, also of a run that is going on.
+//! and the frames. The page is replaced as a whole, also during a run.
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `run` | gathers a directory: small things as JSON, numbers as packed arrays |
-//! | `history` | histories, and what is kept of them |
-//! | `thinning` | chooses rows of a long history, so that every peak stays |
-//! | `loads` | when loads act |
+//! | `run` | gathers a directory: a manifest in JSON, numbers in packed arrays |
+//! | `history` | histories, reduced to a limited number of rows |
+//! | `thinning` | chooses the rows of a long history, with every peak |
+//! | `loads` | time intervals in which loads act |
 //! | `events` | `events.csv` |
-//! | `collection`, `frames` | frames, in one file each or all in one, and what is kept of them |
-//! | `surface`, `coarse` | what is seen of a mesh, and less of it where it is too much |
-//! | `pack` | typed arrays, compressed, as text |
-//! | `page` | the template and its parts |
+//! | `collection`, `frames` | frames, and the selection that is kept |
+//! | `surface`, `coarse` | the visible surface of a mesh, coarsened if it is too large |
+//! | `pack` | typed arrays, compressed, as base64 |
+//! | `page` | the template |
 //!
-//! Sizes are bounded ([`MAX_ROWS`], [`MAX_FRAME_BYTES`], [`MAX_NODES`]): whatever the run, the page stays within a few MB.
+//! Sizes are bounded ([`MAX_ROWS`], [`MAX_FRAME_BYTES`], [`MAX_NODES`]), so that a page has at most a few MB.
 
 mod coarse;
 mod collection;
@@ -33,20 +33,21 @@ use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
 use crate::comparison::RunError;
-use crate::directory::{MARK, replace};
+use crate::directory::MARK;
 use crate::mesh::MeshError;
-use run::{Place, RunData};
+use crate::whole_file::replace;
+use run::{RunData, RunLink};
 
-/// Rows of histories that a page has at most; of longer ones those with the extremes of every column are kept.
+/// Largest number of rows in a page; longer histories keep the rows with the extremes of every column.
 pub const MAX_ROWS: usize = 12_000;
 
-/// Bytes of all frames of a page before compression, at most; of more frames some are kept, at equal distances.
+/// Largest number of bytes of all frames before compression; with more frames, equally spaced ones are kept.
 pub const MAX_FRAME_BYTES: usize = 5_000_000;
 
-/// Rows that a run keeps in any case, however many share the page.
+/// Rows of each run, even if many share the page.
 const FEWEST_ROWS: usize = 2_000;
 
-/// Nodes of a surface at most; a larger one is made coarser.
+/// Largest number of nodes of a surface; a larger one is coarsened.
 pub const MAX_NODES: usize = 20_000;
 
 /// Why a report cannot be written.
@@ -58,56 +59,56 @@ pub enum ReportError {
     /// A frame cannot be used.
     #[error(transparent)]
     Frame(#[from] MeshError),
-    /// A directory with files, but not of a run.
+    /// A directory without a run of Emmy.
     #[error("{path} holds no run of Emmy: its input.toml is not there or not written by Emmy")]
     NoRun {
         /// The directory.
         path: PathBuf,
     },
-    /// The system refused.
+    /// An error of the system.
     #[error("{path}: {error}")]
     System {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The message of the system.
         #[source]
         error: io::Error,
     },
 }
 
-/// Writes `report.html` into the directory of a run; its path.
+/// Writes `report.html` into the directory of a run, and returns its path.
 ///
 /// # Errors
-/// [`ReportError`]; then a report that was there is as it was.
+/// [`ReportError`]; an earlier report is then unchanged.
 pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
     let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });
     }
-    let run = RunData::gather(directory, Place::default(), Room::shared_by(1))?;
+    let run = RunData::gather(directory, RunLink::default(), Room::shared_by(1))?;
     written(directory, &[run])
 }
 
-/// Writes `report.html` of several runs into a directory; its path. `runs`: their names and directories.
+/// Writes `report.html` of several runs into a directory, and returns its path. `runs`: names and directories.
 ///
 /// # Errors
 /// [`ReportError`].
 pub fn write_comparison(directory: &Path, runs: &[(String, PathBuf)]) -> Result<PathBuf, ReportError> {
     let room = Room::shared_by(runs.len());
     let gather = |(name, run): &(String, PathBuf)| {
-        let place = Place { name: Some(name.clone()), href: relative(directory, run) };
-        RunData::gather(run, place, room)
+        let link = RunLink { name: Some(name.clone()), href: relative(directory, run) };
+        RunData::gather(run, link, room)
     };
     let runs = runs.iter().map(gather).collect::<Result<Vec<_>, _>>()?;
     written(directory, &runs)
 }
 
-/// What a run may take of a page.
+/// The share of a run in a page.
 #[derive(Debug, Clone, Copy)]
 struct Room {
-    /// Rows of its history.
+    /// Rows of the history.
     rows: usize,
-    /// Bytes of its frames.
+    /// Bytes of the frames.
     frame_bytes: usize,
 }
 
@@ -125,7 +126,7 @@ fn written(directory: &Path, runs: &[RunData]) -> Result<PathBuf, ReportError> {
     Ok(path)
 }
 
-/// The way from a directory to another one as a link, with a slash behind; an absolute one where there is no other.
+/// Link from a directory to another one, with a final slash; absolute if there is no relative one.
 pub(crate) fn relative(from: &Path, to: &Path) -> String {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| absolute(path));

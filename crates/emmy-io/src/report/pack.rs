@@ -1,4 +1,4 @@
-//! Typed arrays of the page: plane by plane, one behind the other, compressed by zlib, as base64.
+//! Typed arrays of a page, split into planes of bytes, compressed by zlib, as base64.
 
 use std::io::Write;
 
@@ -6,13 +6,13 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::{Compression, write::ZlibEncoder};
 use serde_json::{Value, json};
 
-/// Numbers of a type that the page knows.
+/// A type of the numbers in arrays.
 pub(super) trait Item: Copy {
     /// Name of the type.
     const NAME: &'static str;
     /// Bytes of a number.
     const WIDTH: usize;
-    /// A byte of the number, the least significant one first.
+    /// A byte of the number; 0 is the least significant.
     fn byte(self, plane: usize) -> u8;
 }
 
@@ -29,8 +29,8 @@ macro_rules! items {
 }
 items! { f64, "f64"; f32, "f32"; u32, "u32"; u16, "u16"; u8, "u8"; }
 
-/// Arrays under their names. All first bytes of an array stand together, then all second ones, and so on: exponents and high
-/// bytes are much alike, and compress well.
+/// Arrays with names. All first bytes of an array come first, then all second ones, and so on: exponents and high bytes are similar,
+/// and compress well.
 #[derive(Debug, Default)]
 pub(super) struct Pack {
     bytes: Vec<u8>,
@@ -48,17 +48,17 @@ impl Pack {
         }
     }
 
-    /// Where the arrays stand, and all bytes as text.
+    /// Manifest of the arrays, and all bytes as text.
     pub(super) fn finish(self) -> (Vec<Value>, String) {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(6));
-        // Writing into memory does not fail.
+        // Writing to memory cannot fail.
         let _ = encoder.write_all(&self.bytes);
         (self.places, STANDARD.encode(encoder.finish().unwrap_or_default()))
     }
 }
 
-/// Numbers as parts of 65535 or 255 of the way from their smallest to their largest one, each as the difference from the one
-/// before: neighbours are much alike. Numbers that are not finite count as the smallest. Returns the bounds.
+/// Numbers as integers from 0 (the smallest) to 65535 or 255 (the largest), each stored as the difference from the one before, since
+/// neighbours are similar. Numbers that are not finite become the smallest. Returns the bounds.
 pub(super) fn quantised<T: Item>(
     values: impl Iterator<Item = f64> + Clone,
     whole: impl Fn(u32) -> T,

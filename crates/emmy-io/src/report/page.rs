@@ -1,13 +1,13 @@
-//! The template of the page, filled.
+//! Fills the template of the page.
 
 use serde_json::{Value, json};
 
 use super::run::RunData;
 
-/// The page itself, with places such as `{{title}}`.
+/// The template, with placeholders such as `{{title}}`.
 const TEMPLATE: &str = include_str!("assets/report.html");
 
-/// What goes into the places that are the same in every page.
+/// Placeholders that are the same in every page.
 const PARTS: [(&str, &str); 6] = [
     ("vendor/uplot/LICENSE", include_str!("assets/vendor/uplot/LICENSE")),
     ("vendor/ogl/LICENSE", include_str!("assets/vendor/ogl/LICENSE")),
@@ -17,7 +17,7 @@ const PARTS: [(&str, &str); 6] = [
     ("report.css", include_str!("assets/report.css")),
 ];
 
-/// The scripts of the page, in the order in which they use each other.
+/// The scripts of the page; each uses only earlier ones.
 const SCRIPTS: [&str; 16] = [
     include_str!("assets/scripts/format.js"),
     include_str!("assets/scripts/data.js"),
@@ -58,7 +58,7 @@ pub(super) fn page(runs: &[RunData]) -> String {
     })
 }
 
-/// A template with the texts of its places; texts are not looked through for places.
+/// Replaces the placeholders of a template; placeholders in the replacements are kept.
 fn filled(template: &str, text: impl Fn(&str) -> String) -> String {
     let mut pieces = template.split("{{");
     let mut filled = pieces.next().unwrap_or_default().to_string();
@@ -70,12 +70,12 @@ fn filled(template: &str, text: impl Fn(&str) -> String) -> String {
     filled
 }
 
-/// Text of an HTML document.
+/// Text for an HTML document.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// JSON that cannot end the script element that it stands in.
+/// JSON that cannot close its script element.
 fn inside_script(value: &Value) -> String {
     value.to_string().replace('<', "\\u003c")
 }
@@ -102,7 +102,7 @@ mod tests {
         assert!(places.all(|place| own.contains(&place) || PARTS.iter().any(|(name, _)| *name == place)));
     }
 
-    /// MIT asks for its notice in every copy, and a page is a copy of the libraries in it.
+    /// The MIT licence requires its notice in every copy of the libraries, which a page contains.
     #[test]
     fn every_library_in_the_page_has_its_licence_there() {
         let page = page(&[run("a", "")]);

@@ -1,11 +1,11 @@
-//! A run as the page takes it: small things as JSON, numbers as packed arrays.
+//! Gathers a run for a page: a manifest in JSON, numbers in packed arrays.
 
 use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::collection::Frames;
+use super::collection::FrameSource;
 use super::history::Thinned;
 use super::loads::loads;
 use super::pack::Pack;
@@ -13,37 +13,37 @@ use super::{ReportError, Room, events, frames};
 use crate::comparison::{self, RunError};
 use crate::directory::FILES;
 
-/// What a page calls a run, and how it finds its directory.
+/// Name of a run in a page, and the link to its directory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Place {
-    /// Its name; without one that of the directory.
+pub(super) struct RunLink {
+    /// Name; `None`: the name of the directory.
     pub(super) name: Option<String>,
-    /// Link to the directory, with a slash behind; empty for the page's own.
+    /// Link to the directory with a final slash; empty for the directory of the page.
     pub(super) href: String,
 }
 
 /// A run, gathered from its directory.
 #[derive(Debug)]
 pub(super) struct RunData {
-    /// What the page calls it.
+    /// Name in the page.
     pub(super) name: String,
-    /// The small things, and where the arrays stand.
+    /// Everything but the arrays.
     pub(super) manifest: Value,
-    /// The arrays, packed as text.
+    /// The packed arrays.
     pub(super) arrays: String,
 }
 
 impl RunData {
-    /// Gathers a run. Only history and summary must be there.
-    pub(super) fn gather(directory: &Path, place: Place, room: Room) -> Result<Self, ReportError> {
+    /// Gathers a run. Only history and summary are required.
+    pub(super) fn gather(directory: &Path, link: RunLink, room: Room) -> Result<Self, ReportError> {
         comparison::check(directory)?;
-        let mut frames = Frames::find(directory);
+        let mut frames = FrameSource::find(directory);
         let times = frames.as_ref().map_or(&[][..], |(_, frames)| frames.times());
         let history =
             Thinned::read(&directory.join("history.csv"), room.rows, times).map_err(RunError::from)?;
-        frames.iter_mut().for_each(|(_, frames)| frames.number(&history.steps));
+        frames.iter_mut().for_each(|(_, frames)| frames.set_steps(&history.steps));
         let summary = comparison::summary(directory)?;
-        let name = place.name.unwrap_or_else(|| name_of(directory));
+        let name = link.name.unwrap_or_else(|| name_of(directory));
         let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
         let tree: toml::Table = input.parse().unwrap_or_default();
         let mut pack = Pack::default();
@@ -56,11 +56,11 @@ impl RunData {
         let (events, more_events) = events::read(&directory.join("events.csv"));
         let files = FILES.iter().chain(&["input.toml"]).map(|file| file.to_string()).chain(collection);
         let is_there = |file: &String| {
-            directory.join(file).is_file() && (file != "report.html" || !place.href.is_empty())
+            directory.join(file).is_file() && (file != "report.html" || !link.href.is_empty())
         };
         let manifest = json!({
             "name": name,
-            "href": place.href,
+            "href": link.href,
             "summary": summary,
             "input": shortened(input),
             "loads": loads(&tree),
@@ -76,16 +76,16 @@ impl RunData {
     }
 }
 
-/// The last part of a path, also of `.`.
+/// Name of a directory, also of `.`.
 fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
     whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Bytes of the input that a page has at most.
+/// Largest number of bytes of the input in a page.
 const MAX_INPUT: usize = 100_000;
 
-/// The beginning of an input that is too long for a page.
+/// Cuts an input that is too long for a page.
 fn shortened(mut input: String) -> String {
     let length = input.len();
     if length > MAX_INPUT {

@@ -1,13 +1,13 @@
-//! What is seen of a mesh: the facets that no two solid cells share, plane cells, and links.
+//! The visible surface of a mesh: facets of one solid cell only, plane cells, and links.
 
 use std::collections::{BTreeSet, HashMap};
 
 use emmy::mesh::CellKind;
 
-/// Triangles, lines of the mesh on them, and links; nodes are numbered anew, those that are seen only.
+/// Triangles, the lines of the mesh on them, and links; the visible nodes have numbers of their own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Surface {
-    /// Number in the mesh of each node.
+    /// Index in the mesh of each node.
     pub(super) nodes: Vec<u32>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) edges: Vec<[u32; 2]>,
@@ -38,7 +38,7 @@ impl Surface {
         surface
     }
 
-    /// Adds a facet, subdivided at the nodes on its edges: corners first, then the nodes between them, then one in the middle.
+    /// Adds a facet, subdivided at the nodes on its edges. `nodes`: corners, then midside nodes, then the central one.
     fn add(&mut self, nodes: &[u32], n_corners: usize, edges: &mut BTreeSet<[u32; 2]>) {
         let n = n_corners;
         let (corners, middles) = nodes.split_at(n);
@@ -79,7 +79,7 @@ impl Surface {
     }
 }
 
-/// Facets of the solid cells: their nodes, four of their corners (of a triangle the last one twice), and how many corners.
+/// Facets of the solid cells: their nodes, four corners (a triangle has its last one twice), and the number of corners.
 fn solid_facets(cells: &[(CellKind, Vec<u32>)]) -> impl Iterator<Item = (Vec<u32>, [u32; 4], usize)> + '_ {
     let solids = cells.iter().filter(|(kind, _)| kind.dimension() == 3);
     solids.flat_map(|(kind, nodes)| {
@@ -129,7 +129,7 @@ mod tests {
         let surface = Surface::new(&cells);
         // Two L of 39 squares, and the rim of 32 x 3 between them.
         assert_eq!((surface.triangles.len(), area(mesh.points(), &surface).round()), (2 * 174, 174.0));
-        // Euler: a closed surface of squares has twice as many edges as facets.
+        // A closed surface of squares has twice as many edges as facets.
         assert_eq!(surface.edges.len(), 2 * 174);
         assert!(surface.nodes.len() == 174 + 2 && surface.links.is_empty());
     }

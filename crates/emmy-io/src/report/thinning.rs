@@ -1,32 +1,32 @@
-//! Which rows of a long history are kept: chosen while it is read, so that no more of them than those are in memory.
+//! Chooses the rows of a long history while it is read, so that only the chosen rows are in memory.
 
 use std::rc::Rc;
 
 /// A row with its index.
-pub(super) type Row = (usize, Rc<Vec<f64>>);
+pub(super) type KeptRow = (usize, Rc<Vec<f64>>);
 
-/// Rows that are kept of `n` rows, ascending: all of them up to `limit`; else of each of some stretches the first one and those with the
-/// smallest and the largest number of every column that is asked for, and the last one of all. With the number of stretches.
+/// Chooses at most `limit` of `n` rows, and returns them in ascending order with the number of stretches. With more rows than that, each
+/// stretch keeps its first row and the rows with the smallest and the largest value of every peaked column; the last row stays too.
 pub(super) fn kept_rows<E>(
     rows: impl Iterator<Item = Result<Vec<f64>, E>>,
     n: usize,
     columns: &[usize],
     limit: usize,
-) -> Result<(Vec<Row>, usize), E> {
+) -> Result<(Vec<KeptRow>, usize), E> {
     let stretches = if n <= limit { n } else { (limit / (2 * columns.len() + 1)).max(1) };
     let length = n.div_ceil(stretches.max(1)).max(1);
-    let (mut kept, mut extremes): (Vec<Row>, Vec<[Row; 2]>) = (Vec::new(), Vec::new());
+    let (mut kept, mut extremes): (Vec<KeptRow>, Vec<[KeptRow; 2]>) = (Vec::new(), Vec::new());
     let mut last = None;
     for (index, row) in rows.take(n).enumerate() {
-        let row: Row = (index, Rc::new(row?));
+        let row: KeptRow = (index, Rc::new(row?));
         if index % length == 0 {
             kept.extend(extremes.drain(..).flatten());
             kept.push(row.clone());
             extremes = vec![[row.clone(), row.clone()]; if length > 1 { columns.len() } else { 0 }];
         }
         for ([least, most], &column) in extremes.iter_mut().zip(columns) {
-            // A number that is none is an extreme of its own.
-            let by = |other: &Row| row.1[column].total_cmp(&other.1[column]);
+            // NaN is an extreme too.
+            let by = |other: &KeptRow| row.1[column].total_cmp(&other.1[column]);
             if by(least).is_lt() {
                 *least = row.clone();
             }

@@ -10,7 +10,7 @@ use super::array::{data_array, named_components};
 use super::marks::marks;
 use super::{Precision, cell_type, escaped};
 
-/// What is the same in every frame, as XML.
+/// The parts that are the same in every frame, as XML.
 #[derive(Debug)]
 pub(super) struct Frame {
     precision: Precision,
@@ -47,7 +47,7 @@ impl Frame {
         }
     }
 
-    /// The file of the fields at a time.
+    /// The file with the fields at a time.
     pub(super) fn xml(&self, time: f64, fields: &[FieldValues]) -> String {
         let mut xml =
             String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ");

@@ -1,4 +1,4 @@
-//! Groups as arrays: a number for every node or cell.
+//! Groups as arrays, with a number for every node or cell.
 
 use emmy::body::fields::Place;
 use emmy::mesh::{Facet, Mesh};

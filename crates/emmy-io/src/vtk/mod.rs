@@ -2,7 +2,7 @@
 
 mod array;
 mod frame;
-mod frames;
+mod frame_files;
 mod marks;
 mod series;
 
@@ -11,12 +11,14 @@ use std::path::{Path, PathBuf};
 
 use emmy::body::fields::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
+use serde::{Deserialize, Serialize};
 
-pub use frames::Frames;
-pub(crate) use series::CREATOR;
+pub use frame_files::FrameFiles;
+pub(crate) use frame_files::{COLLECTION_MARK, remove_frames, step_of_frame};
 pub use series::{Series, SeriesReader};
+pub(crate) use series::{is_series, series_fields};
 
-/// Which files the frames are.
+/// File format of the frames.
 ///
 /// ```
 /// use emmy_io::vtk::Format;
@@ -24,7 +26,7 @@ pub use series::{Series, SeriesReader};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// `NAME.pvd` and a `.vtu` for each frame: [`Frames`].
+    /// `NAME.pvd` and a `.vtu` for each frame: [`FrameFiles`].
     Vtu,
     /// One `NAME.vtkhdf`: [`Series`].
     Vtkhdf,
@@ -78,20 +80,29 @@ impl Precision {
     }
 }
 
+/// Step and time of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrameTime {
+    /// Number of the step.
+    pub step: usize,
+    /// Time \[time\].
+    pub time: f64,
+}
+
 /// The frames of a run, in one of the formats.
 #[derive(Debug)]
 pub enum FrameWriter {
     /// A file for each frame.
-    Vtu(Frames),
+    Vtu(FrameFiles),
     /// One file.
     Vtkhdf(Box<Series>),
 }
 
 impl FrameWriter {
-    /// Frames in a directory, called by its name; `region_of_cell: [n_cells]`.
+    /// Frames in a directory, named after it; `region_of_cell: [n_cells]`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(
         (format, precision): (Format, Precision),
         directory: &Path,
@@ -99,7 +110,7 @@ impl FrameWriter {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         Ok(match format {
-            Format::Vtu => FrameWriter::Vtu(Frames::create(directory, precision, mesh, region_of_cell)?),
+            Format::Vtu => FrameWriter::Vtu(FrameFiles::create(directory, precision, mesh, region_of_cell)?),
             Format::Vtkhdf => {
                 let series = Series::create(directory, precision, mesh, region_of_cell)?;
                 FrameWriter::Vtkhdf(Box::new(series))
@@ -107,35 +118,34 @@ impl FrameWriter {
         })
     }
 
-    /// Frames of a run that is resumed after a step, with some of those that are there: steps and times. Returned with those that
-    /// should be there and are not.
+    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are missing.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(
         (format, precision): (Format, Precision),
         directory: &Path,
         mesh: &Mesh,
         region_of_cell: &[u32],
-        (kept, step): (&[(usize, f64)], usize),
-    ) -> io::Result<(Self, Vec<(usize, f64)>)> {
+        (kept, step): (&[FrameTime], usize),
+    ) -> io::Result<(Self, Vec<FrameTime>)> {
         match format {
             Format::Vtu => {
-                let mut frames = Frames::create(directory, precision, mesh, region_of_cell)?;
-                let lost = frames.resume(kept, step)?;
-                Ok((FrameWriter::Vtu(frames), lost))
+                let mut frames = FrameFiles::create(directory, precision, mesh, region_of_cell)?;
+                let missing = frames.resume(kept, step)?;
+                Ok((FrameWriter::Vtu(frames), missing))
             }
             Format::Vtkhdf => {
-                let (series, lost) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
-                Ok((FrameWriter::Vtkhdf(Box::new(series)), lost))
+                let (series, missing) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
+                Ok((FrameWriter::Vtkhdf(Box::new(series)), missing))
             }
         }
     }
 
-    /// Writes the fields of a step, unless it has been written.
+    /// Writes the fields of a step, once.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         match self {
             FrameWriter::Vtu(frames) => frames.write(step, time, fields),
@@ -143,7 +153,7 @@ impl FrameWriter {
         }
     }
 
-    /// Number of the last step that was written.
+    /// Number of the last step.
     pub fn last_step(&self) -> Option<usize> {
         match self {
             FrameWriter::Vtu(frames) => frames.last_step(),
@@ -151,10 +161,10 @@ impl FrameWriter {
         }
     }
 
-    /// Ends the files: every frame is where a reader finds it.
+    /// Completes the files.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn finish(&mut self) -> io::Result<()> {
         match self {
             FrameWriter::Vtu(frames) => frames.finish(),
@@ -162,7 +172,7 @@ impl FrameWriter {
         }
     }
 
-    /// The file to open: the collection, or the one that holds them all.
+    /// The file to open: the collection or the series.
     pub fn path(&self) -> PathBuf {
         match self {
             FrameWriter::Vtu(frames) => frames.collection(),
@@ -174,10 +184,10 @@ impl FrameWriter {
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
 pub(crate) const GROUP: &str = "group:";
 
-/// Array of a group of facets, as cell data: bit i of a cell's number stands for its face i. `facets:NAME`.
+/// Array of a group of facets, as cell data: bit i stands for face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
-/// Number of a cell type in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
+/// Number of a cell type in VTK. The base of a wedge is counter-clockwise as seen from the top, as in the face tables of VTK.
 pub(crate) fn cell_type(kind: CellKind) -> u8 {
     match kind {
         CellKind::Hex8 => 12,
@@ -197,7 +207,7 @@ pub(crate) fn cell_type(kind: CellKind) -> u8 {
     }
 }
 
-/// Last part of a path, also of `.` and `..`. Characters that XML cannot hold become `_`.
+/// Name of a directory, also of `.` and `..`; characters that XML cannot hold become `_`.
 pub(crate) fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
     let name = whole.file_name().map_or("emmy".into(), |name| name.to_string_lossy().into_owned());
@@ -208,6 +218,6 @@ pub(crate) fn name_of(directory: &Path) -> String {
 /// Text as the value of an XML attribute.
 fn escaped(text: &str) -> String {
     let escaped = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
-    // A reader would make these blanks.
+    // A reader would replace these by blanks.
     escaped.replace('\t', "&#9;").replace('\n', "&#10;").replace('\r', "&#13;")
 }

@@ -4,7 +4,7 @@ use crate::meshes::parse_text;
 use emmy::body::fields::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
 use emmy_io::mesh::MeshFile;
-use emmy_io::vtk::{Frames, Precision};
+use emmy_io::vtk::{FrameFiles, Precision};
 
 /// A square of two triangles of Gmsh, the second clockwise, beside a quadrilateral; the left edge is a physical curve, and a
 /// line and a point are in no group.
@@ -88,7 +88,7 @@ fn frames_come_back_with_all_their_groups() {
     let mesh = parse_text("a.msh", &v2()).unwrap().mesh;
     let temp = tempfile::tempdir().unwrap();
     let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; mesh.n_dofs()] };
-    let mut frames = Frames::create(&temp.path().join("out"), Precision::Double, &mesh, &[0; 3]).unwrap();
+    let mut frames = FrameFiles::create(&temp.path().join("out"), Precision::Double, &mesh, &[0; 3]).unwrap();
     frames.write(0, 0.0, &[displacement]).unwrap();
     let back = emmy_io::mesh::read(&temp.path().join("out/frames/out_000000.vtu")).unwrap();
     assert_eq!(back.mesh.points(), mesh.points());

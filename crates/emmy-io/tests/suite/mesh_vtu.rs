@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::meshes::{assert_plane, assert_straight, parse_text, path, read, volume};
 use emmy::body::fields::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
-use emmy_io::vtk::{Frames, Precision};
+use emmy_io::vtk::{FrameFiles, Precision};
 
 const WAYS: [&str; 11] = [
     "vtk-ascii",
@@ -82,7 +82,7 @@ fn frame(mesh: &Mesh, directory: &Path) -> Mesh {
     let (n, region_of_cell) = (mesh.n_dofs(), vec![0; mesh.n_cells()]);
     let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; n] };
     let mut frames =
-        Frames::create(&directory.join("out"), Precision::Double, mesh, &region_of_cell).unwrap();
+        FrameFiles::create(&directory.join("out"), Precision::Double, mesh, &region_of_cell).unwrap();
     frames.write(0, 0.0, &[displacement]).unwrap();
     emmy_io::mesh::read(&directory.join("out/frames/out_000000.vtu")).unwrap().mesh
 }

@@ -1,4 +1,4 @@
-//! What an adjoint motion says.
+//! Results of an adjoint motion.
 
 /// Derivatives of a goal.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Gradient {
 /// Estimated error of a goal, numerical less true value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GoalError {
-    /// What each step does to the goal by its local error.
+    /// Effect of the local error of each step on the goal.
     pub steps: Vec<f64>,
 }
 

@@ -43,7 +43,7 @@
 //! steps lose the phase of modes by a radian and more; where these matter, size and sign may be wrong.
 //!
 //! Covered are time elements of every scheme and degree, dead loads, and supports at rest; driven or released supports, pressures that follow the
-//! motion and other steppers are refused ([`crate::Error::Adjoint`]).
+//! motion and other steppers are rejected ([`crate::Error::Adjoint`]).
 
 mod goal;
 mod gradient;

@@ -43,7 +43,7 @@ impl Parameter {
     /// values that differ by half of that.
     ///
     /// # Errors
-    /// Those of `body`; [`Error::NotPositive`] for the scale.
+    /// As `body`; [`Error::NotPositive`] for the scale.
     pub fn linear(value: f64, scale: f64, body: impl Fn(f64) -> Result<Body>) -> Result<Self> {
         Parameter::new(value, 0.5 * scale, &[0.5], body)
     }
@@ -52,7 +52,7 @@ impl Parameter {
     /// bodies have values that differ by 3/200 of that at most.
     ///
     /// # Errors
-    /// Those of `body`; [`Error::NotPositive`] for the scale.
+    /// As `body`; [`Error::NotPositive`] for the scale.
     pub fn smooth(value: f64, scale: f64, body: impl Fn(f64) -> Result<Body>) -> Result<Self> {
         Parameter::new(value, scale / 200.0, &SMOOTH, body)
     }

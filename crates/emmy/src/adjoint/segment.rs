@@ -11,7 +11,7 @@ pub struct Checkpoint {
     pub memory: Memory,
 }
 
-/// A step as it is done once more: nothing of it is chosen anew.
+/// Size and end of a step that is repeated as it was.
 #[derive(Debug, Clone, Copy)]
 pub struct StepSize {
     pub size: f64,
@@ -33,7 +33,7 @@ impl Segment {
     /// Does the steps that follow a checkpoint.
     ///
     /// # Errors
-    /// Those of [`Stepper::restore`] and [`Stepper::advance`].
+    /// As [`Stepper::restore`] and [`Stepper::advance`].
     pub fn redo(
         &mut self,
         stepper: &mut TimeElementStepper<'_>,

@@ -57,7 +57,7 @@ pub struct AdjointStep<'a> {
     right: Vec<f64>,
     /// Multipliers mu_i of the stage equations, `[k][n_nodes][3]`.
     multipliers: Vec<f64>,
-    /// What the multipliers leave of the right side, and what is added to them.
+    /// Residual of the multipliers, and their correction.
     residual: Vec<f64>,
     correction: Vec<f64>,
     combined: Vec<f64>,
@@ -81,12 +81,12 @@ const PRECISION: f64 = 1e-4;
 /// Iterations of one solution by GMRES.
 const MAX_ITERATIONS: usize = 300;
 
-/// Iterations beyond which, over those with a stiffness of its own step, the stiffness is made anew.
+/// Extra iterations, over a solution with the stiffness of its own step, beyond which the stiffness is refactorised.
 const SLOWER: usize = 6;
 
 impl<'a> AdjointStep<'a> {
     /// # Errors
-    /// Those of [`ApproximateTangent::new`].
+    /// As [`ApproximateTangent::new`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let (n, k) = (body.n_dofs(), element.degree);
         let coefficients = element.coefficients();

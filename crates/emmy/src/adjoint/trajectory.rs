@@ -13,7 +13,7 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 /// The trajectory of a motion: an observer that keeps checkpoints, from which goals are differentiated.
 ///
 /// It begins with the first state that it sees. The steps between checkpoints are done once more as they were; if none of
-/// them was refused or cut, they are the same in every bit, and the gradient does not depend on where the checkpoints are.
+/// them was rejected or cut, they are bit-identical, and the gradient does not depend on where the checkpoints are.
 ///
 /// ```
 /// use emmy::adjoint::{Goal, Trajectory};
@@ -77,7 +77,7 @@ impl<'a> Trajectory<'a> {
     /// Takes in the present state of the motion; a march does so for its observers.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] for another motion than that of the trajectory, or one that has done more than one step meanwhile.
+    /// [`Error::Adjoint`] for a motion other than the trajectory's, or one that has done more than one step meanwhile.
     pub fn record(&mut self, motion: &Motion<'_>) -> Result<()> {
         let fail = |reason: &str| Err(Error::Adjoint { reason: reason.to_string() });
         let settings = (motion.scheme(), motion.settings());
@@ -113,7 +113,7 @@ impl<'a> Trajectory<'a> {
     /// Derivatives of a goal at the last state by the first one and by parameters.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; those of a step.
+    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the errors of a step.
     pub fn gradient(&self, goal: &Goal, parameters: &[Parameter]) -> Result<Gradient> {
         parameters.iter().try_for_each(|parameter| parameter.check(self.body))?;
         let mut sums = vec![0.0; parameters.len()];
@@ -134,7 +134,7 @@ impl<'a> Trajectory<'a> {
     /// small against them.
     ///
     /// # Errors
-    /// Those of [`Trajectory::gradient`], and of steps of degree k + 1.
+    /// As [`Trajectory::gradient`], and the errors of steps of degree k + 1.
     pub fn goal_error(&self, goal: &Goal) -> Result<GoalError> {
         let next = self.element.at_degree(self.element.degree + 1)?;
         let mut stepper = TimeElementStepper::new(self.body, next, self.settings)?;
@@ -204,7 +204,7 @@ struct Visit<'a> {
     multipliers: &'a [f64],
 }
 
-/// What the difference of two states does to a goal.
+/// Effect of the difference of two states on a goal.
 fn weighted(adjoint: &AdjointState, state: &State, better: &State) -> f64 {
     let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
     dot(&adjoint.displacement, &difference(&state.displacement, &better.displacement))

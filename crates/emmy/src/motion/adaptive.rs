@@ -2,7 +2,7 @@
 
 use super::control::Control;
 use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
-use super::stepping::placed;
+use super::failure::placed;
 use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -90,6 +90,7 @@ impl<'a> Motion<'a> {
                     self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
                     self.record.local_error = error;
                     self.record.is_unresolved = missed;
+                    self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
                         control.controller.restart(control.first_size(self.body, &self.state)?);
@@ -192,7 +193,7 @@ impl<'a> Motion<'a> {
         LocalError::new(self.body, element, adaptivity.estimator_of(element), self.settings, &self.state)
     }
 
-    /// The control of a plan: that of the march before, that of the snapshot, or a new one.
+    /// The control of a plan: from the march before, from the snapshot, or a new one.
     fn control(&mut self, plan: &StepPlan, adaptivity: &Adaptivity) -> Result<Control<'a>> {
         if let Some(control) = self.control.take().filter(|control| control.adaptivity == *adaptivity) {
             return Ok(control);
@@ -220,7 +221,7 @@ impl<'a> Motion<'a> {
         }
         if let Some(memory) = self.control_memory.take() {
             control.estimator.restore(&memory)?;
-            control.controller.restore(memory.array("controller")?);
+            control.controller.restore(&memory)?;
             if let Some(choice) = &mut control.degrees {
                 choice.restore(&memory)?;
             }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::time::{Estimator, MAX_DEGREE, TimeElement};
+use crate::time::{Estimator, MAX_DEGREE, Memory, TimeElement};
 
 /// Steps whose sizes are chosen by the error that each of them makes.
 ///
@@ -37,7 +37,7 @@ pub struct Adaptivity {
     pub velocity: Option<f64>,
     /// How the error is estimated; `None`: as [`Estimator::of`] says.
     pub estimator: Option<Estimator>,
-    /// Lowest and highest degree of the elements, of which the one is chosen that costs least; `None`: that of the motion.
+    /// Lowest and highest degree of the elements, of which the cheapest is chosen; `None`: the degree of the motion.
     pub degrees: Option<[usize; 2]>,
 }
 
@@ -258,17 +258,26 @@ impl Controller {
         self.last = None;
     }
 
-    /// As plain numbers, for [`Controller::restore`].
-    pub fn memory(&self) -> [f64; 5] {
-        let (error, size) = self.last.unwrap_or((-1.0, 0.0));
-        [self.size, error, size, f64::from(u8::from(self.was_rejected)), self.order]
+    /// Keeps everything that the next sizes depend on.
+    pub fn keep(&self, memory: &mut Memory) {
+        memory.keep_number("controller.size", self.size);
+        memory.keep_option("controller.last_error", self.last.map(|(error, _)| error));
+        memory.keep_option("controller.last_size", self.last.map(|(_, size)| size));
+        memory.keep_flag("controller.was_rejected", self.was_rejected);
+        memory.keep_number("controller.order", self.order);
     }
 
-    /// Restores the memory of another controller.
-    pub fn restore(&mut self, [size, error, last_size, was_rejected, order]: [f64; 5]) {
-        self.size = size.clamp(self.smallest, self.largest);
-        self.last = (error >= 0.0 && order == self.order).then_some((error, last_size));
-        self.was_rejected = was_rejected != 0.0;
+    /// Restores what [`Controller::keep`] kept.
+    ///
+    /// # Errors
+    /// [`Error::Memory`].
+    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.size = memory.number("controller.size")?.clamp(self.smallest, self.largest);
+        let last = memory.option("controller.last_error")?.zip(memory.option("controller.last_size")?);
+        let is_same_order = memory.number("controller.order")? == self.order;
+        self.last = last.filter(|(error, _)| *error >= 0.0 && is_same_order);
+        self.was_rejected = memory.flag("controller.was_rejected")?;
+        Ok(())
     }
 }
 
@@ -362,7 +371,9 @@ mod tests {
         first.accept(0.1, 3e-5, false);
         first.reject(0.1, 3e-4);
         let mut second = controller();
-        second.restore(first.memory());
+        let mut memory = Memory::default();
+        first.keep(&mut memory);
+        second.restore(&memory).unwrap();
         assert_eq!(first, second);
     }
 }

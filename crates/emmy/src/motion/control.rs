@@ -30,14 +30,14 @@ impl<'a> Control<'a> {
     /// Memory that the next size depends on.
     pub fn memory(&self, degree: usize) -> Memory {
         let mut memory = self.estimator.memory();
-        memory.keep("controller", &self.controller.memory());
+        self.controller.keep(&mut memory);
         if let Some(choice) = &self.degrees {
             choice.keep(degree, &mut memory);
         }
         memory
     }
 
-    /// A size with which to begin: a part of the time in which the body moves by its own length.
+    /// Size of the first step: a part of the time in which the body moves by its own length.
     pub fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
         let acceleration = LocalError::acceleration(body, state)?;
         let by_velocity = self.length / body.mean(&state.velocity);
@@ -45,12 +45,12 @@ impl<'a> Control<'a> {
         Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
     }
 
-    /// Error of the last step: the larger one of those of positions and velocities, in their scales.
+    /// Error of the last step: the larger one of the errors of positions and velocities, in their scales.
     pub fn error(&self, body: &Body) -> f64 {
         self.size_of_error(body, &self.estimator)
     }
 
-    /// The same of what an estimator estimated.
+    /// The same of the errors of an estimator.
     pub fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
         let position = body.mean(estimator.displacement()) / self.length;
         match self.adaptivity.velocity {

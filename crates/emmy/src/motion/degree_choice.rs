@@ -61,8 +61,9 @@ impl DegreeChoice {
 
     /// Keeps the memory that later choices depend on.
     pub fn keep(&self, degree: usize, memory: &mut Memory) {
-        memory.keep("degree", &[degree as f64]);
-        memory.keep("degree.trials", &[self.left as f64, self.pause as f64]);
+        memory.keep_number("degree", degree as f64);
+        memory.keep_number("degree.left", self.left as f64);
+        memory.keep_number("degree.pause", self.pause as f64);
     }
 
     /// Restores what [`DegreeChoice::keep`] kept.
@@ -70,15 +71,15 @@ impl DegreeChoice {
     /// # Errors
     /// [`crate::Error::Memory`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
-        let [left, pause] = memory.array("degree.trials")?;
-        (self.left, self.pause) = (left as usize, pause as usize);
+        self.left = memory.number("degree.left")? as usize;
+        self.pause = memory.number("degree.pause")? as usize;
         Ok(())
     }
 }
 
 /// The degree in the memory of a control that chooses degrees.
 pub fn degree_of(memory: &Memory) -> Option<usize> {
-    memory.array("degree").ok().map(|[degree]| degree as usize)
+    memory.number("degree").ok().map(|degree| degree as usize)
 }
 
 /// Size at which an error that grows with an order is the one aimed at, by a step of a size and its error over that.

@@ -18,7 +18,7 @@ pub struct Event {
 pub enum EventKind {
     /// A step failed and is cut by two.
     Cut,
-    /// A step with too large an error is rejected and repeated with a smaller size.
+    /// A step was rejected because of its error; it is repeated with a smaller size.
     Rejected,
     /// Steps are twice as large again.
     Grown,

@@ -14,10 +14,10 @@ pub struct View<'a> {
     pub state: &'a State,
     /// Energies, momenta, balances.
     pub record: &'a Record,
-    /// Norms of Newton's residuals in the step, one for each evaluation; of the second part where a step has two, empty at the
-    /// start and for explicit steppers.
+    /// Norms of the Newton residuals in the step, one for each evaluation. Of a step in two parts, those of the second part; empty
+    /// at the start and for explicit steppers.
     pub newton_residuals: &'a [f64],
-    /// The motion itself, for a [`super::Snapshot`] of it.
+    /// The motion itself, for its [`super::Snapshot`] and [`super::RunStatistics`].
     pub motion: &'a Motion<'a>,
 }
 

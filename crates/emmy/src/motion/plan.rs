@@ -69,10 +69,8 @@ impl StepPlan {
         let mut begin = start;
         for (phase, &Phase { until, size }) in phases.iter().enumerate() {
             if !(size > 0.0 && size.is_finite()) {
-                return fail(
-                    phase,
-                    format!("the step size must be positive and finite, not {}", short(size)),
-                );
+                let reason = format!("the step size must be positive and finite, not {}", short(size));
+                return fail(phase, reason);
             }
             if !until.is_finite() || until <= begin {
                 let [until, begin] = [until, begin].map(short);
@@ -111,7 +109,7 @@ impl StepPlan {
     /// ```
     ///
     /// # Errors
-    /// Those of [`StepPlan::new`] and [`Adaptivity::check`].
+    /// As [`StepPlan::new`] and [`Adaptivity::check`].
     pub fn adaptive(start: f64, until: f64, adaptivity: Adaptivity) -> Result<Self> {
         adaptivity.check()?;
         let largest = adaptivity.largest.min(until - start);
@@ -123,7 +121,7 @@ impl StepPlan {
     /// The plan with other phases, its steps being chosen as they were.
     ///
     /// # Errors
-    /// Those of [`StepPlan::new`].
+    /// As [`StepPlan::new`].
     pub fn with_phases(&self, phases: Vec<Phase>) -> Result<Self> {
         let plan = StepPlan::new(self.start, phases)?;
         Ok(StepPlan { adaptivity: self.adaptivity, interval: self.interval, ..plan })
@@ -223,7 +221,7 @@ impl StepPlan {
     /// ```
     ///
     /// # Errors
-    /// Those of [`StepPlan::new`]; [`Error::Plan`] if sizes are chosen by the error.
+    /// As [`StepPlan::new`]; [`Error::Plan`] if sizes are chosen by the error.
     pub fn with_size_from(&self, time: f64, size: f64) -> Result<Self> {
         if self.adaptivity.is_some() {
             let reason = "the sizes of adaptive steps are chosen by the error".to_string();

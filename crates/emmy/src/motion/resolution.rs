@@ -14,7 +14,7 @@ use crate::time::{MAX_DEGREE, Scheme};
 /// A function of time that a step does not resolve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unresolved {
-    /// What it drives.
+    /// The load or support that it drives.
     pub target: SignalTarget,
     /// Its text; empty for a field.
     pub text: Arc<str>,
@@ -132,9 +132,9 @@ impl Resolution {
         Some(Resolution {
             signals: signals.map(|(largest, signal)| (signal, largest)).collect(),
             scheme,
+            nodes: lobatto(rule.degree() + 2),
             rule,
             points,
-            nodes: lobatto(degree + 2),
             panel: duration / panels as f64,
         })
     }

@@ -1,23 +1,28 @@
-//! The whole state of a motion between two steps.
+//! The state of a motion between two steps.
 
-use super::{Record, Subdivision};
+use serde::{Deserialize, Serialize};
+
+use super::{Record, RunStatistics, Subdivision};
 use crate::time::{Memory, State};
 
-/// The whole state of a motion between two steps. [`super::Motion::resumed`] continues from it, bit-identical to the motion itself.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, with the same bits as the motion
+/// itself.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The state.
     pub state: State,
-    /// The record of the last step, with what has accumulated.
+    /// The record of the last step.
     pub record: Record,
-    /// Progress within the present planned step.
+    /// Statistics of all steps so far.
+    pub statistics: RunStatistics,
+    /// Subdivision of the planned step in progress.
     pub subdivision: Subdivision,
-    /// Memory of the control, where sizes are chosen by the error.
+    /// State of the step size control, with adaptive steps.
     pub control: Option<Memory>,
-    /// Number of supports that are released by now.
+    /// Number of supports released so far.
     pub releases: usize,
-    /// Whether Newton's iteration has ended at its rounding floor before.
+    /// Whether a Newton iteration has ended at the rounding floor.
     pub was_at_rounding_floor: bool,
-    /// The stepper's own memory; `None`: a new stepper starts from the state, as it must with another scheme or degree.
+    /// Memory of the stepper. With `None`, the stepper starts again from the state, as it must with another scheme or degree.
     pub memory: Option<Memory>,
 }

@@ -2,8 +2,9 @@
 
 use super::control::Control;
 use super::degree_choice::degree_of;
+use super::failure::placed;
 use super::plan::SHORTEST;
-use super::{Event, EventKind, PlannedStep, Record, Resolution, Snapshot, Subdivision};
+use super::{Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, Subdivision};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
@@ -37,6 +38,7 @@ pub struct Motion<'a> {
     /// The state before the last step.
     last: State,
     pub(super) record: Record,
+    pub(super) statistics: RunStatistics,
     /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
@@ -111,6 +113,8 @@ impl<'a> Motion<'a> {
         let degree = scheme.degree();
         let record =
             Record { step: state.step, time: state.time, degree, ..Record::default() }.at(body, &state);
+        let mut statistics = RunStatistics::default();
+        statistics.add(body, &state, &record);
         Ok(Motion {
             body,
             given: scheme,
@@ -120,6 +124,7 @@ impl<'a> Motion<'a> {
             last: state.clone(),
             state,
             record,
+            statistics,
             smallest: None,
             subdivision: Subdivision::default(),
             control: None,
@@ -145,8 +150,16 @@ impl<'a> Motion<'a> {
         settings: NewtonSettings,
         snapshot: Snapshot,
     ) -> Result<Self> {
-        let Snapshot { state, record, subdivision, control, releases, was_at_rounding_floor, memory } =
-            snapshot;
+        let Snapshot {
+            state,
+            record,
+            statistics,
+            subdivision,
+            control,
+            releases,
+            was_at_rounding_floor,
+            memory,
+        } = snapshot;
         for _ in 0..releases {
             let Some((_, released)) = body.release() else { break };
             body = released;
@@ -165,7 +178,14 @@ impl<'a> Motion<'a> {
             // The new stepper may have set the momentum by a mass of its own.
             None => motion.record = record.at(body, &motion.state),
         }
-        Ok(Motion { subdivision, control_memory: control, releases, was_at_rounding_floor, ..motion })
+        Ok(Motion {
+            statistics,
+            subdivision,
+            control_memory: control,
+            releases,
+            was_at_rounding_floor,
+            ..motion
+        })
     }
 
     /// The whole state of the motion between two steps; see [`Motion::resumed`].
@@ -174,6 +194,7 @@ impl<'a> Motion<'a> {
         Snapshot {
             state: self.state.clone(),
             record: self.record.clone(),
+            statistics: self.statistics.clone(),
             subdivision: self.subdivision,
             control: control.or(self.control_memory.clone()),
             releases: self.releases,
@@ -217,6 +238,21 @@ impl<'a> Motion<'a> {
         &self.record
     }
 
+    /// Statistics of all steps so far, those before a resumption included.
+    ///
+    /// ```
+    /// # use emmy::{body::{Body, Region}, material::NeoHooke, mesh, motion::Motion, time::TimeElement};
+    /// # let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
+    /// # let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
+    /// motion.step(0.1)?;
+    /// assert_eq!(motion.statistics().worst_energy_residual.value, 0.0); // at rest
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn statistics(&self) -> &RunStatistics {
+        &self.statistics
+    }
+
     /// The stepper.
     pub fn stepper(&self) -> &(dyn Stepper + 'a) {
         &*self.stepper
@@ -257,7 +293,7 @@ impl<'a> Motion<'a> {
     /// time of the release or after it.
     ///
     /// # Errors
-    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record are then those of the last good step.
+    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record then belong to the last good step.
     pub fn step(&mut self, step_size: f64) -> Result<&Record> {
         self.step_with_end(step_size, self.state.time + step_size)
     }
@@ -287,6 +323,7 @@ impl<'a> Motion<'a> {
             self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
         self.conclude(step_size, end, &outcome);
         self.record.is_unresolved = missed.is_some();
+        self.statistics.add(self.body, &self.state, &self.record);
         Ok(&self.record)
     }
 
@@ -318,7 +355,7 @@ impl<'a> Motion<'a> {
         self.state.step += 1;
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
         self.record.cuts = std::mem::take(&mut self.cuts);
-        self.record.refusals = std::mem::take(&mut self.rejections);
+        self.record.rejections = std::mem::take(&mut self.rejections);
         self.record.releases = std::mem::take(&mut self.released);
         self.record.degree = self.scheme.degree();
         if self.record.at_rounding_floor && !self.was_at_rounding_floor {
@@ -329,12 +366,17 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// Checks that a state has the degrees of freedom of a body.
+/// Checks that a state has the degrees of freedom of a body; the low part of the displacement may be empty.
 fn check_state(body: &Body, state: &State) -> Result<()> {
-    for (name, list) in
-        [("displacement", &state.displacement), ("momentum", &state.momentum), ("velocity", &state.velocity)]
-    {
-        if list.len() != body.n_dofs() {
+    let low = Some(&state.displacement_low).filter(|low| !low.is_empty());
+    let lists = [
+        ("displacement", Some(&state.displacement)),
+        ("displacement_low", low),
+        ("momentum", Some(&state.momentum)),
+        ("velocity", Some(&state.velocity)),
+    ];
+    for (name, list) in lists {
+        if let Some(list) = list.filter(|list| list.len() != body.n_dofs()) {
             let reason = format!("has {} numbers, not {}", list.len(), body.n_dofs());
             return Err(Error::Memory { name: name.to_string(), reason });
         }
@@ -346,27 +388,4 @@ fn check_state(body: &Body, state: &State) -> Result<()> {
 /// `same_time` are the same.
 pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
     body.release().filter(|(time, _)| now >= time - same_time)
-}
-
-/// The error of a step, with the place of the cell if one was inverted.
-pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
-    let inner = match &error {
-        Error::StepFailed { cause, .. } => cause,
-        error => error,
-    };
-    let Error::Inverted { cell, det } = *inner else { return error };
-    let Some(found) = body.mesh().cells().nth(cell) else { return error };
-    let position = |node: &u32| state.position(body, *node as usize);
-    let mut centre = [0.0; 3];
-    for corner in found.nodes.iter().map(position) {
-        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
-    }
-    Error::CellInverted {
-        step: state.step + 1,
-        time: state.time + step_size,
-        cell,
-        kind: found.kind,
-        position: centre,
-        det,
-    }
 }

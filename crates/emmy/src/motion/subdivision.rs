@@ -1,5 +1,7 @@
 //! Subdivision of planned steps that fail.
 
+use serde::{Deserialize, Serialize};
+
 use super::PlannedStep;
 
 /// Subdivision of a planned step into `2^halvings` equal substeps, and the progress of the motion in it.
@@ -7,7 +9,7 @@ use super::PlannedStep;
 /// A step that fails is cut by two, again and again; the following steps stay subdivided as often. After [`GOOD_STEPS`] steps
 /// that succeed one after the other the number of halvings falls by one, as soon as a larger substep can start there.
 /// So every planned step ends at its own time, and all its substeps have the same bits in their size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Subdivision {
     /// Number of times that a planned step is cut by two.
     pub halvings: u32,

@@ -3,47 +3,36 @@
 use super::{FIRST_FORCING, Newton, Run, System, Tangent};
 use crate::error::Result;
 
-/// What is known of the approximate tangent.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Approximation {
-    /// Corrections that the solution took for which it was made; `None`: there is none.
-    fresh: Option<usize>,
-    /// Corrections since then beyond those.
-    excess: usize,
+/// State of the approximate tangent between two solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NewtonMemory {
+    /// Corrections in the solution for which the tangent was factored; `None`: there is no tangent.
+    pub fresh: Option<usize>,
+    /// Corrections since then beyond that number.
+    pub excess: usize,
     /// Relative tolerance of the next correction.
-    forcing: f64,
-}
-
-impl Approximation {
-    /// As plain numbers; a negative count stands for none.
-    fn numbers(&self) -> [f64; 3] {
-        [self.fresh.map_or(-1.0, |fresh| fresh as f64), self.excess as f64, self.forcing]
-    }
-
-    fn of([fresh, excess, forcing]: [f64; 3]) -> Self {
-        Approximation { fresh: (fresh >= 0.0).then_some(fresh as usize), excess: excess as usize, forcing }
-    }
+    pub forcing: f64,
 }
 
 impl Newton {
-    /// What is known of the approximate tangent, for [`Newton::restore`].
-    pub fn memory(&self) -> [f64; 3] {
-        self.approximation.numbers()
+    /// State of the approximate tangent, for [`Newton::restore`].
+    pub fn memory(&self) -> NewtonMemory {
+        self.approximation
     }
 
-    /// Takes over what was known of the approximate tangent.
-    pub fn restore(&mut self, memory: [f64; 3]) {
-        self.approximation = Approximation::of(memory);
+    /// Sets the state of the approximate tangent.
+    pub fn restore(&mut self, memory: NewtonMemory) {
+        self.approximation = memory;
     }
 
-    /// Has the approximate tangent renewed with the next solution: that of a solution that failed is of no use.
+    /// Has the approximate tangent refactorised with the next solution: the tangent of a failed solution is of no use.
     pub fn forget(&mut self) {
         self.approximation.fresh = None;
     }
 
-    /// Corrections with the approximate tangent, which is renewed where they become slow; false if that does not help either.
+    /// Corrections with the approximate tangent, which is refactorised where they become slow; false if that does not help either.
     ///
-    /// The iteration converges linearly, so it goes on to rounding, by its own contraction: the last residual need not be
+    /// The iteration converges linearly, so it continues to rounding, by its own contraction: the last residual need not be
     /// evaluated.
     pub(super) fn solve_approximately(
         &mut self,
@@ -52,8 +41,8 @@ impl Newton {
         run: &mut Run<'_>,
     ) -> Result<bool> {
         let old = &mut self.approximation;
-        let is_old = old.fresh.is_none() || old.excess as f64 >= system.renewal_cost();
-        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let is_old = old.fresh.is_none() || old.excess as f64 >= system.refactorization_cost();
+        let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
         let mut contraction = 1.0;
@@ -76,12 +65,12 @@ impl Newton {
                 return Ok(false);
             }
             let tolerance = forcing.max(0.3 * run.round_off() / residual).min(LOOSEST);
-            run.outcome.renewals += usize::from(tangent == Tangent::Renewed);
+            run.outcome.refactorizations += usize::from(tangent == Tangent::Refactorized);
             let Ok(iterations) = self.correct(system, x, tolerance, tangent) else {
                 self.approximation.fresh = None;
                 return Ok(false);
             };
-            tangent = Tangent::Kept;
+            tangent = Tangent::Reused;
             run.outcome.linear_iterations += iterations;
             run.outcome.iterations += 1;
             let sizes = system.residual(&self.trial, &mut self.trial_residual);
@@ -100,8 +89,8 @@ impl Newton {
                 return Ok(false);
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
-            if !is_fresh && (is_slow || left > system.renewal_cost() + FRESH) {
-                (tangent, is_fresh) = (Tangent::Renewed, true);
+            if !is_fresh && (is_slow || left > system.refactorization_cost() + FRESH) {
+                (tangent, is_fresh) = (Tangent::Refactorized, true);
             }
         }
     }
@@ -122,7 +111,7 @@ impl Newton {
                 self.history.push(run.sizes.residual);
             }
             let tolerance = (0.3 * run.round_off() / left).clamp(TIGHTEST, LOOSEST);
-            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Kept)?;
+            run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Reused)?;
             run.outcome.iterations += 1;
             x.copy_from_slice(&self.trial);
             left *= tolerance.max(contraction);

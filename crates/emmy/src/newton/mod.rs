@@ -4,7 +4,7 @@ mod approximate;
 #[cfg(test)]
 mod tests;
 
-use approximate::Approximation;
+pub use approximate::NewtonMemory;
 
 use crate::error::Result;
 use crate::sparse::Solver;
@@ -30,17 +30,17 @@ pub trait System {
         dx: &mut [f64],
     ) -> Result<usize>;
 
-    /// What a new approximate tangent costs, in corrections with the one that is there.
-    fn renewal_cost(&self) -> f64;
+    /// Cost of a new approximate tangent, in corrections with the present one.
+    fn refactorization_cost(&self) -> f64;
 }
 
 /// Which K a correction is to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
-    /// An approximation that is cheap to solve with, as it was made before.
-    Kept,
-    /// The approximation, made anew near x.
-    Renewed,
+    /// An approximation that is cheap to solve with, reused from an earlier iteration.
+    Reused,
+    /// The approximation, computed and factorised again near x.
+    Refactorized,
     /// The derivative of R at x.
     Exact,
     /// The derivative of R that was taken last.
@@ -54,7 +54,7 @@ pub struct Sizes {
     pub residual: f64,
     /// Largest norm of the parts that the residual is the sum of.
     pub scale: f64,
-    /// What rounding alone makes of the residual; 0 while unknown.
+    /// Rounding floor of the residual; 0 while unknown.
     pub floor: f64,
 }
 
@@ -86,17 +86,17 @@ pub struct Outcome {
     pub linear_iterations: usize,
     /// Norm of the last residual that was evaluated.
     pub residual: f64,
-    /// What it had to fall below.
+    /// Target that the norm had to fall below.
     pub target: f64,
     /// Whether it converged.
     pub converged: bool,
-    /// How often the approximate tangent was made anew.
-    pub renewals: usize,
+    /// How often the approximate tangent was refactorised.
+    pub refactorizations: usize,
     /// Whether the exact tangent was needed.
     pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.
     pub at_rounding_floor: bool,
-    /// What the residual at a rounding floor does to energy and momenta of the step, relative to them; 0 above the floor.
+    /// Relative change of energy and momenta of the step by a residual at the rounding floor; 0 above the floor.
     pub rounding: f64,
 }
 
@@ -119,7 +119,7 @@ pub struct Newton {
     trial_residual: Vec<f64>,
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
-    approximation: Approximation,
+    approximation: NewtonMemory,
     /// Residuals in the history before those with the exact tangent; an approximate one may be slow without stagnation.
     exact_from: usize,
 }
@@ -142,7 +142,7 @@ impl Newton {
     /// residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
     ///
     /// # Errors
-    /// Those of the system at the start; later ones end the iteration without convergence if halving does not help.
+    /// As the system at the start; later errors end the iteration without convergence if halving does not help.
     pub fn solve(
         &mut self,
         system: &mut impl System,
@@ -299,7 +299,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// What rounding leaves of a residual that is solved as well as can be.
+    /// Residual that rounding leaves at best.
     fn round_off(&self) -> f64 {
         2.0 * f64::EPSILON * self.sizes.scale
     }

@@ -22,13 +22,13 @@ impl System for SquareRoot {
         tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        if matches!(tangent, Tangent::Renewed | Tangent::Exact) {
+        if matches!(tangent, Tangent::Refactorized | Tangent::Exact) {
             self.2 = 2.0 * x[0];
         }
         dx[0] = -residual[0] / self.2;
         Ok(1)
     }
-    fn renewal_cost(&self) -> f64 {
+    fn refactorization_cost(&self) -> f64 {
         4.0
     }
 }
@@ -66,21 +66,21 @@ fn gives_up_and_says_so() {
 }
 
 #[test]
-fn a_kept_tangent_is_renewed_when_it_has_cost_more_than_a_new_one() {
+fn a_reused_tangent_is_refactorized_when_it_has_cost_more_than_a_new_one() {
     let (mut newton, mut system) = (Newton::default(), SquareRoot(4.0, 1e-12, 0.0));
     let settings = NewtonSettings::default();
-    let mut renewals = Vec::new();
+    let mut refactorizations = Vec::new();
     for step in 0..12 {
         let mut x = [2.0 + 0.02 * f64::from(step)];
         let before = system.2;
         system.0 = (2.01 + 0.02 * f64::from(step)).powi(2);
         let outcome = newton.solve(&mut system, &mut x, &settings, false).unwrap();
         assert!(outcome.converged && (x[0] * x[0] - system.0).abs() < 1e-11);
-        renewals.push(system.2 != before);
+        refactorizations.push(system.2 != before);
     }
-    // Made for the first step, kept for the next ones, renewed before the last.
-    assert!(renewals[0] && !renewals[1] && !renewals[2], "{renewals:?}");
-    assert!(renewals[3..].contains(&true), "{renewals:?}");
+    // Made for the first step, reused for the next ones, refactorised before the last.
+    assert!(refactorizations[0] && !refactorizations[1] && !refactorizations[2], "{refactorizations:?}");
+    assert!(refactorizations[3..].contains(&true), "{refactorizations:?}");
 }
 
 #[test]

@@ -54,7 +54,7 @@ impl BlockCholesky {
         self.factor.factorize(&self.values)
     }
 
-    /// What a factorisation costs, in solutions.
+    /// Cost of a factorisation, in solutions.
     pub fn cost_over_solution(&self) -> f64 {
         // A column with c entries takes c^2 operations in cache, and 2 c words from memory in a solution.
         let entries_of_column = self.factor.n_entries() as f64 / self.free.len().max(1) as f64;

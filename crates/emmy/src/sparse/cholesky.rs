@@ -22,7 +22,7 @@ pub struct Cholesky {
     memory: MemBuffer,
 }
 
-/// What an indefinite factorisation needs besides the values.
+/// Data of an indefinite factorisation besides the values.
 struct Pivots {
     subdiagonal: Vec<f64>,
     forward: Vec<usize>,

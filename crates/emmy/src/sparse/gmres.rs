@@ -4,7 +4,7 @@ use super::reduce::{dot, norm};
 
 /// GMRES (Saad and Schultz 1986) with restarts; its memory is kept from one solution to the next.
 ///
-/// With a right preconditioner the residual that is minimised is that of the system itself.
+/// With a right preconditioner GMRES minimises the residual of the system itself.
 #[derive(Debug, Clone, Default)]
 pub struct Gmres {
     /// Orthonormal basis of the Krylov space.
@@ -21,7 +21,7 @@ pub struct Gmres {
 pub struct Solution {
     /// Number of iterations.
     pub iterations: usize,
-    /// Norm of the residual over that of the right-hand side.
+    /// Norm of the residual over the norm of the right-hand side.
     pub relative_residual: f64,
 }
 
@@ -132,7 +132,7 @@ impl Gmres {
     }
 }
 
-/// What GMRES needs of a linear system.
+/// A linear system, as GMRES uses it.
 pub trait LinearSystem {
     /// `y = A x`.
     fn product(&mut self, x: &[f64], y: &mut [f64]);

@@ -16,7 +16,7 @@ use super::triangular::{Backward, Forward, Part};
 /// to be near: it is computed in single precision, and kept in half of that.
 ///
 /// It is stored as `L = D U`, D the triangular diagonal blocks of L: the blocks of U on the diagonal are unit matrices, and a sweep
-/// through U waits for nothing but the rows before. A pivot that is lost to what is left out is replaced by that of the matrix.
+/// through U waits for nothing but the rows before. A pivot that is lost to the omitted fill is replaced by the pivot of the matrix.
 #[derive(Debug, Clone)]
 pub struct IncompleteCholesky {
     /// On the couplings of the sweep: left of the diagonal U, right of it U^T.
@@ -142,7 +142,7 @@ impl<const C: usize> Approximate<f32, C> for IncompleteCholesky {
     }
 }
 
-/// Factorises a row: `part` holds the blocks from position `first` on, `interior` those of the interiors.
+/// Factorises a row: `part` holds the blocks from position `first` on, `interior` the blocks of the interiors.
 fn factorize_row(
     sweep: &SweepOrder,
     row: usize,
@@ -213,7 +213,7 @@ fn lower_times(inverse: &[f32], A: &[f32]) -> [f32; 9] {
     product
 }
 
-/// Inverse of the Cholesky factor of a block; a pivot lost to what was left out is replaced by that of the original diagonal.
+/// Inverse of the Cholesky factor of a block; a pivot lost to the omitted fill is replaced by the pivot of the original diagonal.
 fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
     const SMALLEST: f32 = 1e-3;
     let mut L = [[0f32; 3]; 3];

@@ -17,7 +17,7 @@ pub const LOADED: usize = 16;
 
 /// How a matrix stores a number.
 pub trait Entry: Copy + Default + Send + Sync + 'static {
-    /// What products are computed in.
+    /// Number type in which products are computed.
     type Number: Real;
     /// The nearest entry.
     fn of(value: f64) -> Self;
@@ -74,7 +74,7 @@ impl Entry for bf16 {
     }
 }
 
-/// What is done with a kernel. All that `run` reaches must be inlined into it, else it is compiled for the oldest machine.
+/// Work with a kernel. All that `run` reaches must be inlined into it, else it is compiled for the oldest machine.
 pub trait Work<E: Entry, const C: usize> {
     /// Result.
     type Output;

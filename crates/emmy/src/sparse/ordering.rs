@@ -40,7 +40,7 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     Ok(order.into_iter().map(|node| node as usize).collect())
 }
 
-/// METIS draws from one random sequence for the whole process, which each call starts anew: calls one after another
+/// METIS draws from one random sequence for the whole process, which each call starts again: calls one after another
 /// always give the same order, calls side by side would not.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 

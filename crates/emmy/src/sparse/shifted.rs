@@ -12,9 +12,9 @@ use super::sweep::SweepOrder;
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
 pub struct ShiftedMatrix<E: Entry, const C: usize> {
-    /// With one column the blocks of `M + lambda K`, with two those of K.
+    /// With one column the blocks of `M + lambda K`, with two columns the blocks of K.
     blocks: Blocks<E>,
-    /// What rounding took from the blocks of a row, added to its diagonal block: a motion that does not strain must not cost
+    /// Rounding errors of the blocks of a row, added to its diagonal block: a motion that does not strain must not cost
     /// energy, and the rounding of neighbours would make it.
     remainders: Vec<[[E::Number; 4]; 3]>,
     /// M, with two columns.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// The linear solver that the settings ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
@@ -16,17 +18,22 @@ pub enum Solver {
 
 /// All there are, with their names.
 pub const SOLVERS: [(&str, Solver, &str); 3] = [
-    ("auto", Solver::Auto, "conjugate gradients or Cholesky factorisation, by what the first step asks for"),
-    ("direct", Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
     (
-        "iterative",
+        Solver::Auto.name(),
+        Solver::Auto,
+        "conjugate gradients or Cholesky factorisation, by what the first step asks for",
+    ),
+    (Solver::Direct.name(), Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
+    (
+        Solver::Iterative.name(),
         Solver::Iterative,
         "conjugate gradients with an incomplete Cholesky factor, kept over steps",
     ),
 ];
 
 /// Kinds of linear solvers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SolverKind {
     /// Sparse Cholesky factorisation.
     Direct,
@@ -35,15 +42,38 @@ pub enum SolverKind {
 }
 
 impl SolverKind {
-    /// All kinds.
-    pub const ALL: [SolverKind; 2] = [SolverKind::Direct, SolverKind::Iterative];
-
-    /// Key word, as in [`SOLVERS`]; in files.
+    /// Key word, in the input and in checkpoints.
     pub const fn name(self) -> &'static str {
         match self {
             SolverKind::Direct => "direct",
             SolverKind::Iterative => "iterative",
         }
+    }
+
+    /// The kind of a name; `None` if there is none.
+    pub fn named(name: &str) -> Option<SolverKind> {
+        [SolverKind::Direct, SolverKind::Iterative].into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+impl Solver {
+    /// Its name in the input.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Solver::Auto => "auto",
+            Solver::Direct => SolverKind::Direct.name(),
+            Solver::Iterative => SolverKind::Iterative.name(),
+        }
+    }
+
+    /// The solver of a name; `None` if there is none.
+    ///
+    /// ```
+    /// use emmy::sparse::Solver;
+    /// assert_eq!(Solver::named("direct"), Some(Solver::Direct));
+    /// ```
+    pub fn named(name: &str) -> Option<Solver> {
+        SOLVERS.into_iter().find(|(own, ..)| *own == name).map(|(_, solver, _)| solver)
     }
 }
 
@@ -58,7 +88,7 @@ impl SolverKind {
 /// (s: time scale of the stage equations, the step size of a time element; lambda: largest eigenvalue of the stage coupling; m:
 /// lumped mass): the square of the number of cells that a wave crosses in a step, but for a factor. The fill of a factorisation
 /// grows with the number of nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SolverChoice {
     /// Its kind.
     pub kind: SolverKind,

@@ -18,7 +18,7 @@ pub struct Part<'a, const C: usize> {
     pub sweep: &'a SweepOrder,
     /// The rows.
     pub rows: Range<usize>,
-    /// What has been computed of other rows, from number `first_other` on.
+    /// Results of other rows, from number `first_other` on.
     pub others: &'a [Row<f32, C>],
     /// Number of the first of them.
     pub first_other: usize,

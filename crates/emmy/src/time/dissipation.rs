@@ -13,7 +13,7 @@
 //!
 //! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest ([`crate::average::Damping`]).
 //!
-//! *Velocities*: the rates of the displacement are not those of the velocity any more,
+//! *Velocities*: the rates of the displacement are no longer the velocity,
 //!
 //! ```math
 //! x_i/h = v(c_i) + beta p_i gamma,    gamma = Pi delta_v,    delta_v = sum_j b_j p_j v'_j

@@ -142,10 +142,10 @@ impl<'a> TimeElementStepper<'a> {
         Ok(impulses)
     }
 
-    /// What the displacement at the end of the step does to the body; it is left in `position`.
+    /// Strain energy and smallest det F at the end of the step, whose displacement is left in `position`.
     ///
     /// # Errors
-    /// [`crate::Error::Inverted`]: a rule may see nothing of the end, and from such a state no step goes on.
+    /// [`crate::Error::Inverted`]: a rule may not evaluate the end, and no step can start from an inverted state.
     fn strained_at_end(&mut self) -> Result<Strained> {
         self.position.copy_from_slice(&self.system.displacement);
         let n = self.position.len();
@@ -168,7 +168,7 @@ impl<'a> TimeElementStepper<'a> {
     /// Advances a state as [`Stepper::advance`] does, with rates from which the iteration starts.
     ///
     /// # Errors
-    /// Those of [`Stepper::advance`].
+    /// As [`Stepper::advance`].
     pub fn advance_from(
         &mut self,
         state: &mut State,
@@ -191,7 +191,7 @@ impl<'a> TimeElementStepper<'a> {
     /// says that it failed.
     ///
     /// # Errors
-    /// Those of the function.
+    /// As the function.
     pub(super) fn correct_from(
         &mut self,
         state: &mut State,

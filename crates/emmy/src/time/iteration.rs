@@ -5,10 +5,10 @@ use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
-use crate::newton::{Newton, NewtonSettings, Outcome, System};
+use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
 use crate::sparse::reduce::dot;
 
-/// The iteration of a step with its memory: the rates it solves for, and those of the step before.
+/// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
 pub struct Iteration {
     settings: NewtonSettings,
@@ -16,7 +16,7 @@ pub struct Iteration {
     /// The unknowns x_i, `[k][n_nodes][3]`.
     pub rates: Vec<f64>,
     prediction: Prediction,
-    /// Residual at a starting point, where there is a choice, and that of the rigid motion.
+    /// Residual at a starting point, where there is a choice, and residual of the rigid motion.
     residual: Vec<f64>,
 }
 
@@ -63,7 +63,10 @@ impl Iteration {
     /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
-        memory.keep("newton", &self.newton.memory());
+        let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
+        memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
+        memory.keep_number("newton.excess", excess as f64);
+        memory.keep_number("newton.forcing", forcing);
     }
 
     /// Restores what [`Iteration::keep`] kept.
@@ -72,7 +75,11 @@ impl Iteration {
     /// [`Error::Memory`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.prediction.restore(memory)?;
-        self.newton.restore(memory.array("newton")?);
+        self.newton.restore(NewtonMemory {
+            fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
+            excess: memory.number("newton.excess")? as usize,
+            forcing: memory.number("newton.forcing")?,
+        });
         Ok(())
     }
 

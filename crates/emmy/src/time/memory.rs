@@ -1,41 +1,68 @@
-//! What a stepper remembers, as plain numbers.
+//! State of a stepper between two steps, as named numbers and words.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// The memory of a stepper between two steps: lists of numbers with names. It says all that the next steps depend on beside the
-/// state; what can be made again from it, such as a factorisation, is not in it.
+/// State of a stepper between two steps: everything that the next steps depend on besides the [`super::State`] itself. What follows
+/// from it, such as a factorisation, is not kept.
 ///
 /// ```
 /// let mut memory = emmy::time::Memory::default();
-/// memory.keep("step_size", &[0.5]);
-/// assert_eq!(memory.list("step_size")?, [0.5]);
-/// assert!(memory.list("acceleration").is_err());
+/// memory.keep("acceleration", &[0.5, -0.5]);
+/// memory.keep_number("step_size", 0.1);
+/// memory.keep_word("solver", "direct");
+/// assert_eq!(memory.list("acceleration")?, [0.5, -0.5]);
+/// assert_eq!((memory.number("step_size")?, memory.word("solver")?), (0.1, "direct"));
+/// assert!(memory.list("velocity").is_err());
 /// # Ok::<(), emmy::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Memory {
-    lists: Vec<(String, Vec<f64>)>,
+    lists: BTreeMap<String, Vec<f64>>,
+    words: BTreeMap<String, String>,
 }
 
 impl Memory {
-    /// Keeps a list under a name that is not taken.
+    /// Keeps a list.
     pub fn keep(&mut self, name: &str, list: &[f64]) {
-        self.lists.push((name.to_string(), list.to_vec()));
+        self.lists.insert(name.to_string(), list.to_vec());
+    }
+
+    /// Keeps a number.
+    pub fn keep_number(&mut self, name: &str, number: f64) {
+        self.keep(name, &[number]);
+    }
+
+    /// Keeps a number that may be missing.
+    pub fn keep_option(&mut self, name: &str, number: Option<f64>) {
+        self.keep(name, number.as_slice());
+    }
+
+    /// Keeps a flag.
+    pub fn keep_flag(&mut self, name: &str, flag: bool) {
+        self.keep_word(name, if flag { YES } else { NO });
+    }
+
+    /// Keeps a word, such as the name of a variant.
+    pub fn keep_word(&mut self, name: &str, word: &str) {
+        self.words.insert(name.to_string(), word.to_string());
     }
 
     /// A list by its name.
     ///
     /// # Errors
-    /// [`Error::Memory`] if there is none.
+    /// [`Error::Memory`] if it is missing.
     pub fn list(&self, name: &str) -> Result<&[f64]> {
-        let found = self.lists.iter().find(|(own, _)| own == name);
-        found.map(|(_, list)| &list[..]).ok_or_else(|| misfit(name, "is missing".to_string()))
+        self.lists.get(name).map(Vec::as_slice).ok_or_else(|| missing(name))
     }
 
     /// A list of a given length.
     ///
     /// # Errors
-    /// [`Error::Memory`] if there is none, or if it has another length.
+    /// [`Error::Memory`] if it is missing or has another length.
     pub fn array<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
         let mut array = [0.0; N];
         self.fill(name, &mut array)?;
@@ -45,40 +72,64 @@ impl Memory {
     /// Copies a list.
     ///
     /// # Errors
-    /// [`Error::Memory`] if there is none, or if it has another length.
+    /// [`Error::Memory`] if it is missing or has another length.
     pub fn fill(&self, name: &str, target: &mut [f64]) -> Result<()> {
         let list = self.list(name)?;
         if list.len() != target.len() {
-            return Err(misfit(name, format!("has {} numbers, not {}", list.len(), target.len())));
+            return Err(mismatch(name, format!("has {} numbers, not {}", list.len(), target.len())));
         }
         target.copy_from_slice(list);
         Ok(())
     }
 
-    /// A list of one number or none.
+    /// A number.
     ///
     /// # Errors
-    /// [`Error::Memory`] if there is none, or a longer one.
+    /// [`Error::Memory`] if it is missing or a list.
+    pub fn number(&self, name: &str) -> Result<f64> {
+        self.array(name).map(|[number]| number)
+    }
+
+    /// A number that may be missing.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if it was not kept, or is a longer list.
     pub fn option(&self, name: &str) -> Result<Option<f64>> {
         match self.list(name)? {
             [] => Ok(None),
             [value] => Ok(Some(*value)),
-            list => Err(misfit(name, format!("has {} numbers, not one or none", list.len()))),
+            list => Err(mismatch(name, format!("has {} numbers, not one or none", list.len()))),
         }
     }
 
-    /// All lists with their names, as they were kept.
-    pub fn lists(&self) -> impl Iterator<Item = (&str, &[f64])> {
-        self.lists.iter().map(|(name, list)| (name.as_str(), &list[..]))
+    /// A flag.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if it is missing or another word.
+    pub fn flag(&self, name: &str) -> Result<bool> {
+        match self.word(name)? {
+            YES => Ok(true),
+            NO => Ok(false),
+            word => Err(mismatch(name, format!("is `{word}`, not `{YES}` or `{NO}`"))),
+        }
+    }
+
+    /// A word.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if it is missing.
+    pub fn word(&self, name: &str) -> Result<&str> {
+        self.words.get(name).map(String::as_str).ok_or_else(|| missing(name))
     }
 }
 
-impl FromIterator<(String, Vec<f64>)> for Memory {
-    fn from_iter<I: IntoIterator<Item = (String, Vec<f64>)>>(lists: I) -> Self {
-        Memory { lists: lists.into_iter().collect() }
-    }
+const YES: &str = "yes";
+const NO: &str = "no";
+
+fn missing(name: &str) -> Error {
+    mismatch(name, "is missing".to_string())
 }
 
-fn misfit(name: &str, reason: String) -> Error {
+fn mismatch(name: &str, reason: String) -> Error {
     Error::Memory { name: name.to_string(), reason }
 }

@@ -52,7 +52,7 @@ pub struct RigidStep {
     jacobian: Vec<f64>,
     turns: Vec<f64>,
     scratch: Vec<f64>,
-    /// Whether spins, changes and Jacobian are those of a solution.
+    /// Whether spins, changes and Jacobian belong to a solution.
     is_solved: bool,
 }
 

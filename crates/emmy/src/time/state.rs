@@ -1,12 +1,14 @@
 //! State of a motion.
 
+use serde::{Deserialize, Serialize};
+
 use crate::body::{Body, InitialVelocity};
 use crate::error::Result;
 
 /// State of a body in motion.
 ///
 /// Displacement instead of position keeps the digits of small strains; see ARCHITECTURE.md.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Time \[time\].
     pub time: f64,

@@ -49,7 +49,8 @@ fn drift_far_away(steps: usize) -> (f64, f64) {
     let (angular_velocity, about) = ([0.3, 0.5, 0.8], [0.5, 0.5, 1.0]);
     let start = InitialVelocity { velocity, angular_velocity, about, ..Default::default() };
     let state = State::initial(&body, 0.0, &[start]).unwrap();
-    let mut motion = Motion::new(&body, "DGM".parse().unwrap(), 1, NewtonSettings::default(), state).unwrap();
+    let mut motion =
+        Motion::starting(&body, at("DGM".parse().unwrap(), 1), NewtonSettings::default(), state).unwrap();
     drift("DGM, far away", &mut motion, h, steps)
 }
 

@@ -7,7 +7,7 @@ mod table;
 use std::path::PathBuf;
 
 use clap::Args;
-use emmy_io::convergence::{self, Row};
+use emmy_io::convergence::{self, MemberRun};
 use emmy_io::directory::{self, MARK};
 use emmy_io::input::{self, Overrides, Problem};
 
@@ -33,19 +33,19 @@ pub struct Arguments {
     /// Degree of the reference [default: the input's degree]
     #[arg(long, value_name = "K")]
     reference_degree: Option<usize>,
-    /// Time from which on the runs have steps of their own [default: the start]
+    /// Time from which on each run has its own step size [default: the start]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     from: Option<f64>,
     /// Time at which the runs end [default: the end of the plan]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     to: Option<f64>,
-    /// Times between which the error is measured [default: all of the runs]
+    /// Times between which the error is measured [default: the whole run]
     #[arg(long, value_name = "TA,TB", value_delimiter = ',', allow_hyphen_values = true)]
     window: Option<Vec<f64>>,
     /// Change a value of the input, such as time.scheme=DGM or region.0.density=2.5 (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Output directory [default: that of the input, with `-convergence` added]
+    /// Output directory [default: the directory of the input, with `-convergence` added]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Number of threads, and of members side by side; results do not depend on it [default: all cores]
@@ -54,13 +54,13 @@ pub struct Arguments {
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
-    /// One JSON object on standard output in place of the table
+    /// One JSON object on standard output instead of the table
     #[arg(long)]
     json: bool,
 }
 
 const KIND: &str = "convergence study";
-/// The file that tells a directory of a study.
+/// The file by which the directory of a study is recognized.
 const WITNESS: &str = "study.toml";
 
 /// Runs the study.
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     with_threads(arguments.threads, || converge(arguments))?
 }
 
-/// Converges in the thread that it is called in.
+/// Runs the study in the calling thread.
 fn converge(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     problem.notes.iter().for_each(|note| message!("note: {note}"));
@@ -77,7 +77,7 @@ fn converge(arguments: &Arguments) -> Result<(), Failure> {
     let directory = arguments.directory(&problem);
     directory::check_kind(&directory, KIND, WITNESS)?;
     let state = runs::start(&problem, &study, arguments.quiet)?;
-    // Only now, with the runs ready to start, is anything written.
+    // Nothing is written before the runs are ready to start.
     directory::prepare_kind(&directory, KIND, WITNESS)?;
     write(&directory.join(WITNESS), &input(&problem))?;
     let reference = runs::reference(&problem, &study, &state, &times, &directory, arguments.quiet)?;
@@ -110,7 +110,7 @@ impl Arguments {
     }
 }
 
-/// The resolved input under its mark.
+/// The resolved input with its mark.
 fn input(problem: &Problem) -> String {
     let version = env!("CARGO_PKG_VERSION");
     format!("{MARK} {version}: the input of this convergence study.\n\n{}", problem.resolved)
@@ -124,9 +124,9 @@ fn not_written(path: &std::path::Path, error: &std::io::Error) -> Failure {
     Failure::Other(format!("cannot write to {}: {error}", path.display()))
 }
 
-/// Members that did not converge end the program with 3, once everything else is written.
-fn ending(rows: &[Row]) -> Result<(), Failure> {
-    let why = |row: &Row| {
+/// After everything is written, members that did not converge end the program with exit code 3.
+fn ending(rows: &[MemberRun]) -> Result<(), Failure> {
+    let why = |row: &MemberRun| {
         row.outcome.as_ref().err().map(|why| format!("h = {}: {why}", print::number(row.step_size)))
     };
     let failed: Vec<String> = rows.iter().filter_map(why).collect();
@@ -135,5 +135,5 @@ fn ending(rows: &[Row]) -> Result<(), Failure> {
     }
     let message =
         format!("{} of {} members did not converge\n{}", failed.len(), rows.len(), failed.join("\n"));
-    Err(Failure::Study { message, help: "the rows of the others are written".to_string() })
+    Err(Failure::Study { message, help: "the other members are written".to_string() })
 }

@@ -1,11 +1,11 @@
-//! The runs of a study as the user sees them: with progress, and with a reference that is kept.
+//! The runs of a study, with progress and a kept reference.
 
 use std::path::Path;
 use std::time::Instant;
 
-use emmy::motion::{MarchError, State};
+use emmy::motion::{MarchError, Samples, State};
 use emmy_io::convergence::kept::{self, Found, Key};
-use emmy_io::convergence::{self, Row, Samples, Study};
+use emmy_io::convergence::{self, MemberRun, Study};
 use emmy_io::input::Problem;
 
 use super::not_written;
@@ -19,15 +19,15 @@ use crate::progress::Progress;
 pub struct Reference {
     /// Its samples.
     pub samples: Samples,
-    /// Whether it was kept from an earlier study.
+    /// Whether it comes from an earlier study.
     pub is_kept: bool,
-    /// Seconds it took; 0 if it was kept.
+    /// Duration in seconds; 0 if it was kept.
     pub wall_seconds: f64,
     /// Number of samples inside a step, which are interpolated.
     pub n_interpolated: usize,
 }
 
-/// The state that all runs start from, reached by the input's own plan.
+/// The common initial state of all runs, reached with the plan of the input.
 pub fn start(problem: &Problem, study: &Study, quiet: bool) -> Result<State, Failure> {
     let plan = convergence::until(&problem.plan, study.from).unwrap_or_else(|_| problem.plan.clone());
     let mut progress = Progress::of("start: ", &plan, quiet);
@@ -41,7 +41,7 @@ fn stopped(what: &str, error: &MarchError, smaller: &str) -> Failure {
     Failure::Study { message, help: format!("nothing was measured; try smaller {smaller}") }
 }
 
-/// The reference: kept from an earlier study, or else computed and kept.
+/// The reference, from an earlier study or computed.
 pub fn reference(
     problem: &Problem,
     study: &Study,
@@ -67,7 +67,7 @@ pub fn reference(
             }
             return Ok(Reference { samples, is_kept: true, wall_seconds: 0.0, n_interpolated });
         }
-        Found::Unusable(reason) => message!("note: {} {reason}; it is computed anew", path.display()),
+        Found::Unusable(reason) => message!("note: {} {reason}; it is computed again", path.display()),
         Found::Nothing => {}
     }
     let started = Instant::now();
@@ -91,7 +91,13 @@ fn march_reference(
 }
 
 /// All members, side by side.
-pub fn members(problem: &Problem, study: &Study, state: &State, samples: &Samples, quiet: bool) -> Vec<Row> {
+pub fn members(
+    problem: &Problem,
+    study: &Study,
+    state: &State,
+    samples: &Samples,
+    quiet: bool,
+) -> Vec<MemberRun> {
     convergence::members(problem, study, state, samples, |row| {
         if !quiet {
             report(row);
@@ -99,7 +105,7 @@ pub fn members(problem: &Problem, study: &Study, state: &State, samples: &Sample
     })
 }
 
-fn report(row: &Row) {
+fn report(row: &MemberRun) {
     let size = number(row.step_size);
     match row.error() {
         Some(error) => message!("h = {size}: error {error:.3e} in {:.2} s", row.wall_seconds),

@@ -1,4 +1,4 @@
-//! The study that the flags ask for. Every fault names its flag.
+//! The study from the command line. Every fault names its flag.
 
 use emmy::time::Scheme;
 use emmy_io::convergence::Study;
@@ -8,7 +8,7 @@ use super::Arguments;
 use crate::failure::Failure;
 use crate::print::number;
 
-/// The most memory that the reference's samples may take \[bytes\].
+/// Largest memory of the samples of the reference \[bytes\].
 const MOST_MEMORY: f64 = 1.6e10;
 
 /// The study, checked.
@@ -22,7 +22,7 @@ pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> 
         with_degree(reference_scheme, arguments.reference_degree, problem.scheme.degree())?;
     let reference_size = match arguments.reference {
         None => 0.1 * smallest,
-        // With a higher degree or another scheme a step need not be smaller to be more accurate.
+        // A reference of a higher degree or another scheme may have larger steps.
         Some(size) if reference_scheme != problem.scheme => at_most(size, length, "the window")?,
         Some(size) => below(size, smallest)?,
     };
@@ -45,7 +45,7 @@ fn fault(flag: &str, what: impl std::fmt::Display, help: &str) -> Failure {
     Failure::Usage { message: format!("{flag}: {what}"), help }
 }
 
-/// Where the runs begin and end.
+/// Start and end of the runs.
 fn span(arguments: &Arguments, problem: &Problem) -> Result<(f64, f64), Failure> {
     let (start, end) = (problem.plan.start(), problem.plan.end());
     let plan = format!("the plan goes from t = {} to t = {}", number(start), number(end));
@@ -92,7 +92,7 @@ fn sizes(sizes: &[f64], length: f64) -> Result<f64, Failure> {
             ));
         }
         if sizes[..i].contains(&size) {
-            return Err(fault(&flag, "the size is there twice", ""));
+            return Err(fault(&flag, "the size is given twice", ""));
         }
         if size > length {
             let what = format!("the size is larger than the window, which is {} long", number(length));
@@ -138,7 +138,7 @@ fn below(size: f64, smallest: f64) -> Result<f64, Failure> {
     Err(fault(&format!("--reference {size}"), what, help))
 }
 
-/// Sizes so small that the samples would not fit are more likely a slip of the keyboard.
+/// Rejects sizes so small that the samples would not fit; they are probably typing errors.
 fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
     let (mut n_times, all) = (0.0, study.sizes.iter().map(|&size| ("--sizes", size)));
     for (flag, size) in all.chain([("--reference", study.reference_size)]) {
@@ -151,7 +151,7 @@ fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
     if memory > MOST_MEMORY {
         let what =
             format!("the reference would be kept at {n_times} times, which takes {:.0} GB", 1e-9 * memory);
-        return Err(fault("--sizes", what, "larger sizes or a shorter --window would do with less"));
+        return Err(fault("--sizes", what, "use larger sizes or a shorter --window"));
     }
     Ok(())
 }

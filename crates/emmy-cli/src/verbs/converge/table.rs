@@ -1,16 +1,16 @@
 //! The result of a study on standard output.
 
-use emmy_io::convergence::{Row, Study, orders};
+use emmy_io::convergence::{MemberRun, Study, orders};
 use serde_json::{Value, json};
 
 use super::runs::Reference;
 use crate::print::{columns, number};
 
 /// As a table.
-pub fn text(rows: &[Row]) -> String {
+pub fn text(rows: &[MemberRun]) -> String {
     let head =
         ["step size", "error", "order", "relative error", "Newton", "seconds"].map(String::from).to_vec();
-    let line = |(row, order): (&Row, Option<f64>)| {
+    let line = |(row, order): (&MemberRun, Option<f64>)| {
         let measure = row.outcome.as_ref().ok();
         let relative = measure.and_then(|measure| measure.relative_error);
         vec![
@@ -26,8 +26,8 @@ pub fn text(rows: &[Row]) -> String {
 }
 
 /// As an object.
-pub fn json(study: &Study, reference: &Reference, rows: &[Row]) -> Value {
-    let row = |(row, order): (&Row, Option<f64>)| {
+pub fn json(study: &Study, reference: &Reference, rows: &[MemberRun]) -> Value {
+    let row = |(row, order): (&MemberRun, Option<f64>)| {
         let measure = row.outcome.as_ref().ok();
         json!({
             "step_size": row.step_size,

@@ -1,28 +1,28 @@
-//! `--json`: one object a step on standard output, with the names of the history's columns.
+//! `--json`: one object for each step on standard output, with the columns of the history as names.
 
 use std::time::Instant;
 
 use emmy::motion::{Observer, View};
-use emmy_io::history::{self, Extent, Number};
+use emmy_io::history::{HistoryColumns, Number};
 use emmy_io::input::Problem;
 use serde_json::{Map, Value};
 
 use crate::print;
 
-/// Prints the record of every step, if it is switched on.
+/// Prints every step, if switched on.
 #[derive(Debug)]
 pub struct JsonLines {
     on: bool,
-    extent: Extent,
-    columns: Vec<String>,
+    columns: HistoryColumns,
+    names: Vec<String>,
     started: Instant,
 }
 
 impl JsonLines {
     /// The observer; the clock starts here.
     pub fn new(on: bool, problem: &Problem) -> Self {
-        let extent = Extent::of(problem);
-        JsonLines { on, columns: history::columns(&extent), extent, started: Instant::now() }
+        let columns = HistoryColumns::of(problem);
+        JsonLines { on, names: columns.names(), columns, started: Instant::now() }
     }
 }
 
@@ -31,12 +31,12 @@ impl Observer for JsonLines {
         if !self.on {
             return Ok(());
         }
-        let row = history::row(view, &self.extent, self.started.elapsed().as_secs_f64());
+        let row = self.columns.row(view, self.started.elapsed().as_secs_f64());
         let value = |number: &Number| match *number {
             Number::Whole(value) => Value::from(value),
             Number::Real(value) => Value::from(value),
         };
-        let object: Map<String, Value> = self.columns.iter().cloned().zip(row.iter().map(value)).collect();
+        let object: Map<String, Value> = self.names.iter().cloned().zip(row.iter().map(value)).collect();
         print::result(&format!("{}\n", Value::Object(object))).map_err(|failure| failure.message().into())
     }
 }

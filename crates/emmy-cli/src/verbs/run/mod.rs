@@ -26,12 +26,12 @@ pub struct Arguments {
     #[command(flatten)]
     input: Input,
     #[command(flatten)]
-    manner: Manner,
+    options: RunOptions,
 }
 
-/// How a run is done and shown.
+/// Options of runs and resumed runs.
 #[derive(Debug, Args)]
-pub struct Manner {
+pub struct RunOptions {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
@@ -41,20 +41,20 @@ pub struct Manner {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
-    /// Estimate the error of the positions at the end, by a motion of the next degree beside this one; twice to three times the time
+    /// Estimate the error of the positions at the end by a second motion of the next degree; takes two to three times as long
     #[arg(long)]
     pub estimate_error: bool,
 }
 
 /// Runs the problem.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.manner.threads, || run_here(arguments))?
+    with_threads(arguments.options.threads, || run_here(arguments))?
 }
 
-/// Runs the problem in the thread that it is called in.
+/// Runs the problem in the calling thread.
 fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
-    check(&problem, &arguments.manner)?;
+    check(&problem, &arguments.options)?;
     directory::check_run(&problem)?;
     let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
     critical_step(&problem, &state)?;
@@ -63,28 +63,28 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
     }
-    // Only now, with everything read and built, is anything written.
+    // Nothing is written before everything is read and built.
     let results = Results::create(&problem)?;
-    march(&problem, &mut motion, results, &arguments.manner, Motion::march)
+    march(&problem, &mut motion, results, &arguments.options, Motion::march)
 }
 
 /// Motion::march, or Motion::march_on.
 type March<'a> = fn(&mut Motion<'a>, &StepPlan, &mut [&mut dyn Observer]) -> Result<(), MarchError>;
 
-/// Marches with everything that looks on, to the end or to what ends it early.
+/// Marches with all observers, and ends the run.
 pub fn march<'a>(
     problem: &Problem,
     motion: &mut Motion<'a>,
     mut results: Results,
-    manner: &Manner,
+    options: &RunOptions,
     march: March<'a>,
 ) -> Result<(), Failure> {
     signals::listen()?;
     results.notes().iter().for_each(|note| message!("note: {note}"));
-    let mut progress = Progress::new(&problem.plan, manner.quiet);
+    let mut progress = Progress::new(&problem.plan, options.quiet);
     progress.start_at(motion.state());
-    let mut json = JsonLines::new(manner.json, problem);
-    let mut error = if manner.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
+    let mut json = JsonLines::new(options.json, problem);
+    let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
     let mut stop = Stop;
     let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
     observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
@@ -92,43 +92,43 @@ pub fn march<'a>(
     let outcome = march(motion, &problem.plan, &mut observers);
     progress.end();
     let error = error.map(|error| problem.body.mean(error.displacement()));
-    error.into_iter().for_each(|error| results.note_error(error));
+    error.into_iter().for_each(|error| results.set_error(error));
     let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);
     let ended = results.finish(motion, status, message.as_deref());
     let unwritten = ended.error.map(|error| format!("the results cannot be written: {error}"));
     let failure = match (failure, unwritten) {
-        // What went wrong first says more.
+        // The first failure says more.
         (Some(failure), Some(unwritten)) if failure.message() != unwritten => {
             message!("note: {unwritten}");
             Some(failure)
         }
         (failure, unwritten) => failure.or(unwritten.map(Failure::Other)),
     };
-    // The numbers are safe: a page that cannot be written does not make a run fail.
+    // The numbers are written: a report that cannot be written does not make the run fail.
     let report = results.report().inspect_err(|error| message!("note: no report was written: {error}")).ok();
-    let printed = if manner.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
-    closing::warnings(results.tally());
-    if !manner.quiet {
+    let printed = if options.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
+    closing::warnings(results.statistics());
+    if !options.quiet {
         closing::report(&results, ended.status, report.as_deref());
         error.into_iter().for_each(|error| closing::error(&problem.body, error));
     }
     failure.map_or(printed, Err)
 }
 
-/// Checks that what is asked for can be done, before anything is written.
-pub fn check(problem: &Problem, manner: &Manner) -> Result<(), Failure> {
+/// Checks the options before anything is written.
+pub fn check(problem: &Problem, options: &RunOptions) -> Result<(), Failure> {
     let scheme = problem.scheme;
-    if !manner.estimate_error || scheme.is_time_element() && scheme.degree() < MAX_DEGREE {
+    if !options.estimate_error || scheme.is_time_element() && scheme.degree() < MAX_DEGREE {
         return Ok(());
     }
     let message =
         format!("--estimate-error: there is no next degree of {}, degree {}", scheme.name(), scheme.degree());
-    let help = format!("it goes with time elements up to degree {}", MAX_DEGREE - 1);
+    let help = format!("it works with time elements up to degree {}", MAX_DEGREE - 1);
     Err(Failure::Usage { message, help: Some(help) })
 }
 
-/// The estimator of the error since a state.
+/// The estimator of the error that accumulates from a state on.
 fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'a>, Failure> {
     // One degree above the highest that the motion may have.
     let degrees = problem.plan.adaptivity().and_then(|adaptivity| adaptivity.degrees);
@@ -137,7 +137,7 @@ fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'
     Ok(GlobalError::new(&problem.body, scheme, problem.newton, state)?)
 }
 
-/// How the march ended, as it stands in the summary and as the program ends.
+/// How the march ended: status of the summary, and failure of the program.
 fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option<Failure>) {
     match outcome {
         Ok(()) => (Status::Done, None),
@@ -159,8 +159,8 @@ fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option
 fn stopped(interrupted: &Interrupted, results: &Results) -> Failure {
     let directory = results.directory().display();
     let help = match results.has_checkpoints() {
-        true => format!("`emmy resume {directory}` goes on from here"),
-        false => "`checkpoint_every` is 0: there is no checkpoint to go on from".to_string(),
+        true => format!("`emmy resume {directory}` resumes from here"),
+        false => "`checkpoint_every` is 0: there is no checkpoint to resume from".to_string(),
     };
     Failure::Interrupted { message: interrupted.to_string(), help }
 }

@@ -1,12 +1,12 @@
-//! Chunks of a field: how a frame is divided, and how a chunk is compressed.
+//! Chunks of a field: division of a frame, and compression.
 
 use crate::vtk::Precision;
 use crate::vtk::array::compressed;
 
-/// Size of a chunk, about \[bytes\].
+/// Approximate size of a chunk \[bytes\].
 const SIZE: usize = 1 << 20;
 
-/// How the rows of a frame are divided.
+/// Division of the rows of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Chunks {
     /// Rows of a chunk.
@@ -19,19 +19,19 @@ pub(super) struct Chunks {
 }
 
 impl Chunks {
-    /// Chunks of nearly one size, as few rows being added as can be.
+    /// Chunks of nearly equal size, with few rows of padding.
     pub(super) fn new(n_rows: usize, components: usize, precision: Precision) -> Self {
         let wanted = (n_rows * components * precision.width()).div_ceil(SIZE).max(1);
         let rows = n_rows.div_ceil(wanted).max(1);
         Chunks { rows, count: n_rows.div_ceil(rows).max(1), components, precision }
     }
 
-    /// Rows from one frame to the next.
+    /// Rows of a frame with its padding.
     pub(super) fn stride(&self) -> usize {
         self.rows * self.count
     }
 
-    /// A chunk of a frame as it stands in the file: filled up, its bytes shuffled, compressed.
+    /// A chunk of a frame as stored: padded, shuffled, compressed.
     pub(super) fn stored(&self, numbers: &[f64], chunk: usize) -> Vec<u8> {
         let n = self.rows * self.components;
         let start = (chunk * n).min(numbers.len());
@@ -43,12 +43,12 @@ impl Chunks {
     }
 }
 
-/// First bytes of all numbers, then the second ones, and so on (HDF5's shuffle filter); `n`: with so many zeros in the end.
+/// First bytes of all numbers, then the second ones, and so on (the shuffle filter of HDF5), padded with zeros to `n` numbers.
 fn shuffled<const W: usize>(numbers: impl Iterator<Item = [u8; W]>, n: usize) -> Vec<u8> {
     let mut bytes = vec![0; n * W];
     for (i, number) in numbers.enumerate() {
-        for (place, byte) in number.into_iter().enumerate() {
-            bytes[place * n + i] = byte;
+        for (plane, byte) in number.into_iter().enumerate() {
+            bytes[plane * n + i] = byte;
         }
     }
     bytes
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_take_whole_chunks_with_few_rows_to_spare() {
+    fn frames_take_whole_chunks_with_little_padding() {
         for n_rows in [1, 7, 43_691, 105_000, 1_000_003] {
             for (components, precision) in
                 [(1, Precision::Double), (3, Precision::Single), (6, Precision::Double)]

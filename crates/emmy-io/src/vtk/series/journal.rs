@@ -1,15 +1,19 @@
-//! Frames that the copy of a series does not have yet, so that a run that is killed loses none.
+//! Frames that the copy of a series does not contain yet, so that a killed run loses none.
 //!
-//! The file is a sequence of entries: their length, step, time, number of fields; of each field its place in [`FieldName::ALL`], the
-//! number of its numbers, and these; a CRC-32 of all but the length. All are 8 bytes with the lowest first, but for the checksum of 4.
+//! The file is a sequence of entries. Each has its length in 8 bytes, the frame as a MessagePack map with named fields, and a CRC-32 of
+//! the map in 4 bytes; the lowest byte is first.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use emmy::body::fields::{FieldName, FieldValues};
+use serde::{Deserialize, Serialize};
 
-use crate::directory::{named, remove};
+use crate::stored;
+use crate::vtk::FrameTime;
+use crate::whole_file::{named, remove};
 
 /// Ending of the file, after the name of the series.
 pub(super) const ENDING: &str = ".journal";
@@ -19,18 +23,18 @@ pub(super) const ENDING: &str = ".journal";
 pub(super) struct Journal {
     file: File,
     path: PathBuf,
-    /// Bytes of whole entries.
+    /// Bytes of complete entries.
     length: u64,
 }
 
 impl Journal {
-    /// An empty one.
+    /// A new, empty journal.
     pub(super) fn create(path: &Path) -> io::Result<Self> {
         let file = File::create(path).map_err(named(path))?;
         Ok(Journal { file, path: path.to_path_buf(), length: 0 })
     }
 
-    /// One that keeps its entries until it is cleared.
+    /// A journal that keeps its entries until it is cleared.
     pub(super) fn open(path: &Path) -> io::Result<Self> {
         let options = File::options().write(true).create(true).truncate(false).open(path);
         let mut file = options.map_err(named(path))?;
@@ -39,8 +43,8 @@ impl Journal {
     }
 
     /// Adds a frame.
-    pub(super) fn add(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
-        let entry = entry(step, time, fields);
+    pub(super) fn add(&mut self, at: FrameTime, fields: &[FieldValues]) -> io::Result<()> {
+        let entry = entry(at, fields)?;
         if let Err(error) = self.file.write_all(&entry) {
             let _ = self.file.set_len(self.length).and_then(|()| self.file.seek(SeekFrom::End(0)));
             return Err(named(&self.path)(error));
@@ -49,7 +53,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Takes all entries out.
+    /// Removes all entries.
     pub(super) fn clear(&mut self) -> io::Result<()> {
         let cleared = self.file.set_len(0).and_then(|()| self.file.seek(SeekFrom::Start(0)));
         self.length = 0;
@@ -62,27 +66,40 @@ impl Journal {
     }
 }
 
-fn entry(step: usize, time: f64, fields: &[FieldValues]) -> Vec<u8> {
-    let n_numbers: usize = fields.iter().map(|field| field.numbers.len()).sum();
-    let mut bytes = Vec::with_capacity(8 * (n_numbers + 2 * fields.len() + 4) + 4);
-    bytes.extend([0; 8]);
-    bytes.extend((step as u64).to_le_bytes());
-    bytes.extend(time.to_le_bytes());
-    bytes.extend((fields.len() as u64).to_le_bytes());
-    for field in fields {
-        let place = FieldName::ALL.iter().position(|&name| name == field.name).unwrap_or(usize::MAX);
-        bytes.extend((place as u64).to_le_bytes());
-        bytes.extend((field.numbers.len() as u64).to_le_bytes());
-        field.numbers.iter().for_each(|number| bytes.extend(number.to_le_bytes()));
-    }
-    let sum = crc32fast::hash(&bytes[8..]);
-    bytes.extend(sum.to_le_bytes());
-    let length = bytes.len() as u64 - 8;
-    bytes[..8].copy_from_slice(&length.to_le_bytes());
-    bytes
+/// A frame as stored.
+#[derive(Serialize, Deserialize)]
+struct StoredFrame<'a> {
+    step: usize,
+    time: f64,
+    #[serde(borrow)]
+    fields: Vec<StoredField<'a>>,
 }
 
-/// The whole entries of a file: step, place and length of each.
+#[derive(Serialize, Deserialize)]
+struct StoredField<'a> {
+    name: Cow<'a, str>,
+    numbers: Cow<'a, [f64]>,
+}
+
+impl<'a> StoredField<'a> {
+    fn of(values: &'a FieldValues) -> Self {
+        StoredField { name: Cow::Borrowed(values.name.name()), numbers: Cow::Borrowed(&values.numbers) }
+    }
+}
+
+fn entry(at: FrameTime, fields: &[FieldValues]) -> io::Result<Vec<u8>> {
+    let n_numbers: usize = fields.iter().map(|field| field.numbers.len()).sum();
+    let mut bytes = Vec::with_capacity(9 * n_numbers + 1024);
+    bytes.extend([0; 8]);
+    let FrameTime { step, time } = at;
+    let frame = StoredFrame { step, time, fields: fields.iter().map(StoredField::of).collect() };
+    stored::append(&mut bytes, 8, &frame)?;
+    let length = bytes.len() as u64 - 8;
+    bytes[..8].copy_from_slice(&length.to_le_bytes());
+    Ok(bytes)
+}
+
+/// The complete entries of a file: step, offset and length of each.
 #[derive(Debug)]
 pub(super) struct Entries {
     file: BufReader<File>,
@@ -90,56 +107,45 @@ pub(super) struct Entries {
 }
 
 impl Entries {
-    /// Those of a file, up to the first that is not whole.
+    /// The entries of a file, up to the first incomplete one.
     pub(super) fn read(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         let end = file.metadata()?.len();
-        let (mut found, mut place) = (Entries { file: BufReader::new(file), entries: Vec::new() }, 8);
-        while place <= end {
-            let length = u64::from_le_bytes(found.bytes(place - 8, 8)?.try_into().unwrap_or_default());
-            if length < 28 || length > end - place {
+        let (mut found, mut offset) = (Entries { file: BufReader::new(file), entries: Vec::new() }, 8);
+        while offset <= end {
+            let length = u64::from_le_bytes(found.bytes(offset - 8, 8)?.try_into().unwrap_or_default());
+            if length < 4 || length > end - offset {
                 break;
             }
-            let Some((step, ..)) = frame(&found.bytes(place, length)?) else { break };
-            found.entries.push((step, place, length));
-            place += length + 8;
+            let Some((step, ..)) = frame(&found.bytes(offset, length)?) else { break };
+            found.entries.push((step, offset, length));
+            offset += length + 8;
         }
         Ok(found)
     }
 
-    /// The fields of a step, if it is there.
+    /// The fields of a step, if the step is there.
     pub(super) fn fields(&mut self, step: usize) -> io::Result<Option<Vec<FieldValues>>> {
         let found = self.entries.iter().rev().find(|(own, ..)| *own == step);
-        let Some(&(_, place, length)) = found else { return Ok(None) };
-        Ok(frame(&self.bytes(place, length)?).map(|(_, fields)| fields))
+        let Some(&(_, offset, length)) = found else { return Ok(None) };
+        Ok(frame(&self.bytes(offset, length)?).map(|(_, fields)| fields))
     }
 
-    fn bytes(&mut self, place: u64, length: u64) -> io::Result<Vec<u8>> {
-        self.file.seek(SeekFrom::Start(place))?;
+    fn bytes(&mut self, offset: u64, length: u64) -> io::Result<Vec<u8>> {
+        self.file.seek(SeekFrom::Start(offset))?;
         let mut bytes = vec![0; length as usize];
         self.file.read_exact(&mut bytes)?;
         Ok(bytes)
     }
 }
 
-/// Step and fields of an entry without its length; nothing if it is damaged.
+/// Step and fields of an entry without its length; `None` if it is damaged.
 fn frame(bytes: &[u8]) -> Option<(usize, Vec<FieldValues>)> {
-    let (content, sum) = bytes.split_last_chunk::<4>()?;
-    if crc32fast::hash(content) != u32::from_le_bytes(*sum) {
-        return None;
-    }
-    let (words, _) = content.as_chunks::<8>();
-    let mut words = words.iter();
-    let mut next = || words.next().map(|word| u64::from_le_bytes(*word));
-    let (step, _, n_fields) = (next()?, next()?, next()?);
-    let mut fields = Vec::new();
-    for _ in 0..n_fields {
-        let (place, count) = (next()?, next()?);
-        let name = *FieldName::ALL.get(usize::try_from(place).ok()?)?;
-        let numbers = (0..count).map(|_| next().map(f64::from_bits)).collect::<Option<_>>()?;
-        fields.push(FieldValues { name, numbers });
-    }
-    Some((step as usize, fields))
+    let frame: StoredFrame<'_> = rmp_serde::from_slice(stored::verified(bytes)?).ok()?;
+    let values = |field: StoredField<'_>| {
+        Some(FieldValues { name: FieldName::from_name(&field.name)?, numbers: field.numbers.into_owned() })
+    };
+    Some((frame.step, frame.fields.into_iter().map(values).collect::<Option<_>>()?))
 }
 
 #[cfg(test)]
@@ -147,15 +153,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_come_back_up_to_one_that_is_not_whole() {
+    fn frames_are_read_up_to_the_first_incomplete_one() {
         let temp = tempfile::tempdir().unwrap();
         let path = temp.path().join("a.journal");
         let fields = |x: f64| {
             let of = |name| FieldValues { name, numbers: vec![x, -0.0, 1e-300] };
             vec![of(FieldName::Displacement), of(FieldName::Velocity)]
         };
+        let at = |step| FrameTime { step, time: 0.1 * step as f64 };
         let mut journal = Journal::create(&path).unwrap();
-        (0..3).for_each(|step| journal.add(step, 0.1 * step as f64, &fields(step as f64)).unwrap());
+        (0..3).for_each(|step| journal.add(at(step), &fields(step as f64)).unwrap());
         let whole = std::fs::read(&path).unwrap();
         for length in 0..=whole.len() {
             std::fs::write(&path, &whole[..length]).unwrap();
@@ -170,7 +177,7 @@ mod tests {
         assert_eq!(Entries::read(&path).unwrap().entries.len(), 1);
         let mut journal = Journal::open(&path).unwrap();
         journal.clear().unwrap();
-        journal.add(7, 0.7, &fields(7.0)).unwrap();
+        journal.add(at(7), &fields(7.0)).unwrap();
         assert_eq!(Entries::read(&path).unwrap().fields(7).unwrap(), Some(fields(7.0)));
     }
 }

@@ -10,8 +10,8 @@
 //!     PointDataOffsets/NAME, ..   row at which each frame begins
 //! ```
 //!
-//! A frame takes a whole number of chunks of each field, the last of which is filled up with zeros: no chunk is written twice, and
-//! all are compressed side by side. A slash in the name of a group, which HDF5 would take for a path, is written as U+2215.
+//! A frame takes a whole number of chunks of each field, the last of them padded with zeros, so that chunks are written once and
+//! compressed in parallel. A slash in the name of a group, which would be a path in HDF5, is written as U+2215.
 
 mod chunks;
 mod journal;
@@ -19,14 +19,31 @@ mod reader;
 mod writer;
 
 use std::io;
+use std::path::{Path, PathBuf};
 
-use emmy::body::fields::Place;
+use emmy::body::fields::{FieldName, Place};
+use rust_hdf5::H5File;
 
 pub use reader::SeriesReader;
 pub use writer::Series;
 
-/// Attribute of the file that tells who wrote it.
-pub(crate) const CREATOR: &str = "Creator";
+use super::name_of;
+
+/// Attribute with the program that wrote the file.
+const CREATOR: &str = "Creator";
+
+/// Whether a file is a series of frames that Emmy wrote.
+pub(crate) fn is_series(path: &Path) -> bool {
+    let creator = H5File::open(path).and_then(|file| file.attr_string(CREATOR));
+    creator.is_ok_and(|creator| creator.starts_with("Emmy"))
+}
+
+/// The series of a directory and its fields, if it can be read and has a frame.
+pub(crate) fn series_fields(directory: &Path) -> Option<(PathBuf, Vec<FieldName>)> {
+    let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
+    let series = SeriesReader::open(&path).ok().filter(|series| !series.times().is_empty())?;
+    Some((path, series.fields()))
+}
 
 /// Groups of the fields, and of their offsets.
 const fn groups(place: Place) -> [&'static str; 2] {
@@ -36,12 +53,12 @@ const fn groups(place: Place) -> [&'static str; 2] {
     }
 }
 
-/// A name of a group of the mesh as that of a dataset.
+/// Name of the dataset of a group.
 fn without_slash(name: &str) -> String {
     name.replace('/', "\u{2215}")
 }
 
-/// What HDF5 refuses, as what the system refuses.
-fn refused(error: rust_hdf5::Hdf5Error) -> io::Error {
+/// An error of HDF5 as an error of the system.
+fn rejected(error: rust_hdf5::Hdf5Error) -> io::Error {
     io::Error::other(error)
 }

@@ -1,4 +1,4 @@
-//! The file read back.
+//! Reads a series.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -7,7 +7,7 @@ use emmy::body::fields::{FieldName, FieldValues, Place};
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 
-use super::{groups, refused};
+use super::{groups, rejected};
 use crate::vtk::{FACETS, GROUP, Precision, cell_type};
 
 /// Reads a `.vtkhdf` that Emmy wrote.
@@ -48,9 +48,9 @@ impl SeriesReader {
     /// Opens a file.
     ///
     /// # Errors
-    /// What the system refuses, and files of another kind.
+    /// Errors of the system, and files of another kind.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let file = H5File::options().best_effort_locking().open(path).map_err(refused)?;
+        let file = H5File::options().best_effort_locking().open(path).map_err(rejected)?;
         let count = |name: &str| -> io::Result<usize> {
             let numbers: Vec<i64> = read(&file, &format!("VTKHDF/{name}"))?;
             numbers.first().and_then(|&n| usize::try_from(n).ok()).ok_or_else(|| damaged(name))
@@ -70,7 +70,7 @@ impl SeriesReader {
         &self.times
     }
 
-    /// Fields that are there.
+    /// Fields in the file.
     pub fn fields(&self) -> Vec<FieldName> {
         let names = self.file.dataset_names();
         let is_there = |field: &FieldName| {
@@ -83,25 +83,25 @@ impl SeriesReader {
     /// A field of a frame, `[n_nodes][n_components]` or `[n_cells][n_components]`.
     ///
     /// # Errors
-    /// What the system refuses, a field or a frame that is not there.
+    /// Errors of the system, a missing field or frame.
     pub fn values(&self, name: FieldName, frame: usize) -> io::Result<Vec<f64>> {
         let [data, offsets] = groups(name.place());
         let offsets: Vec<i64> = read(&self.file, &format!("{offsets}/{name}"))?;
         let offset = offsets.get(frame).and_then(|&offset| usize::try_from(offset).ok());
         let offset = offset.ok_or_else(|| damaged(name.name()))?;
         let n_rows = if name.place() == Place::Nodes { self.n_nodes } else { self.n_cells };
-        let dataset = self.file.dataset(&format!("{data}/{name}")).map_err(refused)?;
+        let dataset = self.file.dataset(&format!("{data}/{name}")).map_err(rejected)?;
         let axes = dataset.ndims();
         let (start, count) = ([offset, 0], [n_rows, name.components().len()]);
         let (start, count) = (&start[..axes], &count[..axes]);
         if dataset.element_size() == Precision::Single.width() {
-            let numbers: Vec<f32> = dataset.read_slice(start, count).map_err(refused)?;
+            let numbers: Vec<f32> = dataset.read_slice(start, count).map_err(rejected)?;
             return Ok(numbers.into_iter().map(f64::from).collect());
         }
-        dataset.read_slice(start, count).map_err(refused)
+        dataset.read_slice(start, count).map_err(rejected)
     }
 
-    /// All fields of the frame at a time, if there is one; its time may be off by rounding.
+    /// All fields of the frame at a time, up to rounding of the time.
     pub(super) fn frame_at(&self, time: f64) -> io::Result<Option<Vec<FieldValues>>> {
         let is_same = |own: &f64| (own - time).abs() <= 1e-9 * time.abs();
         let Some(frame) = self.times.iter().position(is_same) else { return Ok(None) };
@@ -112,7 +112,7 @@ impl SeriesReader {
     /// The mesh with its groups.
     ///
     /// # Errors
-    /// What the system refuses, or a mesh that is none.
+    /// Errors of the system, an invalid mesh.
     pub fn mesh(&self) -> io::Result<Mesh> {
         let of = |name: &str| format!("VTKHDF/{name}");
         let points: Vec<f64> = read(&self.file, &of("Points"))?;
@@ -157,13 +157,13 @@ impl SeriesReader {
     }
 }
 
-/// Places of the numbers that are not zero.
+/// Indices of the numbers that are not zero.
 fn members(bits: &[u8]) -> Vec<u32> {
     (0..bits.len() as u32).filter(|&member| bits[member as usize] != 0).collect()
 }
 
 fn read<T: rust_hdf5::types::H5Type>(file: &H5File, path: &str) -> io::Result<Vec<T>> {
-    file.dataset(path.trim_start_matches('/')).and_then(|dataset| dataset.read_raw()).map_err(refused)
+    file.dataset(path.trim_start_matches('/')).and_then(|dataset| dataset.read_raw()).map_err(rejected)
 }
 
 fn damaged(what: &str) -> io::Error {

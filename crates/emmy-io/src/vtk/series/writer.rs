@@ -1,4 +1,4 @@
-//! The file as it grows.
+//! Writes a series.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -12,53 +12,52 @@ use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group};
 
 use super::chunks::Chunks;
 use super::journal::{self, Entries, Journal};
-use super::{CREATOR, SeriesReader, groups, refused, without_slash};
-use crate::directory::PART;
-use crate::rows::with_ending;
+use super::{CREATOR, SeriesReader, groups, rejected, without_slash};
 use crate::vtk::array::LEVEL;
 use crate::vtk::marks::marks;
-use crate::vtk::{Place, Precision, cell_type, name_of};
+use crate::vtk::{FrameTime, Place, Precision, cell_type, name_of};
+use crate::whole_file::{PART, with_ending};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
 ///
-/// HDF5 files cannot be read while they change. The one that grows is `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy of it, put in place
-/// by renaming, of the first frame and then whenever the time that copying takes is a twentieth of what has gone by. In the end
-/// the growing file takes its place. The frames since the last copy are also in `NAME.vtkhdf.journal`, as plain numbers: a run that is
-/// killed leaves a whole file, and when it is resumed it has every frame.
+/// HDF5 files cannot be read while they change. Frames go to `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy, put in place by renaming. It is
+/// made after the first frame and refreshed so that copying takes at most a twentieth of the time. At the end the growing file replaces
+/// it. Frames since the last copy are also in `NAME.vtkhdf.journal`, so that a killed run leaves a readable file and loses no
+/// frame when it is resumed.
 pub struct Series {
     path: PathBuf,
     growing: PathBuf,
     journal: Journal,
-    /// Not there once the series has ended.
+    /// `None` once the series has ended.
     file: Option<H5File>,
     precision: Precision,
     n_nodes: usize,
     n_cells: usize,
-    fields: Vec<Field>,
+    fields: Vec<FieldDataset>,
     n_frames: usize,
     last_step: Option<usize>,
     published: Instant,
-    /// How long the last copy took; not known before the first.
+    /// Duration of the last copy; `None` before the first.
     cost: Option<Duration>,
 }
 
-/// A field in the file that is open.
-struct Field {
+/// A field in the open file.
+struct FieldDataset {
     name: FieldName,
     chunks: Chunks,
     dataset: H5Dataset,
     offsets: H5Dataset,
 }
 
-/// Part of the time that may go into copies: one in so many.
-const SHARE: u32 = 20;
+/// Copies take at most one part in this number of the time.
+const COPY_INTERVAL: u32 = 20;
 
 /// Rows of a chunk of the small tables of the steps, and of the mesh.
 const STEPS: usize = 256;
 const ROWS: usize = 1 << 16;
 
-/// Tables with the same number for each step; whether they have a second axis.
-const SAME: [(&str, i64, bool); 5] = [
+/// Tables with one number for all steps, and whether they have a second axis.
+const CONSTANT_TABLES: [(&str, i64, bool); 5] = [
     ("PartOffsets", 0, false),
     ("NumberOfParts", 1, false),
     ("PointOffsets", 0, false),
@@ -73,10 +72,10 @@ impl fmt::Debug for Series {
 }
 
 impl Series {
-    /// The file in a directory, called by its name; `region_of_cell: [n_cells]`.
+    /// A series in a directory, named after it; `region_of_cell: [n_cells]`.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn create(
         directory: &Path,
         precision: Precision,
@@ -89,38 +88,38 @@ impl Series {
         Series::new(path, journal, precision, mesh, region_of_cell)
     }
 
-    /// The series of a run that is resumed, with the frames that it had, steps and times; returned with those that are lost. Until
-    /// all are in the new file, the old ones stay as they are.
+    /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay until all frames are
+    /// in the new one.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn resume(
         directory: &Path,
         precision: Precision,
         (mesh, region_of_cell): (&Mesh, &[u32]),
-        kept: &[(usize, f64)],
-    ) -> io::Result<(Self, Vec<(usize, f64)>)> {
+        kept: &[FrameTime],
+    ) -> io::Result<(Self, Vec<FrameTime>)> {
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let journal = with_ending(&path, journal::ENDING);
         let (copy, mut entries) = (SeriesReader::open(&path).ok(), Entries::read(&journal).ok());
         let journal = Journal::open(&journal)?;
-        let (mut series, mut lost) =
-            (Series::new(path, journal, precision, mesh, region_of_cell)?, Vec::new());
-        for &(step, time) in kept {
+        let mut series = Series::new(path, journal, precision, mesh, region_of_cell)?;
+        let mut missing = Vec::new();
+        for &FrameTime { step, time } in kept {
             let mut fields = copy.as_ref().map_or(Ok(None), |copy| copy.frame_at(time))?;
             if let (None, Some(entries)) = (&fields, &mut entries) {
                 fields = entries.fields(step)?;
             }
             match fields {
                 Some(fields) => series.append(step, time, &fields)?,
-                None => lost.push((step, time)),
+                None => missing.push(FrameTime { step, time }),
             }
         }
         drop(copy);
         if series.n_frames > 0 {
             series.publish()?;
         }
-        Ok((series, lost))
+        Ok((series, missing))
     }
 
     fn new(
@@ -131,8 +130,8 @@ impl Series {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         let growing = with_ending(&path, PART);
-        let file = H5File::options().best_effort_locking().create(&growing).map_err(refused)?;
-        write_static(&file, mesh, region_of_cell).map_err(refused)?;
+        let file = H5File::options().best_effort_locking().create(&growing).map_err(rejected)?;
+        write_static(&file, mesh, region_of_cell).map_err(rejected)?;
         Ok(Series {
             path,
             growing,
@@ -149,47 +148,48 @@ impl Series {
         })
     }
 
-    /// Writes the fields of a step, unless it has been written.
+    /// Writes the fields of a step, once.
     ///
     /// # Errors
-    /// What the system refuses, and other fields than those of the first step.
+    /// Errors of the system, and other fields than in the first frame.
     pub fn write(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
         if self.last_step == Some(step) {
             return Ok(());
         }
         self.append(step, time, fields)?;
         match self.cost {
-            Some(cost) if self.published.elapsed() < SHARE * cost => self.journal.add(step, time, fields),
+            Some(cost) if self.published.elapsed() < COPY_INTERVAL * cost => {
+                self.journal.add(FrameTime { step, time }, fields)
+            }
             _ => self.publish(),
         }
     }
 
-    /// Writes a frame into the growing file.
+    /// Appends a frame to the growing file.
     fn append(&mut self, step: usize, time: f64, fields: &[FieldValues]) -> io::Result<()> {
-        let names = fields.iter().map(|field| field.name);
-        if self.n_frames > 0 && !names.eq(self.fields.iter().map(|field| field.name)) {
-            let message = "a series of frames has the same fields in every frame";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
-        }
         if self.n_frames == 0 {
             self.fields = fields.iter().map(|field| self.new_field(field.name)).collect::<io::Result<_>>()?;
         }
-        for (field, values) in self.fields.iter().zip(fields) {
-            field.write(self.n_frames, &values.numbers).map_err(refused)?;
+        for field in &self.fields {
+            let values = fields.iter().find(|values| values.name == field.name).ok_or_else(other_fields)?;
+            field.write(self.n_frames, &values.numbers).map_err(rejected)?;
         }
-        self.write_step(time).map_err(refused)?;
+        if fields.len() != self.fields.len() {
+            return Err(other_fields());
+        }
+        self.write_step(time).map_err(rejected)?;
         (self.n_frames, self.last_step) = (self.n_frames + 1, Some(step));
         Ok(())
     }
 
-    /// Ends the series: the growing file is the one to read.
+    /// Completes the series: the growing file becomes the one to read.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn finish(&mut self) -> io::Result<()> {
         let Some(file) = self.file.take() else { return Ok(()) };
         self.fields.clear();
-        file.close_no_sync().map_err(refused)?;
+        file.close_no_sync().map_err(rejected)?;
         fs::rename(&self.growing, &self.path)?;
         self.journal.remove()
     }
@@ -199,23 +199,23 @@ impl Series {
         &self.path
     }
 
-    /// Number of the last step that was written.
+    /// Number of the last step.
     pub fn last_step(&self) -> Option<usize> {
         self.last_step
     }
 
-    /// Puts a copy in place of the file to read.
+    /// Replaces the file to read by a copy.
     fn publish(&mut self) -> io::Result<()> {
         let start = Instant::now();
         if let Some(file) = self.file.take() {
-            file.close_no_sync().map_err(refused)?;
+            file.close_no_sync().map_err(rejected)?;
         }
         let copy = with_ending(&self.path, ".copy");
         fs::copy(&self.growing, &copy)?;
         fs::rename(&copy, &self.path)?;
-        let file = H5File::options().best_effort_locking().open_rw(&self.growing).map_err(refused)?;
+        let file = H5File::options().best_effort_locking().open_rw(&self.growing).map_err(rejected)?;
         for field in &mut self.fields {
-            field.reopen(&file).map_err(refused)?;
+            field.reopen(&file).map_err(rejected)?;
         }
         self.file = Some(file);
         self.journal.clear()?;
@@ -228,7 +228,7 @@ impl Series {
         self.file.as_ref().ok_or_else(|| io::Error::other("the series of frames has ended"))
     }
 
-    fn new_field(&self, name: FieldName) -> io::Result<Field> {
+    fn new_field(&self, name: FieldName) -> io::Result<FieldDataset> {
         let (place, components) = (name.place(), name.components().len());
         let n_rows = if place == Place::Nodes { self.n_nodes } else { self.n_cells };
         let chunks = Chunks::new(n_rows, components, self.precision);
@@ -238,11 +238,11 @@ impl Series {
             Precision::Double => growing::<f64>(file, &data, chunks),
             Precision::Single => growing::<f32>(file, &data, chunks),
         };
-        Ok(Field {
+        Ok(FieldDataset {
             name,
             chunks,
-            dataset: dataset.map_err(refused)?,
-            offsets: table::<i64>(file, &format!("{offsets}/{name}"), false).map_err(refused)?,
+            dataset: dataset.map_err(rejected)?,
+            offsets: table::<i64>(file, &format!("{offsets}/{name}"), false).map_err(rejected)?,
         })
     }
 
@@ -251,7 +251,7 @@ impl Series {
         let Some(file) = &self.file else { return Ok(()) };
         let row = self.n_frames;
         add(&file.dataset_writer("VTKHDF/Steps/Values")?, row, false, time)?;
-        for (name, number, has_columns) in SAME {
+        for (name, number, has_columns) in CONSTANT_TABLES {
             add(&file.dataset_writer(&format!("VTKHDF/Steps/{name}"))?, row, has_columns, number)?;
         }
         steps(file)?.set_attr_numeric("NSteps", &(row as i64 + 1))
@@ -261,13 +261,13 @@ impl Series {
 impl Drop for Series {
     fn drop(&mut self) {
         if let Some(file) = self.file.take() {
-            // Whoever wants to know of a failure has called `finish`.
+            // Errors are reported by `finish`.
             let _ = file.close_no_sync();
         }
     }
 }
 
-impl Field {
+impl FieldDataset {
     fn write(&self, frame: usize, numbers: &[f64]) -> rust_hdf5::Result<()> {
         let chunks = self.chunks;
         let Chunks { count, components, .. } = chunks;
@@ -289,7 +289,12 @@ impl Field {
     }
 }
 
-/// What does not change: header, mesh, groups, and the tables of the steps, which are empty.
+fn other_fields() -> io::Error {
+    let message = "a series of frames has the same fields in every frame";
+    io::Error::new(io::ErrorKind::InvalidInput, message)
+}
+
+/// The parts that do not change: header, mesh, groups, and the empty tables of the steps.
 fn write_static(file: &H5File, mesh: &Mesh, region_of_cell: &[u32]) -> rust_hdf5::Result<()> {
     let creator = format!("Emmy {}", env!("CARGO_PKG_VERSION"));
     file.set_attr_typed(CREATOR, text(&creator), creator.into_bytes())?;
@@ -310,7 +315,7 @@ fn write_static(file: &H5File, mesh: &Mesh, region_of_cell: &[u32]) -> rust_hdf5
     steps.create_group("CellDataOffsets")?;
     steps.set_attr_numeric("NSteps", &0i64)?;
     table::<f64>(file, "VTKHDF/Steps/Values", false)?;
-    SAME.iter().try_for_each(|&(name, _, has_columns)| {
+    CONSTANT_TABLES.iter().try_for_each(|&(name, _, has_columns)| {
         table::<i64>(file, &format!("VTKHDF/Steps/{name}"), has_columns).map(|_| ())
     })
 }
@@ -335,7 +340,7 @@ fn write_mesh(file: &H5File, mesh: &Mesh) -> rust_hdf5::Result<()> {
     dataset.create("VTKHDF/Points")?.write_raw(&points)
 }
 
-/// A list that is written once.
+/// A list without later frames.
 fn once<T: H5Type>(file: &H5File, name: &str, numbers: Vec<T>) -> rust_hdf5::Result<()> {
     let n = numbers.len();
     let dataset = file.new_dataset::<T>().shape([n]).chunk(&[n.clamp(1, ROWS)]).shuffle_deflate(LEVEL);
@@ -351,7 +356,7 @@ fn growing<T: H5Type>(file: &H5File, name: &str, chunks: Chunks) -> rust_hdf5::R
     dataset.shuffle_deflate(LEVEL).create(name)
 }
 
-/// An empty table that grows by a number a step; `has_columns`: on two axes.
+/// An empty table that grows by a number for each step; `has_columns`: it has two axes.
 fn table<T: H5Type>(file: &H5File, name: &str, has_columns: bool) -> rust_hdf5::Result<H5Dataset> {
     let dataset = file.new_dataset::<T>();
     let dataset = match has_columns {
@@ -372,7 +377,7 @@ fn steps(file: &H5File) -> rust_hdf5::Result<H5Group> {
     file.root_group().group("VTKHDF")?.group("Steps")
 }
 
-/// A text of fixed length, as VTK's reader wants it.
+/// Text of fixed length, as the reader of VTK requires.
 fn text(text: &str) -> DatatypeMessage {
     DatatypeMessage::fixed_string(text.len() as u32)
 }

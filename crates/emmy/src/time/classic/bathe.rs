@@ -161,7 +161,7 @@ impl Stepper for BatheStepper<'_> {
         let newton = Outcome {
             iterations: first.iterations + second.iterations,
             linear_iterations: first.linear_iterations + second.linear_iterations,
-            renewals: first.renewals + second.renewals,
+            refactorizations: first.refactorizations + second.refactorizations,
             took_exact_tangent: first.took_exact_tangent || second.took_exact_tangent,
             at_rounding_floor: first.at_rounding_floor || second.at_rounding_floor,
             rounding: first.rounding + second.rounding,

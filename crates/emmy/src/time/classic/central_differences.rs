@@ -10,7 +10,7 @@ use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 /// Steps up to this part of the critical one are accepted: the estimate comes from above, and the body may stiffen.
 const SAFETY: f64 = 0.98;
 
-/// The critical step is estimated anew after so many steps.
+/// Number of steps after which the critical step is estimated again.
 const STEPS_BETWEEN_ESTIMATES: usize = 50;
 
 /// Stepper of central differences in the form that has displacement and velocity at the same times (Verlet 1967):
@@ -21,7 +21,7 @@ const STEPS_BETWEEN_ESTIMATES: usize = 50;
 ///
 /// with the lumped mass [`Body::lumped_mass`]: the momentum of the state, and with it kinetic energy and momenta of the
 /// record, are those of the lumped mass. It conserves linear and angular momentum, is symplectic, and stable for
-/// `h < 2/omega_max`; a larger step is refused.
+/// `h < 2/omega_max`; a larger step is rejected.
 #[derive(Debug)]
 pub struct CentralDifferences<'a> {
     forces: Forces<'a>,
@@ -74,7 +74,7 @@ impl<'a> CentralDifferences<'a> {
     }
 }
 
-/// Takes over the net force of a point as M a of the free degrees of freedom and sets its reactions.
+/// Copies the net force of a point to M a of the free degrees of freedom and sets its reactions.
 fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
     for (dof, &fixed) in body.fixed().iter().enumerate() {
         inertia[dof] = if fixed { 0.0 } else { point.force[dof] };
@@ -122,7 +122,8 @@ impl Stepper for CentralDifferences<'_> {
         memory.keep("inertia", &self.inertia);
         self.start.keep(&mut memory);
         memory.keep("stability.mode", &self.limit.mode);
-        memory.keep("stability", &[self.limit.critical_step, self.limit.n_steps as f64]);
+        memory.keep_number("stability.critical_step", self.limit.critical_step);
+        memory.keep_number("stability.n_steps", self.limit.n_steps as f64);
         memory
     }
 
@@ -130,8 +131,8 @@ impl Stepper for CentralDifferences<'_> {
         memory.fill("inertia", &mut self.inertia)?;
         self.start.restore(memory)?;
         memory.fill("stability.mode", &mut self.limit.mode)?;
-        let [critical_step, n_steps] = memory.array("stability")?;
-        (self.limit.critical_step, self.limit.n_steps) = (critical_step, n_steps as usize);
+        self.limit.critical_step = memory.number("stability.critical_step")?;
+        self.limit.n_steps = memory.number("stability.n_steps")? as usize;
         Ok(())
     }
 }

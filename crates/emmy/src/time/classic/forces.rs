@@ -146,7 +146,7 @@ impl TimePoint {
         memory.keep("start.force", &self.force);
     }
 
-    /// Takes over what [`TimePoint::keep`] kept.
+    /// Restores what [`TimePoint::keep`] kept.
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

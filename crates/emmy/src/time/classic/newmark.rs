@@ -126,7 +126,7 @@ pub struct NewmarkParameters {
 /// c M x - c h p_1 - h^2 (c (1/2 - beta) - alpha_m) M a_1 + h^2 (f - F)_(2 - alpha_f) = 0
 /// ```
 ///
-/// The acceleration is the stepper's memory. At the start it is that of the equation of motion, `M a = F - f(u)`, with the
+/// The acceleration is the stepper's memory. At the start it follows from the equation of motion, `M a = F - f(u)`, with the
 /// consistent mass.
 #[derive(Debug)]
 pub struct NewmarkStepper<'a> {
@@ -218,7 +218,7 @@ impl<'a> NewmarkStepper<'a> {
         body.mass_product(&self.acceleration, &mut self.inertia);
     }
 
-    /// Work and impulses with the weights 1 - gamma at the start and gamma at the end: those of the velocity.
+    /// Work and impulses with the weights 1 - gamma at the start and gamma at the end, the weights of the velocity.
     fn impulses(&mut self, h: f64) -> Impulses {
         let (body, gamma, x) = (self.forces.body, self.parameters.gamma, &self.iteration.rates);
         self.end.set_reactions(body, &self.inertia);

@@ -38,14 +38,14 @@ impl DefectCorrection {
     /// Corrects rates at least `least` times, and more often where much is left; false if it does not converge.
     ///
     /// # Errors
-    /// Those of the system.
+    /// As the system.
     pub fn solve(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], least: usize) -> Result<bool> {
         self.residual.resize(rates.len(), 0.0);
         self.correction.resize(rates.len(), 0.0);
         self.at_end.clear();
         self.at_end.resize(2 * system.body.n_dofs(), 0.0);
-        let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.renewal_cost());
-        let mut tangent = if is_old { Tangent::Renewed } else { Tangent::Kept };
+        let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.refactorization_cost());
+        let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut is_fresh = is_old;
         let mut size = system.residual(rates, &mut self.residual)?.residual;
         for count in 1..=least + MAX_EXTRA_CORRECTIONS {
@@ -69,7 +69,7 @@ impl DefectCorrection {
             if is_slow && is_fresh {
                 break;
             }
-            tangent = if is_slow { Tangent::Renewed } else { Tangent::Kept };
+            tangent = if is_slow { Tangent::Refactorized } else { Tangent::Reused };
             is_fresh |= is_slow;
             size = sizes.residual;
         }
@@ -101,8 +101,7 @@ impl DefectCorrection {
 
     /// Keeps the memory that the next corrections depend on.
     pub fn keep(&self, memory: &mut Memory) {
-        let excess = self.excess.map(|excess| excess as f64);
-        memory.keep("defect.excess", excess.as_slice());
+        memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
     /// Restores what [`DefectCorrection::keep`] kept.

@@ -156,7 +156,7 @@ impl<'a> LocalError<'a> {
     /// Estimates the error of a step between two states with the rates of [`Stepper::rates`].
     ///
     /// # Errors
-    /// Those of [`Stepper::advance`]: the element of degree k + 1 may fail where that of degree k did not.
+    /// As [`Stepper::advance`]: the element of degree k + 1 may fail where the element of degree k did not.
     pub fn estimate(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<()> {
         match &mut self.kind {
             Kind::Difference(difference) => {
@@ -182,7 +182,7 @@ impl<'a> LocalError<'a> {
     /// Estimates the step that was estimated last by its own residual, if its error was extrapolated; whether it was.
     ///
     /// # Errors
-    /// Those of [`LocalError::estimate`].
+    /// As [`LocalError::estimate`].
     pub fn confirm(&mut self, start: &State, end: &State, rates: &[f64], step_size: f64) -> Result<bool> {
         let is_extrapolated = self.is_extrapolated();
         if is_extrapolated {
@@ -212,7 +212,7 @@ impl<'a> LocalError<'a> {
         }
     }
 
-    /// Goes over to the next step.
+    /// Advances to the next step.
     pub fn accept(&mut self, step_size: f64) {
         match &mut self.kind {
             Kind::Difference(difference) => difference.accept(step_size),
@@ -237,9 +237,9 @@ impl<'a> LocalError<'a> {
             Kind::Difference(difference) => {
                 let mut memory = Memory::default();
                 memory.keep("acceleration", &difference.acceleration);
-                memory.keep("before", &[difference.before]);
+                memory.keep_number("before", difference.before);
                 memory.keep("third", &difference.third);
-                memory.keep("third_before", difference.third_before.as_slice());
+                memory.keep_option("third_before", difference.third_before);
                 memory
             }
             Kind::Element(next) => next.memory(),
@@ -254,12 +254,12 @@ impl<'a> LocalError<'a> {
     /// Restores the memory of another estimator of the same kind.
     ///
     /// # Errors
-    /// [`crate::Error::Memory`], and those of [`Stepper::restore`].
+    /// [`crate::Error::Memory`], and as [`Stepper::restore`].
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
         match &mut self.kind {
             Kind::Difference(difference) => {
                 memory.fill("acceleration", &mut difference.acceleration)?;
-                [difference.before] = memory.array("before")?;
+                difference.before = memory.number("before")?;
                 memory.fill("third", &mut difference.third)?;
                 difference.third_before = memory.option("third_before")?;
                 Ok(())
@@ -351,7 +351,7 @@ impl Difference {
         displacement: &mut [f64],
         velocity: &mut [f64],
     ) {
-        // The mean acceleration is that of the middle of the step.
+        // The mean acceleration is the acceleration in the middle of the step.
         let distance = self.before + 0.5 * h;
         let factor = h * h * h / 12.0;
         for dof in 0..start.velocity.len() {

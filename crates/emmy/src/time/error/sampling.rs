@@ -156,11 +156,13 @@ impl Sampling {
     /// Keeps the memory that the next errors depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("sampling.derivative", &self.derivative);
-        memory.keep("sampling.last_size", self.last_size.as_slice());
-        memory.keep("sampling.sample", self.sample.as_slice().as_flattened());
+        memory.keep_option("sampling.last_size", self.last_size);
+        memory.keep_option("sampling.sample.size", self.sample.map(|[size, _]| size));
+        memory.keep_option("sampling.sample.derivative_norm", self.sample.map(|[_, norm]| norm));
         memory.keep("sampling.displacement", &self.displacement);
         memory.keep("sampling.velocity", &self.velocity);
-        memory.keep("sampling.pause", &[self.pause as f64, self.left as f64]);
+        memory.keep_number("sampling.pause", self.pause as f64);
+        memory.keep_number("sampling.left", self.left as f64);
     }
 
     /// Restores what [`Sampling::keep`] kept.
@@ -170,14 +172,13 @@ impl Sampling {
     pub fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("sampling.derivative", &mut self.derivative)?;
         self.last_size = memory.option("sampling.last_size")?;
-        self.sample = match *memory.list("sampling.sample")? {
-            [size, derivative_norm] => Some([size, derivative_norm]),
-            _ => None,
-        };
+        let size = memory.option("sampling.sample.size")?;
+        let derivative_norm = memory.option("sampling.sample.derivative_norm")?;
+        self.sample = size.zip(derivative_norm).map(|(size, norm)| [size, norm]);
         memory.fill("sampling.displacement", &mut self.displacement)?;
         memory.fill("sampling.velocity", &mut self.velocity)?;
-        let [pause, left] = memory.array("sampling.pause")?;
-        (self.pause, self.left) = (pause as usize, left as usize);
+        self.pause = memory.number("sampling.pause")? as usize;
+        self.left = memory.number("sampling.left")? as usize;
         Ok(())
     }
 }

@@ -117,10 +117,10 @@ impl ApproximateTangent {
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
-        memory.keep("tangent.viscous_rate", &[self.viscous_rate]);
+        memory.keep_number("tangent.viscous_rate", self.viscous_rate);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);
-        memory.keep("tangent.made_for", self.made_for.as_slice());
+        memory.keep_option("tangent.made_for", self.made_for);
         self.solvers.keep(memory);
     }
 
@@ -131,7 +131,7 @@ impl ApproximateTangent {
     pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
-        [self.viscous_rate] = memory.array("tangent.viscous_rate")?;
+        self.viscous_rate = memory.number("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
         self.made_for = None;

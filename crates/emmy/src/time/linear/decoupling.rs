@@ -83,7 +83,7 @@ impl Mode {
         self.eigenvalue[0].hypot(self.eigenvalue[1])
     }
 
-    /// Right-hand sides of the mode, `[dof][column]`, from those of the stages, `[k][dof]`.
+    /// Right-hand sides of the mode, `[dof][column]`, from the right-hand sides of the stages, `[k][dof]`.
     pub fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
         let (k, n) = (self.forward.len() / self.n_columns(), columns.len() / self.n_columns());
         for (dof, columns) in columns.chunks_exact_mut(self.n_columns()).enumerate() {

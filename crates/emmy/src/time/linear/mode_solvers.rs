@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
 use crate::body::Body;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::sparse::{
     Direct, DirectPair, Iterative, ShiftedSolver, Solver, SolverChoice, SolverKind, StageMatrix, SweepOrder,
     inverse,
@@ -186,15 +186,16 @@ impl ModeSolvers {
         }
     }
 
-    /// Keeps what the next steps depend on.
+    /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
-        memory.keep("solver.has_fallen_back", &[f64::from(u8::from(self.has_fallen_back))]);
-        memory.keep("solver.is_ready", &[f64::from(u8::from(!self.solvers.is_empty()))]);
-        for kind in SolverKind::ALL {
-            let choice = self.choice.filter(|choice| choice.kind == kind);
-            memory.keep(&stiffness_of(kind), choice.map(|choice| choice.stiffness).as_slice());
+        memory.keep_flag("solver.has_fallen_back", self.has_fallen_back);
+        memory.keep_flag("solver.is_ready", !self.solvers.is_empty());
+        memory.keep_flag("solver.is_chosen", self.choice.is_some());
+        if let Some(choice) = self.choice {
+            memory.keep_word("solver.kind", choice.kind.name());
+            memory.keep_number("solver.stiffness", choice.stiffness);
+            memory.keep_option("solver.limit", choice.limit);
         }
-        memory.keep("solver.limit", self.choice.and_then(|choice| choice.limit).as_slice());
     }
 
     /// Restores what [`ModeSolvers::keep`] kept.
@@ -202,24 +203,21 @@ impl ModeSolvers {
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Linear`].
     pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
-        let [has_fallen_back] = memory.array("solver.has_fallen_back")?;
-        self.has_fallen_back = has_fallen_back != 0.0;
-        let limit = memory.option("solver.limit")?;
+        self.has_fallen_back = memory.flag("solver.has_fallen_back")?;
         self.choice = None;
-        for kind in SolverKind::ALL {
-            if let Some(stiffness) = memory.option(&stiffness_of(kind))? {
-                self.choice = Some(SolverChoice { kind, stiffness, limit });
-            }
+        if memory.flag("solver.is_chosen")? {
+            let name = memory.word("solver.kind")?;
+            let kind = SolverKind::named(name).ok_or_else(|| Error::Memory {
+                name: "solver.kind".to_string(),
+                reason: format!("is `{name}`, which is no solver"),
+            })?;
+            let limit = memory.option("solver.limit")?;
+            self.choice = Some(SolverChoice { kind, stiffness: memory.number("solver.stiffness")?, limit });
         }
         self.solvers.clear();
-        let [is_ready] = memory.array("solver.is_ready")?;
-        self.choice.filter(|_| is_ready != 0.0).map_or(Ok(()), |choice| self.create(body, choice))
+        let is_ready = memory.flag("solver.is_ready")?;
+        self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice))
     }
-}
-
-/// Name of the stiffness number of a solver in a memory.
-fn stiffness_of(kind: SolverKind) -> String {
-    format!("solver.{}.stiffness", kind.name())
 }
 
 /// A square matrix with a number added to its diagonal.

@@ -69,7 +69,7 @@ struct Free {
 }
 
 impl Free {
-    /// What the supports of a body leave free. A turn about an axis moves all but what lies along it.
+    /// Axes that the supports of a body leave free. A turn about an axis moves all points off the axis.
     fn of(body: &Body) -> Self {
         let mut shifts = [true; 3];
         body.fixed().iter().enumerate().for_each(|(dof, fixed)| shifts[dof % 3] &= !fixed);
@@ -108,7 +108,7 @@ impl Prediction {
     /// Keeps the memory that the next steps depend on.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("prediction.deviation", &self.deviation);
-        memory.keep("prediction.last_size", self.last_size.as_slice());
+        memory.keep_option("prediction.last_size", self.last_size);
     }
 
     /// Restores what [`Prediction::keep`] kept.

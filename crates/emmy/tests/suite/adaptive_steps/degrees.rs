@@ -17,7 +17,7 @@ fn plan(until: f64, tolerance: f64, degrees: Option<[usize; 2]>) -> StepPlan {
 
 /// What steps cost: the stages of all, those that were refused too.
 fn work(watch: &Watch) -> usize {
-    watch.records[1..].iter().map(|record| record.degree * (1 + record.refusals)).sum()
+    watch.records[1..].iter().map(|record| record.degree * (1 + record.rejections)).sum()
 }
 
 #[test]

@@ -107,7 +107,7 @@ fn ten_thousand_steps_of_many_sizes_conserve_as_equal_ones_do() {
     let steps = &watch.records[1..];
     let sizes = || steps.iter().map(|record| record.step_size);
     let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
-    println!("{} steps, sizes {least:e} to {most:e}, {} refusals", steps.len(), refusals(&watch));
+    println!("{} steps, sizes {least:e} to {most:e}, {} rejections", steps.len(), rejections(&watch));
     assert_quoted("steps", steps.len() as f64, 29_760.0, 1e-3);
     assert_quoted("smallest step", least, 1.8e-4, 0.03);
     assert_quoted("largest step", most, 8.9e-3, 0.01);
@@ -124,11 +124,11 @@ fn ten_thousand_steps_of_many_sizes_conserve_as_equal_ones_do() {
     }
     let smooth = steps.windows(2).filter(|pair| pair[1].step_size <= 2.6 * pair[0].step_size).count();
     assert_eq!(smooth, steps.len() - 1);
-    assert_eq!(refusals(&watch), 0);
+    assert_eq!(rejections(&watch), 0);
 }
 
-fn refusals(watch: &Watch) -> usize {
-    watch.records.iter().map(|record| record.refusals).sum()
+fn rejections(watch: &Watch) -> usize {
+    watch.records.iter().map(|record| record.rejections).sum()
 }
 
 /// Distance of the first mass from where it was one period before, over the largest distance.
@@ -143,7 +143,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_equal_steps_at_equal_error() {
     let (body, state) = orbit(e);
     for degree in [1, 2, 3] {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
-        let (error, n) = (closure(&body, &end), watch.records.len() - 1 + refusals(&watch));
+        let (error, n) = (closure(&body, &end), watch.records.len() - 1 + rejections(&watch));
         // Equal steps, three times as many.
         let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state.clone()).unwrap();
         let equal = 3 * n;
@@ -174,7 +174,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
         let of_steps = || watch.records.iter().map(|record| record.newton_iterations);
         // A step that was refused has taken as many as any other at most.
-        let own = of_steps().sum::<usize>() + refusals(&watch) * of_steps().max().unwrap();
+        let own = of_steps().sum::<usize>() + rejections(&watch) * of_steps().max().unwrap();
         let error = closure(&body, &end);
         // Eight times as many equal steps: each of these takes fewer corrections.
         let n = 8 * (watch.records.len() - 1);
@@ -229,7 +229,7 @@ fn carried_errors_choose_the_sizes_that_estimated_ones_do() {
                 let (watch, state) = march(&body, &state, degree, &plan);
                 let pairs = state.displacement.iter().zip(&exact.displacement);
                 let error: Vec<f64> = pairs.map(|(own, exact)| own - exact).collect();
-                [(watch.records.len() - 1 + refusals(&watch)) as f64, mean(&body, &error)]
+                [(watch.records.len() - 1 + rejections(&watch)) as f64, mean(&body, &error)]
             });
             println!("{name}, k = {degree}: steps and error {sampled:?}, by the residual {residual:?}");
             for (found, quoted) in [sampled, residual].iter().zip(quoted[degree - 2]) {
@@ -285,7 +285,8 @@ fn times_for_output_are_met_exactly_and_without_slivers() {
     assert_eq!(outputs, 13);
     // The shortest time between two that are to be met is 0.0034, to the kink: steps of half of it at the least.
     let first = 0.0017 * (1.0 - 1e-9);
-    let short = watch.records[1..].iter().filter(|r| r.step_size < first && r.refusals == 0 && r.time > 0.04);
+    let short =
+        watch.records[1..].iter().filter(|r| r.step_size < first && r.rejections == 0 && r.time > 0.04);
     assert_eq!(short.count(), 0, "{:?}", watch.records.iter().map(|r| r.step_size).collect::<Vec<_>>());
 }
 

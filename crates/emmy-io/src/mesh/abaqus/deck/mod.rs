@@ -255,7 +255,7 @@ impl Deck {
             let problem = format!("more than {MAX_FILES} files are included");
             return Err(self.malformed(at, problem, "join them, or include each of them once"));
         }
-        let bytes = crate::file::read(&path).map_err(|reason| {
+        let bytes = crate::whole_file::read(&path).map_err(|reason| {
             let problem = format!("the file {} cannot be read: {reason}", path.display());
             self.malformed(at, problem, "paths are relative to the file that includes")
         })?;

@@ -1,4 +1,4 @@
-// The charts of the page: what is drawn of one run, and of several.
+// The charts of the page, for one run and for several.
 
 const AXES = [["x", "--c1", []], ["y", "--c2", [6, 3]], ["z", "--c0", [2, 3]]];
 
@@ -52,19 +52,19 @@ function chartsOfRun(run, clock) {
   }
   for (const probe of run.probes) {
     const at = AXES.map(([axis]) => column(`${probe}_${axis}`));
-    // Of a position nothing would be seen but where the node is.
+    // The position itself would only show where the node is.
     specs.push(ofRun(run, { title: `Probe ${probe}`, unit: `displacement from (${at.map((values) => number(values[0])).join(", ")})`, height: 150,
       lines: AXES.map(([axis, colour, dash], i) => line(`u${axis}`, at[i].map((value) => value - at[i][0]), colour, dash)) }));
   }
   return specs;
 }
 
-// A momentum of rounding only looks like something on a scale of its own.
+// A momentum of round-off only would fill a scale of its own.
 function ifRounding(run, key) {
   return isRounding(run, key) ? " nothing but rounding" : "";
 }
 
-// The defects of a step, as parts of the size of their quantity.
+// The residuals of a step, as parts of the largest value of their quantity.
 function residuals(run) {
   const colours = { energy: ["--ink", [], 1.7], linear_momentum: ["--c2", [6, 3], 1.4], angular_momentum: ["--c1", [2, 3], 1.7] };
   const labels = { energy: "energy", linear_momentum: "linear mom.", angular_momentum: "angular mom." };
@@ -72,10 +72,10 @@ function residuals(run) {
     const [colour, dash, width] = colours[key];
     return { label: labels[key], values: sizes(run.column(`${key}_residual`), size), colour, dash, width };
   });
-  return ofRun(run, { title: "Balance of each step", unit: "defect, as a part of the largest T + V, |P|, |L|", log: true, height: 190, lines });
+  return ofRun(run, { title: "Balance of each step", unit: "residual, as a part of the largest T + V, |P|, |L|", log: true, height: 190, lines });
 }
 
-// Sizes of defects as parts of a size; exact zeros and the start are left out, a logarithm has no place for them.
+// Absolute residuals as parts of a scale; exact zeros and the start are left out, as they have no logarithm.
 function sizes(values, size) {
   return Array.from(values, (value, i) => (i === 0 || value === 0 || !Number.isFinite(value) ? null : Math.abs(value) / (size || 1)));
 }
@@ -84,7 +84,7 @@ function nulled(values) {
   return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
 }
 
-// What belongs to steps: the start takes the value of the first one.
+// Quantities of steps: the start takes the value of the first step.
 function fromFirstStep(values) {
   const all = Array.from(values);
   if (all.length > 1) all[0] = all[1];
@@ -107,11 +107,11 @@ function chartsOfRuns(runs, clock) {
   const stairs = (name) => each((run) => fromFirstStep(run.column(name))).map((line) => ({ ...line, stairs: true }));
   const specs = [
     ofRuns({ title: "Total energy", unit: "T + V", height: 190, lines: column("total_energy") }),
-    residual("energy", "Energy balance of each step", "defect, of the largest T + V"),
+    residual("energy", "Energy balance of each step", "residual, as a part of the largest T + V"),
     ofRuns({ title: "Angular momentum", unit: "|L| about the origin", height: 190, lines: each((run) => run.norm("angular_momentum")) }),
-    residual("angular_momentum", "Angular momentum balance of each step", "defect, of the largest |L|"),
+    residual("angular_momentum", "Angular momentum balance of each step", "residual, as a part of the largest |L|"),
     ofRuns({ title: "Linear momentum", unit: "|P|", lines: each((run) => run.norm("linear_momentum")) }),
-    residual("linear_momentum", "Linear momentum balance of each step", "defect, of the largest |P|"),
+    residual("linear_momentum", "Linear momentum balance of each step", "residual, as a part of the largest |P|"),
     ofRuns({ title: "Kinetic energy", unit: "T", lines: column("kinetic_energy") }),
     ofRuns({ title: "Strain energy", unit: "V", lines: column("strain_energy") }),
     ofRuns({ title: "Newton iterations", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),

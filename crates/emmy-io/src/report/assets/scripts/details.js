@@ -1,4 +1,4 @@
-// The rest of the page: heading, events, input, links, how it was made.
+// Heading, events, input, links, and the foot of the page.
 
 function showHeading(runs) {
   const id = (name) => document.getElementById(name);
@@ -17,7 +17,7 @@ function statusText(summary) {
   const strong = (text, mark = "") => element("strong", { class: mark }, text);
   switch (summary.status) {
     case "done": return [strong("Done"), `: ${grouped(summary.steps)} steps in `, duration(summary.wall_seconds)];
-    case "running": return [strong("Running"), `: ${grouped(summary.steps)}${summary.planned_steps === null ? "" : ` of ${grouped(summary.planned_steps)}`} steps when this page was written; load it again for more`];
+    case "running": return [strong("Running"), `: ${grouped(summary.steps)}${summary.planned_steps === null ? "" : ` of ${grouped(summary.planned_steps)}`} steps when this page was written; reload it for more`];
     default: return [strong(summary.status.replaceAll("-", " "), "poor"), `: ${summary.message ?? `after ${summary.steps} steps`}`];
   }
 }
@@ -27,14 +27,14 @@ function showDetails(place, runs) {
     const [run] = runs;
     if (run.events.length) place.append(eventTable(run));
     place.append(element("section", { class: "card" }, element("h2", {}, "Data"), fileList(run)));
-    place.append(inputText(run, "Input, with all values that hold"));
+    place.append(inputText(run, "Input, with all defaults"));
     return;
   }
   runs.forEach((run) => place.append(inputText(run, `Input of ${run.name}`)));
 }
 
 const FILES = {
-  "history.csv": "one row a step, 17 digits", "newton.csv": "residuals of Newton's iteration", "events.csv": "what happened beside the plan",
+  "history.csv": "one row a step, 17 digits", "newton.csv": "residuals of the Newton iteration", "events.csv": "cuts, rejections, releases and other events",
   "summary.json": "the verdict", "input.toml": "the input", "report.html": "the report",
 };
 

@@ -2,7 +2,7 @@
 
 const manifest = JSON.parse(document.getElementById("manifest").textContent);
 
-// What charts mark and measure a run by.
+// Marks and scales of a run in the charts.
 function prepared(run) {
   const largest = (values) => values.reduce((most, value) => (value > most ? value : most), 0);
   run.largest = {
@@ -36,7 +36,7 @@ showHeading(manifest.runs);
 try {
   const runs = (await Promise.all(manifest.runs.map((run, index) => readRun(index, run)))).map(prepared);
   showVerdict(document.getElementById("verdict"), runs);
-  // A run that has just begun may have no row yet.
+  // A run that has just started may have no row yet.
   const endOf = (run) => run.time[run.time.length - 1] ?? 0;
   const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
   const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));

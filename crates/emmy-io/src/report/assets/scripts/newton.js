@@ -1,4 +1,4 @@
-// Newton's residuals as a strip: time to the right, iterations upwards, colour for the residual over its target.
+// Newton residuals: time to the right, iterations upwards, colour for the residual over its tolerance.
 
 function newtonChart(run, clock) {
   const count = run.array("newton/count");
@@ -21,7 +21,7 @@ function newtonChart(run, clock) {
     const at = 3 * Math.round(255 * Math.min(Math.max(Number.isNaN(value) ? 1 : value / largest, 0), 1));
     return `rgb(${colours[at]},${colours[at + 1]},${colours[at + 2]})`;
   };
-  // Steps that share a pixel show the worst of them.
+  // Steps that share a pixel show the largest residual.
   const draw = (plot) => {
     const { ctx, bbox } = plot;
     ctx.save();
@@ -50,7 +50,7 @@ function newtonChart(run, clock) {
   };
   const map = element("canvas", { "aria-hidden": "true" });
   drawMap(map, "viridis");
-  const ramp = element("span", { class: "ramp" }, "at its target", map, `1e${Math.round(largest)} times it`);
+  const ramp = element("span", { class: "ramp" }, "at the tolerance", map, `1e${Math.round(largest)} times the tolerance`);
   const last = Array.from(count, (n, i) => (n ? residual[first[i] + n - 1] : null));
   const line = (label, times, values) => ({ label, times, values, colour: "--muted", width: 0, isReading: true });
   const nothing = () => new Array(run.time.length).fill(null);

@@ -1,8 +1,8 @@
-// What a run kept, in words and numbers.
+// The verdict: how well a run conserved energy and momenta.
 
-// Defects up to these parts of the quantity's size are those of a balance that closes: of one step, and added up over the run.
+// A balance closes if its residual is at most this part of the quantity, in one step and accumulated over the run.
 const CLOSED = { step: 1e-11, run: 1e-9 };
-// Beyond this part, added up, a balance does not close.
+// A balance does not close if its accumulated residual exceeds this part.
 const DRIFT = 1e-4;
 
 const SIGNS = {
@@ -11,13 +11,13 @@ const SIGNS = {
   poor: ["M8 1 L15 14 H1 Z", "does not close"],
 };
 
-// A body that does not move or turn on the whole has no momentum but rounding, and nothing is small next to that.
+// A body at rest, or without rotation, has a momentum of round-off only, which is no scale for a residual.
 function isRounding(run, key) {
   const scale = run.summary[`${key}_scale`];
   return scale > 0 && run.largest[key] < 1e-9 * scale;
 }
 
-// The three balances of a run with what they are measured by.
+// The three balances of a run with their scales.
 function balances(run) {
   const summary = run.summary;
   const momentum = (key, letter) => {
@@ -55,14 +55,14 @@ function sign(mark) {
 function balanceCard(run, balance) {
   const mark = grade(balance);
   const { key, part, of, step, drift } = balance;
-  const rest = element("p", { class: "rest" }, "worst of a step ", ofSummary(run, `worst_${key}_residual`));
+  const rest = element("p", { class: "rest" }, "largest residual of a step ", ofSummary(run, `worst_${key}_residual`));
   if (step > 0) rest.append(", in step ", ofSummary(run, `worst_${key}_residual_step`, String(step)));
   if (drift !== null && drift !== undefined) {
-    rest.append("; adds up to ", ofSummary(run, key === "energy" ? "energy_drift" : "angular_momentum_drift", number(drift, 2)));
+    rest.append("; accumulated ", ofSummary(run, key === "energy" ? "energy_drift" : "angular_momentum_drift", number(drift, 2)));
   }
   return element("div", { class: "balance" },
     element("h2", {}, `${balance.name} balance`),
-    element("p", { class: `word ${mark}` }, sign(mark), of === null ? "has nothing to be measured by" : SIGNS[mark][1]),
+    element("p", { class: `word ${mark}` }, sign(mark), of === null ? "has no scale" : SIGNS[mark][1]),
     of === null ? null : element("p", { class: "part" }, element("b", { class: "num", "data-part": key }, number(part, 2)), ` of ${of}`),
     rest);
 }
@@ -81,7 +81,7 @@ function facts(run) {
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
 }
 
-// What makes the results less than the balances say.
+// Warnings that limit the verdict.
 function warnings(run) {
   const { digits_left: digits, unresolved_loads: missed, steps } = run.summary;
   const note = (...text) => element("p", { class: "note" }, "Warning: ", ...text);
@@ -117,6 +117,6 @@ function showVerdict(place, runs) {
   place.append(element("div", { class: "table-wrap" }, element("table", { class: "runs" },
     element("thead", {}, element("tr", {}, ...heads.map((head) => element("th", { scope: "col" }, head)))),
     element("tbody", {}, ...runs.map(row)))),
-    element("p", { class: "note" }, "Balances: the worst defect of a step as a part of the largest T + V, |P|, |L| of the run. ",
+    element("p", { class: "note" }, "Balances: the largest residual of a step as a part of the largest T + V, |P|, |L| of the run. ",
       ...["good", "fair", "poor"].flatMap((mark) => [element("span", { class: mark }, sign(mark)), ` ${SIGNS[mark][1]}  `])));
 }

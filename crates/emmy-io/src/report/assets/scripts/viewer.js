@@ -48,7 +48,7 @@ class Viewer {
     this.toggles.follow.parentNode.title = "keep the body in the middle";
   }
 
-  // Goes over to a run.
+  // Shows a run.
   choose(run) {
     this.current = run;
     this.frames = new Frames(run);
@@ -66,7 +66,7 @@ class Viewer {
     this.field = this.colour.value = kept.name;
     this.settings.edges = frames.triangles.length < 30000;
     this.toggles.edges.checked = this.settings.edges;
-    // Without it there is nothing to show but rounding.
+    // Otherwise there is only round-off to show.
     this.turns = !isRounding(run, "angular_momentum");
     this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
     this.start();
@@ -85,7 +85,7 @@ class Viewer {
       }
       this.scene = new Scene(this.canvas, frames);
     } catch (error) {
-      this.note.textContent = "The motion needs WebGL 2, which this browser does not offer here; the charts do without.";
+      this.note.textContent = "The motion needs WebGL 2, which this browser does not offer here; the charts do not need it.";
       this.scene = null;
       return;
     }

@@ -1,8 +1,15 @@
-//! A motion at some times only.
+//! Displacements of a motion at given times.
 
-use emmy::motion::{Observer, View};
+use super::{Observer, View};
 
-/// Displacements at given times.
+/// Displacements at given times, from a [`Sampler`].
+///
+/// ```
+/// use emmy::motion::Samples;
+/// let samples = Samples { times: vec![0.0, 0.5], n_dofs: 3, displacement: vec![0.0, 0.0, 0.0, 1.0, 2.0, 3.0] };
+/// assert_eq!(samples.at(0.5, 1e-12), Some(&[1.0, 2.0, 3.0][..]));
+/// assert!(!samples.cover(&[0.25], 1e-12));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Samples {
     /// Times, ascending.
@@ -14,25 +21,25 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Displacement at a time, if there is a sample within a tolerance.
+    /// Displacement at a time; `None` without a sample within the tolerance.
     pub fn at(&self, time: f64, tolerance: f64) -> Option<&[f64]> {
         let index = nearest(&self.times, time, tolerance)?;
         self.displacement.get(index * self.n_dofs..(index + 1) * self.n_dofs)
     }
 
-    /// Whether there is a sample at every one of some times.
+    /// Whether there is a sample at each of some times.
     pub fn cover(&self, times: &[f64], tolerance: f64) -> bool {
         times.iter().all(|&time| self.at(time, tolerance).is_some())
     }
 }
 
-/// Index of the time nearest to one, if it is within a tolerance.
-pub(super) fn nearest(times: &[f64], time: f64, tolerance: f64) -> Option<usize> {
+/// Index of the sample at a time, within a tolerance.
+fn nearest(times: &[f64], time: f64, tolerance: f64) -> Option<usize> {
     let after = times.partition_point(|&other| other < time - tolerance);
     times.get(after).filter(|&&other| other <= time + tolerance).map(|_| after)
 }
 
-/// Takes samples of a motion while it is computed.
+/// Takes samples of a motion, as its observer.
 ///
 /// Times inside a step are interpolated from displacement and velocity at its ends by cubic Hermite polynomials, whose
 /// error is of the order `h^4` of the step size:
@@ -41,30 +48,37 @@ pub(super) fn nearest(times: &[f64], time: f64, tolerance: f64) -> Option<usize>
 /// u(t_1 + theta h) = (1 + 2 theta) (1 - theta)^2 u_1 + theta^2 (3 - 2 theta) u_2
 ///                  + h theta (1 - theta)^2 v_1 - h theta^2 (1 - theta) v_2
 /// ```
+///
+/// ```
+/// let mut sampler = emmy::motion::Sampler::new(vec![0.5], 1e-12, 1);
+/// sampler.add(0.0, &[0.0], &[1.0]);
+/// sampler.add(1.0, &[1.0], &[1.0]);
+/// assert_eq!(sampler.finish().displacement, [0.5]);
+/// ```
 #[derive(Debug)]
 pub struct Sampler {
     times: Vec<f64>,
     tolerance: f64,
     samples: Samples,
-    /// The state before.
+    /// Time, displacement and velocity of the step before.
     last: Option<(f64, Vec<f64>, Vec<f64>)>,
 }
 
 impl Sampler {
-    /// A sampler at some times, ascending; times nearer than the tolerance to a step's end are that end.
+    /// A sampler at some times, in ascending order. Times nearer than the tolerance to the end of a step are that end.
     pub fn new(times: Vec<f64>, tolerance: f64, n_dofs: usize) -> Self {
         let displacement = Vec::with_capacity(times.len() * n_dofs);
         let samples = Samples { times: Vec::with_capacity(times.len()), n_dofs, displacement };
         Sampler { times, tolerance, samples, last: None }
     }
 
-    /// The samples taken.
+    /// The samples.
     pub fn finish(self) -> Samples {
         self.samples
     }
 
-    /// Takes the samples up to a time, at which displacement and velocity are given.
-    pub fn see(&mut self, time: f64, displacement: &[f64], velocity: &[f64]) {
+    /// Adds displacement and velocity at a time, and takes the samples up to it.
+    pub fn add(&mut self, time: f64, displacement: &[f64], velocity: &[f64]) {
         while let Some(&wanted) = self.times.get(self.samples.times.len()) {
             if wanted > time + self.tolerance {
                 break;
@@ -91,7 +105,7 @@ impl Sampler {
     }
 }
 
-/// Cubic Hermite polynomials: of both values, then of both slopes.
+/// Cubic Hermite polynomials of both values, then of both slopes.
 fn hermite(theta: f64) -> [f64; 4] {
     let rest = 1.0 - theta;
     [
@@ -104,7 +118,7 @@ fn hermite(theta: f64) -> [f64; 4] {
 
 impl Observer for Sampler {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.see(view.state.time, &view.state.displacement, &view.state.velocity);
+        self.add(view.state.time, &view.state.displacement, &view.state.velocity);
         Ok(())
     }
 }
@@ -119,7 +133,7 @@ mod tests {
         let times: Vec<f64> = (0..=97).map(|i| f64::from(i) / 97.0).collect();
         let mut sampler = Sampler::new(times, 1e-14, 2);
         for t in (0..=n_steps).map(|i| f64::from(i) * h) {
-            sampler.see(t, &[t.sin(), 3.0 - t], &[t.cos(), -1.0]);
+            sampler.add(t, &[t.sin(), 3.0 - t], &[t.cos(), -1.0]);
         }
         let samples = sampler.finish();
         assert_eq!(samples.times.len(), 98);
@@ -140,7 +154,7 @@ mod tests {
     fn times_of_steps_are_taken_as_they_are() {
         let mut sampler = Sampler::new(vec![0.0, 0.2, 0.3], 1e-12, 1);
         for (t, u) in [(0.0, 1.0), (0.1, 7.0), (0.2 + 1e-15, 0.1), (0.3, 5.0)] {
-            sampler.see(t, &[u], &[1e6]);
+            sampler.add(t, &[u], &[1e6]);
         }
         let samples = sampler.finish();
         assert_eq!(samples.displacement, [1.0, 0.1, 5.0]);

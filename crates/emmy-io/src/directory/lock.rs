@@ -3,9 +3,9 @@
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-use crate::directory::DirectoryError;
+use super::DirectoryError;
 
-/// Name of the file that is locked. It stays when the run is over; the system releases the lock, however a run ends.
+/// Name of the lock file. It stays after the run; the system releases the lock, however the run ends.
 pub const FILE: &str = ".lock";
 
 /// An advisory lock on a directory, held until it is dropped.
@@ -15,7 +15,7 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes the lock of a directory that is there.
+    /// Locks an existing directory.
     ///
     /// # Errors
     /// [`DirectoryError::Busy`] if another run holds it, [`DirectoryError::System`].
@@ -26,7 +26,7 @@ impl Lock {
         match file.try_lock() {
             Ok(()) => Ok(Lock { _file: file }),
             Err(TryLockError::WouldBlock) => Err(DirectoryError::Busy { path: directory.to_path_buf() }),
-            // A file system without locks is no reason to compute nothing.
+            // Without locks on this file system, the run goes ahead.
             Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => {
                 Ok(Lock { _file: file })
             }

@@ -1,29 +1,37 @@
-//! The error of a run, measured while it marches.
+//! The distance of a motion from a reference.
 
-use emmy::motion::{Observer, View};
+use super::{Observer, Samples, View};
 
-use super::Samples;
-
-/// Distance of a motion from samples of another, Betsch and Steinmann (2001), equation (80):
+/// Distance of a motion from the samples of a reference, Betsch and Steinmann (2001), equation (80):
 ///
 /// ```math
 /// ||e|| = ( int_ta^tb sum_A |q_A(t) - q*_A(t)|^2 dt )^(1/2)
 /// ```
 ///
-/// The sum is over the nodes; the integral is taken by the trapezoidal rule at the motion's own times.
+/// The sum is over the nodes; the integral is taken by the trapezoidal rule at the times of the motion. As an observer it takes every
+/// step of a march.
+///
+/// ```
+/// use emmy::motion::{ErrorNorm, Samples};
+/// let reference = Samples { times: vec![0.0, 2.0], n_dofs: 3, displacement: vec![0.0; 6] };
+/// let mut norm = ErrorNorm::new(&reference, 0.0, 1e-12);
+/// assert!(norm.add(0.0, &[1.0, 0.0, 0.0]) && norm.add(2.0, &[1.0, 0.0, 0.0]));
+/// assert_eq!((norm.error(), norm.relative_error()), (f64::sqrt(2.0), None));
+/// assert!(!norm.add(3.0, &[1.0, 0.0, 0.0])); // no sample
+/// ```
 #[derive(Debug)]
 pub struct ErrorNorm<'a> {
     samples: &'a Samples,
-    /// The first time that counts.
+    /// Start of the integral.
     start: f64,
     tolerance: f64,
-    /// Time and integrands before.
+    /// Time and integrands of the step before.
     last: Option<(f64, [f64; 2])>,
     integrals: [f64; 2],
 }
 
 impl<'a> ErrorNorm<'a> {
-    /// The norm from a time on.
+    /// The norm from a time on; times nearer than the tolerance are the same.
     pub fn new(samples: &'a Samples, start: f64, tolerance: f64) -> Self {
         ErrorNorm { samples, start, tolerance, last: None, integrals: [0.0; 2] }
     }
@@ -33,13 +41,13 @@ impl<'a> ErrorNorm<'a> {
         self.integrals[0].sqrt()
     }
 
-    /// The error over the norm of the samples' displacement; none if that is zero.
+    /// The error over the norm of the displacement of the reference; `None` if that is zero.
     pub fn relative_error(&self) -> Option<f64> {
         (self.integrals[1] > 0.0).then(|| (self.integrals[0] / self.integrals[1]).sqrt())
     }
 
     /// Adds a displacement at a time; false if there is no sample at that time.
-    pub fn see(&mut self, time: f64, displacement: &[f64]) -> bool {
+    pub fn add(&mut self, time: f64, displacement: &[f64]) -> bool {
         if time < self.start - self.tolerance {
             return true;
         }
@@ -56,7 +64,7 @@ impl<'a> ErrorNorm<'a> {
 
 impl Observer for ErrorNorm<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        match self.see(view.state.time, &view.state.displacement) {
+        match self.add(view.state.time, &view.state.displacement) {
             true => Ok(()),
             false => Err(format!("the reference has no state at t = {}", view.state.time).into()),
         }
@@ -77,11 +85,11 @@ mod tests {
         let displacement = times.iter().flat_map(|&t| reference(t)).collect();
         let samples = Samples { times: times.clone(), n_dofs: 6, displacement };
         let mut norm = ErrorNorm::new(&samples, 1.0, 1e-12);
-        assert!(times.iter().all(|&t| norm.see(t, &motion(t))));
+        assert!(times.iter().all(|&t| norm.add(t, &motion(t))));
         assert!((norm.error().powi(2) - (2.0 + 104.0 / 3.0)).abs() < 1e-5, "{}", norm.error());
         // |u*|^2 = 1 + t^2: integral 2 + 26 / 3.
         let relative = ((2.0 + 104.0 / 3.0) / (2.0 + 26.0 / 3.0f64)).sqrt();
         assert!((norm.relative_error().unwrap() - relative).abs() < 1e-6);
-        assert!(!norm.see(2.9995, &motion(2.9995)));
+        assert!(!norm.add(2.9995, &motion(2.9995)));
     }
 }

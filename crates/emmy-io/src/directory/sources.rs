@@ -1,14 +1,16 @@
-//! What a run reads must not be among the files that it removes or writes.
+//! A run must not remove or overwrite a file that it reads.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::directory::{self, DirectoryError, PART};
-use crate::vtk::name_of;
-use crate::{checkpoint, lock};
+use super::contents::{FILES, collections, is_removed};
+use super::{DirectoryError, lock};
+use crate::checkpoint;
+use crate::vtk::{name_of, step_of_frame};
+use crate::whole_file::PART;
 
-/// Checks that none of some files is one that a run in a directory removes or writes. Its own `input.toml` may be read: what replaces it
-/// is the same input.
+/// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`, which is replaced
+/// by the same input.
 ///
 /// # Errors
 /// [`DirectoryError::Source`].
@@ -25,10 +27,10 @@ pub fn check(directory: &Path, files: &[PathBuf]) -> Result<(), DirectoryError> 
     }
 }
 
-/// Most links that lead to a file.
+/// Links followed at most.
 const MOST_LINKS: usize = 40;
 
-/// Where a file is, and the links that lead to it.
+/// Place of a file, and of the links that lead to it.
 fn places(file: &Path) -> Vec<PathBuf> {
     let (mut places, mut next) = (Vec::new(), Some(file.to_path_buf()));
     while let Some(path) = next.take().filter(|_| places.len() < MOST_LINKS) {
@@ -41,7 +43,7 @@ fn places(file: &Path) -> Vec<PathBuf> {
     places
 }
 
-/// Whether a path in the directory of a run is one of those that a run removes or writes.
+/// Whether a run removes or writes a path in its directory.
 fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
     let parts: Option<Vec<&str>> = inside.iter().map(|part| part.to_str()).collect();
     let own = name_of(directory);
@@ -49,15 +51,12 @@ fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
         Some([file]) => {
             let is_own =
                 [".pvd", ".vtkhdf"].iter().any(|ending| file.strip_suffix(ending) == Some(own.as_str()));
-            directory::FILES.contains(file)
-                || *file == lock::FILE
-                || is_own
-                || directory::is_removed(directory, file)
+            FILES.contains(file) || *file == lock::FILE || is_own || is_removed(directory, file)
         }
         Some([checkpoint::DIRECTORY, file]) => checkpoint::FILES.contains(&file.trim_end_matches(PART)),
         Some(["frames", file]) => {
-            let collections = directory::collections(directory).unwrap_or_default();
-            collections.iter().chain([&own]).any(|name| directory::step_of_frame(file, name).is_some())
+            let collections = collections(directory).unwrap_or_default();
+            collections.iter().chain([&own]).any(|name| step_of_frame(file, name).is_some())
         }
         _ => false,
     }
@@ -66,7 +65,7 @@ fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::directory::COLLECTION_MARK;
+    use crate::vtk::COLLECTION_MARK;
 
     #[test]
     fn files_that_a_run_would_remove_are_told_from_others() {

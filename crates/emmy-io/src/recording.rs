@@ -1,0 +1,118 @@
+//! The frames of a run: fields of the motion, written at the times of the input.
+
+use std::io;
+use std::path::PathBuf;
+
+use emmy::body::fields::{FieldName, Fields};
+use emmy::motion::State;
+
+use crate::checkpoint::Checkpoint;
+use crate::input::Problem;
+use crate::vtk::{Format, FrameTime, FrameWriter, series_fields};
+
+/// The frames of a run cannot be resumed with other fields.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`output.fields` is {}, but the frames in {path} have {}: all frames of a .vtkhdf have the same fields; \
+     resume with those fields, or with `output.format = \"vtu\"`",
+    listed(.now),
+    listed(.before)
+)]
+pub struct OtherFields {
+    path: String,
+    before: Vec<FieldName>,
+    now: Vec<FieldName>,
+}
+
+fn listed(fields: &[FieldName]) -> String {
+    let quoted: Vec<String> = fields.iter().map(|field| format!("\"{field}\"")).collect();
+    format!("[{}]", quoted.join(", "))
+}
+
+/// Writes the frames of a run.
+#[derive(Debug)]
+pub(crate) struct Recording {
+    files: FrameWriter,
+    fields: Fields,
+    names: Vec<FieldName>,
+    written: Vec<FrameTime>,
+}
+
+impl Recording {
+    /// Checks that the frames in the directory of a problem can be continued with its fields.
+    ///
+    /// # Errors
+    /// [`OtherFields`].
+    pub(crate) fn check(problem: &Problem) -> Result<(), OtherFields> {
+        let output = &problem.output;
+        if !output.has_frames() || output.format != Format::Vtkhdf {
+            return Ok(());
+        }
+        let Some((path, before)) = series_fields(&output.directory) else { return Ok(()) };
+        let now = names(problem, &Fields::new(&problem.body));
+        let is_same = now.len() == before.len() && now.iter().all(|name| before.contains(name));
+        if is_same { Ok(()) } else { Err(OtherFields { path: path.display().to_string(), before, now }) }
+    }
+
+    /// The frames of a run. A run that is resumed continues the frames up to its checkpoint; they are returned with those that are
+    /// missing.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    pub(crate) fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<(Self, Vec<FrameTime>)> {
+        let (body, output) = (&problem.body, &problem.output);
+        let fields = Fields::new(body);
+        let names = names(problem, &fields);
+        let (form, directory) = ((output.format, output.precision), &output.directory);
+        let (mesh, regions) = (body.mesh(), body.region_of_cell());
+        let Some(checkpoint) = after else {
+            let files = FrameWriter::create(form, directory, mesh, regions)?;
+            return Ok((Recording { files, fields, names, written: Vec::new() }, Vec::new()));
+        };
+        // The last state of a run that ended is an extra frame, which the resumed run drops.
+        let step = checkpoint.snapshot.state.step;
+        let is_kept =
+            |frame: &FrameTime| frame.step != step || output.is_frame(&problem.plan, frame.step, frame.time);
+        let mut written: Vec<FrameTime> = checkpoint.frames.iter().copied().filter(is_kept).collect();
+        let (files, missing) = FrameWriter::resume(form, directory, mesh, regions, (&written, step))?;
+        written.retain(|frame| !missing.contains(frame));
+        Ok((Recording { files, fields, names, written }, missing))
+    }
+
+    /// Writes a state, once a step.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    pub(crate) fn write(&mut self, state: &State) -> io::Result<()> {
+        if self.files.last_step() == Some(state.step) {
+            return Ok(());
+        }
+        let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
+        self.files.write(state.step, state.time, &fields)?;
+        self.written.push(FrameTime { step: state.step, time: state.time });
+        Ok(())
+    }
+
+    /// Completes the files.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    pub(crate) fn finish(&mut self) -> io::Result<()> {
+        self.files.finish()
+    }
+
+    /// The collection or the series.
+    pub(crate) fn path(&self) -> PathBuf {
+        self.files.path()
+    }
+
+    /// Frames written so far.
+    pub(crate) fn written(&self) -> &[FrameTime] {
+        &self.written
+    }
+}
+
+/// The fields of the input that the body has.
+fn names(problem: &Problem, fields: &Fields) -> Vec<FieldName> {
+    problem.output.fields.iter().copied().filter(|&name| fields.has(name)).collect()
+}

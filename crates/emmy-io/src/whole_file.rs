@@ -1,0 +1,88 @@
+//! Files that are read or replaced as a whole.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Ending of a file that is still being written.
+pub(crate) const PART: &str = ".part";
+
+/// Bytes of a regular file. Devices and pipes are not opened, as they may never end.
+///
+/// # Errors
+/// Errors of the system, and every other kind of file.
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let kind = fs::metadata(path)?.file_type();
+    if kind.is_file() {
+        fs::read(path)
+    } else if kind.is_dir() {
+        Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"))
+    } else {
+        Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a device or a pipe, not a regular file"))
+    }
+}
+
+/// Replaces a file: at every moment either the old or the new one is there, complete.
+///
+/// # Errors
+/// Errors of the system, with the path.
+pub(crate) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace_by(path, content, |_| Ok(())).map_err(named(path))
+}
+
+/// As [`replace`], and also after a power failure: the content reaches the disk before the name does.
+///
+/// # Errors
+/// Errors of the system, with the path.
+pub(crate) fn replace_durably(path: &Path, content: &[u8]) -> io::Result<()> {
+    replace_by(path, content, File::sync_all).map_err(named(path))?;
+    // Only Unix lets a program sync a directory.
+    match path.parent().filter(|_| cfg!(unix)) {
+        Some(folder) => File::open(folder).and_then(|folder| folder.sync_all()).map_err(named(folder)),
+        None => Ok(()),
+    }
+}
+
+fn replace_by(path: &Path, content: &[u8], finish: impl Fn(&File) -> io::Result<()>) -> io::Result<()> {
+    let part = with_ending(path, PART);
+    let mut file = File::create(&part)?;
+    let written = file.write_all(content).and_then(|()| finish(&file));
+    drop(file);
+    if let Err(error) = written {
+        // The disk may be full. If the removal fails too, the first error says more.
+        let _ = fs::remove_file(&part);
+        return Err(error);
+    }
+    fs::rename(&part, path)
+}
+
+/// Removes a file if it is there.
+///
+/// # Errors
+/// Errors of the system.
+pub(crate) fn remove(file: &Path) -> io::Result<()> {
+    match fs::remove_file(file) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        result => result,
+    }
+}
+
+/// Puts the path of a file before the message of the system.
+pub(crate) fn named(path: &Path) -> impl Fn(io::Error) -> io::Error + '_ {
+    move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
+/// A path with an ending added to the file name.
+pub(crate) fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(ending);
+    path.with_file_name(name)
+}
+
+/// Names of the files and folders in a directory.
+///
+/// # Errors
+/// Errors of the system.
+pub(crate) fn names(path: &Path) -> io::Result<Vec<String>> {
+    fs::read_dir(path)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
+}

@@ -1,0 +1,28 @@
+//! The place of a failure.
+
+use crate::body::Body;
+use crate::error::Error;
+use crate::time::State;
+
+/// The error of a step, with the place of the cell if one was inverted.
+pub fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+    let inner = match &error {
+        Error::StepFailed { cause, .. } => cause,
+        error => error,
+    };
+    let Error::Inverted { cell, det } = *inner else { return error };
+    let Some(found) = body.mesh().cells().nth(cell) else { return error };
+    let position = |node: &u32| state.position(body, *node as usize);
+    let mut centre = [0.0; 3];
+    for corner in found.nodes.iter().map(position) {
+        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
+    }
+    Error::CellInverted {
+        step: state.step + 1,
+        time: state.time + step_size,
+        cell,
+        kind: found.kind,
+        position: centre,
+        det,
+    }
+}

@@ -1,0 +1,224 @@
+//! Statistics of a motion: its largest residuals, how far they add up, and its work.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Record, State};
+use crate::body::{Body, RegionSummary};
+use crate::sparse::SolverChoice;
+
+/// The largest absolute value of a quantity, and the step in which it occurred.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Extreme {
+    /// The absolute value; NaN exceeds every number.
+    pub value: f64,
+    /// Number of the step.
+    pub step: usize,
+}
+
+impl Extreme {
+    fn update(&mut self, value: f64, step: usize) {
+        if value.abs() > self.value || (value.is_nan() && !self.value.is_nan()) {
+            *self = Extreme { value: value.abs(), step };
+        }
+    }
+}
+
+/// The largest displacement of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct LargestDisplacement {
+    /// Norm of the displacement \[length\].
+    pub value: f64,
+    /// Number of the step.
+    pub step: usize,
+    /// Time \[time\].
+    pub time: f64,
+    /// Index of the node.
+    pub node: usize,
+    /// Position of the node in the reference configuration.
+    pub point: [f64; 3],
+}
+
+impl LargestDisplacement {
+    fn update(&mut self, body: &Body, state: &State) {
+        let squares =
+            state.displacement.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
+        let (node, square) =
+            squares.enumerate().fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most });
+        if square.sqrt() > self.value {
+            let point = body.mesh().points()[node];
+            *self =
+                LargestDisplacement { value: square.sqrt(), step: state.step, time: state.time, node, point };
+        }
+    }
+}
+
+/// Statistics of all steps of a motion, from [`super::Motion::statistics`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RunStatistics {
+    /// Number of steps.
+    pub steps: usize,
+    /// Time reached \[time\].
+    pub time: f64,
+    /// Newton iterations.
+    pub newton_iterations: usize,
+    /// Iterations of the linear solver.
+    pub linear_iterations: usize,
+    /// The linear solver of the last step that had one.
+    pub solver: Option<SolverChoice>,
+    /// How often the stiffness of the linear solver was refactored.
+    pub refactorizations: usize,
+    /// Steps that needed the exact tangent.
+    pub steps_with_exact_tangent: usize,
+    /// Steps that ended at the rounding floor instead of the tolerance.
+    pub steps_at_rounding_floor: usize,
+    /// Relative effect of rounding on energy and momenta: the sum over the steps that ended at the rounding floor.
+    pub rounding: f64,
+    /// How often a step was halved because it failed.
+    pub cuts: usize,
+    /// How often a step was repeated because of its error.
+    pub rejections: usize,
+    /// Steps whose degree differs from the degree of the step before.
+    pub degree_changes: usize,
+    /// Degree of the last step; 0 before the first.
+    pub last_degree: usize,
+    /// Supports that were released.
+    pub releases: usize,
+    /// Largest residual of the energy balance of a step \[energy\].
+    pub worst_energy_residual: Extreme,
+    /// Largest residual of the linear momentum balance of a step \[mass length/time\].
+    pub worst_linear_momentum_residual: Extreme,
+    /// Largest residual of the angular momentum balance of a step \[mass length^2/time\].
+    pub worst_angular_momentum_residual: Extreme,
+    /// Sum of the energy residuals \[energy\].
+    pub accumulated_energy_residual: f64,
+    /// Sum of the angular momentum residuals, without those that are round-off.
+    pub accumulated_angular_momentum_residual: f64,
+    /// Largest T + |V| \[energy\]: the total energy, except where an attraction makes V negative.
+    pub largest_energy: f64,
+    /// Largest kinetic energy \[energy\].
+    pub largest_kinetic_energy: f64,
+    /// Largest norm of the linear momentum.
+    pub largest_linear_momentum: f64,
+    /// Largest norm of the angular momentum.
+    pub largest_angular_momentum: f64,
+    /// Largest linear momentum that the largest kinetic energy allows, `sqrt(2 T m)`.
+    pub linear_momentum_scale: f64,
+    /// Largest angular momentum that the largest kinetic energy allows in the reference configuration, `sqrt(2 T I)`.
+    pub angular_momentum_scale: f64,
+    /// Total energy after the last step \[energy\].
+    pub total_energy: f64,
+    /// Work of the loads since the start \[energy\].
+    pub external_work: f64,
+    /// Energy dissipated by viscosity, drag and the scheme since the start \[energy\].
+    pub dissipated_energy: f64,
+    /// Largest displacement of a node.
+    pub largest_displacement: LargestDisplacement,
+    /// Steps that did not resolve a load or a given motion.
+    pub unresolved_loads: usize,
+}
+
+/// An angular momentum residual below this part of sqrt(2 T I) is round-off. It cannot be compared with |L|: a body that does not
+/// rotate as a whole has |L| = 0 but for rounding.
+const ROUND_OFF: f64 = 1e-13;
+
+impl RunStatistics {
+    /// Adds a step, or the start, from its record and the state after it.
+    pub(super) fn add(&mut self, body: &Body, state: &State, record: &Record) {
+        self.steps = record.step;
+        self.time = record.time;
+        self.newton_iterations += record.newton_iterations;
+        self.linear_iterations += record.linear_iterations;
+        self.solver = record.solver.or(self.solver);
+        self.refactorizations += record.refactorizations;
+        self.steps_with_exact_tangent += usize::from(record.took_exact_tangent);
+        self.steps_at_rounding_floor += usize::from(record.at_rounding_floor);
+        self.rounding = record.rounding;
+        self.cuts += record.cuts;
+        self.rejections += record.rejections;
+        self.degree_changes += usize::from(self.last_degree != 0 && self.last_degree != record.degree);
+        self.last_degree = record.degree;
+        self.releases += record.releases;
+        self.total_energy = record.total_energy;
+        self.external_work = record.external_work;
+        self.dissipated_energy = record.dissipated_energy;
+        self.unresolved_loads += usize::from(record.is_unresolved);
+        self.largest_displacement.update(body, state);
+        self.add_scales(body, record);
+        self.add_residuals(record);
+    }
+
+    fn add_scales(&mut self, body: &Body, record: &Record) {
+        self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
+        self.largest_kinetic_energy = self.largest_kinetic_energy.max(record.kinetic_energy);
+        self.largest_linear_momentum = self.largest_linear_momentum.max(norm(record.linear_momentum));
+        self.largest_angular_momentum = self.largest_angular_momentum.max(norm(record.angular_momentum));
+        let mass = body.regions().iter().map(|region| region.mass).sum::<f64>();
+        self.linear_momentum_scale = (2.0 * self.largest_kinetic_energy * mass).sqrt();
+        self.angular_momentum_scale = (2.0 * self.largest_kinetic_energy * polar_inertia(body)).sqrt();
+    }
+
+    fn add_residuals(&mut self, record: &Record) {
+        let step = record.step;
+        self.worst_energy_residual.update(record.energy_residual, step);
+        self.worst_linear_momentum_residual.update(record.linear_momentum_residual, step);
+        self.worst_angular_momentum_residual.update(record.angular_momentum_residual, step);
+        self.accumulated_energy_residual += record.energy_residual;
+        let residual = record.angular_momentum_residual;
+        if residual > ROUND_OFF * self.angular_momentum_scale || residual.is_nan() {
+            self.accumulated_angular_momentum_residual += residual;
+        }
+    }
+
+    /// Correct digits of energy and momenta left by rounding over all steps.
+    ///
+    /// ```
+    /// assert!(emmy::motion::RunStatistics { rounding: 1e-6, ..Default::default() }.digits_left() == 6.0);
+    /// ```
+    pub fn digits_left(&self) -> f64 {
+        -self.rounding.clamp(f64::EPSILON, 1.0).log10()
+    }
+
+    /// Accumulated energy residual over the largest T + |V|.
+    pub fn energy_drift(&self) -> f64 {
+        ratio(self.accumulated_energy_residual.abs(), self.largest_energy)
+    }
+
+    /// Accumulated angular momentum residual over the largest |L|.
+    pub fn angular_momentum_drift(&self) -> f64 {
+        ratio(self.accumulated_angular_momentum_residual, self.largest_angular_momentum)
+    }
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+fn ratio(part: f64, whole: f64) -> f64 {
+    if part == 0.0 { 0.0 } else { part / whole }
+}
+
+/// Integral of density times squared distance from the origin, in the reference configuration.
+fn polar_inertia(body: &Body) -> f64 {
+    let of_region = |region: &RegionSummary| {
+        let about_centre = (0..3).map(|i| region.inertia[i][i]).sum::<f64>() / 2.0;
+        about_centre + region.mass * region.centre.iter().map(|x| x * x).sum::<f64>()
+    };
+    body.regions().iter().map(of_region).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_keep_their_step_and_nan_exceeds_every_number() {
+        let mut extreme = Extreme::default();
+        for (step, value) in [(1, 0.5), (2, -2.0), (3, 1.0)] {
+            extreme.update(value, step);
+        }
+        assert_eq!(extreme, Extreme { value: 2.0, step: 2 });
+        extreme.update(f64::NAN, 4);
+        extreme.update(9.0, 5);
+        assert!(extreme.value.is_nan() && extreme.step == 4);
+    }
+}

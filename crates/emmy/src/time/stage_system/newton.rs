@@ -1,0 +1,102 @@
+//! The stage equations as Newton's iteration sees them.
+
+use super::StageSystem;
+use crate::average::Want;
+use crate::error::{Error, Result};
+use crate::newton::{Sizes, System, Tangent};
+use crate::sparse::reduce::norm;
+use crate::time::linear::{LinearisedStages, clear_fixed};
+
+/// Iterations of GMRES before giving up.
+const MAX_LINEAR_ITERATIONS: usize = 300;
+
+/// Rounding floor of the residual over `eps || |h^2 K| |u| ||`: rounding errors of many terms partly cancel.
+const FLOOR: f64 = 0.25;
+
+impl StageSystem<'_> {
+    /// Computes and factorises the approximate tangent at the rates x.
+    fn refactorize(&mut self, x: &[f64]) -> Result<()> {
+        self.approximate_tangent.refactorize(self.body, &self.displacement, x, self.time_scale)
+    }
+
+    /// Solves with the approximate tangent, as near to the tolerance as its solver comes.
+    fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+        if let Some(projection) = &mut self.projection {
+            projection.correct(&mut self.negative);
+            clear_fixed(self.body, &mut self.negative);
+        }
+        let iterations = self.approximate_tangent.solve(&self.negative, dx, tolerance);
+        iterations.ok_or_else(|| Error::Linear {
+            reason: format!("conjugate gradients did not reach {tolerance:e}"),
+        })
+    }
+
+    /// Solves with the true tangent.
+    fn solve_exactly(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+        let mut system = LinearisedStages {
+            body: self.body,
+            assembly: &mut self.assembly,
+            approximate_tangent: &mut self.approximate_tangent,
+            projection: self.projection.as_mut(),
+            time_scale: self.time_scale,
+            right: &mut self.force,
+        };
+        let solution = self.gmres.solve(&mut system, &self.negative, dx, tolerance, MAX_LINEAR_ITERATIONS);
+        if solution.relative_residual <= tolerance {
+            return Ok(solution.iterations);
+        }
+        Err(Error::Linear {
+            reason: format!("GMRES did not reach {tolerance:e} in {MAX_LINEAR_ITERATIONS} iterations"),
+        })
+    }
+
+    /// Sets the rounding floor, once a step.
+    fn set_floor(&mut self, x: &[f64]) {
+        if self.floor == 0.0 {
+            let (displacement, increment) = (&self.displacement, &x[..self.body.n_dofs()]);
+            let size =
+                self.approximate_tangent.rounding_size(self.body, displacement, increment, self.time_scale);
+            self.floor = FLOOR * f64::EPSILON * size * (self.coefficients.rule.degree() as f64).sqrt();
+        }
+    }
+}
+
+impl System for StageSystem<'_> {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        let parts = self.full_residual(x, residual)?;
+        clear_fixed(self.body, residual);
+        Ok(Sizes {
+            residual: norm(residual),
+            scale: parts.into_iter().fold(0.0, f64::max),
+            floor: self.floor,
+        })
+    }
+
+    fn correction(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        tolerance: f64,
+        tangent: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        self.negative.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
+        if tangent == Tangent::Refactorized || !self.approximate_tangent.is_made() {
+            self.refactorize(x)?;
+        }
+        self.approximate_tangent.rescale(self.body, self.time_scale)?;
+        self.set_floor(x);
+        match tangent {
+            Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
+            Tangent::Exact => {
+                self.assemble(x, Want::Tangent)?;
+                self.solve_exactly(tolerance, dx)
+            }
+            Tangent::LastExact => self.solve_exactly(tolerance, dx),
+        }
+    }
+
+    fn refactorization_cost(&self) -> f64 {
+        self.approximate_tangent.refactorization_cost()
+    }
+}
