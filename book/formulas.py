@@ -21,7 +21,8 @@ SYMBOLS = {
 }
 LARGE = {"sum": "∑", "int": "∫"}
 SUM = '<mo largeop="true">∑</mo>'
-ACCENTS = {"tilde": "~", "bar": "‾", "hat": "^", "dot": "˙", "ddot": "¨", "overline": "‾"}
+# Combining characters: browsers without a font for formulas set them better than accents of MathML.
+ACCENTS = {"tilde": "\u0303", "bar": "\u0304", "hat": "\u0302", "dot": "\u0307", "ddot": "\u0308"}
 NAMES = ["sin", "cos", "tan", "exp", "ln", "log", "det", "max", "min", "lim"]
 TEXT = {"text": "normal", "mathrm": "normal", "operatorname": "normal"}
 
@@ -72,7 +73,7 @@ class Reader:
             else:
                 over = self.argument()
         if primes:
-            over = f"<mrow><mo>{primes}</mo>{over}</mrow>"
+            base = f'<mrow>{base}<mo lspace="0" rspace="0">{primes}</mo></mrow>'
         kind = ("munder", "mover", "munderover") if base == SUM and self.display else ("msub", "msup", "msubsup")
         if under and over:
             return f"<{kind[2]}>{base}{under}{over}</{kind[2]}>"
@@ -127,7 +128,7 @@ class Reader:
         if name in ("mathbf", "boldsymbol"):
             return f'<mrow style="font-weight: bold">{self.argument()}</mrow>'
         if name in ACCENTS:
-            return f'<mover accent="true">{self.argument()}<mo>{ACCENTS[name]}</mo></mover>'
+            return self.argument().replace("<mi>", '<mi style="font-style: italic">').replace("</mi>", ACCENTS[name] + "</mi>")
         if name == "left":
             opening = self.delimiter()
             row = self.row(("\\right",))
@@ -183,7 +184,7 @@ def mathml(text, display=False):
     >>> mathml(r"\frac{1}{b_i}")
     '<math><mfrac><mrow><mn>1</mn></mrow><mrow><msub><mi>b</mi><mi>i</mi></msub></mrow></mfrac></math>'
     >>> mathml("F'_j")
-    '<math><msubsup><mi>F</mi><mi>j</mi><mrow><mo>′</mo></mrow></msubsup></math>'
+    '<math><msub><mrow><mi>F</mi><mo lspace="0" rspace="0">′</mo></mrow><mi>j</mi></msub></math>'
     >>> mathml(r"\oops")
     Traceback (most recent call last):
     SyntaxError: \oops is not known: \oops
@@ -193,6 +194,8 @@ def mathml(text, display=False):
     if reader.peek() is not None:
         raise SyntaxError(f"{reader.peek()} is left over: {text}")
     shown = ' display="block"' if display else ""
+    # Markdown reads what a formula becomes: its own marks are written as references.
+    row = re.sub(r"[~*^|\[\]_]", lambda mark: f"&#{ord(mark[0])};", row)
     return f"<math{shown}>{row}</math>"
 
 
