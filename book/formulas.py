@@ -22,7 +22,7 @@ SYMBOLS = {
 LARGE = {"sum": "∑", "int": "∫"}
 SUM = '<mo largeop="true">∑</mo>'
 # Combining characters: browsers without a font for formulas set them better than accents of MathML.
-ACCENTS = {"tilde": "\u0303", "bar": "\u0304", "hat": "\u0302", "dot": "\u0307", "ddot": "\u0308"}
+ACCENTS = {"tilde": "\u0303", "bar": "\u0304", "hat": "\u0302", "dot": "\u0307", "ddot": "\u0308", "dddot": "\u20db"}
 NAMES = ["sin", "cos", "tan", "exp", "ln", "log", "det", "max", "min", "lim"]
 TEXT = {"text": "normal", "mathrm": "normal", "operatorname": "normal"}
 

@@ -52,7 +52,7 @@ pub const TEMPLATES: [Template; 11] = [
 ];
 
 /// Examples whose meshes lie beside them, so that an input file alone would be of no use.
-const ON_MESHES: [&str; 2] = ["tuning-fork", "two-materials"];
+const ON_MESHES: [&str; 3] = ["bracket", "tuning-fork", "two-materials"];
 
 /// Writes the example, never over a file that is there.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

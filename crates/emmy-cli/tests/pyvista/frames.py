@@ -192,6 +192,28 @@ def killed(emmy, directory):
             assert len(frames) > 0
 
 
+def scripts_of_the_book(emmy, directory):
+    """The Python programs in `examples`, on the runs that the book makes before them."""
+    root = pathlib.Path(__file__).parents[4]
+    page = (root / "book/src/quick-start.md").read_text()
+    (directory / "first.toml").write_text(page.split("```toml first.toml\n")[1].split("```")[0])
+    for run in ["first.toml", root / "examples/bracket.toml"]:
+        subprocess.run([emmy, "run", run, "--quiet"], cwd=directory, check=True)
+
+    def printed(name):
+        command = [sys.executable, root / "examples" / name]
+        return subprocess.run(command, cwd=directory, check=True, capture_output=True, text=True).stdout
+
+    assert printed("quick_start.py").startswith("100 steps")
+    balance, deflection, period = printed("bracket_history.py").splitlines()
+    # The blow does positive work, all of which is kept; the bracket swings by less than its thickness.
+    assert float(balance.split()[4]) > 0 and float(balance.split()[-3]) < 1e-9, balance
+    assert 0 < float(deflection.split()[2]) < 4, deflection
+    stress = printed("bracket_stress.py")
+    assert stress.startswith("largest von Mises stress") and (directory / "bracket.png").stat().st_size > 1000
+    print(balance, deflection, period, stress, sep="\n", end="")
+
+
 def main():
     emmy = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as temp:
@@ -201,6 +223,7 @@ def main():
         series(emmy, directory, frames)
         print(".vtkhdf: the same")
         killed(emmy, directory)
+        scripts_of_the_book(emmy, directory)
 
 
 main()
