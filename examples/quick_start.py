@@ -5,4 +5,4 @@ import csv
 with open("first/history.csv") as file:
     rows = list(csv.DictReader(file))
 energies = [float(row["total_energy"]) for row in rows]
-print(f"{len(rows) - 1} steps, T + V from {min(energies):.13f} to {max(energies):.13f}")
+print(f"{len(rows) - 1} steps, T + V from {min(energies):.12f} to {max(energies):.12f}")

@@ -30,7 +30,7 @@ Physical Surface("bolts") = {
     Surface In BoundingBox{25 - e, 19 - e, -e, 31 + e, 25 + e, t + e}};
 Physical Surface("eye") = Surface In BoundingBox{-e, 10 - e, 35 - e, t + e, 20 + e, 45 + e};
 
-Mesh.MeshSizeMax = 6;
+Mesh.MeshSizeMax = 9;
 Mesh.MeshSizeFromCurvature = 6;
 Mesh.ElementOrder = 2;
 Mesh.HighOrderOptimize = 1;

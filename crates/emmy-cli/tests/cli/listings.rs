@@ -9,6 +9,7 @@
 //! | `sh`, `sh exit N` | the commands of `emmy` are run; those of cargo name packages and tests that exist |
 //! | `text output` | lines of what the last commands printed, but for numbers; `...` stands for any others |
 //! | `rust FILE`, `python FILE`, `geo FILE` | lines of FILE, which a test of its own runs |
+//! | `text FILE` | what the Python program FILE prints, for `tests/pyvista/frames.py` |
 //!
 //! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes into the pages what the commands print.
 
@@ -119,7 +120,9 @@ impl<'a> Session<'a> {
             ["sh", "exit", code] => self.commands(&listing.text, code.parse().unwrap()),
             ["text", "output"] => return Some(self.shown(&listing.text)),
             ["rust" | "python" | "geo", file] => self.is_part_of(&listing.text, file),
-            ["math" | "mermaid"] => {}
+            // `tests/pyvista/frames.py` compares these.
+            ["text", script] if script.ends_with(".py") => {}
+            ["math"] => {}
             _ => panic!("{}: nobody tests a listing of {words:?}", self.page),
         }
         None
