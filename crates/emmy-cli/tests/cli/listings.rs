@@ -267,6 +267,20 @@ fn listings_of_the_other_pages() {
     pages().iter().filter(|page| !own.contains(&page.as_str())).for_each(|page| run_page(page));
 }
 
+/// The book's own links are tested in `validation/tests/book.rs`.
+#[test]
+fn links_lead_to_files() {
+    let link = Regex::new(r"\]\(([^)#]+)[^)]*\)").unwrap();
+    let own = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(String::from);
+    let docs = super::names(&root().join("docs")).into_iter().filter(|name| name.ends_with(".md"));
+    for page in own.into_iter().chain(docs.map(|name| format!("docs/{name}"))) {
+        let text = fs::read_to_string(root().join(&page)).unwrap();
+        for found in link.captures_iter(&text).filter(|found| !found[1].contains("://")) {
+            assert!(root().join(&page).parent().unwrap().join(&found[1]).exists(), "{page}: {}", &found[1]);
+        }
+    }
+}
+
 /// `cargo test -p PACKAGE --test TARGET FILTER` names what exists.
 #[test]
 fn commands_of_cargo_name_tests_that_exist() {
