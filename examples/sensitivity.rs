@@ -40,10 +40,10 @@ fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() }
 }
 
+// ANCHOR: adjoint
 fn tip(step_size: f64) -> emmy::Result<Tip> {
     let body = beam(LAMBDA, MU, DENSITY)?;
     let state = State::initial(&body, 0.0, &[])?;
-    // ANCHOR: adjoint
     let mut motion = Motion::new(&body, Scheme::DiscreteGradient, 2, settings(), state)?;
     let mut trajectory = Trajectory::new(&motion)?;
     let plan = StepPlan::new(0.0, vec![Phase { until: 3.0, size: step_size }])?;
@@ -61,9 +61,9 @@ fn tip(step_size: f64) -> emmy::Result<Tip> {
     ];
     let by = trajectory.gradient(&goal, &parameters)?.parameters;
     let error = trajectory.goal_error(&goal)?.total();
-    // ANCHOR_END: adjoint
     Ok(Tip { place: goal.value(motion.state()), by_lambda: by[0], by_mu: by[1], by_density: by[2], error })
 }
+// ANCHOR_END: adjoint
 
 fn main() -> emmy::Result<()> {
     for step_size in [0.1, 0.05] {

@@ -25,7 +25,7 @@ use super::{BOX, Place};
 const ELSEWHERE: [&str; 2] = ["docs/editors.md", "book/src/paper"];
 
 /// Programs that a page may name and this test does not start.
-const OTHERS: [&str; 12] = [
+const OTHERS: [&str; 13] = [
     "cargo",
     "just",
     "pip",
@@ -38,6 +38,7 @@ const OTHERS: [&str; 12] = [
     "EMMY_DRAW=1017",
     "UPDATE_LISTINGS=1",
     "INSTA_UPDATE=always",
+    "EMMY_UPDATE_DOCS=1",
 ];
 
 fn root() -> PathBuf {
