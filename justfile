@@ -49,9 +49,14 @@ bench *ARGS:
 bench-kernels:
     cargo bench -p emmy
 
-# The book, into book/html (needs mdBook: `cargo install mdbook --locked`).
+# The book, into book/html (needs mdBook, `cargo install mdbook --locked`, and Python for formulas and drawings).
 book:
+    python3 book/figures.py
     mdbook build book
+
+# Output of commands in README, docs and book, as the program prints it today; then look at the diff.
+listings:
+    UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings
 
 # The results that the book shows: the full set, computed anew on this machine.
 book-results:

@@ -13,6 +13,7 @@ use emmy::time::TimeElement;
 use emmy_io::chart::{Axis, Chart, Figure, Series, Style};
 use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 
+// ANCHOR: observer
 /// Keeps every record, and the positions at some times.
 struct Film {
     times: Vec<f64>,
@@ -30,6 +31,7 @@ impl Observer for Film {
         Ok(())
     }
 }
+// ANCHOR_END: observer
 
 fn fly() -> emmy::Result<(Mesh, Film)> {
     let loads = [("face-a", 1.0), ("face-b", -1.0)].map(|(group, sign)| {

@@ -52,7 +52,7 @@ pub const TEMPLATES: [Template; 11] = [
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.
-const ON_MESHES: [&str; 2] = ["tuning-fork", "two-materials"];
+const ON_MESHES: [&str; 3] = ["bracket", "tuning-fork", "two-materials"];
 
 /// Writes the example, unless the file exists.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -240,3 +240,22 @@ fn two_materials() {
         (last(&history["tip_x"]) - 11.96427).abs() < 1e-3 && (last(&history["tip_y"]) - 2.0).abs() < 1e-6
     );
 }
+
+#[test]
+fn bracket() {
+    let (place, history) = run_in_place("bracket");
+    let largest = place.summary("bracket")["largest_energy"].as_f64().unwrap();
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-10 * largest, "{energy} {work}");
+    }
+    // The upright, 30 mm wide and 4 mm thick, alone would be a clamped strip: Euler and Bernoulli give it the period
+    // tau L^2 / (1.8751^2 t c / sqrt(12)), c^2 = E / rho. The base between bolts and bend gives way as well, and is about half as long.
+    let c = (7.0e4f64 / 2.7e-9).sqrt();
+    let strip =
+        |length: f64| std::f64::consts::TAU * length * length / (1.8751f64.powi(2) * 4.0 * c / 12f64.sqrt());
+    let (time, tip) = (&history["time"], &history["tip_x"]);
+    let back: Vec<f64> =
+        (1..tip.len()).filter(|&i| tip[i - 1] < 0.0 && tip[i] >= 0.0).map(|i| time[i]).collect();
+    let period = (back[back.len() - 1] - back[0]) / (back.len() - 1) as f64;
+    assert!(period > strip(50.0) && period < strip(50.0 + 28.0), "{period} {} {}", strip(50.0), strip(78.0));
+}

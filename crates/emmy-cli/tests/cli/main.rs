@@ -10,6 +10,7 @@ mod examples;
 mod hostile;
 mod killed_frames;
 mod links;
+mod listings;
 mod messages;
 mod mistakes;
 mod reference;

@@ -8,6 +8,7 @@ A block whose nodes all lie on two faces, one held and one moved: F is known at 
 """
 
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -192,6 +193,30 @@ def killed(emmy, directory):
             assert len(frames) > 0
 
 
+def scripts_of_the_book(emmy, directory):
+    """The Python programs in `examples`, on the runs that the book makes before them."""
+    root = pathlib.Path(__file__).parents[4]
+    page = (root / "book/src/quick-start.md").read_text()
+    (directory / "first.toml").write_text(page.split("```toml first.toml\n")[1].split("```")[0])
+    for run in ["first.toml", root / "examples/bracket.toml"]:
+        subprocess.run([emmy, "run", run, "--quiet"], cwd=directory, check=True)
+
+    def printed(page, name):
+        """What a program prints, which is also in the page; its small numbers are rounding."""
+        command = [sys.executable, root / "examples" / name]
+        text = subprocess.run(command, cwd=directory, check=True, capture_output=True, text=True).stdout
+        shown = (root / "book/src" / page).read_text().split(f"```text {name}\n")[1].split("```")[0]
+        assert re.sub(r"[0-9.]+e-[0-9]+", "#", text) == re.sub(r"[0-9.]+e-[0-9]+", "#", shown), text
+        print(text, end="")
+        return text
+
+    printed("quick-start.md", "quick_start.py")
+    balance = printed("bracket.md", "bracket_history.py").splitlines()[0]
+    assert float(balance.split()[-3]) < 1e-9, balance
+    printed("bracket.md", "bracket_stress.py")
+    assert (directory / "bracket.png").stat().st_size > 1000
+
+
 def main():
     emmy = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as temp:
@@ -201,6 +226,7 @@ def main():
         series(emmy, directory, frames)
         print(".vtkhdf: the same")
         killed(emmy, directory)
+        scripts_of_the_book(emmy, directory)
 
 
 main()

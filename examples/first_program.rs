@@ -1,0 +1,23 @@
+use emmy::prelude::*;
+
+fn main() -> emmy::Result<()> {
+    let layer = |x| [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 1.0], [x, 0.0, 1.0]];
+    let points = [layer(0.0), layer(1.0), layer(2.0)].concat();
+    let cells = [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]];
+    let mesh = Mesh::from_cells(CellKind::Hex8, &points, &cells)?
+        .with_node_group("left", [0, 1, 2, 3])?
+        .with_node_group("right", [8, 9, 10, 11])?;
+
+    let body = Body::builder(mesh)
+        .region(Region::new(NeoHooke::from_engineering(1000.0, 0.3)?, 1.0))
+        .support(Support::fixed("left"))
+        .load(Load::nodal_force("right", [0.0, 0.0, -2.0]).over([(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)])?)
+        .build()?;
+
+    let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1))?;
+    while motion.time() < 1.0 {
+        let record = motion.step(0.01)?;
+        println!("{:5.2} {:.15e} {:9.2e}", record.time, record.total_energy, record.energy_residual);
+    }
+    Ok(())
+}
