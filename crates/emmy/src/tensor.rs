@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-/// A closure that is inlined wherever it is called. What lanes go through must be: a function of its own would be compiled
-/// for the oldest instruction set (see [`Batch`]).
+/// A closure that is inlined wherever it is called. Code over lanes must be inlined: a separate function would be compiled for the
+/// oldest instruction set (see [`Batch`]).
 macro_rules! inlined {
     ($($closure:tt)*) => {
         std::convert::identity(#[inline(always)] $($closure)*)
@@ -23,9 +23,9 @@ pub use eigen::eigen;
 /// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
 ///
 /// Everything between the mesh and a material is written once over this trait. Constants are made from a number that
-/// is already there ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set with it. What no
-/// register does, the eigenvalues, is asked of the lane type as a whole ([`Lane::eigen`]): a batch takes its points one
-/// by one there, and a number that carries derivatives differentiates.
+/// already exists ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set. Eigenvalues, for which there is
+/// no SIMD instruction, are a function of the lane type ([`Lane::eigen`]): a batch takes its points one by one, and a number that
+/// carries derivatives differentiates.
 pub trait Lane:
     Copy
     + Add<Output = Self>
@@ -78,10 +78,10 @@ pub trait Lane:
     fn min(self, other: Self) -> Self;
     /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
-    /// Calls a function compiled for the instruction set of the lanes: what a table of functions does, whose caller cannot
-    /// inline it.
+    /// Calls a function compiled for the instruction set of the lanes. Functions behind a table need it, because their caller cannot
+    /// inline them.
     #[inline(always)]
-    fn vectorize<T>(self, function: impl FnOnce() -> T) -> T {
+    fn vectorize<T>(self, mut function: impl FnMut() -> T) -> T {
         function()
     }
     /// Eigenvalues and eigenvectors (in columns) of a symmetric tensor: [`eigen`] in every lane.
@@ -226,7 +226,7 @@ pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
     ]
 }
 
-/// What is bilinear in the cofactor of a sum: `cof(A + B) - cof A - cof B`.
+/// Bilinear part of the cofactor of a sum, `cof(A + B) - cof A - cof B`.
 ///
 /// ```
 /// use emmy::tensor::{mixed_cofactor, sym_cofactor};

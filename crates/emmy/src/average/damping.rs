@@ -1,4 +1,4 @@
-//! Stress that takes energy out of a body: of its viscosity, and of a scheme that dissipates.
+//! Dissipative stress of a viscosity, and of a dissipative scheme.
 
 use super::{Average, Rule, Want};
 use crate::tensor::{
@@ -12,15 +12,15 @@ use crate::tensor::{
 /// S_i = V : E'_i + p_i D : sum_j b_j p_j E'_j,    E'_i = sym(F(c_i)^T F'_i)
 /// ```
 ///
-/// with the Legendre polynomial p of degree k - 1, `sum_j b_j p_j^2 = 1`. Kelvin and Voigt's viscosity has its tensor over the step size for V.
-/// D acts on what changes fastest in a step, and is of order k in its size: a scheme that dissipates has the elasticity at rest for it, times a number. What
-/// both take out of the body is
+/// with the Legendre polynomial p of degree k - 1, `sum_j b_j p_j^2 = 1`. V is the tensor of Kelvin and Voigt's viscosity over the
+/// step size. D acts on the highest Legendre mode of the strain rates, which is of order k in the step size; a dissipative scheme
+/// uses a multiple of the elasticity at rest. The dissipated energy per volume is
 ///
 /// ```math
 /// sum_i b_i S_i : E'_i >= 0
 /// ```
 ///
-/// for tensors that are positive semidefinite, and as `P_i = F(c_i) S_i` they have neither resultant nor moment.
+/// for positive semidefinite tensors. Because `P_i = F(c_i) S_i`, neither V nor D has a resultant or a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damping {
     /// V \[stress\].
@@ -30,8 +30,8 @@ pub struct Damping {
 }
 
 impl Rule {
-    /// Adds the stress averages of a damping, and their derivatives if wanted, to those of [`Rule::average`], whose arguments
-    /// `start`, `rates` and `average` these are; the rates must be there.
+    /// Adds the stage averages of a damping, and their derivatives if wanted, to the result of [`Rule::average`]. Takes the same
+    /// `start`, `rates` and `average`; all rates must be given.
     #[inline(always)]
     pub fn add_damping<L: Lane>(
         &self,
@@ -55,7 +55,7 @@ impl Rule {
         }
     }
 
-    /// Adds the second stress of a damping, and its derivatives by the strain rates, to those in `average`; strain rates are there.
+    /// Adds the second Piola-Kirchhoff stress of a damping and its derivatives by the strain rates, which must be set in `average`.
     #[inline(always)]
     pub(super) fn add_damping_stress<L: Lane>(
         &self,
@@ -88,7 +88,7 @@ impl Rule {
         }
     }
 
-    /// What a damping takes out of a reference volume in a step, `sum_i b_i S_i : E'_i`.
+    /// Energy dissipated per reference volume in a step, `sum_i b_i S_i : E'_i`.
     #[inline(always)]
     pub fn dissipated<L: Lane>(
         &self,

@@ -1,4 +1,4 @@
-//! Energy-momentum rules: the outer quadrature is that of the time element, the stress is an algorithmic one (section 4.3).
+//! Energy-momentum rules: the outer quadrature belongs to the time element, the stress is algorithmic (section 4.3).
 //!
 //! Both rules work on the strain rates `E'_i = sym(F(c_i)^T F'_i)` and the assumed strain
 //! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
@@ -49,8 +49,8 @@ impl Rule {
         }
     }
 
-    /// Assumed strain at a point inside the step. Where it is no strain of any deformation (possible for k >= 2 only),
-    /// the smallest determinant tells so.
+    /// Assumed strain at a point inside the step. For k >= 2 it may not be the strain of any deformation; then the smallest
+    /// determinant is not positive.
     #[inline(always)]
     pub(super) fn assumed_strain_at<L: Lane>(
         &self,
@@ -165,8 +165,8 @@ impl Rule {
         }
     }
 
-    /// W_2 - W_1 of a material without a form of its own: the difference, or its Gauss quadrature along the assumed strain where the
-    /// two agree within the rounding of the difference: there the quadrature is the less noisy one.
+    /// W_2 - W_1 of a material without a closed form: the difference, or the Gauss quadrature along the assumed strain if both agree
+    /// within the rounding of the difference, because the quadrature is then less noisy.
     #[inline(always)]
     fn energy_difference<L: Lane>(
         &self,

@@ -4,7 +4,7 @@ use super::{Kind, Rule, TimePoint};
 use crate::polynomial::lagrange;
 use crate::quadrature::gauss;
 
-/// Points of a step at which a load that follows the motion is evaluated, as it suits a scheme.
+/// Points of a step at which a scheme evaluates a load that follows the motion.
 ///
 /// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage averages are
 ///
@@ -59,12 +59,12 @@ impl FollowerRule {
         self.points.iter().map(|point| point.alpha)
     }
 
-    /// `L_j(alpha_m)`: how much of each rate has been passed at a point, `[k]`.
+    /// `L_j(alpha_m)`, the integrals of the basis at a point, `[k]`.
     pub fn passed(&self, m: usize) -> &[f64] {
         &self.points[m].passed
     }
 
-    /// `w_m l_i(alpha_m) / b_i`: share of a point in each stage average, `[k]`.
+    /// `w_m l_i(alpha_m) / b_i`, the weights of a point in the stage averages, `[k]`.
     pub fn share(&self, m: usize) -> &[f64] {
         &self.points[m].share
     }

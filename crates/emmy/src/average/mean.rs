@@ -2,7 +2,7 @@
 
 use super::TimePoint;
 
-/// Stage averages of a polynomial path, as a linear force sees it.
+/// Stage averages of a polynomial path under a linear force.
 ///
 /// ```math
 /// (1/b_i) sum_m w_m l_i(alpha_m) u(alpha_m) = start_i u_1 + sum_j rates_ij x_j

@@ -3,7 +3,7 @@
 //! A time integration scheme is, at a material point, a rule that averages the first Piola-Kirchhoff stress over a
 //! step. It sees the displacement gradient at the start of the step, the rates of the deformation gradient at the time
 //! element's Gauss points, and a material; it returns stage averages `P_i` and their derivatives. Nothing else of the
-//! program depends on the scheme.
+//! library depends on the scheme.
 //!
 //! ```math
 //! f_i = (1/b_i) integral_0^1 l_i F_int dalpha = integral_B P_i grad N dV
@@ -147,15 +147,15 @@ struct TimePoint {
     alpha: f64,
     /// Weight w.
     weight: f64,
-    /// L_j(alpha): how much of each rate has been passed.
+    /// L_j(alpha), the integrals of the basis.
     passed: Vec<f64>,
     /// l_j(alpha).
     basis: Vec<f64>,
-    /// w l_i(alpha) / b_i: the point's share in each stage average.
+    /// w l_i(alpha) / b_i, the weights of the point in the stage averages.
     share: Vec<f64>,
 }
 
-/// What is wanted of [`Rule::average`].
+/// Wanted results of [`Rule::average`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Want {
     /// Stage averages of the stress.
@@ -171,7 +171,7 @@ pub struct Average<L> {
     pub stress: Vec<Mat3<L>>,
     /// Derivatives dP_i/dF'_j, `[i k + j]`.
     pub tangent: Vec<Tangent<L>>,
-    /// Smallest determinant of the deformation gradients, and of what a rule uses in their place.
+    /// Smallest determinant of the deformation gradients, or of the assumed strains in their place.
     pub min_det: L,
     gradients: Vec<Mat3<L>>,
     strain_rates: Vec<Sym<L>>,
@@ -231,8 +231,8 @@ impl Rule {
     /// dP = a dF' S + F(c) dS/dE' : sym(F(c)^T dF'),    a = c = 1/2
     /// ```
     ///
-    /// In a body that turns by an angle t the configuration at c is shrunk by `cos(t/2)`, which is no strain of these rules: the
-    /// mid-point rule, whose stress is that of this configuration, is no approximation of their tangent in a stiff body.
+    /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules see no strain
+    /// in that, but the mid-point rule does: in a stiff body its tangent does not approximate theirs.
     pub fn straining_rates() -> Rule {
         Rule::with(1, Kind::StrainingRates, &gauss(1))
     }
@@ -253,7 +253,7 @@ impl Rule {
         let path = points.iter().map(|point| [point.passed[0], point.share[0]]).collect();
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
-            // The rule's own quadrature has the path at its points.
+            // The outer quadrature, which integrates the path exactly.
             Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
                 Mean { start: vec![1.0; degree], rates: Vec::clone(&a) }
             }
@@ -263,7 +263,7 @@ impl Rule {
         Rule { c, b, a, fastest, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }
 
-    /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
+    /// Whether the rule has an algorithmic stress: AS and DGM.
     pub fn is_energy_momentum(&self) -> bool {
         self.kind != Kind::Standard
     }
@@ -288,8 +288,7 @@ impl Rule {
         &self.a
     }
 
-    /// Values p_i of the Legendre polynomial of degree k - 1 at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`: of the polynomials of the test
-    /// functions that which changes fastest in a step.
+    /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`.
     pub fn fastest(&self) -> &[f64] {
         &self.fastest
     }
@@ -326,8 +325,8 @@ impl Rule {
 
     /// Quadrature for smooth functions of time times a test function: k + 4 Gauss points.
     ///
-    /// It is exact for a function of degree k + 8, so that averages have an error of order k + 9: no less than the order 2k of
-    /// the time element, for all degrees there are.
+    /// It is exact for functions of degree k + 8, so that averages have an error of order k + 9, at least the order 2k of the time
+    /// element for all degrees.
     pub fn smooth_quadrature(&self) -> &Quadrature<1> {
         &self.smooth_quadrature
     }
@@ -337,15 +336,14 @@ impl Rule {
         lagrange_rate(&self.c, i, alpha)
     }
 
-    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: those of a standard rule with k = 1, without
+    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k = 1 and without
     /// damping.
     pub fn is_symmetric(&self, is_damped: bool) -> bool {
         let is_symmetric = self.kind == Kind::StrainingRates || self.kind == Kind::Standard && !is_damped;
         is_symmetric && self.degree() == 1
     }
 
-    /// How much of each rate has been passed at the only point of the step where the rule evaluates the stress, `[k]`; `None`
-    /// of a rule that evaluates it more than once.
+    /// Integrated basis functions L_j at the rule's single stress point, `[k]`; `None` if the rule has several points.
     pub fn only_point(&self) -> Option<&[f64]> {
         match &self.points[..] {
             [point] if self.kind == Kind::Standard => Some(&point.passed),
@@ -355,8 +353,8 @@ impl Rule {
 
     /// Stage averages of the stress over a step, and their derivatives if wanted.
     ///
-    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] takes the
-    /// gradient there as well, with no rates beside it. The result is in `average`.
+    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] also takes the
+    /// gradient at that point and no rates. The result is in `average`.
     #[inline(always)]
     pub fn average<L: Lane>(
         &self,
@@ -374,7 +372,7 @@ impl Rule {
         }
     }
 
-    /// Displacement gradient after the rates have been passed by `passed`.
+    /// Displacement gradient `G_1 + sum_j L_j F'_j` at a point of the step with the integrals L_j of the basis.
     #[inline(always)]
     fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
         let mut G = *start;

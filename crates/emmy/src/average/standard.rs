@@ -135,7 +135,7 @@ pub(super) fn strain_response<L: Lane>(X: &Elasticity<L>, H: &Mat3<L>) -> [[L; 9
     Y
 }
 
-/// `F Y`: the response of P = F S from that of S.
+/// `F Y`: the response of P = F S from the response Y of S.
 #[inline(always)]
 pub(super) fn first_from_second<L: Lane>(G: &Mat3<L>, Y: &[[L; 9]; 6]) -> Tangent<L> {
     let F = with_identity(G);

@@ -1,4 +1,4 @@
-//! Derivatives of the averages by the deformation gradient at the start of the step: what an adjoint asks for.
+//! Derivatives of the averages by the deformation gradient at the start of the step, for the adjoint.
 
 use super::energy_momentum::times_doubled;
 use super::standard::{add_geometric, first_elasticity, first_from_second, strain_response, with_identity};
@@ -28,7 +28,7 @@ impl StartTangent {
 }
 
 impl Rule {
-    /// Derivatives of the stage averages by the deformation gradient at the start, the rates being fixed. Arguments as those of
+    /// Derivatives of the stage averages by the deformation gradient at the start, at fixed rates. Arguments as in
     /// [`Rule::average`].
     ///
     /// ```math

@@ -197,7 +197,7 @@ fn rest_and_rigid_motion_are_free_of_stress() {
         assert!(average.stress.iter().flatten().flatten().all(|p| p.abs() < 1e-11));
         assert!(average.tangent.iter().flatten().flatten().all(|t| t.is_finite()));
     }
-    // k = 1: an end point that is the start turned; the mid-point is strained, the strain rate is rounding only.
+    // k = 1: the end point is the rotated start; the mid-point is strained, the strain rate is rounding only.
     let rate = add_scaled(&turned(1.3), -1.0, &turned(1.0));
     let average = averaged(
         &Rule::discrete_gradient(1),
@@ -238,7 +238,7 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
     error / size
 }
 
-/// Largest difference between the derivatives by the start and those of dual numbers, relative to the largest entry.
+/// Largest difference between the derivatives by the start and dual numbers, relative to the largest entry.
 fn start_tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
     let k = rule.degree();
     let mut result = StartTangent::new(k);

@@ -21,8 +21,8 @@ pub struct CellBatches {
     geometry: Vec<PointGeometry>,
 }
 
-/// What differs between the cells of a batch at a quadrature point. With the reference gradients it makes the gradients of the
-/// shape functions at less memory traffic than a table of those.
+/// Geometry of the cells of a batch at a quadrature point. With the reference gradients it gives the gradients of the shape
+/// functions, at less memory traffic than a table of the gradients.
 #[derive(Debug, Clone)]
 pub struct PointGeometry {
     /// dxi/dX, `[xi component][X component]` \[1/length\].

@@ -25,7 +25,7 @@ pub struct Drive {
     nodes: Vec<u32>,
     /// X - about of every node.
     offsets: Vec<[f64; 3]>,
-    /// When the motion is given no more.
+    /// Time at which the support is released.
     pub(super) until: Option<f64>,
 }
 
@@ -88,7 +88,7 @@ impl Drive {
         )
     }
 
-    /// The displacement's rate at a time; at a kink that on one side, by the sign of `shift`.
+    /// Rate of the displacement at a time; at a kink, on the side given by the sign of `shift`.
     fn rate(&self, time: f64, shift: f64) -> Map {
         let side = |history: &History| match history.text() {
             Some(_) => history.rate(time),
@@ -191,7 +191,7 @@ impl Body {
             for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
                 let rate = drive.stage_rate(rule, i, time, h);
                 for (dof, component, offset) in drive.entries() {
-                    // What rounding has left of earlier steps is made up for, by a path of constant rate.
+                    // A path of constant rate corrects the rounding of earlier steps.
                     let behind = apply(&start[component], offset) - displacement[dof];
                     rates[dof] = apply(&rate[component], offset) + behind;
                 }
@@ -199,8 +199,9 @@ impl Body {
         }
     }
 
-    /// Sets the velocity of the fixed degrees of freedom: zero, or that of the given motion, at a kink that after it; where a
-    /// support ends that before it. The others are left alone. `step_size`: of the step that ends or starts here.
+    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the rate after it,
+    /// at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`: of the step that ends or
+    /// starts here.
     pub fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
         for drive in &self.drives {

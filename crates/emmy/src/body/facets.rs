@@ -26,7 +26,7 @@ pub struct FacetTable {
     /// Thickness of the plane cell of each facet; 1 for solids.
     sections: Vec<f64>,
     reference: ReferenceTable<2>,
-    /// The second tangent where the shape functions give none: that of an edge, along z; zero for a surface.
+    /// Second tangent of an edge, along z; zero for a surface, whose shape functions give both tangents.
     across: [f64; 3],
 }
 

@@ -46,7 +46,7 @@ impl PartialEq for Field {
     }
 }
 
-/// A load by a field, ready for use: the points at which the field is evaluated, and what each node gets of it.
+/// A load by a field, ready for use: the points at which the field is evaluated, and the weights of the nodes at each.
 #[derive(Debug)]
 pub struct FieldLoad {
     /// Number of the load.
@@ -65,7 +65,7 @@ pub struct FieldLoad {
 const POINTS_OF_SIGNALS: usize = 4;
 
 impl FieldLoad {
-    /// The load; `None` if it is none by a field.
+    /// The load; `None` if it is not a field.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].

@@ -6,7 +6,7 @@ use crate::mesh::{CellKind, Facet, Mesh};
 use crate::quadrature::Quadrature;
 use crate::tensor::{Mat3, det};
 
-/// Cells of one kind with what the internal force needs of them.
+/// Cells of one kind with the geometry that the internal force needs.
 #[derive(Debug, Clone)]
 pub struct CellTable {
     /// Indices of the cells in the mesh.
@@ -60,7 +60,7 @@ impl CellTable {
     }
 }
 
-/// An empty vector with room for so many elements, or an error where the machine does not have the memory.
+/// An empty vector of a capacity, or an error if there is not enough memory.
 pub(super) fn reserved<T>(capacity: usize) -> Result<Vec<T>> {
     let mut vector = Vec::new();
     let bytes = capacity.saturating_mul(size_of::<T>());

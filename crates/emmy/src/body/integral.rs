@@ -25,7 +25,7 @@ pub struct Scratch {
 /// Fields and results of a batch.
 #[derive(Debug)]
 pub struct BatchMemory {
-    /// Nodal displacement and rates, or what the rule sees of them, `[1 + k][n_nodes][3]`.
+    /// Nodal displacement and rates, or their combination at the only point of a rule, `[1 + k][n_nodes][3]`.
     pub(super) nodal: Vec<[Packed; 3]>,
     /// Weighted stresses in reference coordinates, `w P J^-T`, `[k][point][3][3]`.
     stress: Vec<[[Packed; 3]; 3]>,
@@ -87,8 +87,8 @@ impl Scratch {
     }
 }
 
-/// Copies what the rule sees of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`; returns the number of fields. `wants_rates`: even
-/// if the rule does not need them.
+/// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the number of
+/// fields: 1 if the rule has a single point and the rates are not wanted.
 #[inline(always)]
 pub fn gather(
     cells: &CellBatches,

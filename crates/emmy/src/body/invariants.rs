@@ -12,7 +12,7 @@ pub fn sum(vector: &[f64]) -> [f64; 3] {
 }
 
 impl Body {
-    /// Mean of a nodal field over the lumped mass, `[n_nodes][3]`.
+    /// Root mean square of a nodal field `[n_nodes][3]`, weighted by the lumped mass.
     ///
     /// ```math
     /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
@@ -24,8 +24,8 @@ impl Body {
         (sum / masses.iter().sum::<f64>()).sqrt()
     }
 
-    /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. It divides [`Body::mean`], which is one of
-    /// the lumped masses as well; in a coarse mesh it is larger than that of the body.
+    /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. Errors
+    /// ([`Body::mean`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};

@@ -42,7 +42,7 @@ impl MassSolver {
         self.solve(momentum, velocity);
     }
 
-    /// Velocity of the free degrees of freedom of a momentum, beside that of the fixed ones, which is there already.
+    /// Sets the velocity of the free degrees of freedom from a momentum; the velocity of the fixed ones must be set.
     pub fn velocity_beside(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
         velocity.iter_mut().zip(body.fixed()).filter(|(_, fixed)| !**fixed).for_each(|(v, _)| *v = 0.0);
         let mut rest = std::mem::take(&mut self.rest);

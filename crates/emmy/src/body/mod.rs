@@ -240,8 +240,7 @@ impl Body {
         &self.lumped_mass
     }
 
-    /// Fill-reducing order of the nodes, `order[new] = old`. It is found when it is first asked for, so that what solves no linear
-    /// system does without.
+    /// Fill-reducing order of the nodes, `order[new] = old`, found when it is first asked for: explicit methods need none.
     ///
     /// # Errors
     /// [`Error::Linear`] if there is not enough memory for it.
@@ -268,7 +267,7 @@ impl Body {
     /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
     ///
     /// # Errors
-    /// [`Error::Inverted`] if a cell is turned inside out.
+    /// [`Error::Inverted`] if a cell is inverted.
     pub fn assemble(
         &self,
         step: &StepInput<'_>,
@@ -297,8 +296,8 @@ impl Body {
         assembly.parts.iter().try_for_each(|part| part.outcome.clone())
     }
 
-    /// The body in a medium that brakes it in proportion to mass and velocity, `f = -rate M v`: an external force. Alone it lets velocities decay
-    /// like `exp(-rate t)`.
+    /// The body in a medium that resists its motion with the external force `f = -rate M v` (mass-proportional damping). Alone, it
+    /// lets velocities decay like `exp(-rate t)`.
     ///
     /// # Errors
     /// [`Error::Viscosity`] unless the rate \[1/time\] is finite and not negative.
@@ -321,7 +320,7 @@ impl Body {
         self.viscosities().any(|viscosity| !viscosity.is_zero())
     }
 
-    /// Time by which the stiffness at rest would have to be multiplied to be the viscosity, on the average over the cells \[time\].
+    /// Equivalent stiffness-proportional damping time, averaged over the cells \[time\].
     pub fn viscous_time(&self) -> f64 {
         self.viscous_time
     }
@@ -331,7 +330,7 @@ impl Body {
         self.made_of.iter().map(|region| &region.viscosity)
     }
 
-    /// What viscosity and a scheme's dissipation take out of the body in a step, by the strains \[energy\].
+    /// Energy that viscosity and the scheme dissipate through strain rates in a step \[energy\].
     ///
     /// ```math
     /// sum_i b_i integral S_i : E'_i dV
@@ -363,8 +362,8 @@ impl Body {
         self.ground.is_empty() && !self.fixed.contains(&true)
     }
 
-    /// Stage averages of the part of the internal force with which the body pulls at the ground, `force: [k][n_nodes][3]`: its
-    /// negative is external to the momenta of the body.
+    /// Stage averages of the force that the body exerts on the ground through springs and attractions, `force: [k][n_nodes][3]`. Its
+    /// negative is an external force in the momentum balances.
     ///
     /// # Errors
     /// Those of [`Body::assemble`].

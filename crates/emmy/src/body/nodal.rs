@@ -174,7 +174,7 @@ fn ground_attraction(
                 value: square,
             });
         }
-        // The gradient of the shape function of the moving end: t/L, that of the first coordinate.
+        // The gradient of the shape function of the moving end, along the first coordinate: t/L.
         gradients.push([r.map(|x| x / square), [0.0; 3], [0.0; 3]]);
         // A node without mass is held; a strength of zero is not one.
         let strength = attraction.strength * lumped_mass[node as usize];

@@ -131,8 +131,8 @@ impl RegionOfCell {
 }
 
 impl Region {
-    /// What makes a volume of the measure of a cell: thickness of plane cells, cross section of bars (that of links without
-    /// mass is 0), 1 for solids.
+    /// Factor from the measure of a cell to its volume: thickness of plane cells, cross section of bars (0 for links without mass),
+    /// 1 for solids.
     pub(super) fn section(&self, kind: CellKind) -> f64 {
         match self.link() {
             Some(link) => link.area(),
@@ -223,7 +223,7 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
         (0..3).for_each(|i| first[i] += weight * x[i]);
         (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += weight * x[i] * x[j]));
     });
-    // What has no volume has its centre where its first node is, for want of a better place.
+    // A region without volume has its centre at its first node, for want of a better place.
     let offset = first.map(|x| if volume > 0.0 { x / volume } else { 0.0 });
     let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));
     let trace: f64 = (0..3).map(|i| central[i][i]).sum();

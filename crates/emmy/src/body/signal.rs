@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::field::FieldLoad;
 use super::{Body, History};
 
-/// What a function of time drives.
+/// The load or support that a function of time drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignalTarget {
     /// A load, by its number.
@@ -22,9 +22,9 @@ type Function = dyn Fn(f64) -> f64 + Send + Sync;
 /// A smooth function of time that acts on a body.
 #[derive(Clone)]
 pub struct Signal {
-    /// What it drives.
+    /// The load or support.
     pub target: SignalTarget,
-    /// Its text, as that of [`History::text`]; empty for a field.
+    /// Its text, [`History::text`]; empty for a field.
     pub text: Arc<str>,
     /// When it ends, for a support that is released.
     pub until: Option<f64>,

@@ -1,4 +1,4 @@
-//! What supports make of the degrees of freedom: free, at rest, or driven.
+//! Degrees of freedom under supports: free, at rest, or driven.
 
 use super::drive::Drive;
 use super::{Rotation, Support};
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::number::{short, short_vector};
 
-/// Degrees of freedom whose motion is given, and by what.
+/// Degrees of freedom whose motion is given, and the motions.
 #[derive(Debug, Clone, Default)]
 pub struct Given {
     /// Which are given, at rest or driven, `[n_nodes][3]`.
@@ -16,7 +16,7 @@ pub struct Given {
 }
 
 impl Given {
-    /// What the supports of a mesh give.
+    /// The given motion of the supports of a mesh.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports give one

@@ -1,4 +1,4 @@
-//! Terms of the body: what contributes internal forces.
+//! Terms of the body: contributions to the internal force.
 
 use std::fmt;
 use std::ops::Range;
@@ -20,11 +20,11 @@ pub struct StepInput<'a> {
     pub displacement: &'a [f64],
     /// Rates x_j of the displacement, `[k][n_nodes][3]`.
     pub rates: &'a [f64],
-    /// What strain rates do.
+    /// Damping of the strain rates.
     pub damping: StepDamping,
 }
 
-/// How the strain rates of a step count; nothing by default.
+/// Factors of the damping in a step; zero by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepDamping {
     /// Factor on viscosities: one over the step size \[1/time\].
@@ -33,32 +33,32 @@ pub struct StepDamping {
     pub excess: f64,
 }
 
-/// What a displacement does to cells.
+/// Strain energy and smallest det F of a set of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strained {
     /// Stored energy \[energy\].
     pub strain_energy: f64,
-    /// Smallest det F at the quadrature points; infinite where there is no F that means something (links, springs).
+    /// Smallest det F at the quadrature points; infinite for links and springs.
     pub smallest_determinant: f64,
-    /// The cell that it belongs to.
+    /// Cell with the smallest det F.
     pub smallest_cell: usize,
 }
 
 impl Strained {
-    /// Nothing at all.
+    /// The state of an empty set of cells.
     pub const NONE: Strained =
         Strained { strain_energy: 0.0, smallest_determinant: f64::INFINITY, smallest_cell: 0 };
 
-    /// Both together.
+    /// The union of both sets.
     pub fn with(self, other: Strained) -> Strained {
         let strain_energy = self.strain_energy + other.strain_energy;
-        // One that is not a number counts as the smallest.
+        // NaN counts as the smallest.
         let is_mine =
             self.smallest_determinant <= other.smallest_determinant || self.smallest_determinant.is_nan();
         Strained { strain_energy, ..if is_mine { self } else { other } }
     }
 
-    /// The same, if no cell is turned inside out.
+    /// Returns `self`, or an error if a cell is inverted.
     ///
     /// # Errors
     /// [`Error::Inverted`].
@@ -78,7 +78,7 @@ pub trait Term: fmt::Debug + Send + Sync {
     /// Number of quadrature points of a coupling.
     fn n_points(&self) -> usize;
 
-    /// Looks up where the couplings stand in the pattern, and which of them touch the rows of each part.
+    /// Looks up the positions of the couplings in the pattern, and the couplings that touch the rows of each part.
     fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]);
 
     /// Adds stage forces (and derivatives) to the rows of a part.
@@ -102,7 +102,7 @@ pub trait Term: fmt::Debug + Send + Sync {
         [0.0; 2]
     }
 
-    /// What viscosity and dissipation take out of the term in a step \[energy\].
+    /// Energy that viscosity and the scheme dissipate in a step \[energy\].
     fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
         0.0
     }
@@ -115,7 +115,7 @@ pub trait Term: fmt::Debug + Send + Sync {
     /// ```
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]);
 
-    /// What a displacement does to the term.
+    /// Strain energy and smallest det F at a displacement.
     fn strained(&self, displacement: &[f64]) -> Strained;
 }
 

@@ -1,4 +1,4 @@
-//! What materials share: C, its change of volume, and the elasticity tensor put together from dyads.
+//! Tensors that materials share: C, its volume change, and elasticity tensors as sums of dyads.
 
 #![allow(non_snake_case)]
 

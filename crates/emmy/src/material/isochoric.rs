@@ -1,4 +1,4 @@
-//! Energies of the isochoric invariants: the work that such materials share.
+//! Energies of the isochoric invariants: stress and elasticity of all such materials.
 //!
 //! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
 //!
@@ -119,14 +119,14 @@ pub(super) struct SecondDerivative<L> {
 }
 
 impl<L: Lane> SecondDerivative<L> {
-    /// That of the law of volume.
+    /// Second derivative of the volumetric law.
     #[inline(always)]
     pub fn of_volume(volume: &Volume, ln_J: L) -> Self {
         let zero = ln_J.splat(0.0);
         SecondDerivative { alpha: volume.stiffness(ln_J), beta: -volume.pressure(ln_J), A: [zero; 6] }
     }
 
-    /// Adds `slope` times that of `J^(-2/3) H:C`, for a structure tensor H and the value `I = H:C`.
+    /// Adds `slope` times the second derivative of `J^(-2/3) H:C`, for a structure tensor H and the value `I = H:C`.
     ///
     /// ```math
     /// 4 J^(-2/3) [I/9 B (x) B + I/6 (B_ik B_jl + B_il B_jk) - 1/3 (H (x) B + B (x) H)]
@@ -141,7 +141,7 @@ impl<L: Lane> SecondDerivative<L> {
         }
     }
 
-    /// Adds c times that of I2bar, but for its constant part; the factor of that is returned.
+    /// Adds c times the second derivative of I2bar without its constant part, whose factor is returned.
     ///
     /// ```math
     /// 4 J^(-4/3) [4/9 I2 B (x) B + I2/3 (B_ik B_jl + B_il B_jk) - 2/3 (X (x) B + B (x) X) + I (x) I - 1],  X = I1 I - C

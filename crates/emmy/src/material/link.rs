@@ -64,7 +64,7 @@ impl Link {
         Ok(Link(Kind::Attraction { strength }))
     }
 
-    /// Cross section of what has a mass \[length^2\]; zero for springs and attractions.
+    /// Cross section of a bar \[length^2\]; zero for springs and attractions.
     pub fn area(&self) -> f64 {
         match self.0 {
             Kind::Bar { area, .. } => area,
@@ -86,7 +86,7 @@ impl Link {
     }
 }
 
-/// Energy of a link of known reference length as a function of tr E \[energy\] (that of the link, not per volume).
+/// Energy of a whole link (not per volume) of known reference length as a function of tr E \[energy\].
 ///
 /// ```math
 /// tr E = (l^2/L^2 - 1)/2,    x = l/L:    W = E A L (tr E)^2/2,    k L^2 (x - l_0/L)^2/2,    -(g/L)/x
@@ -108,7 +108,7 @@ enum Law {
 }
 
 impl LinkEnergy {
-    /// W and its first two derivatives by tr E, over the factor.
+    /// W and its first two derivatives with respect to tr E, divided by the factor.
     #[inline(always)]
     fn derivatives<L: Lane>(&self, e: L) -> [L; 3] {
         let one = e.splat(1.0);

@@ -1,7 +1,7 @@
 //! Stored energy functions W(C) of hyperelastic materials, one model a file.
 //!
-//! A material sees the deformation only through `C = F^T F`, handed over as the Green-Lagrange strain
-//! `E = (C - I) / 2`, which keeps its digits where strains are small.
+//! A material sees the deformation only through `C = F^T F`, given as the Green-Lagrange strain
+//! `E = (C - I) / 2`, which keeps its digits at small strain.
 
 #![allow(non_snake_case)]
 
@@ -64,7 +64,7 @@ use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub trait Material: Clone + Send + Sync + 'static {
-    /// Whether the energy is that of a link: a function of tr E alone, for which det F means nothing.
+    /// Whether this is a link: its energy depends on tr E alone, and det F has no meaning.
     const IS_LINK: bool = false;
 
     /// Stored energy W per reference volume \[energy/length^3\].
@@ -73,17 +73,16 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// Second Piola-Kirchhoff stress S \[force/length^2\].
     fn stress<L: Lane>(&self, strain: &Sym<L>) -> Sym<L>;
 
-    /// Change of the energy `W(E + dE) - W(E)` to as many digits as the work of the stress along dE has, where there is a closed form
-    /// of it; a rule that needs it takes a quadrature of the stress otherwise. The difference of two energies is not one: it
-    /// has the rounding of the energies.
+    /// Energy change `W(E + dE) - W(E)` in closed form, free of cancellation; `None` if the material has none. Do not return a
+    /// difference of two energies.
     #[inline(always)]
     fn energy_change<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>) -> Option<L> {
         let _ = (strain, change);
         None
     }
 
-    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`: materials override it whose stresses
-    /// along a path share work.
+    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`. Override it if the stresses along a
+    /// path can share work.
     ///
     /// ```math
     /// sum_m w_m S(E + alpha_m dE)
@@ -168,7 +167,7 @@ fn finite(material: &'static str, parameter: &'static str, value: f64) -> Result
     fulfils(value.is_finite(), material, parameter, value, "must be finite")
 }
 
-/// Makes a material of a model whose work is done in one of the shared rooms, [`isochoric`] say.
+/// Implements [`Material`] by the functions of a shared module, `isochoric` or `spectral`.
 macro_rules! split_material {
     ($model:ty, $room:ident) => {
         impl super::Material for $model {
@@ -197,7 +196,7 @@ use split_material;
 mod tests {
     use super::*;
 
-    /// Checks that a constructor refuses a parameter by its name.
+    /// Checks that a constructor rejects a parameter by its name.
     pub fn refuses<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
         match result.unwrap_err() {
             Error::MaterialParameter { parameter, .. } => assert_eq!(parameter, expected),

@@ -118,7 +118,7 @@ impl Material for NeoHooke {
         self.state(E).2
     }
 
-    /// With `A = C - I`, whose trace, cofactor and determinant are polynomials along the path, what a point costs is a logarithm:
+    /// Trace, cofactor and determinant of `A = C - I` are polynomials along the path, so that a point costs one logarithm:
     ///
     /// ```math
     /// S = [mu (A + (II_A + det A) I - cof A) + lambda ln J ((1 + tr A) I - A + cof A)] / det C

@@ -57,7 +57,7 @@ impl Material for SaintVenantKirchhoff {
         tr * tr * (0.5 * self.lambda) + double_dot(E, E) * self.mu
     }
 
-    /// The work of the mean stress, which is that of the mean strain.
+    /// The work of the mean stress, which is the stress at the mean strain.
     #[inline(always)]
     fn energy_change<L: Lane>(&self, E: &Sym<L>, dE: &Sym<L>) -> Option<L> {
         let mean = sym_add_scaled(E, E[0].splat(0.5), dE);

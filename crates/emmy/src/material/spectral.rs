@@ -1,4 +1,4 @@
-//! Energies of the principal stretches: the work that such materials share.
+//! Energies of the principal stretches: stress and elasticity of all such materials.
 //!
 //! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small strain,
 //! the deviatoric logarithmic strains are
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Derivatives of eigenvectors bring in divided differences. They are written as products of the functions
-//! `ln(1 + x) / x` and `(e^x - 1) / x`, which know no difference between equal, nearly equal and distinct eigenvalues.
+//! `ln(1 + x) / x` and `(e^x - 1) / x`, which hold for equal, nearly equal and distinct eigenvalues alike.
 
 #![allow(non_snake_case)]
 

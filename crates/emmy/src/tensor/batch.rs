@@ -118,7 +118,7 @@ impl<S: Simd> Batch<S> {
         self.load(&memory, 0)
     }
 
-    /// `2^n x` with x between the roots of 1/2 and 2: x and n, of what is positive.
+    /// x and n with `self = 2^n x` and x between the roots of 1/2 and 2, for positive numbers.
     #[inline(always)]
     fn scaled(self) -> (Self, Self) {
         let (mut x, mut n) = (self, self.splat(0.0));
@@ -139,7 +139,7 @@ impl<S: Simd> Batch<S> {
         let (simd, one) = (self.simd, self.splat(1.0));
         let y = self + one;
         let (x, n) = y.scaled();
-        // What is lost of a small z in 1 + z.
+        // The rounding of a small z in 1 + z.
         let lost = (self - (y - one)) / y;
         let lost = lost.abs().select_below(one, lost, self.splat(0.0));
         let ln = n.mul_add(self.splat(std::f64::consts::LN_2), (x - one).ln_1p_of_small() + lost);
@@ -159,10 +159,10 @@ impl<S: Simd> Batch<S> {
         rest.mul_add(s, s + s)
     }
 
-    /// s and what follows the first term of the series, over s.
+    /// s, and the series without its first term, divided by s.
     #[inline(always)]
     fn artanh(self) -> (Self, Self) {
-        // |s| <= 0.172: what is left out is below 1e-18 of the sum.
+        // |s| <= 0.172: the omitted terms are below 1e-18 of the sum.
         let s = self / (self + self.splat(2.0));
         let square = s * s;
         (s, (square + square) * square.polynomial(&ARTANH))
@@ -306,7 +306,7 @@ impl<S: Simd> Lane for Batch<S> {
         self.select(self.simd.less_than_f64s(self.lanes, bound.lanes), below, otherwise)
     }
     #[inline(always)]
-    fn vectorize<T>(self, function: impl FnOnce() -> T) -> T {
+    fn vectorize<T>(self, function: impl FnMut() -> T) -> T {
         self.simd.vectorize(Call(function))
     }
     #[inline(always)]
@@ -339,13 +339,14 @@ impl<S: Simd> Lane for Batch<S> {
     }
 }
 
-/// A function to be called in the instruction set of registers.
+/// A function to be called in the instruction set of registers. Not `FnOnce`: a closure that could be called again would be called
+/// through a function of its own, which is not inlined.
 struct Call<F>(F);
 
-impl<T, F: FnOnce() -> T> WithSimd for Call<F> {
+impl<T, F: FnMut() -> T> WithSimd for Call<F> {
     type Output = T;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> T {
+    fn with_simd<S: Simd>(mut self, _: S) -> T {
         (self.0)()
     }
 }

@@ -1,4 +1,4 @@
-//! Names of the fields: the same in every file, for ever.
+//! Names of the fields: the same in every file, and stable.
 
 use std::fmt;
 
@@ -109,7 +109,7 @@ impl FieldName {
         }
     }
 
-    /// What it is, in a line.
+    /// Description in a line.
     pub const fn description(self) -> &'static str {
         match self {
             FieldName::Displacement => "displacement u [length]",

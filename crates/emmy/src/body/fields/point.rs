@@ -18,7 +18,7 @@ pub(super) struct PointState {
 }
 
 impl PointState {
-    /// The state of a region's material at a displacement gradient; NaN where it is turned inside out.
+    /// The state of a region's material at a displacement gradient; NaN if det F is not positive.
     pub(super) fn new(region: &Region, G: &Mat3<f64>) -> Self {
         let (J, strain) = (det_of_identity_plus(G), green_lagrange(G));
         let response = region.material.response(&strain).filter(|_| J > 0.0);
@@ -28,8 +28,7 @@ impl PointState {
         PointState { energy, second, cauchy, strain }
     }
 
-    /// The state of a link: of a bar stresses along its axis, its cross section taken as unchanged, of what has no cross section
-    /// nothing.
+    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; zero for springs and attractions.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
         let (area, state) = (link.area(), LinkState::new(link, mesh, cell, displacement));
         if area == 0.0 {

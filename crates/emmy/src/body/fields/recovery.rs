@@ -7,7 +7,7 @@ use crate::element::{element, extrapolation, jacobian};
 use crate::mesh::{CellKind, Mesh};
 use crate::tensor::{Mat3, det};
 
-/// What the cells of each kind have in common.
+/// Tables that the cells of each kind share.
 #[derive(Debug)]
 pub(super) struct Recovery {
     /// By kind, of those that the mesh has.
@@ -33,7 +33,7 @@ impl GradientSum {
         self.sum.map(|row| row.map(|component| component / self.weight))
     }
 
-    /// The weight; what is left is empty.
+    /// Returns the weight and resets the sum.
     pub(super) fn take(&mut self) -> f64 {
         std::mem::take(self).weight
     }
@@ -99,8 +99,8 @@ impl Recovery {
         }
     }
 
-    /// Adds the displacement gradients of some cells to their nodes by the volumes of the cells; the nodes, each once. `section`
-    /// makes a volume of the measure of a kind.
+    /// Adds the displacement gradients of some cells to their nodes, weighted by cell volume, and returns the nodes, each once.
+    /// `section`: factor from the measure of a cell of a kind to its volume.
     ///
     /// The cells are gone through in parallel, but added up in their order.
     pub(super) fn add_gradients(
@@ -128,7 +128,7 @@ impl Recovery {
         nodes
     }
 
-    /// What some cells give to their nodes, `[cell][n_nodes]`.
+    /// Contributions of some cells to their nodes, `[cell][n_nodes]`.
     fn run(
         &self,
         mesh: &Mesh,

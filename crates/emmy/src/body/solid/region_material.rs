@@ -1,4 +1,4 @@
-//! What a region is made of: a material, or links.
+//! Material of a region: of solid cells, or of links.
 
 use super::SolidTerm;
 use crate::body::CellTable;
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::material::{CompiledMaterial, Link};
 use crate::tensor::Sym;
 
-/// What a region is made of.
+/// Material of a region.
 #[derive(Debug)]
 pub enum RegionMaterial {
     /// A material of solid cells.
@@ -24,7 +24,7 @@ impl RegionMaterial {
         match self {
             RegionMaterial::Solid(material) => SolidTerm::new(material.clone(), table),
             RegionMaterial::Link(link) => {
-                // The measure of a link is its length; its energy is that of the whole link.
+                // The measure of a link is its length; its energy belongs to the whole link.
                 let energies = table.weights.iter().map(|&length| link.with_length(length)).collect();
                 table.weights.fill(1.0);
                 SolidTerm::links(energies, table)

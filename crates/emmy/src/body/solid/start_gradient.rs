@@ -9,7 +9,7 @@ use crate::body::StepInput;
 use crate::body::integral::{self, RegisterCells};
 use crate::tensor::{LANES, Mat3, Packed};
 
-/// What is needed for a batch of cells.
+/// Working memory for a batch of cells.
 struct CellMemory {
     /// Displacement and rates, then the adjoint vectors, `[1 + 2 k][n_nodes][3]`.
     nodal: Vec<[Packed; 3]>,
@@ -71,7 +71,7 @@ impl SolidTerm {
         }
     }
 
-    /// Adds what a quadrature point of a cell gives, to `sums: [n_nodes]`.
+    /// Adds the contribution of a quadrature point of a cell, to `sums: [n_nodes]`.
     fn add_point(
         &self,
         (cells, cell, point): (RegisterCells<'_, f64>, usize, usize),

@@ -1,4 +1,4 @@
-//! Numbers with 400 bits, and what reference energies are made of.
+//! Numbers with 400 bits, and the terms of reference energies.
 
 use dashu_float::{FBig, round::mode::HalfEven};
 

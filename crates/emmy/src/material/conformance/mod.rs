@@ -1,4 +1,4 @@
-//! What every material must fulfil, checked for each in one line.
+//! Conditions that every material must fulfil, checked for each in one line.
 
 mod dual;
 mod extended;
@@ -61,7 +61,7 @@ fn conforms_but_for_symmetry(
         keeps_its_digits(material, energy, &direction).unwrap();
         keeps_the_digits_of_energy_changes(material, energy, &direction).unwrap();
         sums_its_stress_along_a_path(material, &direction).unwrap();
-        // Not the direction itself: what bears tension only has no elasticity where that sets in.
+        // Not the direction itself: fibres that bear tension only have no elasticity where tension begins.
         let nearby = sym_add_scaled(&direction, 1e-7, &GENERAL_DIRECTION);
         keeps_the_digits_of_its_elasticity(material, energy, &nearby).unwrap();
     }
@@ -110,7 +110,7 @@ const SPECIAL_DIRECTIONS: [Sym<f64>; 7] = [
     [1.0, -0.25, -0.25, 0.0, 0.0, 0.0],
 ];
 
-/// What moves eigenvalues and eigenvectors apart, a little.
+/// A small perturbation that separates eigenvalues and eigenvectors.
 const GENERAL_DIRECTION: Sym<f64> = [0.3, -0.5, 0.4, 0.2, -0.35, 0.1];
 
 /// Rotations, from unit quaternions.
@@ -185,7 +185,7 @@ fn elasticity_is_the_derivative_of_the_stress(material: &impl Material, strain: 
     Ok(())
 }
 
-/// Major symmetry; the minor ones are those of the storage.
+/// Major symmetry; the storage implies the minor ones.
 fn elasticity_is_symmetric(material: &impl Material, strain: &Sym<f64>) -> Check {
     let (D, tolerance) =
         (material.stress_and_elasticity(strain).1, 1e-15 * elasticity_norm(material, strain));
@@ -223,7 +223,7 @@ fn is_symmetric_under(material: &impl Material, G: &Mat3<f64>, Q: &Mat3<f64>) ->
     same_energy(material, &E, &SYM.map(|(i, j)| entry(i, j)))
 }
 
-/// S is that of small strain up to a term of second order.
+/// S is the stress of linear elasticity up to a term of second order.
 fn agrees_with_linear_elasticity(
     material: &impl Material,
     small_strain_stress: &impl Fn(&Sym<f64>) -> Sym<f64>,
@@ -294,7 +294,7 @@ fn keeps_the_digits_of_energy_changes(
     Ok(())
 }
 
-/// The stress along a path against that of its points, with weights of both signs.
+/// The stress along a path against the sum over its points, with weights of both signs.
 fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) -> Check {
     let points = [[0.0, 0.3], [0.25, -0.2], [0.7, 0.8], [1.0, 0.1]];
     for (size, part) in

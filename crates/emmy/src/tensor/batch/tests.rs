@@ -1,4 +1,4 @@
-//! Every operation of a batch against that of `f64`, with the instructions of this machine and without any.
+//! Every operation of a batch against `f64`, with and without the vector instructions of this machine.
 
 use super::*;
 use proptest::prelude::*;
