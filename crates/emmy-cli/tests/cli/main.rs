@@ -10,7 +10,6 @@ mod examples;
 mod hostile;
 mod killed_frames;
 mod links;
-mod messages;
 mod mistakes;
 mod reference;
 mod report;

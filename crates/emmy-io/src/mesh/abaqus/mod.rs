@@ -11,6 +11,8 @@ use std::path::Path;
 
 use super::{MeshFile, Result, without_mark};
 use deck::Deck;
+#[cfg(test)]
+pub(super) use element::types;
 
 /// The mesh in the bytes of an input file; `links`: groups of lines that are cells.
 pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
