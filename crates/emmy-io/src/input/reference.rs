@@ -57,11 +57,11 @@ fn chosen(section: &Section) -> &'static str {
     }
 }
 
-/// A default; a long list is left to `emmy schema`.
+/// A default; the text of the page says what a long list is.
 fn shortened(value: &str) -> String {
     match value.len() {
         0..60 => code(&value.replace('\'', "\"")),
-        _ => "the first nine".to_string(),
+        _ => "see below".to_string(),
     }
 }
 
@@ -85,6 +85,8 @@ fn of(kind: &Kind) -> String {
         Kind::Scheme => "scheme, see below".to_string(),
         Kind::True => code("true"),
         Kind::List(_, entry) if matches!(**entry, Kind::Table(_)) => "list of tables".to_string(),
+        Kind::List(_, entry) if matches!(**entry, Kind::Number(_)) => "list of numbers".to_string(),
+        Kind::List(_, entry) if matches!(**entry, Kind::Word(_)) => format!("list of {}", of(entry)),
         Kind::List(_, entry) => format!("list: {} each", of(entry)),
         Kind::Exactly(length, entry) => match &**entry {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
@@ -158,7 +160,12 @@ fn fields() -> String {
             emmy::body::fields::Place::Cells => "cells",
         };
         let n = field.components().len();
-        vec![code(field.name()), place.to_string(), n.to_string(), field.description().replace('[', "\\[")]
+        vec![
+            code(field.name()),
+            place.to_string(),
+            n.to_string(),
+            field.description().replace('[', "\\[").replace(']', "\\]"),
+        ]
     };
     table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(row))
 }

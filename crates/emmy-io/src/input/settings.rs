@@ -74,8 +74,8 @@ pub(super) static SOLVER: Described = Described::new(|| {
         "kind",
         Kind::Word(kinds),
         "",
-        "Conjugate gradients with an incomplete Cholesky factor, sparse Cholesky factorisation, or the cheaper of both; \
-         `emmy list solvers` explains them",
+        "`iterative`: conjugate gradients with an incomplete Cholesky factor; `direct`: sparse Cholesky factorisation; \
+         `auto`: the cheaper of both; `emmy list solvers` explains them",
     )
 });
 
