@@ -7,8 +7,7 @@ use clap::Args;
 use emmy::body::{
     Body, History, InitialVelocity, Load, LoadKind, LoadResultant, Nodal, RegionSummary, Support, Viscosity,
 };
-use emmy::element::{Worst, quality};
-use emmy::mesh::Mesh;
+use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 use emmy_io::message::shown;

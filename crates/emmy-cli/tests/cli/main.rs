@@ -11,7 +11,6 @@ mod hostile;
 mod killed_frames;
 mod links;
 mod listings;
-mod messages;
 mod mistakes;
 mod reference;
 mod report;

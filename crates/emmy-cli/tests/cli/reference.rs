@@ -1,11 +1,16 @@
-//! The reference of input and results (`docs/input.md`) against the program.
+//! The pages of input and results (`docs/input.md`, `docs/results.md`) against the program.
 
 use super::{BOX, Place};
 
-const PAGE: &str = include_str!("../../../../docs/input.md");
+const INPUT: &str = include_str!("../../../../docs/input.md");
+const RESULTS: &str = include_str!("../../../../docs/results.md");
 
 fn has(word: &str) {
-    assert!(PAGE.contains(&format!("`{word}`")), "docs/input.md lacks `{word}`");
+    let word = format!("`{word}`");
+    assert!(
+        INPUT.contains(&word) || RESULTS.contains(&word),
+        "docs/input.md and docs/results.md lack {word}"
+    );
 }
 
 #[test]
@@ -27,7 +32,7 @@ fn it_has_every_scheme_material_and_field_of_a_frame() {
 
 #[test]
 fn its_smallest_input_checks() {
-    let input = PAGE.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let input = INPUT.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
     let report = Place::with(input).succeed(&["check", "box.toml"]).stdout;
     assert!(report.contains("100 steps from t = 0 to t = 10"), "{report}");
 }

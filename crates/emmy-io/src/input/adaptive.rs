@@ -2,12 +2,38 @@
 
 use emmy::body::Body;
 use emmy::motion::{Adaptivity, StepPlan};
-use emmy::time::{ESTIMATORS, Estimator, MAX_DEGREE, Scheme};
+use emmy::time::{ESTIMATORS, MAX_DEGREE, Scheme};
 
+use super::description::{Described, Kind, POSITIVE, Section, whole};
 use super::fault::{Fault, Place};
-use super::keys;
+use super::settings::BELOW_ONE;
 use super::table::{Item, Table, spelled};
 use super::time::Time;
+
+/// `time.adaptive`.
+pub(super) static ADAPTIVE: Described = Described::new(|| {
+    Section::new("`adaptive`", "Steps whose sizes are chosen by the error, in place of `steps`")
+        .must("tolerance", BELOW_ONE, "", "Largest error of a step, relative to the scales")
+        .may("min_size", POSITIVE, "time", "Smallest step; one that is too inaccurate even then ends the run")
+        .may("max_size", POSITIVE, "time", "Largest step")
+        .may("first_size", POSITIVE, "time", "First step")
+        .absent("chosen from velocity and acceleration")
+        .may("length", POSITIVE, "length", "Scale of the errors of positions")
+        .absent("the radius of gyration of the lumped masses")
+        .may("velocity", POSITIVE, "length/time", "Scale of the errors of velocities")
+        .absent("errors of velocities do not count")
+        .may(
+            "estimator",
+            Kind::Word(ESTIMATORS.map(|(name, ..)| name).to_vec()),
+            "",
+            "Estimator of the error; `emmy list estimators` explains them",
+        )
+        .absent("`difference` for degree 1, else `sampled`")
+        .may("min_degree", whole(1), "", "Lowest degree to choose from, by the work that it takes")
+        .absent("1")
+        .may("max_degree", whole(1), "", "Highest degree to choose from; `degree` is the first one")
+        .absent("`degree` stays")
+});
 
 /// The plan of a `[time]` with `adaptive` in place of `steps`; `until` is the end that the command line asks for.
 pub(super) fn plan(
@@ -27,7 +53,7 @@ pub(super) fn plan(
             format!("`adaptive` goes up to degree {}: its error is that over the next one", MAX_DEGREE - 1);
         return Err(degree_item.fault(message, "too high"));
     }
-    let table = adaptive.table(keys::ADAPTIVE)?;
+    let table = adaptive.table(&ADAPTIVE)?;
     let adaptivity = read(&table)?;
     let checked = adaptivity.check().and_then(|()| adaptivity.check_degree(element));
     if let Err(emmy::Error::Adaptivity { setting, reason }) = checked {
@@ -81,6 +107,7 @@ fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
 fn read(table: &Table<'_>) -> Result<Adaptivity, Fault> {
     let positive = |key: &str| table.get(key).map(|item| item.positive()).transpose();
     let adaptivity = Adaptivity::new(table.require("tolerance")?.number()?);
+    let estimators = ESTIMATORS.map(|(name, estimator, _)| (name, estimator));
     Ok(Adaptivity {
         smallest: positive("min_size")?.unwrap_or(adaptivity.smallest),
         largest: positive("max_size")?.unwrap_or(adaptivity.largest),
@@ -88,7 +115,7 @@ fn read(table: &Table<'_>) -> Result<Adaptivity, Fault> {
         length: positive("length")?,
         velocity: positive("velocity")?,
         degrees: degrees(table)?,
-        estimator: table.get("estimator").map(|item| estimator(&item)).transpose()?,
+        estimator: table.get("estimator").map(|item| item.one_of("an estimator", &estimators)).transpose()?,
         ..adaptivity
     })
 }
@@ -100,12 +127,6 @@ fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
         return Ok(None);
     }
     Ok(Some([lowest.unwrap_or(1), table.require("max_degree")?.whole(1)?]))
-}
-
-fn estimator(item: &Item<'_>) -> Result<Estimator, Fault> {
-    let word = item.word("an estimator", &ESTIMATORS.map(|(name, ..)| name))?;
-    let found = ESTIMATORS.into_iter().find(|(name, ..)| *name == word);
-    Ok(found.map_or(Estimator::Residual, |(_, estimator, _)| estimator))
 }
 
 /// Checks that there is a scale of positions.

@@ -2,56 +2,49 @@
 
 use std::path::{Path, PathBuf};
 
+use emmy::material::IfAbsent;
 use emmy::motion::{Phase, StepPlan};
 
+use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
+use super::problem::ROOT;
 use super::tree::{self, Node, Value};
-use super::{material, settings};
 use crate::{message, report};
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
-    let defaults = tree::parse("defaults", settings::DEFAULTS)?;
-    let Value::Table(sections) = defaults.value else { return Ok(()) };
-    for mut section in sections {
-        // Frames by time take the place of those by steps.
-        let by_time = tree.get_mut(&section.key).is_some_and(|own| own.get_mut("interval").is_some());
-        if let (true, "output", Value::Table(entries)) = (by_time, &*section.key, &mut section.node.value) {
-            entries.retain(|entry| entry.key != "every");
-        }
-        let Some(own) = tree.get_mut(&section.key) else {
-            if section.key != "time" {
-                tree.put(&section.key, section.node);
-            }
-            continue;
-        };
-        fill(own, section.node);
-    }
-    let materials = tree::parse("defaults", material::DEFAULTS)?;
-    tree.get_mut("region").into_iter().for_each(|regions| fill_materials(regions, &materials));
+    // Frames by time take the place of those by steps.
+    let by_time = tree
+        .get_mut("output")
+        .is_some_and(|own| own.get_mut("interval").is_some() && own.get_mut("every").is_none());
+    fill(tree, &ROOT)?;
+    let output = tree.get_mut("output").filter(|_| by_time);
+    output
+        .and_then(Node::entries_mut)
+        .into_iter()
+        .for_each(|entries| entries.retain(|entry| entry.key != "every"));
     Ok(())
 }
 
-/// Puts in the parameters that the models of one region or several leave out.
-fn fill_materials(regions: &mut Node, defaults: &Node) {
-    if let Value::Array(regions) = &mut regions.value {
-        return regions.iter_mut().for_each(|region| fill_materials(region, defaults));
-    }
-    let (Some(own), Value::Table(models)) = (regions.get_mut("material"), &defaults.value) else { return };
-    for model in models {
-        own.get_mut(&model.key).into_iter().for_each(|own| fill(own, model.node.clone()));
-    }
-}
-
-/// Puts the entries of a table that are left out into another; they are said to stand where that does.
-fn fill(own: &mut Node, defaults: Node) {
-    let Value::Table(entries) = defaults.value else { return };
-    for entry in entries {
-        if own.get_mut(&entry.key).is_none() {
+/// Puts in the values of keys that a table leaves out; they are said to stand where the table does.
+fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
+    for key in &section.keys {
+        if let (None, IfAbsent::Value(value)) = (own.get_mut(key.name), key.if_absent) {
+            let mut default = tree::parse("defaults", &format!("{} = {value}", key.name))?;
             let place = own.place.clone();
-            own.put(&entry.key, Node { place, ..entry.node });
+            let default = default.get_mut(key.name).map(|node| Node { place, ..node.clone() });
+            default.into_iter().for_each(|node| own.put(key.name, node));
+        }
+        let Some(value) = own.get_mut(key.name) else { continue };
+        match (&key.kind, &mut value.value) {
+            (Kind::Tables(inner), Value::Array(items)) => {
+                items.iter_mut().try_for_each(|item| fill(item, inner))?
+            }
+            (Kind::Table(inner) | Kind::Tables(inner), _) => fill(value, inner)?,
+            _ => {}
         }
     }
+    Ok(())
 }
 
 /// Replaces what a file cannot hold in the title, with a remark if there is any.

@@ -6,6 +6,7 @@ use emmy::motion::State;
 use emmy::number::short;
 
 use super::fault::{Fault, Place};
+use super::groups::Members;
 use super::nodal::PlacedNodal;
 use super::region::Placed;
 use super::table::Item;
@@ -26,7 +27,7 @@ pub(super) const NOTHING_MOVES: &str =
 /// Whether anything sets the body in motion, attractions to points aside.
 pub(super) fn is_moved(
     regions: &[Placed<Region>],
-    loads: &[Placed<Load>],
+    loads: &[Placed<(Load, Members)>],
     supports: &[Placed<Support>],
     initial: &[Placed<InitialVelocity>],
 ) -> bool {
@@ -92,7 +93,7 @@ pub(super) struct Places {
 impl Places {
     pub(super) fn new(
         regions: &[Placed<Region>],
-        loads: &[Placed<Load>],
+        loads: &[Placed<(Load, Members)>],
         initial: &[Placed<InitialVelocity>],
         nodal: &PlacedNodal,
     ) -> Self {

@@ -1,6 +1,6 @@
 //! Names of groups against the groups of the mesh, and regions against its cells.
 
-use emmy::body::{InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::body::{InitialVelocity, Load, Region, Support};
 use emmy::mesh::Mesh;
 
 use super::fault::{Fault, Faults, Place};
@@ -9,7 +9,7 @@ use super::suggest::{did_you_mean, listed};
 
 /// What a group must consist of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Members {
+pub(super) enum Members {
     Cells,
     Facets,
     Nodes,
@@ -19,14 +19,14 @@ enum Members {
 pub(super) fn check(
     mesh: &Mesh,
     regions: &[Placed<Region>],
-    loads: &[Placed<Load>],
+    loads: &[Placed<(Load, Members)>],
     supports: &[Placed<Support>],
     initial: &[Placed<InitialVelocity>],
     faults: &mut Faults,
 ) {
     let mut named = Vec::new();
     named.extend(regions.iter().map(|region| (&region.group, Members::Cells)));
-    named.extend(loads.iter().map(|load| (&load.group, members(&load.value))));
+    named.extend(loads.iter().map(|load| (&load.group, load.value.1)));
     named.extend(supports.iter().map(|support| (&support.group, Members::Nodes)));
     named.extend(initial.iter().map(|initial| (&initial.group, Members::Nodes)));
     for (group, members) in named {
@@ -49,14 +49,6 @@ pub(super) fn check_nodes<'a>(
             break;
         }
         faults.keep(find(mesh, name, place, Members::Nodes));
-    }
-}
-
-fn members(load: &Load) -> Members {
-    match load.kind {
-        LoadKind::Acceleration { .. } | LoadKind::BodyForceField { .. } => Members::Cells,
-        LoadKind::NodalForce { .. } => Members::Nodes,
-        _ => Members::Facets,
     }
 }
 

@@ -4,6 +4,7 @@ use emmy::body::History;
 use emmy::motion::StepPlan;
 use emmy::number::short;
 
+use super::description::{self, Kind, Section};
 use super::expression::{self, Mistake};
 use super::fault::{Fault, Faults};
 use super::table::Item;
@@ -33,8 +34,13 @@ fn fault(item: &Item<'_>, text: &str, Mistake { reason, place }: Mistake) -> Fau
     Fault::at(&item.place().inside(text, place), message, "here")
 }
 
-/// Keys whose value may be an expression.
-const KEYS: [&str; 5] = ["history", "x", "y", "z", "angle"];
+/// Whether the value of a key may be an expression.
+fn is_history(key: &str) -> bool {
+    let of = |section: &Section| {
+        section.keys.iter().any(|own| own.name == key && matches!(own.kind, Kind::History))
+    };
+    description::all().into_iter().any(of)
+}
 
 /// Times at which an expression is tried before a run.
 const SAMPLES: usize = 1000;
@@ -46,7 +52,7 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
         Value::Table(entries) => {
             for entry in entries {
                 match &entry.node.value {
-                    Value::String(text) if KEYS.contains(&entry.key.as_str()) => {
+                    Value::String(text) if is_history(&entry.key) => {
                         faults.keep(finite(&entry.key, text, &entry.node, plan));
                     }
                     _ => check_finite(&entry.node, plan, faults),

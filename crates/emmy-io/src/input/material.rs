@@ -1,216 +1,150 @@
-//! `material.MODEL = { ... }`: one small function a model.
+//! `material.MODEL = { ... }`: the models of the library, read by their descriptions.
 
-use emmy::body::Region;
-use emmy::material::{
-    ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link,
-    MooneyRivlin, NeoHooke, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
-};
+use std::sync::LazyLock;
+
+use emmy::body::{MODELS, Region, RegionModel};
+use emmy::material::{IfAbsent, Model, Parameter, ParameterKind, Value, Values, Volumetric};
 
 use super::derived;
+use super::description::{Described, Key, Kind, Rule, Section};
 use super::fault::Fault;
-use super::keys::{self, Keys};
 use super::table::{Item, Table};
+
+/// `material`.
+pub(super) static MATERIAL: Described = Described::new(|| {
+    let names: Vec<&str> = MODELS.iter().map(|model| model.model.name).collect();
+    let section = Section::new("material", "Exactly one model with its parameters").exactly_one(&names);
+    let add = |section: Section, (RegionModel { model, .. }, own): (&RegionModel, &'static Section)| {
+        section.may(model.name, Kind::Table(own), "", &own.doc)
+    };
+    MODELS.iter().zip(sections()).fold(section, add)
+});
+
+/// Tables of the models, in the order of [`MODELS`].
+static SECTIONS: LazyLock<Vec<Section>> =
+    LazyLock::new(|| MODELS.iter().map(|model| section(&model.model)).collect());
+
+/// Tables of the models, in the order of [`MODELS`].
+pub(super) fn sections() -> impl Iterator<Item = &'static Section> {
+    SECTIONS.iter()
+}
+
+fn section(model: &Model) -> Section {
+    let section = Section::new(model.name, &format!("{}: {}", model.energy, model.purpose));
+    let is_choice = model.parameters.len() > 1;
+    let add = |section: Section, parameter: &Parameter| {
+        let key = Key::from(parameter);
+        let if_absent = if is_choice { IfAbsent::Means("") } else { key.if_absent };
+        section.key(Key { if_absent, ..key })
+    };
+    let section = model.every_parameter().fold(section, add);
+    let rule = if is_choice { Rule::OneSet(model.parameters) } else { Rule::Free };
+    Section { rule, ..section }
+}
+
+/// Models with a line on each, for `emmy list materials`.
+pub fn materials() -> Vec<(&'static str, String)> {
+    let parameter = |parameter: &Parameter| match parameter.if_absent {
+        IfAbsent::Required => parameter.name.to_string(),
+        IfAbsent::Value(value) | IfAbsent::Means(value) => format!("{} = {value}", parameter.name),
+    };
+    let set = |set: &&[Parameter]| set.iter().map(parameter).collect::<Vec<_>>().join(", ");
+    let line = |RegionModel { model, .. }: &RegionModel| {
+        let energy = if model.is_link() { "V" } else { "W(C)" };
+        let parameters = model.parameters.iter().map(set).collect::<Vec<_>>().join(" or ");
+        let text = format!("{energy} = {}; parameters {parameters}; {}", model.energy, model.purpose);
+        (model.name, text)
+    };
+    MODELS.iter().map(line).collect()
+}
+
+/// Models that a material names, whatever else is wrong with it.
+pub(super) fn given(material: &Item<'_>) -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().map(|model| &model.model).filter(|model| material.has_key(model.name).is_some())
+}
 
 /// Reads the one model of a material and makes the region of it.
 pub(super) fn region(item: Item<'_>, group: Option<String>, density: f64) -> Result<Region, Fault> {
-    let materials = item.table(keys::MATERIAL)?;
-    let item = materials.exactly_one("one model", keys::MATERIAL.keys)?;
-    Ok(match item.key() {
-        "saint-venant-kirchhoff" => {
-            let new = [SaintVenantKirchhoff::new, SaintVenantKirchhoff::from_engineering];
-            Region::new(group, density, from_a_pair(item, new)?)
-        }
-        "neo-hooke" => {
-            Region::new(group, density, from_a_pair(item, [NeoHooke::new, NeoHooke::from_engineering])?)
-        }
-        "ciarlet-geymonat" => {
-            let new = [CiarletGeymonat::new, CiarletGeymonat::from_engineering];
-            Region::new(group, density, from_a_pair(item, new)?)
-        }
-        "hencky" => Region::new(group, density, from_a_pair(item, [Hencky::new, Hencky::from_engineering])?),
-        "mooney-rivlin" => Region::new(group, density, mooney_rivlin(item)?),
-        "yeoh" => Region::new(group, density, yeoh(item)?),
-        "gent" => Region::new(group, density, gent(item)?),
-        "arruda-boyce" => Region::new(group, density, arruda_boyce(item)?),
-        "ogden" => Region::new(group, density, ogden(item)?),
-        "orthotropic" => Region::new(group, density, orthotropic(item)?),
-        "bar" => Region::links(group, density, bar(item)?),
-        "spring" => Region::links(group, density, spring(item)?),
-        "attraction" => Region::links(group, density, attraction(item)?),
-        _ => Region::new(group, density, holzapfel_gasser_ogden(item)?),
+    let item = item.table(&MATERIAL)?.exactly_one("one model")?;
+    let found = MODELS.iter().zip(sections()).find(|(model, _)| model.model.name == item.key());
+    let (model, section) =
+        found.ok_or_else(|| item.fault(format!("`{}` is not a model", item.key()), "not known"))?;
+    let table = item.table(section)?;
+    let parameters = parameters(&item, &table, &model.model)?;
+    let values: Vec<(&str, Value)> = parameters
+        .iter()
+        .filter_map(|parameter| value(&table, parameter).transpose())
+        .collect::<Result<_, _>>()?;
+    check_terms(&table, &values)?;
+    let values = Values::from_iter(values);
+    let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
+    engineering.map_or(Ok(()), |(youngs, poissons)| derived::check_lame(&item, youngs, poissons))?;
+    model.region(group, density, &values).map_err(|error| {
+        let guilty = match &error {
+            emmy::Error::MaterialParameter { parameter, .. } => table.get(parameter),
+            _ => None,
+        };
+        guilty.unwrap_or(item).fault(error.to_string(), "out of range")
     })
 }
 
-/// Values of parameters that are left out.
-pub(super) const DEFAULTS: &str = "
-mooney-rivlin = { volumetric = 'simo-taylor' }
-yeoh = { volumetric = 'simo-taylor' }
-gent = { volumetric = 'simo-taylor' }
-arruda-boyce = { volumetric = 'simo-taylor' }
-ogden = { volumetric = 'simo-taylor' }
-orthotropic = { axis_1 = [1, 0, 0], axis_2 = [0, 1, 0] }
-holzapfel-gasser-ogden = { kappa = 0.0, volumetric = 'simo-taylor' }
-";
-
-/// The parameters of a model.
-struct Parameters<'a> {
-    item: Item<'a>,
-    table: Table<'a>,
+/// The set of parameters that is given.
+fn parameters(item: &Item<'_>, table: &Table<'_>, model: &Model) -> Result<&'static [Parameter], Fault> {
+    if let [only] = model.parameters {
+        return Ok(only);
+    }
+    let is_given = |parameter: &Parameter| table.get(parameter.name).is_some();
+    let n_given = model.every_parameter().filter(|parameter| is_given(parameter)).count();
+    let whole = |set: &&&[Parameter]| set.len() == n_given && set.iter().all(is_given);
+    model.parameters.iter().find(whole).copied().ok_or_else(|| {
+        let name = |parameter: &Parameter| format!("`{}`", parameter.name);
+        let names = |set: &&[Parameter]| set.iter().map(name).collect::<Vec<_>>().join(" and ");
+        let sets: Vec<String> = model.parameters.iter().map(names).collect();
+        let message = format!("`{}` needs exactly one pair of parameters: either ", item.key());
+        item.fault(message + &sets.join(", or "), "not one pair")
+    })
 }
 
-impl<'a> Parameters<'a> {
-    fn read(item: Item<'a>, keys: Keys) -> Result<Self, Fault> {
-        Ok(Parameters { item, table: item.table(keys)? })
-    }
-
-    fn number(&self, key: &str) -> Result<f64, Fault> {
-        let item = self.table.require(key)?;
-        derived::within(&item, item.number()?)
-    }
-
-    fn numbers<const N: usize>(&self, keys: [&str; N]) -> Result<[f64; N], Fault> {
-        let mut values = [0.0; N];
-        for (value, key) in values.iter_mut().zip(keys) {
-            *value = self.number(key)?;
-        }
-        Ok(values)
-    }
-
-    /// A list with at least one entry.
-    fn list(&self, key: &str) -> Result<Vec<Item<'a>>, Fault> {
-        let item = self.table.require(key)?;
-        match item.list()? {
-            items if items.is_empty() => Err(item.fault(format!("`{key}` is empty"), "empty")),
-            items => Ok(items),
-        }
-    }
-
-    fn direction(&self, key: &str) -> Result<[f64; 3], Fault> {
-        self.table.require(key)?.numbers()
-    }
-
-    /// Bulk modulus and law of volume.
-    fn volume(&self) -> Result<(f64, Volumetric), Fault> {
-        let bulk_modulus = self.number("bulk_modulus")?;
-        let item = self.table.require("volumetric")?;
-        let word = item.word("a law of volume", &Volumetric::ALL.map(Volumetric::name))?;
-        Ok((bulk_modulus, word.parse().map_err(|message: String| item.fault(message, "not known"))?))
-    }
-
-    /// The model, or a fault at the parameter that is out of range.
-    fn checked<M>(&self, model: emmy::Result<M>) -> Result<M, Fault> {
-        model.map_err(|error| {
-            let guilty = match &error {
-                emmy::Error::MaterialParameter { parameter, .. } => self.table.get(parameter),
-                _ => None,
-            };
-            guilty.unwrap_or(self.item).fault(error.to_string(), "out of range")
-        })
-    }
-}
-
-type FromTwo<M> = fn(f64, f64) -> emmy::Result<M>;
-
-const PAIRS: [[&str; 2]; 2] = [["lambda", "mu"], ["youngs_modulus", "poissons_ratio"]];
-
-/// A model from one of the two pairs of parameters.
-fn from_a_pair<M>(item: Item<'_>, new: [FromTwo<M>; 2]) -> Result<M, Fault> {
-    let parameters = Parameters::read(item, keys::PARAMETERS)?;
-    let given = |pair: [&str; 2]| pair.map(|key| parameters.table.get(key).is_some());
-    let pair = match PAIRS.map(given) {
-        [[true, true], [false, false]] => 0,
-        [[false, false], [true, true]] => 1,
-        _ => {
-            let message = format!("`{}` needs exactly one pair of parameters: ", item.key());
-            let pairs = "either `lambda` and `mu`, or `youngs_modulus` and `poissons_ratio`";
-            return Err(item.fault(message + pairs, "not one pair"));
+/// The value of a parameter, if it is given or must be.
+fn value(table: &Table<'_>, parameter: &Parameter) -> Result<Option<(&'static str, Value)>, Fault> {
+    let item = match (table.get(parameter.name), parameter.if_absent) {
+        (None, IfAbsent::Means(_)) => return Ok(None),
+        _ => table.require(parameter.name)?,
+    };
+    let value = match parameter.kind {
+        ParameterKind::Number(_) => Value::Number(derived::within(&item, item.number()?)?),
+        ParameterKind::Numbers => Value::Numbers(each(&item, |entry| entry.number())?),
+        ParameterKind::Direction => Value::Direction(item.numbers()?),
+        ParameterKind::Directions => Value::Directions(each(&item, |entry| entry.numbers())?),
+        ParameterKind::Law => {
+            Value::Law(item.one_of("a law of volume", &Volumetric::ALL.map(|law| (law.name(), law)))?)
         }
     };
-    let [a, b] = parameters.numbers(PAIRS[pair])?;
-    if pair == 1 {
-        derived::check_lame(&item, a, b)?;
+    Ok(Some((parameter.name, value)))
+}
+
+/// The entries of a list, of which there is one at least.
+fn each<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Result<T, Fault>) -> Result<Vec<T>, Fault> {
+    match item.list()? {
+        entries if entries.is_empty() => Err(item.fault(format!("`{}` is empty", item.key()), "empty")),
+        entries => entries.iter().map(read).collect(),
     }
-    parameters.checked(new[pair](a, b))
 }
 
-fn mooney_rivlin(item: Item<'_>) -> Result<MooneyRivlin, Fault> {
-    let parameters = Parameters::read(item, keys::MOONEY_RIVLIN)?;
-    let ([c10, c01], (bulk_modulus, law)) = (parameters.numbers(["c10", "c01"])?, parameters.volume()?);
-    parameters.checked(MooneyRivlin::new(c10, c01, bulk_modulus, law))
-}
-
-fn yeoh(item: Item<'_>) -> Result<Yeoh, Fault> {
-    let parameters = Parameters::read(item, keys::YEOH)?;
-    let (moduli, (bulk_modulus, law)) = (parameters.numbers(["c10", "c20", "c30"])?, parameters.volume()?);
-    parameters.checked(Yeoh::new(moduli, bulk_modulus, law))
-}
-
-fn gent(item: Item<'_>) -> Result<Gent, Fault> {
-    let parameters = Parameters::read(item, keys::GENT)?;
-    let ([mu, jm], (bulk_modulus, law)) = (parameters.numbers(["mu", "jm"])?, parameters.volume()?);
-    parameters.checked(Gent::new(mu, jm, bulk_modulus, law))
-}
-
-fn arruda_boyce(item: Item<'_>) -> Result<ArrudaBoyce, Fault> {
-    let parameters = Parameters::read(item, keys::ARRUDA_BOYCE)?;
-    let ([mu, lambda_m], (bulk_modulus, law)) =
-        (parameters.numbers(["mu", "lambda_m"])?, parameters.volume()?);
-    parameters.checked(ArrudaBoyce::new(mu, lambda_m, bulk_modulus, law))
-}
-
-fn ogden(item: Item<'_>) -> Result<Ogden, Fault> {
-    let parameters = Parameters::read(item, keys::OGDEN)?;
-    let (mu, alpha) = (parameters.list("mu")?, parameters.list("alpha")?);
-    if mu.len() != alpha.len() {
-        let message =
-            format!("`mu` has {} entries and `alpha` {}; a term has one of each", mu.len(), alpha.len());
-        return Err(parameters.table.require("alpha")?.fault(message, "not as many as `mu`"));
+/// Checks that all lists of numbers have an entry a term.
+fn check_terms(table: &Table<'_>, values: &[(&'static str, Value)]) -> Result<(), Fault> {
+    let mut lists = values.iter().filter_map(|(name, value)| match value {
+        Value::Numbers(list) => Some((*name, list.len())),
+        _ => None,
+    });
+    let Some((first, n)) = lists.next() else { return Ok(()) };
+    match lists.find(|(_, other)| *other != n) {
+        Some((name, other)) => {
+            let message = format!("`{first}` has {n} entries and `{name}` {other}; a term has one of each");
+            Err(table.require(name)?.fault(message, format!("not as many as `{first}`")))
+        }
+        None => Ok(()),
     }
-    let term = |(mu, alpha): (&Item<'_>, &Item<'_>)| Ok((mu.number()?, alpha.number()?));
-    let terms = mu.iter().zip(&alpha).map(term).collect::<Result<Vec<_>, Fault>>()?;
-    let (bulk_modulus, law) = parameters.volume()?;
-    parameters.checked(Ogden::new(&terms, bulk_modulus, law))
-}
-
-fn orthotropic(item: Item<'_>) -> Result<Orthotropic, Fault> {
-    let parameters = Parameters::read(item, keys::ORTHOTROPIC)?;
-    let constants = EngineeringConstants {
-        youngs_moduli: parameters.numbers(["youngs_modulus_1", "youngs_modulus_2", "youngs_modulus_3"])?,
-        poissons_ratios: parameters.numbers([
-            "poissons_ratio_12",
-            "poissons_ratio_23",
-            "poissons_ratio_13",
-        ])?,
-        shear_moduli: parameters.numbers(["mu_12", "mu_23", "mu_13"])?,
-    };
-    let directions = [parameters.direction("axis_1")?, parameters.direction("axis_2")?];
-    parameters.checked(Orthotropic::new(constants, directions))
-}
-
-fn holzapfel_gasser_ogden(item: Item<'_>) -> Result<HolzapfelGasserOgden, Fault> {
-    let parameters = Parameters::read(item, keys::HOLZAPFEL_GASSER_OGDEN)?;
-    let [mu, k1, k2, kappa] = parameters.numbers(["mu", "k1", "k2", "kappa"])?;
-    let fibres = parameters.list("fibres")?;
-    let fibres = fibres.iter().map(|item| item.numbers()).collect::<Result<Vec<_>, _>>()?;
-    let (bulk_modulus, law) = parameters.volume()?;
-    parameters.checked(HolzapfelGasserOgden::new(mu, [k1, k2], kappa, &fibres, bulk_modulus, law))
-}
-
-fn bar(item: Item<'_>) -> Result<Link, Fault> {
-    let parameters = Parameters::read(item, keys::BAR)?;
-    let [youngs_modulus, area] = parameters.numbers(["youngs_modulus", "area"])?;
-    parameters.checked(Link::bar(youngs_modulus, area))
-}
-
-fn spring(item: Item<'_>) -> Result<Link, Fault> {
-    let parameters = Parameters::read(item, keys::SPRING)?;
-    let rest_length = parameters.table.get("rest_length").map(|item| item.number()).transpose()?;
-    parameters.checked(Link::spring(parameters.number("stiffness")?, rest_length))
-}
-
-fn attraction(item: Item<'_>) -> Result<Link, Fault> {
-    let parameters = Parameters::read(item, keys::ATTRACTION)?;
-    parameters.checked(Link::attraction(parameters.number("strength")?))
 }
 
 #[cfg(test)]
@@ -219,7 +153,11 @@ mod tests {
 
     #[test]
     fn the_default_law_of_volume_is_that_of_the_library() {
-        let name = Volumetric::default().name();
-        assert_eq!(DEFAULTS.matches("volumetric = ").count(), DEFAULTS.matches(&format!("'{name}'")).count());
+        let is_law = |parameter: &&Parameter| parameter.kind == ParameterKind::Law;
+        let laws = MODELS.iter().flat_map(|model| model.model.every_parameter().filter(is_law));
+        let defaults: Vec<IfAbsent> = laws.map(|law| law.if_absent).collect();
+        let name = format!("'{}'", Volumetric::default().name());
+        assert_eq!(defaults.len(), 6);
+        assert!(defaults.iter().all(|default| matches!(default, IfAbsent::Value(value) if *value == name)));
     }
 }

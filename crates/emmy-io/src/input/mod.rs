@@ -1,24 +1,27 @@
 //! The input: TOML, checked key by key, in which every fault knows its line.
 //!
 //! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`); each
-//! section is read by a file of its own into the types of the library. A key that no section knows is an error. The same keys
-//! make the JSON schema for editors (`schema`).
+//! section is described and read by a file of its own, into the types of the library. A key that no section knows is an
+//! error. The same descriptions (`description`) make the defaults, the JSON schema for editors (`schema`) and the key tables
+//! of `docs/input.md` (`reference`).
 
 mod adaptive;
 mod complete;
 mod derived;
+mod description;
 mod excerpt;
 mod expression;
 mod fault;
 mod groups;
 mod history;
 mod initial;
-mod keys;
 mod load;
 mod material;
 mod nodal;
 mod probes;
 mod problem;
+#[cfg(test)]
+mod reference;
 mod region;
 mod schema;
 mod set;
@@ -34,6 +37,8 @@ mod write;
 
 pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, Place};
+pub use material::materials;
 pub use problem::{Overrides, Problem, read};
 pub use schema::schema;
 pub use settings::{Limits, Output, Probe};
+pub use shape::meshes;

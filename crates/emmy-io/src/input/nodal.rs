@@ -1,13 +1,21 @@
-//! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attraction and drag of `[[load]]`.
+//! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attractions and drags of `[[load]]`.
 
 use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass, Region};
 use emmy::time::BodyFeature;
 
+use super::description::{Described, Kind, POSITIVE, Section};
 use super::fault::{Fault, Faults, Place};
-use super::keys;
-use super::region::{Placed, group};
+use super::region::Placed;
+use super::support::SUPPORT;
 use super::table::{Item, Table};
 use super::time::Time;
+
+/// `[[mass]]`.
+pub(super) static MASS: Described = Described::new(|| {
+    Section::new("[[mass]]", "Point masses")
+        .must("group", Kind::Text, "", "Group of nodes, facets or cells")
+        .must("mass", POSITIVE, "mass", "Mass at each of its nodes; several entries add up")
+});
 
 /// What is read, with the places of the groups.
 #[derive(Debug, Default)]
@@ -18,13 +26,18 @@ pub(super) struct PlacedNodal {
     drags: Vec<Placed<f64>>,
 }
 
-/// Reads all of them; what fails leaves its fault.
-pub(super) fn read(root: &Table<'_>, faults: &mut Faults) -> PlacedNodal {
+/// Reads masses and springs, to which attractions and drags are added; what fails leaves its fault.
+pub(super) fn read(
+    root: &Table<'_>,
+    attractions: Vec<Placed<GroundAttraction>>,
+    drags: Vec<Placed<f64>>,
+    faults: &mut Faults,
+) -> PlacedNodal {
     PlacedNodal {
         masses: each(root, "mass", None, mass, faults),
         springs: each(root, "support", Some("spring"), spring, faults),
-        attractions: each(root, "load", Some("attraction"), attraction, faults),
-        drags: each(root, "load", Some("drag"), drag, faults),
+        attractions,
+        drags,
     }
 }
 
@@ -86,7 +99,7 @@ fn each<T>(
 }
 
 fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
-    let table = item.table(keys::MASS)?;
+    let table = item.table(&MASS)?;
     let group = table.require("group")?.name()?;
     let mass = table.require("mass")?.positive()?;
     Placed::new(&table, PointMass { group, mass })
@@ -99,7 +112,7 @@ pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
 }
 
 fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
-    let table = item.table(keys::SUPPORT)?;
+    let table = item.table(&SUPPORT)?;
     let group = table.require("group")?.name()?;
     let stiffness = table.require("spring")?.positive()?;
     if let Some(until) = table.get("until") {
@@ -107,35 +120,4 @@ fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
         return Err(until.fault(message, "with a spring"));
     }
     Placed::new(&table, GroundSpring { group, stiffness })
-}
-
-fn attraction(item: Item<'_>) -> Result<Placed<GroundAttraction>, Fault> {
-    let table = item.table(keys::LOAD)?;
-    let load = table.exactly_one("one kind of load", super::load::KINDS)?;
-    if let Some(history) = table.get("history") {
-        let message = "an attraction has no `history`: its potential belongs to the energy, which it keeps";
-        return Err(history.fault(message, "leave it out"));
-    }
-    let parameters = load.table(keys::ATTRACTION_TO_A_POINT)?;
-    let centre = parameters.require("centre")?.numbers()?;
-    let strength = parameters.require("strength")?;
-    let value = strength.number()?;
-    if value == 0.0 {
-        return Err(strength.fault("`strength` must not be 0; a negative one repels", "no attraction"));
-    }
-    let group = group(&table)?.map(|(name, _)| name);
-    Placed::new(&table, GroundAttraction { group, centre, strength: value })
-}
-
-/// A drag acts on the whole body.
-fn drag(item: Item<'_>) -> Result<Placed<f64>, Fault> {
-    let table = item.table(keys::LOAD)?;
-    let load = table.exactly_one("one kind of load", super::load::KINDS)?;
-    for key in ["group", "history"] {
-        if let Some(item) = table.get(key) {
-            let message = format!("a drag has no `{key}`: it acts on the whole body at all times");
-            return Err(item.fault(message, "leave it out"));
-        }
-    }
-    Placed::new(&table, load.positive()?)
 }

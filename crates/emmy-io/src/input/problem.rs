@@ -7,18 +7,45 @@ use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::sparse::Solver;
 use emmy::time::Scheme;
 
+use super::description::{Described, Kind, Section};
 use super::fault::{Fault, Faults, InputError};
+use super::groups::Members;
 use super::region::Placed;
 use super::settings::{Limits, Output};
 use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    adaptive, complete, derived, groups, history, initial, keys, load, nodal, probes, region, set, settings,
-    shape, support, time, write,
+    adaptive, complete, derived, groups, history, initial, load, nodal, probes, region, set, settings, shape,
+    support, time, write,
 };
 use crate::mesh::MeshFile;
 use crate::message::shown;
+
+/// The whole input.
+pub(super) static ROOT: Described = Described::new(|| {
+    Section::new("the input", "Motion of an elastic body; units are any consistent set")
+        .may("title", Kind::Text, "", "Any text; it goes into the summary")
+        .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
+        .must("region", Kind::Tables(&region::REGION), "", "Material of the cells; one or more")
+        .may("mass", Kind::Tables(&nodal::MASS), "", "Point masses at nodes; none, one or more")
+        .may("load", Kind::Tables(&load::LOAD), "", "Loads on the body; none, one or more")
+        .may(
+            "support",
+            Kind::Tables(&support::SUPPORT),
+            "",
+            "Nodes that are held or driven; none, one or more",
+        )
+        .may("initial", Kind::Tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
+        .absent("at rest")
+        .must("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
+        .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
+        .default("{}")
+        .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
+        .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
+        .default("{}")
+        .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
+});
 
 /// What the command line says about an input.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -120,7 +147,7 @@ struct Parts {
     title: Option<String>,
     shape: Shape,
     regions: Vec<Placed<Region>>,
-    loads: Vec<Placed<Load>>,
+    loads: Vec<Placed<(Load, Members)>>,
     supports: Vec<Placed<Support>>,
     nodal: nodal::PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
@@ -134,7 +161,7 @@ struct Parts {
 impl Parts {
     fn read(tree: &Node, directory: &Path, overrides: &Overrides) -> Result<Parts, InputError> {
         let mut faults = Faults::default();
-        let root = match faults.keep(Table::root(tree, keys::ROOT)) {
+        let root = match faults.keep(Table::root(tree, &ROOT)) {
             Some(root) => root,
             None => return Err(faults.finish().err().unwrap_or_else(|| Fault::new("no input").into())),
         };
@@ -143,11 +170,11 @@ impl Parts {
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
-        let is_load = |item: &Item<'_>| ["attraction", "drag"].iter().all(|key| item.has_key(key).is_none());
-        let loads = optional_where(&root, "load", is_load, load::read, &mut faults);
+        let load::Sorted { loads, attractions, drags } =
+            optional(&root, "load", load::read, &mut faults).into_iter().collect();
         let is_support = |item: &Item<'_>| !nodal::is_spring_alone(item);
         let supports = optional_where(&root, "support", is_support, support::read, &mut faults);
-        let nodal = nodal::read(&root, &mut faults);
+        let nodal = nodal::read(&root, attractions, drags, &mut faults);
         faults.keep(root.get("mass").map_or(Ok(()), |item| item.one_or_more().map(|_| ())));
         let initial = optional(&root, "initial", initial::read, &mut faults);
         let time = faults
@@ -201,7 +228,8 @@ impl Parts {
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
         let held = support::places(&self.supports);
-        let (supports, loads) = (values(self.supports), values(self.loads));
+        let supports = values(self.supports);
+        let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
         let nodal = self.nodal.values();
         let body = Body::with_nodal(mesh, values(self.regions), &nodal, &supports, &loads);
@@ -238,7 +266,7 @@ impl Parts {
 fn with_groups(
     shape: &Shape,
     regions: &[Placed<Region>],
-    loads: &[Placed<Load>],
+    loads: &[Placed<(Load, Members)>],
     supports: &[Placed<Support>],
     nodal: &nodal::PlacedNodal,
     initial: &[Placed<InitialVelocity>],

@@ -1,10 +1,47 @@
 //! `[[region]]`: cells with a density and a material.
 
 use emmy::body::{Region, Viscosity};
+use emmy::material::ModelCells;
 
+use super::description::{Described, Kind, POSITIVE, Rule, Section};
 use super::fault::{Fault, Place};
+use super::material;
 use super::table::{Item, Table};
-use super::{keys, material};
+
+/// `[[region]]`.
+pub(super) static REGION: Described = Described::new(|| {
+    let section = Section::new("[[region]]", "Cells with a density and a material")
+        .may("group", Kind::Text, "", "Group of cells; with several regions each cell must be in exactly one")
+        .absent("with one region every cell")
+        .may("density", POSITIVE, "mass/length³", "Mass per reference volume")
+        .absent("of springs and attractions alone, which have none")
+        .may(
+            "thickness",
+            POSITIVE,
+            "length",
+            "Thickness of cells in plane strain; energies, masses and forces are proportional to it",
+        )
+        .absent("1")
+        .must("material", Kind::Table(&material::MATERIAL), "", "Exactly one model with its parameters")
+        .may("viscosity", Kind::Table(&VISCOSITY), "", "Viscosity of Kelvin and Voigt")
+        .absent("none");
+    Section { rule: Rule::Density, ..section }
+});
+
+static VISCOSITY: Described = Described::new(|| {
+    let doc = "Viscosity of Kelvin and Voigt: a stress linear in the strain rate; links have `time` alone";
+    Section::new("`viscosity`", doc)
+        .may(
+            "time",
+            POSITIVE,
+            "time",
+            "Time by which the stiffness at rest is multiplied: stiffness-proportional (Rayleigh) damping; a mode of angular \
+             frequency omega has the damping ratio `time` omega/2",
+        )
+        .may("shear", POSITIVE, "stress·time", "Shear viscosity")
+        .may("bulk", POSITIVE, "stress·time", "Bulk viscosity")
+        .at_least_one(&["time", "shear", "bulk"])
+});
 
 /// A part of the input with the place of its group's name, if it has one, and its own.
 #[derive(Debug)]
@@ -28,7 +65,7 @@ pub(super) fn group(table: &Table<'_>) -> Result<Option<(String, Place)>, Fault>
 
 /// Reads one region.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
-    let table = item.table(keys::REGION)?;
+    let table = item.table(&REGION)?;
     let material = table.require("material")?;
     let density = density(&table, material)?;
     let name = group(&table)?.map(|(name, _)| name);
@@ -46,8 +83,8 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
 
 /// The viscosity: a time, viscosities, or both.
 fn viscosity(item: Item<'_>, material: Item<'_>) -> Result<Viscosity, Fault> {
-    let table = item.table(keys::VISCOSITY)?;
-    let link = ["bar", "spring", "attraction"].into_iter().find(|model| material.has_key(model).is_some());
+    let table = item.table(&VISCOSITY)?;
+    let link = material::given(&material).find(|model| model.is_link()).map(|model| model.name);
     let number = |key: &str| {
         let Some(item) = table.get(key) else { return Ok(0.0) };
         match link.filter(|_| key != "time") {
@@ -69,11 +106,11 @@ fn viscosity(item: Item<'_>, material: Item<'_>) -> Result<Viscosity, Fault> {
 
 /// The density, which springs and attractions do not have.
 fn density(table: &Table<'_>, material: Item<'_>) -> Result<f64, Fault> {
-    let massless = ["spring", "attraction"].into_iter().find(|model| material.has_key(model).is_some());
+    let massless = material::given(&material).find(|model| model.cells == ModelCells::MasslessLinks);
     match (massless, table.get("density")) {
         (Some(_), None) => Ok(0.0),
         (Some(model), Some(density)) => {
-            let message = format!("`{model}` has no mass: `density` must be left out");
+            let message = format!("`{}` has no mass: `density` must be left out", model.name);
             Err(density.fault(message, "leave it out").help("`[[mass]]` puts masses at nodes"))
         }
         (None, _) => table.require("density")?.positive(),

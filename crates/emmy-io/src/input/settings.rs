@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use emmy::body::fields::FieldName;
+use emmy::material::Bounds;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::sparse::{SOLVERS, Solver};
 
+use super::description::{Described, Kind, POSITIVE, Section, list, vector, whole};
 use super::fault::{Fault, Place};
-use super::keys;
 use super::table::{Item, Table, spelled};
 use crate::vtk::{Format, Precision};
 
@@ -54,18 +55,106 @@ pub struct Limits {
     pub angular_momentum: Option<f64>,
 }
 
-/// Values of keys that are left out.
-pub(super) const DEFAULTS: &str = "\
-    [time]\ndegree = 1\n\
-    [newton]\ntolerance = 1e-10\nmax_iterations = 20\n\
-    [output]\nevery = 1\nformat = \"vtu\"\nprecision = \"double\"\n\
-    fields = [\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
+/// `[newton]`.
+pub(super) static NEWTON: Described = Described::new(|| {
+    Section::new("[newton]", "When the iteration of a step ends")
+        .may("tolerance", BELOW_ONE, "", "Relative size of the residual at which a step counts as solved")
+        .default("1e-10")
+        .may("max_iterations", whole(1), "", "Iterations before a step is given up, and cut")
+        .default("20")
+});
+
+/// A part of something.
+pub(super) const BELOW_ONE: Kind = Kind::Number(Bounds::Between(0.0, 1.0));
+
+/// `[solver]`.
+pub(super) static SOLVER: Described = Described::new(|| {
+    let kinds = SOLVERS.map(|(name, ..)| name).to_vec();
+    Section::new("[solver]", "Solver of the linear systems").must(
+        "kind",
+        Kind::Word(kinds),
+        "",
+        "`iterative`: conjugate gradients with an incomplete Cholesky factor; `direct`: sparse Cholesky factorisation; \
+         `auto`: the cheaper of both; `emmy list solvers` explains them",
+    )
+});
+
+/// `[output]`.
+pub(super) static OUTPUT: Described = Described::new(|| {
+    Section::new("[output]", "What is written, and where")
+        .may(
+            "directory",
+            Kind::Text,
+            "",
+            "Directory of the results, relative to the working directory; `--output` wins",
+        )
+        .absent("the name of the input file without `.toml`")
+        .may("every", whole(0), "", "Steps between frames, beside the first and the last state; 0: no frames")
+        .default("1")
+        .may(
+            "interval",
+            POSITIVE,
+            "time",
+            "Time between frames, in place of `every`; these times are met exactly",
+        )
+        .may("format", Kind::Word(Format::ALL.map(Format::name).to_vec()), "", FORMATS)
+        .default("\"vtu\"")
+        .may("precision", Kind::Word(Precision::ALL.map(Precision::name).to_vec()), "", PRECISIONS)
+        .default("\"double\"")
+        .may("fields", Kind::Words(FieldName::ALL.map(FieldName::name).to_vec()), "", FIELDS)
+        .default(DEFAULT_FIELDS)
+        .may(
+            "checkpoint_every",
+            whole(0),
+            "",
+            "Steps between checkpoints, beside the start and the last state; 0: none",
+        )
+        .default("50")
+        .may(
+            "log_every",
+            whole(0),
+            "",
+            "Steps between rows of `newton.csv` and between steps in `run.log`; 0: none",
+        )
+        .default("1")
+        .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path goes into the history")
+        .default("[]")
+});
+
+const FORMATS: &str = "Files of the frames: `.vtu` files and a collection of them, or one `.vtkhdf` file (ParaView 5.12, VTK 9.3)";
+const PRECISIONS: &str = "Precision of the fields in the frames; points and the history are always double";
+const FIELDS: &str = "Fields in the frames; `emmy list fields` explains them";
+const DEFAULT_FIELDS: &str = "[\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
     \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
-    \"strain_energy_density\", \"axial_force\"]\n\
-    checkpoint_every = 50\nlog_every = 1\nprobes = []\n";
+    \"strain_energy_density\", \"axial_force\"]";
+
+static PROBE: Described = Described::new(|| {
+    Section::new("a probe", "A node that is followed")
+        .must("name", Kind::Column(&TAKEN), "", "Name of its columns: letters, digits, `_` and `-`")
+        .must(
+            "point",
+            vector(),
+            "length",
+            "Reference position; the nearest node is taken, with a note if it lies elsewhere",
+        )
+});
+
+/// `[limits]`.
+pub(super) static LIMITS: Described = Described::new(|| {
+    Section::new("[limits]", "What ends a run early (exit code 4)")
+        .may("energy", POSITIVE, "", "Largest accumulated energy residual, as a part of the largest T + |V| so far")
+        .absent("no limit")
+        .may(
+            "angular_momentum",
+            POSITIVE,
+            "",
+            "Largest accumulated angular momentum residual, as a part of the largest norm of the angular momentum so far",
+        )
+        .absent("no limit")
+});
 
 pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
-    let table = item.table(keys::NEWTON)?;
+    let table = item.table(&NEWTON)?;
     let tolerance = table.require("tolerance")?;
     let value = tolerance.positive()?;
     if value >= 1.0 {
@@ -80,13 +169,12 @@ pub(super) fn newton(item: Item<'_>) -> Result<NewtonSettings, Fault> {
 }
 
 pub(super) fn solver(item: Item<'_>) -> Result<Solver, Fault> {
-    let table = item.table(keys::SOLVER)?;
-    let word = table.require("kind")?.word("a solver", &SOLVERS.map(|(name, ..)| name))?;
-    Ok(SOLVERS.into_iter().find(|(name, ..)| *name == word).map_or(Solver::Auto, |(_, solver, _)| solver))
+    let table = item.table(&SOLVER)?;
+    table.require("kind")?.one_of("a solver", &SOLVERS.map(|(name, solver, _)| (name, solver)))
 }
 
 pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
-    let table = item.table(keys::OUTPUT)?;
+    let table = item.table(&OUTPUT)?;
     let mut probes: Vec<(Probe, Place)> = Vec::new();
     for item in table.require("probes")?.list()? {
         let found = probe(item)?;
@@ -96,12 +184,14 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
         }
         probes.push(found);
     }
+    let formats = Format::ALL.map(|format| (format.name(), format));
+    let precisions = Precision::ALL.map(|precision| (precision.name(), precision));
     Ok(Output {
         directory: table.require("directory")?.string()?.into(),
         every: table.get("every").map_or(Ok(0), |item| item.whole(0))?,
         interval: interval(&table)?,
-        format: format(table.require("format")?)?,
-        precision: precision(table.require("precision")?)?,
+        format: table.require("format")?.one_of("a format of frames", &formats)?,
+        precision: table.require("precision")?.one_of("a precision of frames", &precisions)?,
         fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
         log_every: table.require("log_every")?.whole(0)?,
@@ -122,7 +212,7 @@ fn interval(table: &Table<'_>) -> Result<Option<f64>, Fault> {
 /// The plan that meets the times of the frames.
 pub(super) fn plan_with_frames(plan: StepPlan, output: &Output, item: &Item<'_>) -> Result<StepPlan, Fault> {
     let Some(interval) = output.interval else { return Ok(plan) };
-    let item = item.table(keys::OUTPUT)?.require("interval")?;
+    let item = item.table(&OUTPUT)?.require("interval")?;
     plan.with_interval(interval).map_err(|error| {
         let fault = item.fault(format!("`interval`: {}", reason(&error)), "not met by the steps");
         fault.help("give steps of which it is a multiple, or adaptive ones: those meet every such time")
@@ -163,17 +253,6 @@ impl Output {
     }
 }
 
-fn format(item: Item<'_>) -> Result<Format, Fault> {
-    let word = item.word("a format of frames", &Format::ALL.map(Format::name))?;
-    Ok(Format::ALL.into_iter().find(|format| format.name() == word).unwrap_or(Format::Vtu))
-}
-
-fn precision(item: Item<'_>) -> Result<Precision, Fault> {
-    let word = item.word("a precision of frames", &Precision::ALL.map(Precision::name))?;
-    let named = Precision::ALL.into_iter().find(|precision| precision.name() == word);
-    Ok(named.unwrap_or(Precision::Double))
-}
-
 fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
     let mut fields: Vec<FieldName> = Vec::new();
     for item in item.list_or("a list of fields, such as [\"displacement\", \"cauchy_stress\"]")? {
@@ -188,7 +267,7 @@ fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
 const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
 
 fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
-    let table = item.table(keys::PROBE)?;
+    let table = item.table(&PROBE)?;
     let name_item = table.require("name")?;
     let name = name_item.string()?;
     if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
@@ -204,7 +283,7 @@ fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
 }
 
 pub(super) fn limits(item: Item<'_>) -> Result<Limits, Fault> {
-    let table = item.table(keys::LIMITS)?;
+    let table = item.table(&LIMITS)?;
     let limit = |key: &str| table.get(key).map(|item| item.positive()).transpose();
     Ok(Limits { energy: limit("energy")?, angular_momentum: limit("angular_momentum")? })
 }

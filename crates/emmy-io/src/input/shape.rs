@@ -2,14 +2,145 @@
 
 use std::path::{Path, PathBuf};
 
+use emmy::material::IfAbsent;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
+use super::derived;
+use super::description::{Described, Key, Kind, POSITIVE, Section, exactly, list, vector, whole};
 use super::fault::{Fault, Place};
 use super::suggest::nearest;
 use super::table::{Item, Table, spelled};
-use super::{derived, keys};
 use crate::mesh::MeshFile;
 use crate::message;
+
+/// A source of meshes.
+struct SourceKind {
+    key: fn() -> Key,
+    /// Reads it; paths are relative to a directory.
+    read: fn(Item<'_>, &Path) -> Result<Source, Fault>,
+}
+
+/// Every source of meshes.
+const SOURCES: [SourceKind; 5] = [
+    SourceKind {
+        key: || {
+            Key::new(
+                "l-block",
+                Kind::Table(&L_BLOCK),
+                "",
+                "The L-shaped block of Betsch and Steinmann (2001): 10 long, 6 wide, 3 thick; groups `body`, `face-a` (y = 10), `face-b` (x = 6)",
+            )
+        },
+        read: |item, _| l_block(item.table(&L_BLOCK)?),
+    },
+    SourceKind {
+        key: || {
+            Key::new(
+                "box",
+                Kind::Table(&BOX),
+                "",
+                "A block of hex8 cells with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`, `z-min`, `z-max`",
+            )
+        },
+        read: |item, _| {
+            let (size, cells) = size_and_cells(item.table(&BOX)?)?;
+            Ok(Source::Box { size, cells })
+        },
+    },
+    SourceKind {
+        key: || {
+            Key::new(
+                "rectangle",
+                Kind::Table(&RECTANGLE),
+                "",
+                "A body in plane strain: quad4 cells in the plane z = 0 with a corner at the origin; groups `body`, `x-min`, `x-max`, `y-min`, `y-max`",
+            )
+        },
+        read: |item, _| {
+            let (size, cells) = size_and_cells(item.table(&RECTANGLE)?)?;
+            Ok(Source::Rectangle { size, cells })
+        },
+    },
+    SourceKind {
+        key: || {
+            Key::new(
+                "network",
+                Kind::Table(&NETWORK),
+                "",
+                "Links between points, for masses on springs, trusses, bodies in space; group `links` of all of them",
+            )
+        },
+        read: |item, _| Ok(Source::Network(Network::read(item.table(&NETWORK)?)?)),
+    },
+    SourceKind {
+        key: || {
+            Key::new(
+                "file",
+                Kind::Text,
+                "",
+                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp` or VTK `.vtu`; groups by their names in the file",
+            )
+        },
+        read: |item, directory| Ok(Source::File(directory.join(item.string()?))),
+    },
+];
+
+/// `[mesh]`.
+pub(super) static MESH: Described = Described::new(|| {
+    let keys: Vec<Key> = SOURCES.iter().map(|source| (source.key)()).collect();
+    let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+    let section = Section::new("[mesh]", "Where the cells come from: exactly one source").exactly_one(&names);
+    let add = |section: Section, key: Key| section.key(Key { if_absent: IfAbsent::Means(""), ..key });
+    let section = keys.into_iter().fold(section, add);
+    section.may("scale", POSITIVE, "", "Factor on all coordinates").absent("1")
+});
+
+static L_BLOCK: Described = Described::new(|| {
+    Section::new("l-block", "L-shaped block").must(
+        "cell_size",
+        POSITIVE,
+        "length",
+        "Edge of its hex8 cells: 1, 1/2, 1/3, ...",
+    )
+});
+
+static BOX: Described = Described::new(|| {
+    Section::new("box", "Block of hex8 cells")
+        .must("size", exactly(3, POSITIVE), "length", "Its three edges")
+        .must("cells", exactly(3, whole(1)), "", "Number of cells along each edge")
+});
+
+static RECTANGLE: Described = Described::new(|| {
+    Section::new("rectangle", "Rectangle of quad4 cells")
+        .must("size", exactly(2, POSITIVE), "length", "Its two edges")
+        .must("cells", exactly(2, whole(1)), "", "Number of cells along each edge")
+});
+
+static NETWORK: Described = Described::new(|| {
+    Section::new("network", "Links between points")
+        .must("points", list(0, vector()), "length", "Positions of the points, counted from 0")
+        .must("links", list(1, exactly(2, whole(0))), "", "Pairs of points, such as `[[0, 1], [1, 2]]`")
+        .may(
+            "groups",
+            Kind::Groups,
+            "",
+            "Groups of points by name, such as `{ star = [0], planets = [1, 2] }`",
+        )
+        .may("link_groups", Kind::Groups, "", "Groups of links by name, counted from 0")
+});
+
+/// Sources of meshes with a line on each, for `emmy list meshes`.
+pub fn meshes() -> Vec<(&'static str, String)> {
+    let line = |key: &Key| match &key.kind {
+        Kind::Table(section) => {
+            let keys: Vec<&str> = section.names().collect();
+            format!("{}; keys {}", key.doc, keys.join(", "))
+        }
+        _ => key.doc.clone(),
+    };
+    let text = |key: Key| (key.name, line(&key).replace('`', ""));
+    SOURCES.iter().map(|source| text((source.key)())).collect()
+}
 
 /// Where the mesh comes from.
 #[derive(Debug)]
@@ -77,7 +208,7 @@ impl Network {
         self.groups.iter().for_each(|(name, nodes)| builder.node_group(name, nodes.iter().copied()));
         self.link_groups.iter().for_each(|(name, links)| builder.cell_group(name, links.iter().copied()));
         let mesh = builder.build()?;
-        emmy::element::check(&mesh)?;
+        emmy::mesh::check(&mesh)?;
         Ok(mesh)
     }
 }
@@ -113,24 +244,12 @@ const MAX_CELLS: f64 = 2e7;
 
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
-    let table = item.table(keys::MESH)?;
-    let source = table.exactly_one("one source", &["l-block", "box", "rectangle", "network", "file"])?;
+    let table = item.table(&MESH)?;
+    let item = table.exactly_one("one source")?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
-    let place = source.place().clone();
-    let source = match source.key() {
-        "l-block" => l_block(source.table(keys::L_BLOCK)?)?,
-        "box" => {
-            let (size, cells) = size_and_cells(source.table(keys::BOX)?)?;
-            Source::Box { size, cells }
-        }
-        "rectangle" => {
-            let (size, cells) = size_and_cells(source.table(keys::RECTANGLE)?)?;
-            Source::Rectangle { size, cells }
-        }
-        "network" => Source::Network(Network::read(source.table(keys::NETWORK)?)?),
-        _ => Source::File(directory.join(source.string()?)),
-    };
-    Ok(Shape { source, place, scale })
+    let kind = SOURCES.iter().find(|source| (source.key)().name == item.key());
+    let kind = kind.ok_or_else(|| item.fault(format!("`{}` is not a source", item.key()), "not known"))?;
+    Ok(Shape { source: (kind.read)(item, directory)?, place: item.place().clone(), scale })
 }
 
 fn l_block(table: Table<'_>) -> Result<Source, Fault> {

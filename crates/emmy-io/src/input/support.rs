@@ -6,24 +6,65 @@ use emmy::motion::StepPlan;
 use emmy::number::{short, short_vector};
 use emmy::time::BodyFeature;
 
+use super::description::{Described, Kind, POSITIVE, Section, list, vector};
 use super::fault::{Fault, Place};
+use super::history;
 use super::region::Placed;
+use super::suggest::listed;
 use super::table::{Item, Table};
 use super::time::Time;
-use super::{history, keys};
 
 /// Names of the components.
 const COMPONENTS: [&str; 3] = ["x", "y", "z"];
 
-/// Keys that say what a support does; at least one is needed.
-const KINDS: [&str; 5] = ["fix", "move", "rotate", "symmetry", "spring"];
+/// `[[support]]`.
+pub(super) static SUPPORT: Described = Described::new(|| {
+    let symmetry =
+        "The facets of the group lie in a plane of symmetry, normal to the x, y or z axis, and stay in it";
+    Section::new("[[support]]", "Nodes that are held, moved or turned")
+        .must("group", Kind::Text, "", "Group of nodes, facets or cells")
+        .may("fix", list(1, Kind::Word(COMPONENTS.to_vec())), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
+        .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
+        .may("rotate", Kind::Table(&ROTATE), "", "Rotation of the group as a rigid body; a `move` beside it is added")
+        .may("symmetry", Kind::True, "", symmetry)
+        .may(
+            "spring",
+            POSITIVE,
+            "force/length",
+            "Stiffness of springs from each node to the ground, alike in all directions and at rest at the start; on a group \
+             of facets per reference area [force/length³]",
+        )
+        .may("until", POSITIVE, "time", "Time from which on the support no longer holds; not with `spring`")
+        .absent("it holds to the end")
+        .at_least_one(&["fix", "move", "rotate", "symmetry", "spring"])
+});
+
+static MOVE: Described = Described::new(|| {
+    Section::new("move", "Displacement of components over time, from 0 on")
+        .may("x", Kind::History, "length", "Displacement along x")
+        .absent("free")
+        .may("y", Kind::History, "length", "Displacement along y")
+        .absent("free")
+        .may("z", Kind::History, "length", "Displacement along z")
+        .absent("free")
+        .at_least_one(&COMPONENTS)
+});
+
+static ROTATE: Described = Described::new(|| {
+    Section::new("rotate", "Rotation of the group as a rigid body")
+        .must("axis", vector(), "", "Direction of the axis, of any length")
+        .may("about", vector(), "length", "A point of the axis")
+        .absent("the origin")
+        .must("angle", Kind::History, "radian", "Angle over time, from 0 on")
+});
 
 /// Reads one support.
 pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
-    let table = item.table(keys::SUPPORT)?;
+    let table = item.table(&SUPPORT)?;
     let group = table.require("group")?.name()?;
-    if KINDS.iter().all(|key| table.get(key).is_none()) {
-        let message = "[[support]] needs at least one of `fix`, `move`, `rotate`, `symmetry`, `spring`";
+    let kinds = SUPPORT.choice();
+    if kinds.iter().all(|key| table.get(key).is_none()) {
+        let message = format!("[[support]] needs at least one of {}", listed(kinds));
         return Err(Fault::at(table.place(), message, "none of them is here"));
     }
     let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();
@@ -57,7 +98,7 @@ fn symmetry(item: Item<'_>) -> Result<bool, Fault> {
 }
 
 fn displacement(item: Item<'_>) -> Result<[Option<History>; 3], Fault> {
-    let table = item.table(keys::MOVE)?;
+    let table = item.table(&MOVE)?;
     let mut displacement = [const { None }; 3];
     for (history, component) in displacement.iter_mut().zip(COMPONENTS) {
         *history = table.get(component).map(motion).transpose()?;
@@ -71,7 +112,7 @@ fn displacement(item: Item<'_>) -> Result<[Option<History>; 3], Fault> {
 }
 
 fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
-    let table = item.table(keys::ROTATE)?;
+    let table = item.table(&ROTATE)?;
     let axis_item = table.require("axis")?;
     let axis: [f64; 3] = axis_item.numbers()?;
     if axis == [0.0; 3] {

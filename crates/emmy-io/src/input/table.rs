@@ -1,7 +1,7 @@
 //! Typed reading of the tree: every mismatch is a fault with its place.
 
+use super::description::Section;
 use super::fault::{Fault, Place};
-use super::keys::Keys;
 use super::suggest::{did_you_mean, listed};
 use super::tree::{Entry, Node, Value};
 use crate::message;
@@ -10,7 +10,7 @@ use crate::message;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Table<'a> {
     entries: &'a [Entry],
-    keys: Keys,
+    section: &'static Section,
     place: &'a Place,
 }
 
@@ -25,8 +25,8 @@ pub(super) struct Item<'a> {
 
 impl<'a> Table<'a> {
     /// The root of the tree.
-    pub(super) fn root(node: &'a Node, keys: Keys) -> Result<Self, Fault> {
-        Item { key: "input", node, key_place: &node.place }.table(keys)
+    pub(super) fn root(node: &'a Node, section: &'static Section) -> Result<Self, Fault> {
+        Item { key: "input", node, key_place: &node.place }.table(section)
     }
 
     /// The value of a key, if it is there.
@@ -38,24 +38,25 @@ impl<'a> Table<'a> {
     /// The value of a key that must be there.
     pub(super) fn require(&self, key: &str) -> Result<Item<'a>, Fault> {
         self.get(key).ok_or_else(|| {
-            let message = format!("`{key}` is missing in {}", self.keys.table);
+            let message = format!("`{key}` is missing in {}", self.section.name);
             Fault::at(self.place, message, format!("needs `{key}`"))
         })
     }
 
-    /// The one of several keys that is there.
-    pub(super) fn exactly_one(&self, what: &str, keys: &[&str]) -> Result<Item<'a>, Fault> {
+    /// The one that is there of the keys of which the table must have one.
+    pub(super) fn exactly_one(&self, what: &str) -> Result<Item<'a>, Fault> {
+        let keys = self.section.choice();
         let found: Vec<Item> = keys.iter().filter_map(|key| self.get(key)).collect();
-        let choice = listed(keys.iter().copied());
+        let choice = listed(keys);
         match found[..] {
             [item] => Ok(item),
             [] => {
-                let message = format!("{} needs {what}: exactly one of {choice}", self.keys.table);
+                let message = format!("{} needs {what}: exactly one of {choice}", self.section.name);
                 Err(Fault::at(self.place, message, "none of them is here"))
             }
             _ => {
                 let message =
-                    format!("{} has more than {what}: give exactly one of {choice}", self.keys.table);
+                    format!("{} has more than {what}: give exactly one of {choice}", self.section.name);
                 let labels = ["this one"].into_iter().chain(std::iter::repeat("and this one"));
                 let label = |fault: Fault, (item, label): (&Item, &str)| fault.label(item.key_place, label);
                 Err(found.iter().zip(labels).fold(Fault::new(message), label))
@@ -69,11 +70,12 @@ impl<'a> Table<'a> {
     }
 
     fn check_keys(self) -> Result<Self, Fault> {
-        let unknown = |entry: &&Entry| !self.keys.keys.contains(&entry.key.as_str());
+        let Section { name, .. } = self.section;
+        let unknown = |entry: &&Entry| self.section.names().all(|key| key != entry.key);
         let Some(entry) = self.entries.iter().find(unknown) else { return Ok(self) };
-        let label = self.keys.advice(&entry.key).unwrap_or_else(|| "not a key".to_string());
-        let message = format!("unknown key `{}` in {}", entry.key, self.keys.table);
-        let help = format!("keys of {}: {}", self.keys.table, listed(self.keys.keys.iter().copied()));
+        let label = self.section.advice(&entry.key).unwrap_or_else(|| "not a key".to_string());
+        let message = format!("unknown key `{}` in {name}", entry.key);
+        let help = format!("keys of {name}: {}", listed(self.section.names()));
         Err(Fault::at(&entry.place, message, label).help(help))
     }
 }
@@ -100,11 +102,11 @@ impl<'a> Item<'a> {
     }
 
     /// A table whose keys are all known.
-    pub(super) fn table(&self, keys: Keys) -> Result<Table<'a>, Fault> {
+    pub(super) fn table(&self, section: &'static Section) -> Result<Table<'a>, Fault> {
         match &self.node.value {
-            Value::Table(entries) => Table { entries, keys, place: &self.node.place }.check_keys(),
+            Value::Table(entries) => Table { entries, section, place: &self.node.place }.check_keys(),
             _ => {
-                let all = listed(keys.keys.iter().copied());
+                let all = listed(section.names());
                 Err(self.mismatch(&format!("a table with the keys {all}")))
             }
         }
@@ -195,6 +197,16 @@ impl<'a> Item<'a> {
         let label = did_you_mean(text, known.iter().copied()).unwrap_or_else(|| format!("not {what}"));
         let message = format!("`{text}` is not {what}; there is {}", listed(known.iter().copied()));
         Err(self.fault(message, label))
+    }
+
+    /// The value that one of the known words stands for.
+    pub(super) fn one_of<T: Copy>(&self, what: &str, known: &[(&str, T)]) -> Result<T, Fault> {
+        let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
+        let word = self.word(what, &words)?;
+        let found = known.iter().find(|(other, _)| *other == word);
+        found
+            .map(|(_, value)| *value)
+            .ok_or_else(|| self.fault(format!("`{word}` is not {what}"), "not known"))
     }
 
     /// A finite number; whole numbers are numbers too.

@@ -1,12 +1,43 @@
 //! `[time]`: scheme with its degree, and step plan; `--until`.
 
 use emmy::motion::{Phase, StepPlan};
-use emmy::time::Scheme;
+use emmy::time::{MAX_DEGREE, Scheme};
 
+use super::adaptive;
+use super::description::{Described, Kind, NUMBER, POSITIVE, Section, list};
 use super::fault::{Fault, Place};
 use super::suggest::nearest;
 use super::table::{Item, spelled};
-use super::{adaptive, keys};
+
+/// `[time]`.
+pub(super) static TIME: Described = Described::new(|| {
+    Section::new("[time]", "Scheme, degree and steps")
+        .must("scheme", Kind::Scheme, "", "Scheme in time; `emmy list schemes` explains them")
+        .may(
+            "degree",
+            Kind::Whole(1, Some(MAX_DEGREE)),
+            "",
+            "Degree k of the time elements; of order 2k at the ends of the steps",
+        )
+        .default("1")
+        .may("steps", list(1, Kind::Table(&PHASE)), "", "Phases of steps, from t = 0 on")
+        .may("adaptive", Kind::Table(&adaptive::ADAPTIVE), "", "Sizes chosen by the error of each step, in place of `steps`")
+        .may("until", NUMBER, "time", "End of a run with adaptive steps")
+        .may(
+            "smallest_step",
+            POSITIVE,
+            "time",
+            "Size down to which a step that fails is cut by two; one above the planned sizes: steps are not cut",
+        )
+        .absent("1/1024 of the planned size")
+        .at_least_one(&["steps", "adaptive"])
+});
+
+static PHASE: Described = Described::new(|| {
+    Section::new("a phase of steps", "Steps of one size")
+        .must("until", NUMBER, "time", "Time at which the phase ends")
+        .must("size", POSITIVE, "time", "Step size; the last step of a phase is shortened to end on `until`")
+});
 
 /// Scheme and plan.
 #[derive(Debug, Clone)]
@@ -21,7 +52,7 @@ pub(super) struct Time {
 
 /// Reads the table; `until` is the end that the command line asks for, `step` a time and the step size that it asks for from then on.
 pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
-    let table = item.table(keys::TIME)?;
+    let table = item.table(&TIME)?;
     let scheme_item = table.require("scheme")?;
     let scheme = scheme(&scheme_item)?;
     let degree_item = table.require("degree")?;
@@ -121,7 +152,7 @@ fn plan_reason(error: emmy::Error) -> String {
 }
 
 fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
-    let table = item.table(keys::PHASE)?;
+    let table = item.table(&PHASE)?;
     Ok(Phase { until: table.require("until")?.number()?, size: table.require("size")?.positive()? })
 }
 

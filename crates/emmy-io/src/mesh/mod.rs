@@ -7,14 +7,31 @@ mod other;
 pub(crate) mod vtu;
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use emmy::mesh::{Cell, Mesh, MeshBuilder};
+use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 use emmy::number::short_vector;
 
 pub use error::{MeshError, Place, Position};
 
 /// Kinds of cells that files may hold, for messages.
-const KINDS: &str = "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5, or in a plane of tri3, tri6, quad4, quad8 or quad9";
+fn kinds() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let names = |kinds: &[CellKind]| {
+            let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+            let (last, first) = names.split_last().unwrap_or((&"", &[]));
+            format!("{} or {last}", first.join(", "))
+        };
+        format!("{}, or in a plane of {}", names(&CellKind::SOLIDS), names(&CellKind::PLANES))
+    });
+    &TEXT
+}
+
+/// Number of a kind of cell in Gmsh, if it has one, and its types in Abaqus.
+#[cfg(test)]
+pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) {
+    (gmsh::number(kind), abaqus::types(kind))
+}
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
@@ -174,7 +191,7 @@ fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
     if let Some(&[first, repeated]) = mesh.repeated_cells().first() {
         return Err(MeshError::RepeatedCell { file: file(), repeated: name(repeated), first: name(first) });
     }
-    emmy::element::check(mesh).map_err(|reason| match reason {
+    emmy::mesh::check(mesh).map_err(|reason| match reason {
         emmy::Error::InvertedCell { cell, kind, det } => {
             MeshError::InvertedCell { file: file(), cell: name(cell as u32), kind, det }
         }

@@ -187,24 +187,9 @@ pub(crate) const GROUP: &str = "group:";
 /// Array of a group of facets, as cell data: bit i stands for face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
-/// Number of a cell type in VTK. The base of a wedge is counter-clockwise as seen from the top, as in the face tables of VTK.
+/// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
 pub(crate) fn cell_type(kind: CellKind) -> u8 {
-    match kind {
-        CellKind::Hex8 => 12,
-        CellKind::Hex20 => 25,
-        CellKind::Hex27 => 29,
-        CellKind::Tet4 => 10,
-        CellKind::Tet10 => 24,
-        CellKind::Wedge6 => 13,
-        CellKind::Wedge15 => 26,
-        CellKind::Pyramid5 => 14,
-        CellKind::Tri3 => 5,
-        CellKind::Tri6 => 22,
-        CellKind::Quad4 => 9,
-        CellKind::Quad8 => 23,
-        CellKind::Quad9 => 28,
-        CellKind::Line2 => 3,
-    }
+    kind.info().vtk_type
 }
 
 /// Name of a directory, also of `.` and `..`; characters that XML cannot hold become `_`.

@@ -83,7 +83,7 @@ fn wedges_and_pyramids_have_their_faces_where_abaqus_has_them() {
     let kinds: Vec<CellKind> = mesh.cells().map(|cell| cell.kind).collect();
     assert_eq!(kinds, [CellKind::Wedge15, CellKind::Hex8, CellKind::Pyramid5, CellKind::Wedge6]);
     assert!((volume(mesh) - 0.5 - 1.0 - 1.0 / 3.0 - 0.5).abs() < 1e-12);
-    assert!((emmy::element::quality(mesh).volume - volume(mesh)).abs() < 1e-12);
+    assert!((emmy::mesh::quality(mesh).volume - volume(mesh)).abs() < 1e-12);
     assert_straight(mesh);
     for (group, axis, value, n_nodes) in [
         ("curved-s1", 2, 0.0, 6),

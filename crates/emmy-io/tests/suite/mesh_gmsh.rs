@@ -72,7 +72,7 @@ fn kinds_are_mixed_with_triangles_and_quadrilaterals_between_them() {
         let count = |kind| mesh.cells().filter(|cell| cell.kind == kind).count();
         assert_eq!([CellKind::Hex8, CellKind::Pyramid5, CellKind::Tet4].map(count), [1, 1, 24]);
         assert!((volume(mesh) - 2.0).abs() < 1e-12);
-        assert!(emmy::element::quality(mesh).inverted.is_empty());
+        assert!(emmy::mesh::quality(mesh).inverted.is_empty());
         // The face of the hexahedron on which the pyramid stands is found once, as one of the first cell's.
         let n_facets = ["clamp", "tip", "7", "skin"].map(|name| groups.facets(name).unwrap().len());
         assert_eq!(n_facets, [1, 4, 1, 9]);

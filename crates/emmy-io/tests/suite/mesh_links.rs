@@ -34,7 +34,7 @@ fn a_file_of_lines_alone_is_a_network() {
     let text = format!("{}$Elements\n2\n1 1 2 1 1 4 5\n2 1 2 1 1 5 6\n$EndElements\n", &GMSH[..start]);
     let file = parse_with_links("a.msh".as_ref(), text.as_bytes(), &["springs".to_string()]).unwrap();
     assert_eq!(file.mesh.counts_by_kind(), [(CellKind::Line2, 2)]);
-    assert!((emmy::element::quality(&file.mesh).volume - 2.0).abs() < 1e-15);
+    assert!((emmy::mesh::quality(&file.mesh).volume - 2.0).abs() < 1e-15);
     let none = parse("a.msh".as_ref(), text.as_bytes()).unwrap_err().to_string();
     assert!(none.contains("the mesh has no solid or plane cells"), "{none}");
 }

@@ -18,7 +18,7 @@ fn v2() -> String {
 }
 
 fn area(mesh: &Mesh) -> f64 {
-    emmy::element::quality(mesh).volume
+    emmy::mesh::quality(mesh).volume
 }
 
 fn assert_square(file: &MeshFile) {
@@ -63,7 +63,7 @@ fn quadratic_cells_of_gmsh_have_their_nodes_where_vtk_has_them() {
     );
     let mesh = parse_text("a.msh", &text).unwrap().mesh;
     assert!((area(&mesh) - 1.5).abs() < 1e-14);
-    let quality = emmy::element::quality(&mesh);
+    let quality = emmy::mesh::quality(&mesh);
     assert!((quality.jacobian_ratio.value - 1.0).abs() < 1e-14, "{quality:?}");
 }
 

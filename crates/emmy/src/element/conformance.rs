@@ -29,16 +29,12 @@ enum Domain {
 
 impl Domain {
     fn of(kind: CellKind) -> Self {
-        match kind.linear() {
-            CellKind::Tet4 => Domain::Simplex,
-            CellKind::Wedge6 => Domain::Wedge,
-            CellKind::Pyramid5 => Domain::Pyramid,
-            _ => Domain::Cube,
+        match kind.info().shape {
+            CellShape::Tetrahedron | CellShape::Triangle => Domain::Simplex,
+            CellShape::Wedge => Domain::Wedge,
+            CellShape::Pyramid => Domain::Pyramid,
+            CellShape::Hexahedron | CellShape::Quadrilateral | CellShape::Line => Domain::Cube,
         }
-    }
-
-    fn of_plane(kind: CellKind) -> Self {
-        if kind.linear() == CellKind::Tri3 { Domain::Simplex } else { Domain::Cube }
     }
 
     /// What the shape functions are multiplied with to become polynomials, a function of the last coordinate.
@@ -263,8 +259,8 @@ fn flat(rule: Quadrature<3>) -> Quadrature<2> {
 /// What holds for a cell holds for a plane one in its two coordinates; its edges have the cell on their left.
 fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
     assert_eq!(element(kind).nodes().len(), kind.n_nodes());
-    conforms(&Flat(kind), Domain::of_plane(kind), degree, points);
-    integrates_stiffness(&Flat(kind), Domain::of_plane(kind));
+    conforms(&Flat(kind), Domain::of(kind), degree, points);
+    integrates_stiffness(&Flat(kind), Domain::of(kind));
     let (cell, corners) = (element(kind), &element(kind).nodes()[..kind.n_corners()]);
     let centre = [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64);
     for facet in kind.facets() {

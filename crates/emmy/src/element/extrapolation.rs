@@ -1,7 +1,6 @@
 //! From the quadrature points of a cell to its nodes.
 
-use super::element;
-use crate::mesh::CellKind;
+use super::{CellKind, CellShape, element};
 
 /// Values at the nodes of a cell from those at its quadrature points, `[n_nodes][n_points]`.
 ///
@@ -57,18 +56,18 @@ pub fn extrapolation(kind: CellKind) -> Vec<f64> {
 
 /// The polynomials of a kind at a point, the constant first.
 fn polynomials(kind: CellKind, [x, y, z]: [f64; 3]) -> Vec<f64> {
-    match kind.linear() {
-        CellKind::Hex8 => vec![1.0, x, y, z, x * y, y * z, x * z, x * y * z],
-        CellKind::Wedge6 => vec![1.0, x, y, z, x * z, y * z],
-        CellKind::Pyramid5 if z == 1.0 => vec![1.0, 0.0, 0.0, 0.0],
-        CellKind::Pyramid5 => {
+    match kind.info().shape {
+        CellShape::Hexahedron => vec![1.0, x, y, z, x * y, y * z, x * z, x * y * z],
+        CellShape::Wedge => vec![1.0, x, y, z, x * z, y * z],
+        CellShape::Pyramid if z == 1.0 => vec![1.0, 0.0, 0.0, 0.0],
+        CellShape::Pyramid => {
             let [u, v] = [x / (1.0 - z), y / (1.0 - z)];
             vec![1.0, u, v, u * v]
         }
-        CellKind::Quad4 => vec![1.0, x, y, x * y],
-        CellKind::Tri3 => vec![1.0, x, y],
-        CellKind::Line2 => vec![1.0],
-        _ => vec![1.0, x, y, z],
+        CellShape::Quadrilateral => vec![1.0, x, y, x * y],
+        CellShape::Triangle => vec![1.0, x, y],
+        CellShape::Line => vec![1.0],
+        CellShape::Tetrahedron => vec![1.0, x, y, z],
     }
 }
 

@@ -1,6 +1,7 @@
 //! Serendipity hexahedron.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, serendipity_gradient, serendipity_shape};
 use crate::quadrature::{Quadrature, cube};
 
@@ -21,6 +22,22 @@ use crate::quadrature::{Quadrature, cube};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hex20;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "hex20",
+    description: "serendipity hexahedron, 20 nodes",
+    shape: CellShape::Hexahedron,
+    n_nodes: 20,
+    vtk_type: 25,
+    facets: facets![Quad8;
+        [0, 4, 7, 3, 16, 15, 19, 11],
+        [1, 2, 6, 5, 9, 18, 13, 17],
+        [0, 1, 5, 4, 8, 17, 12, 16],
+        [3, 7, 6, 2, 19, 14, 18, 10],
+        [0, 3, 2, 1, 11, 10, 9, 8],
+        [4, 5, 6, 7, 12, 13, 14, 15]],
+    element: &Hex20,
+};
 
 impl ReferenceElement<3> for Hex20 {
     fn nodes(&self) -> &'static [[f64; 3]] {

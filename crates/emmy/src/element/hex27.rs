@@ -1,6 +1,7 @@
 //! Triquadratic hexahedron.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, gradient, quadratic, shape};
 use crate::quadrature::{Quadrature, cube};
 
@@ -19,6 +20,22 @@ use crate::quadrature::{Quadrature, cube};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hex27;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "hex27",
+    description: "triquadratic hexahedron, 27 nodes",
+    shape: CellShape::Hexahedron,
+    n_nodes: 27,
+    vtk_type: 29,
+    facets: facets![Quad9;
+        [0, 4, 7, 3, 16, 15, 19, 11, 20],
+        [1, 2, 6, 5, 9, 18, 13, 17, 21],
+        [0, 1, 5, 4, 8, 17, 12, 16, 22],
+        [3, 7, 6, 2, 19, 14, 18, 10, 23],
+        [0, 3, 2, 1, 11, 10, 9, 8, 24],
+        [4, 5, 6, 7, 12, 13, 14, 15, 25]],
+    element: &Hex27,
+};
 
 impl ReferenceElement<3> for Hex27 {
     fn nodes(&self) -> &'static [[f64; 3]] {

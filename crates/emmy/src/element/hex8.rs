@@ -1,6 +1,7 @@
 //! Trilinear hexahedron.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, gradient, linear, shape};
 use crate::quadrature::{Quadrature, cube};
 
@@ -20,6 +21,18 @@ use crate::quadrature::{Quadrature, cube};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hex8;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "hex8",
+    description: "trilinear hexahedron, 8 nodes",
+    shape: CellShape::Hexahedron,
+    n_nodes: 8,
+    vtk_type: 12,
+    // Order of the faces: x-min, x-max, y-min, y-max, z-min, z-max of the reference cube.
+    facets: facets![Quad4;
+        [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]],
+    element: &Hex8,
+};
 
 impl ReferenceElement<3> for Hex8 {
     fn nodes(&self) -> &'static [[f64; 3]] {

@@ -1,6 +1,8 @@
 //! Lines: the edges of plane cells, and links.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape};
+use super::lifted;
 use super::tensor_product::{gradient, linear, quadratic, shape};
 use crate::quadrature::{Quadrature, gauss};
 
@@ -21,6 +23,16 @@ pub(super) const LINE_NODES: [[f64; 1]; 3] = [[-1.0], [1.0], [0.0]];
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line2;
+
+pub(super) const LINE2: CellInfo = CellInfo {
+    name: "line2",
+    description: "link: bar, spring or attraction, 2 nodes",
+    shape: CellShape::Line,
+    n_nodes: 2,
+    vtk_type: 3,
+    facets: &[],
+    element: &lifted::LINK,
+};
 
 impl ReferenceElement<1> for Line2 {
     fn nodes(&self) -> &'static [[f64; 1]] {

@@ -1,4 +1,5 @@
-//! Reference elements: shape functions N, their gradients, and the quadrature that goes with them. One element a file.
+//! Reference elements: shape functions N, their gradients, and the quadrature that goes with them. One element a file, with the
+//! description of its kind of cell.
 
 #![allow(non_snake_case)]
 
@@ -8,11 +9,11 @@ mod extrapolation;
 mod hex20;
 mod hex27;
 mod hex8;
+mod kind;
 mod lifted;
 mod line;
 mod pyramid5;
 mod quad;
-mod quality;
 mod simplex;
 mod tensor_product;
 mod tet10;
@@ -26,19 +27,50 @@ pub use extrapolation::extrapolation;
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
+pub use kind::{CellInfo, CellShape, FacetKind, LocalFacet};
 pub use line::{Line2, Line3};
 pub use pyramid5::Pyramid5;
 pub use quad::{Quad4, Quad8, Quad9};
-pub use quality::{Quality, Worst, check, quality};
 pub use tet4::Tet4;
 pub use tet10::Tet10;
 pub use tri::{Tri3, Tri6};
 pub use wedge6::Wedge6;
 pub use wedge15::Wedge15;
 
-use crate::mesh::{CellKind, FacetKind};
 use crate::quadrature::Quadrature;
 use crate::tensor::Mat3;
+
+// A new kind has its line here.
+kind::cell_kinds! {
+    /// Trilinear hexahedron, 8 nodes.
+    Hex8 = hex8::INFO;
+    /// Serendipity hexahedron, 20 nodes.
+    Hex20 = hex20::INFO;
+    /// Triquadratic hexahedron, 27 nodes.
+    Hex27 = hex27::INFO;
+    /// Linear tetrahedron, 4 nodes.
+    Tet4 = tet4::INFO;
+    /// Quadratic tetrahedron, 10 nodes.
+    Tet10 = tet10::INFO;
+    /// Linear wedge, 6 nodes. The base 0, 1, 2 is seen counter-clockwise from the top 3, 4, 5.
+    Wedge6 = wedge6::INFO;
+    /// Serendipity wedge, 15 nodes.
+    Wedge15 = wedge15::INFO;
+    /// Linear pyramid with rational shape functions, 5 nodes. The base is seen counter-clockwise from the apex.
+    Pyramid5 = pyramid5::INFO;
+    /// Linear triangle of a body in plane strain, 3 nodes, counter-clockwise.
+    Tri3 = tri::TRI3;
+    /// Quadratic triangle of a body in plane strain, 6 nodes.
+    Tri6 = tri::TRI6;
+    /// Bilinear quadrilateral of a body in plane strain, 4 nodes, counter-clockwise.
+    Quad4 = quad::QUAD4;
+    /// Serendipity quadrilateral of a body in plane strain, 8 nodes.
+    Quad8 = quad::QUAD8;
+    /// Biquadratic quadrilateral of a body in plane strain, 9 nodes.
+    Quad9 = quad::QUAD9;
+    /// Link of two nodes: a bar, a spring, an attraction.
+    Line2 = line::LINE2;
+}
 
 /// A reference element of dimension `D`.
 ///
@@ -73,22 +105,7 @@ pub trait ReferenceElement<const D: usize>: Send + Sync {
 /// assert_eq!(N, [0.125; 8]);
 /// ```
 pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
-    match kind {
-        CellKind::Hex8 => &Hex8,
-        CellKind::Hex20 => &Hex20,
-        CellKind::Hex27 => &Hex27,
-        CellKind::Tet4 => &Tet4,
-        CellKind::Tet10 => &Tet10,
-        CellKind::Wedge6 => &Wedge6,
-        CellKind::Wedge15 => &Wedge15,
-        CellKind::Pyramid5 => &Pyramid5,
-        CellKind::Tri3 => &lifted::TRI3,
-        CellKind::Tri6 => &lifted::TRI6,
-        CellKind::Quad4 => &lifted::QUAD4,
-        CellKind::Quad8 => &lifted::QUAD8,
-        CellKind::Quad9 => &lifted::QUAD9,
-        CellKind::Line2 => &lifted::LINK,
-    }
+    kind.info().element
 }
 
 /// Reference element of a kind of facet, in two coordinates: nothing depends on the second one of an edge.
@@ -166,6 +183,8 @@ pub fn facet_tangents(kind: FacetKind, X: &[[f64; 3]], dN: &[[f64; 2]]) -> [[f64
     let tangent = |j: usize| [0, 1, 2].map(|i| X.iter().zip(dN).map(|(X, dN)| X[i] * dN[j]).sum::<f64>());
     match kind {
         FacetKind::Line2 | FacetKind::Line3 => [tangent(0), [0.0, 0.0, 1.0]],
-        _ => [tangent(0), tangent(1)],
+        FacetKind::Tri3 | FacetKind::Tri6 | FacetKind::Quad4 | FacetKind::Quad8 | FacetKind::Quad9 => {
+            [tangent(0), tangent(1)]
+        }
     }
 }

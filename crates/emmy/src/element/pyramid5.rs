@@ -1,6 +1,7 @@
 //! Linear pyramid.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use crate::quadrature::{Quadrature, pyramid};
 
 /// Linear pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 5 nodes, 2x2 points for the
@@ -27,6 +28,18 @@ use crate::quadrature::{Quadrature, pyramid};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pyramid5;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "pyramid5",
+    description: "linear pyramid with rational shape functions, 5 nodes",
+    shape: CellShape::Pyramid,
+    n_nodes: 5,
+    vtk_type: 14,
+    // Order of the faces: base, then the sides over the edges 01, 12, 23, 30 of the base.
+    facets: facets![
+        Quad4[0, 3, 2, 1], Tri3[0, 1, 4], Tri3[1, 2, 4], Tri3[2, 3, 4], Tri3[3, 0, 4]],
+    element: &Pyramid5,
+};
 
 const NODES: [[f64; 3]; 5] =
     [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -5,6 +5,8 @@
 //! with p + 1 points, exact to 2p + 1, integrate it exactly, and products of two shape functions on flat facets too.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
+use super::lifted;
 use super::tensor_product::{
     SQUARE_NODES, gradient, linear, quadratic, serendipity_gradient, serendipity_shape, shape,
 };
@@ -24,6 +26,16 @@ use crate::quadrature::{Quadrature, square};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad4;
+
+pub(super) const QUAD4: CellInfo = CellInfo {
+    name: "quad4",
+    description: "bilinear quadrilateral in plane strain, 4 nodes",
+    shape: CellShape::Quadrilateral,
+    n_nodes: 4,
+    vtk_type: 9,
+    facets: facets![Line2; [0, 1], [1, 2], [2, 3], [3, 0]],
+    element: &lifted::QUAD4,
+};
 
 impl ReferenceElement<2> for Quad4 {
     fn nodes(&self) -> &'static [[f64; 2]] {
@@ -59,6 +71,18 @@ impl ReferenceElement<2> for Quad4 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad8;
 
+const EDGES: &[LocalFacet] = facets![Line3; [0, 1, 4], [1, 2, 5], [2, 3, 6], [3, 0, 7]];
+
+pub(super) const QUAD8: CellInfo = CellInfo {
+    name: "quad8",
+    description: "serendipity quadrilateral in plane strain, 8 nodes",
+    shape: CellShape::Quadrilateral,
+    n_nodes: 8,
+    vtk_type: 23,
+    facets: EDGES,
+    element: &lifted::QUAD8,
+};
+
 impl ReferenceElement<2> for Quad8 {
     fn nodes(&self) -> &'static [[f64; 2]] {
         &SQUARE_NODES[..8]
@@ -91,6 +115,16 @@ impl ReferenceElement<2> for Quad8 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quad9;
+
+pub(super) const QUAD9: CellInfo = CellInfo {
+    name: "quad9",
+    description: "biquadratic quadrilateral in plane strain, 9 nodes",
+    shape: CellShape::Quadrilateral,
+    n_nodes: 9,
+    vtk_type: 28,
+    facets: EDGES,
+    element: &lifted::QUAD9,
+};
 
 impl ReferenceElement<2> for Quad9 {
     fn nodes(&self) -> &'static [[f64; 2]] {

@@ -1,6 +1,7 @@
 //! Quadratic tetrahedron.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::simplex::{TETRAHEDRON_NODES, quadratic_gradient, quadratic_shape};
 use crate::quadrature::{Quadrature, tetrahedron};
 
@@ -21,6 +22,17 @@ use crate::quadrature::{Quadrature, tetrahedron};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tet10;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "tet10",
+    description: "quadratic tetrahedron, 10 nodes",
+    shape: CellShape::Tetrahedron,
+    n_nodes: 10,
+    vtk_type: 24,
+    facets: facets![Tri6;
+        [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]],
+    element: &Tet10,
+};
 
 impl ReferenceElement<3> for Tet10 {
     fn nodes(&self) -> &'static [[f64; 3]] {

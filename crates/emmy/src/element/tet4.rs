@@ -1,6 +1,7 @@
 //! Linear tetrahedron.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::simplex::{TETRAHEDRON_NODES, linear_gradient, linear_shape};
 use crate::quadrature::{Quadrature, tetrahedron};
 
@@ -18,6 +19,16 @@ use crate::quadrature::{Quadrature, tetrahedron};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tet4;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "tet4",
+    description: "linear tetrahedron, 4 nodes",
+    shape: CellShape::Tetrahedron,
+    n_nodes: 4,
+    vtk_type: 10,
+    facets: facets![Tri3; [1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]],
+    element: &Tet4,
+};
 
 impl ReferenceElement<3> for Tet4 {
     fn nodes(&self) -> &'static [[f64; 3]] {

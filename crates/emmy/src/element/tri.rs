@@ -1,6 +1,8 @@
 //! Triangles: the facets of tetrahedra.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
+use super::lifted;
 use super::simplex::{TRIANGLE_NODES, linear_gradient, linear_shape, quadratic_gradient, quadratic_shape};
 use crate::quadrature::{Quadrature, triangle};
 
@@ -20,6 +22,16 @@ use crate::quadrature::{Quadrature, triangle};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tri3;
+
+pub(super) const TRI3: CellInfo = CellInfo {
+    name: "tri3",
+    description: "linear triangle in plane strain, 3 nodes",
+    shape: CellShape::Triangle,
+    n_nodes: 3,
+    vtk_type: 5,
+    facets: facets![Line2; [0, 1], [1, 2], [2, 0]],
+    element: &lifted::TRI3,
+};
 
 impl ReferenceElement<2> for Tri3 {
     fn nodes(&self) -> &'static [[f64; 2]] {
@@ -56,6 +68,16 @@ impl ReferenceElement<2> for Tri3 {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tri6;
+
+pub(super) const TRI6: CellInfo = CellInfo {
+    name: "tri6",
+    description: "quadratic triangle in plane strain, 6 nodes",
+    shape: CellShape::Triangle,
+    n_nodes: 6,
+    vtk_type: 22,
+    facets: facets![Line3; [0, 1, 3], [1, 2, 4], [2, 0, 5]],
+    element: &lifted::TRI6,
+};
 
 impl ReferenceElement<2> for Tri6 {
     fn nodes(&self) -> &'static [[f64; 2]] {

@@ -1,6 +1,7 @@
 //! Serendipity wedge.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::wedge::{WEDGE_NODES, linear, quadratic};
 use crate::quadrature::{Quadrature, wedge};
 
@@ -26,6 +27,21 @@ use crate::quadrature::{Quadrature, wedge};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wedge15;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "wedge15",
+    description: "serendipity wedge, 15 nodes",
+    shape: CellShape::Wedge,
+    n_nodes: 15,
+    vtk_type: 26,
+    facets: facets![
+        Tri6[0, 2, 1, 8, 7, 6],
+        Tri6[3, 4, 5, 9, 10, 11],
+        Quad8[0, 1, 4, 3, 6, 13, 9, 12],
+        Quad8[1, 2, 5, 4, 7, 14, 10, 13],
+        Quad8[2, 0, 3, 5, 8, 12, 11, 14]],
+    element: &Wedge15,
+};
 
 impl ReferenceElement<3> for Wedge15 {
     fn nodes(&self) -> &'static [[f64; 3]] {

@@ -1,6 +1,7 @@
 //! Linear wedge.
 
 use super::ReferenceElement;
+use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::wedge::{WEDGE_NODES, linear};
 use crate::quadrature::{Quadrature, wedge};
 
@@ -21,6 +22,18 @@ use crate::quadrature::{Quadrature, wedge};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wedge6;
+
+pub(super) const INFO: CellInfo = CellInfo {
+    name: "wedge6",
+    description: "linear wedge, 6 nodes",
+    shape: CellShape::Wedge,
+    n_nodes: 6,
+    vtk_type: 13,
+    // Order of the faces: base, top, then the sides over the edges 01, 12, 20 of the base.
+    facets: facets![
+        Tri3[0, 2, 1], Tri3[3, 4, 5], Quad4[0, 1, 4, 3], Quad4[1, 2, 5, 4], Quad4[2, 0, 3, 5]],
+    element: &Wedge6,
+};
 
 impl ReferenceElement<3> for Wedge6 {
     fn nodes(&self) -> &'static [[f64; 3]] {

@@ -1,6 +1,7 @@
 //! Arruda-Boyce material.
 
 use super::isochoric::Isochoric;
+use super::model::{BULK_MODULUS, Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::polynomial::Polynomial;
 use super::volumetric::Volume;
 use super::{Volumetric, fulfils, positive, split_material};
@@ -67,6 +68,26 @@ fn in_powers_of_the_difference(lambda_m: f64) -> [f64; 5] {
         let term = |i: usize| SERIES[i] * r.powi(i as i32) * PASCAL[i][n] * 3f64.powi(i as i32 - n as i32);
         (n..5).map(term).sum()
     })
+}
+
+impl Modelled for ArrudaBoyce {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "n sum_i C_i/lambda_m^(2i-2) (I1bar^i - 3^i) + W_vol(J)",
+        purpose: "rubber, eight chains of rigid links",
+        parameters: &[&[
+            Parameter::positive("mu", "stress", "Shear modulus at small strain"),
+            Parameter::number("lambda_m", Bounds::Above(1.0), "", "Locking stretch of a chain"),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        ArrudaBoyce::new(values.number("mu"), values.number("lambda_m"), bulk_modulus, law)
+    }
 }
 
 impl Isochoric for ArrudaBoyce {

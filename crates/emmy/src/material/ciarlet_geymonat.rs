@@ -6,6 +6,7 @@ use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
 use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 
@@ -68,6 +69,20 @@ impl CiarletGeymonat {
             M[i] += z * (0.5 * self.lambda);
         }
         (C_inv, z, commuting_product(&C_inv, &M))
+    }
+}
+
+impl Modelled for CiarletGeymonat {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "mu/2 (tr C - 3) + lambda/4 (J^2 - 1) - (lambda/2 + mu) ln J",
+        purpose: "large strain, strong compression; polyconvex if lambda >= 0",
+        parameters: LAME_OR_ENGINEERING,
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        values.from_a_pair(CiarletGeymonat::new, CiarletGeymonat::from_engineering)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Gent material.
 
 use super::isochoric::Isochoric;
+use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, positive, split_material};
 use crate::error::Result;
@@ -43,6 +44,26 @@ impl Gent {
         positive(NAME, "mu", mu)?;
         positive(NAME, "jm", jm)?;
         Ok(Gent { mu, jm, volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Modelled for Gent {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "-mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)",
+        purpose: "rubber with a limit of its stretch",
+        parameters: &[&[
+            Parameter::positive("mu", "stress", "Shear modulus at small strain"),
+            Parameter::positive("jm", "", "Limit of I1bar - 3; steps that reach it are not solved"),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        Gent::new(values.number("mu"), values.number("jm"), bulk_modulus, law)
     }
 }
 

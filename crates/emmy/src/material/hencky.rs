@@ -1,5 +1,6 @@
 //! Hencky material.
 
+use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
 use super::spectral::Separable;
 use super::volumetric::Volume;
 use super::{Volumetric, lame, split_material, stable_lame};
@@ -50,6 +51,20 @@ impl Hencky {
     pub fn from_engineering(youngs_modulus: f64, poissons_ratio: f64) -> Result<Self> {
         let (lambda, mu) = lame(NAME, youngs_modulus, poissons_ratio)?;
         Hencky::new(lambda, mu)
+    }
+}
+
+impl Modelled for Hencky {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "lambda/2 (tr h)^2 + mu h : h",
+        purpose: "metals and polymers, stretches from 0.7 to 1.3",
+        parameters: LAME_OR_ENGINEERING,
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        values.from_a_pair(Hencky::new, Hencky::from_engineering)
     }
 }
 

@@ -5,6 +5,9 @@
 use super::axes;
 use super::invariants::{add_dyad, commuting_product};
 use super::isochoric::{Distortion, SecondDerivative};
+use super::model::{
+    BULK_MODULUS, Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values,
+};
 use super::volumetric::Volume;
 use super::{Material, Volumetric, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
@@ -141,6 +144,36 @@ fn splat<L: Lane>(one: L, A: &Sym<f64>) -> Sym<L> {
 #[inline(always)]
 fn double_dot_constant<L: Lane>(A: &Sym<L>, B: &Sym<f64>) -> L {
     double_dot(A, &splat(A[0], B))
+}
+
+impl Modelled for HolzapfelGasserOgden {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "mu/2 (I1bar - 3) + k1/(2 k2) sum_f (exp(k2 <E_f>^2) - 1) + W_vol(J)",
+        purpose: "soft tissue: a matrix with fibres",
+        parameters: &[&[
+            Parameter::positive("mu", "stress", "Shear modulus of the matrix"),
+            Parameter::positive("k1", "stress", "Stiffness of the fibres"),
+            Parameter::positive("k2", "", "Growth of their stiffness with the strain"),
+            Parameter::number(
+                "kappa",
+                Bounds::Within(0.0, 0.333_333_333_333_333_4),
+                "",
+                "Dispersion of the fibres: 0 parallel, 1/3 in all directions alike",
+            )
+            .if_absent(IfAbsent::Value("0.0")),
+            Parameter::directions("fibres", "Direction of each family of fibres, such as `[[1, 0, 0]]`"),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let [mu, k1, k2, kappa] = ["mu", "k1", "k2", "kappa"].map(|name| values.number(name));
+        let (bulk_modulus, law) = values.volume();
+        HolzapfelGasserOgden::new(mu, [k1, k2], kappa, values.directions("fibres"), bulk_modulus, law)
+    }
 }
 
 impl Material for HolzapfelGasserOgden {

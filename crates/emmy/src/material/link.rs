@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::model::{Bounds, IfAbsent, Model, ModelCells, Parameter, Values};
 use super::{Material, finite, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, trace};
@@ -31,7 +32,69 @@ enum Kind {
     Attraction { strength: f64 },
 }
 
+const YOUNGS_MODULUS: Parameter = Parameter::positive("youngs_modulus", "stress", "Young's modulus E");
+
 impl Link {
+    /// The model of bars.
+    pub const BAR: Model = Model {
+        name: "bar",
+        energy: "E A L e^2/2, e = (l^2/L^2 - 1)/2",
+        purpose: "trusses, cables under tension; mass density A L",
+        parameters: &[&[YOUNGS_MODULUS, Parameter::positive("area", "length²", "Cross section A")]],
+        cells: ModelCells::Links,
+    };
+
+    /// The model of springs.
+    pub const SPRING: Model = Model {
+        name: "spring",
+        energy: "k/2 (l - l_0)^2",
+        purpose: "springs, without mass",
+        parameters: &[&[
+            Parameter::positive("stiffness", "force/length", "Stiffness k"),
+            Parameter::number("rest_length", Bounds::AtLeast(0.0), "length", "Length l_0 without force")
+                .if_absent(IfAbsent::Means("the reference length of each link")),
+        ]],
+        cells: ModelCells::MasslessLinks,
+    };
+
+    /// The model of attractions.
+    pub const ATTRACTION: Model = Model {
+        name: "attraction",
+        energy: "-g/l",
+        purpose: "gravitation, g = G m_1 m_2; without mass",
+        parameters: &[&[Parameter::number(
+            "strength",
+            Bounds::NotZero,
+            "energy·length",
+            "Strength g, of two masses that attract each other G m_1 m_2; negative: repulsion",
+        )]],
+        cells: ModelCells::MasslessLinks,
+    };
+
+    /// The bar with some values of the parameters of [`Link::BAR`].
+    ///
+    /// # Errors
+    /// Those of [`Link::bar`].
+    pub fn bar_from_values(values: &Values) -> Result<Self> {
+        Link::bar(values.number("youngs_modulus"), values.number("area"))
+    }
+
+    /// The spring with some values of the parameters of [`Link::SPRING`].
+    ///
+    /// # Errors
+    /// Those of [`Link::spring`].
+    pub fn spring_from_values(values: &Values) -> Result<Self> {
+        Link::spring(values.number("stiffness"), values.optional("rest_length"))
+    }
+
+    /// The attraction with some values of the parameters of [`Link::ATTRACTION`].
+    ///
+    /// # Errors
+    /// Those of [`Link::attraction`].
+    pub fn attraction_from_values(values: &Values) -> Result<Self> {
+        Link::attraction(values.number("strength"))
+    }
+
     /// A bar with Young's modulus E \[stress\] and cross section A \[length^2\].
     ///
     /// # Errors

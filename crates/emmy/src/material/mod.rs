@@ -16,6 +16,7 @@ mod holzapfel_gasser_ogden;
 mod invariants;
 mod isochoric;
 mod link;
+mod model;
 mod mooney_rivlin;
 mod neo_hooke;
 mod ogden;
@@ -33,6 +34,7 @@ pub use gent::Gent;
 pub use hencky::Hencky;
 pub use holzapfel_gasser_ogden::HolzapfelGasserOgden;
 pub use link::{Link, LinkEnergy};
+pub use model::{Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, ParameterKind, Value, Values};
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
@@ -46,6 +48,26 @@ use response::compiled_with_this_crate;
 
 use crate::error::{Error, Result};
 use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
+
+/// Hands the names of all materials for solid and plane cells to a macro. A new material has its line here.
+macro_rules! each_material {
+    ($apply:ident) => {
+        $apply! {
+            SaintVenantKirchhoff,
+            NeoHooke,
+            CiarletGeymonat,
+            Hencky,
+            MooneyRivlin,
+            Yeoh,
+            Gent,
+            ArrudaBoyce,
+            Ogden,
+            Orthotropic,
+            HolzapfelGasserOgden
+        }
+    };
+}
+pub(crate) use each_material;
 
 /// A hyperelastic material: stored energy, stress and elasticity as functions of the Green-Lagrange strain.
 ///

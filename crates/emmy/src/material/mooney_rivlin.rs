@@ -1,6 +1,7 @@
 //! Mooney-Rivlin material.
 
 use super::isochoric::Isochoric;
+use super::model::{BULK_MODULUS, Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, finite, fulfils, split_material};
 use crate::error::Result;
@@ -43,6 +44,36 @@ impl MooneyRivlin {
         finite(NAME, "c01", c01)?;
         fulfils(c10 + c01 > 0.0, NAME, "c01", c01, "must make c10 + c01 positive (half the shear modulus)")?;
         Ok(MooneyRivlin { c10, c01, volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Modelled for MooneyRivlin {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "c10 (I1bar - 3) + c01 (I2bar - 3) + W_vol(J)",
+        purpose: "rubber, moderate strain",
+        parameters: &[&[
+            Parameter::number(
+                "c10",
+                Bounds::Any,
+                "stress",
+                "Modulus of the first invariant; mu = 2 (c10 + c01) > 0",
+            ),
+            Parameter::number(
+                "c01",
+                Bounds::Any,
+                "stress",
+                "Modulus of the second invariant; neither should be negative",
+            ),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        MooneyRivlin::new(values.number("c10"), values.number("c01"), bulk_modulus, law)
     }
 }
 

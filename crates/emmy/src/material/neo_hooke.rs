@@ -6,6 +6,7 @@ use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
 use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
 use crate::error::Result;
 use crate::tensor::{
     Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, mixed_cofactor, sym, sym_cofactor, sym_det,
@@ -76,6 +77,20 @@ impl NeoHooke {
                 |i, j| component(SYM_INDEX[i][j]),
             ),
         )
+    }
+}
+
+impl Modelled for NeoHooke {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J",
+        purpose: "large strain",
+        parameters: LAME_OR_ENGINEERING,
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        values.from_a_pair(NeoHooke::new, NeoHooke::from_engineering)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Ogden material.
 
+use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::spectral::Separable;
 use super::volumetric::Volume;
 use super::{Volumetric, finite, fulfils, split_material};
@@ -60,6 +61,32 @@ impl Ogden {
             sum += term(mu, alpha);
         }
         sum
+    }
+}
+
+impl Modelled for Ogden {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "sum_p mu_p/alpha_p (l_1^alpha_p + l_2^alpha_p + l_3^alpha_p - 3) + W_vol(J)",
+        purpose: "rubber, any strain",
+        parameters: &[&[
+            Parameter::numbers(
+                "mu",
+                "stress",
+                "Moduli mu_p, one a term; half the sum of mu_p alpha_p is the shear modulus",
+            ),
+            Parameter::numbers("alpha", "", "Exponents alpha_p, one a term, not 0"),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        let terms: Vec<(f64, f64)> =
+            values.numbers("mu").iter().copied().zip(values.numbers("alpha").iter().copied()).collect();
+        Ogden::new(&terms, bulk_modulus, law)
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{Material, axes, compiled_with_this_crate, fulfils, positive};
+use super::model::{Bounds, Model, ModelCells, Modelled, Parameter, Values};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 
@@ -115,6 +116,57 @@ fn in_axes(stiffness: &[[f64; 3]; 3], shear_moduli: &[f64; 3], axes: &[[f64; 3];
         add(4.0 * mu, &dyad(i, j), &dyad(i, j));
     }
     D
+}
+
+impl Modelled for Orthotropic {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "E : D : E / 2",
+        purpose: "wood, plies, bone; large rotation, small strain",
+        parameters: &[&[
+            Parameter::positive("youngs_modulus_1", "stress", "Young's modulus E_1 along axis 1"),
+            Parameter::positive("youngs_modulus_2", "stress", "Young's modulus E_2 along axis 2"),
+            Parameter::positive("youngs_modulus_3", "stress", "Young's modulus E_3 along axis 3"),
+            Parameter::number(
+                "poissons_ratio_12",
+                Bounds::Any,
+                "",
+                "Contraction along axis 2 over extension along axis 1, under tension along 1",
+            ),
+            Parameter::number(
+                "poissons_ratio_23",
+                Bounds::Any,
+                "",
+                "Contraction along axis 3 over extension along axis 2, under tension along 2",
+            ),
+            Parameter::number(
+                "poissons_ratio_13",
+                Bounds::Any,
+                "",
+                "Contraction along axis 3 over extension along axis 1, under tension along 1",
+            ),
+            Parameter::positive("mu_12", "stress", "Shear modulus in the plane of axes 1 and 2"),
+            Parameter::positive("mu_23", "stress", "Shear modulus in the plane of axes 2 and 3"),
+            Parameter::positive("mu_13", "stress", "Shear modulus in the plane of axes 1 and 3"),
+            Parameter::direction("axis_1", "[1, 0, 0]", "Direction of axis 1"),
+            Parameter::direction(
+                "axis_2",
+                "[0, 1, 0]",
+                "A direction in the plane of axes 1 and 2, on the side of axis 2; axis 3 is across them",
+            ),
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let numbers = |names: [&str; 3]| names.map(|name| values.number(name));
+        let constants = EngineeringConstants {
+            youngs_moduli: numbers(YOUNGS_MODULI),
+            poissons_ratios: numbers(POISSONS_RATIOS),
+            shear_moduli: numbers(SHEAR_MODULI),
+        };
+        Orthotropic::new(constants, ["axis_1", "axis_2"].map(|name| values.direction(name)))
+    }
 }
 
 impl Material for Orthotropic {

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
 
@@ -45,6 +46,20 @@ impl SaintVenantKirchhoff {
     pub fn from_engineering(youngs_modulus: f64, poissons_ratio: f64) -> Result<Self> {
         let (lambda, mu) = lame(NAME, youngs_modulus, poissons_ratio)?;
         Ok(SaintVenantKirchhoff { lambda, mu })
+    }
+}
+
+impl Modelled for SaintVenantKirchhoff {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "lambda/2 (tr E)^2 + mu E : E",
+        purpose: "large rotation, small strain; it softens under strong compression",
+        parameters: LAME_OR_ENGINEERING,
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        values.from_a_pair(SaintVenantKirchhoff::new, SaintVenantKirchhoff::from_engineering)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Yeoh material.
 
 use super::isochoric::Isochoric;
+use super::model::{BULK_MODULUS, Bounds, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::polynomial::Polynomial;
 use super::volumetric::Volume;
 use super::{Volumetric, finite, positive, split_material};
@@ -41,6 +42,27 @@ impl Yeoh {
         finite(NAME, "c20", moduli[1])?;
         finite(NAME, "c30", moduli[2])?;
         Ok(Yeoh { polynomial: Polynomial(moduli), volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Modelled for Yeoh {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + W_vol(J)",
+        purpose: "filled rubber",
+        parameters: &[&[
+            Parameter::positive("c10", "stress", "Linear modulus; mu = 2 c10"),
+            Parameter::number("c20", Bounds::Any, "stress", "Quadratic modulus"),
+            Parameter::number("c30", Bounds::Any, "stress", "Cubic modulus"),
+            BULK_MODULUS,
+            VOLUMETRIC,
+        ]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        Yeoh::new(["c10", "c20", "c30"].map(|name| values.number(name)), bulk_modulus, law)
     }
 }
 

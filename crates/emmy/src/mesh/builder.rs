@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(mesh.cell(0).nodes, [0, 3, 2, 1, 7, 6, 5, 4]);
         assert_eq!(mesh.group_nodes("top").unwrap(), [1, 2, 5]);
         assert_eq!(mesh.group_nodes("left").unwrap(), [0, 1, 4]);
-        assert_eq!(crate::element::check(&mesh), Ok(()));
+        assert_eq!(crate::mesh::check(&mesh), Ok(()));
     }
 
     #[test]

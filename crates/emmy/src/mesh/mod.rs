@@ -2,15 +2,17 @@
 
 mod boundary;
 mod builder;
-mod cell;
 mod connectivity;
 mod groups;
+mod quality;
 mod shapes;
 
 pub use builder::MeshBuilder;
-pub use cell::{CellKind, FacetKind, LocalFacet};
 pub use groups::{Facet, Groups};
+pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{block, l_block, rectangle};
+
+pub use crate::element::{CellInfo, CellKind, CellShape, FacetKind, LocalFacet};
 
 use crate::error::{Error, Result};
 

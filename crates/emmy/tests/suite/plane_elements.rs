@@ -67,7 +67,7 @@ fn every_kind_passes_the_patch_test() {
     let (P, energy) = stress_and_energy();
     for kind in CellKind::PLANES {
         let body = Body::new(plane_patch(kind, 3), rubber(), &[], &tractions(P)).unwrap();
-        let quality = emmy::element::quality(body.mesh());
+        let quality = emmy::mesh::quality(body.mesh());
         assert!(quality.inverted.is_empty() && quality.scaled_jacobian.value < 0.95, "{kind}: {quality:?}");
         assert!((quality.volume - 1.0).abs() < 1e-14 && (body.regions()[0].volume - THICKNESS).abs() < 1e-14);
         let u = |X: &[f64; 3]| [H[0][0] * X[0] + H[0][1] * X[1], H[1][0] * X[0] + H[1][1] * X[1], 0.0];

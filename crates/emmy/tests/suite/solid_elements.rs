@@ -97,7 +97,7 @@ fn passes_the_patch_test(kind: CellKind, curved: bool) {
 fn patches_are_distorted_and_have_inner_nodes() {
     for kind in CellKind::SOLIDS {
         let mesh = patch(kind, false);
-        let quality = emmy::element::quality(&mesh);
+        let quality = emmy::mesh::quality(&mesh);
         assert!(quality.inverted.is_empty() && quality.scaled_jacobian.value < 0.95, "{kind}: {quality:?}");
         let inside = |X: &&[f64; 3]| X.iter().all(|&x| x > 0.01 && x < 0.99);
         assert!(mesh.points().iter().filter(inside).count() > 0, "{kind}");

@@ -1,30 +1,51 @@
 //! Solid elements of Abaqus, and those of plane strain. Their node order is that of VTK (Abaqus Elements Guide, "Three-dimensional
 //! solid elements", "Two-dimensional solid elements").
 
-use emmy::mesh::CellKind;
+use std::sync::LazyLock;
 
-/// The types that are read.
-pub(super) const SUPPORTED: &str = "C3D8 (also C3D8R, C3D8I, C3D8H, ...), C3D20 (C3D20R, ...), C3D4, C3D10 (C3D10M, ...), C3D6, C3D15 or C3D5, or in a plane of CPE3, CPE4, CPE6 or CPE8 (CPE4R, ...), links of T3D2, CONN3D2 or SPRINGA";
+use emmy::mesh::{CellKind, CellShape};
+
+/// Types that are read, by the kind of cell that they become; the plainest first.
+const TYPES: [(CellKind, &[&str]); 12] = [
+    (CellKind::Hex8, &["C3D8", "C3D8R", "C3D8I", "C3D8S", "C3D8H", "C3D8RH", "C3D8IH", "C3D8HS"]),
+    (CellKind::Hex20, &["C3D20", "C3D20R", "C3D20H", "C3D20RH"]),
+    (CellKind::Tet4, &["C3D4", "C3D4H"]),
+    (CellKind::Tet10, &["C3D10", "C3D10M", "C3D10H", "C3D10MH", "C3D10I", "C3D10HS"]),
+    (CellKind::Wedge6, &["C3D6", "C3D6R", "C3D6H"]),
+    (CellKind::Wedge15, &["C3D15", "C3D15H"]),
+    (CellKind::Pyramid5, &["C3D5", "C3D5H"]),
+    (CellKind::Tri3, &["CPE3", "CPE3H"]),
+    (CellKind::Tri6, &["CPE6", "CPE6H", "CPE6M", "CPE6MH"]),
+    (CellKind::Quad4, &["CPE4", "CPE4R", "CPE4H", "CPE4RH", "CPE4I", "CPE4IH"]),
+    (CellKind::Quad8, &["CPE8", "CPE8R", "CPE8H", "CPE8RH"]),
+    (CellKind::Line2, &["T3D2", "T3D2H", "T2D2", "T2D2H", "CONN3D2", "CONN2D2", "SPRINGA"]),
+];
+
+/// The types that are read, for messages: of each kind the plainest.
+pub(super) fn supported() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let plainest = |dimension: usize| {
+            let types = TYPES.iter().filter(move |(kind, _)| kind.dimension() == dimension);
+            types.map(|(_, types)| types[0]).collect::<Vec<_>>().join(", ")
+        };
+        let links = types(CellKind::Line2).join(", ");
+        format!(
+            "{} and their variants (R, H, I, ...), in a plane {}, links {links}",
+            plainest(3),
+            plainest(2)
+        )
+    });
+    &TEXT
+}
+
+/// Element types of a kind of cell.
+pub(super) fn types(kind: CellKind) -> &'static [&'static str] {
+    TYPES.iter().find(|(own, _)| *own == kind).map_or(&[], |(_, types)| types)
+}
 
 /// Kind of cell of an element type, given in upper case.
 pub(super) fn kind(element_type: &str) -> Option<CellKind> {
-    match element_type {
-        "C3D8" | "C3D8R" | "C3D8I" | "C3D8S" | "C3D8H" | "C3D8RH" | "C3D8IH" | "C3D8HS" => {
-            Some(CellKind::Hex8)
-        }
-        "C3D20" | "C3D20R" | "C3D20H" | "C3D20RH" => Some(CellKind::Hex20),
-        "C3D4" | "C3D4H" => Some(CellKind::Tet4),
-        "C3D10" | "C3D10M" | "C3D10H" | "C3D10MH" | "C3D10I" | "C3D10HS" => Some(CellKind::Tet10),
-        "C3D6" | "C3D6R" | "C3D6H" => Some(CellKind::Wedge6),
-        "C3D15" | "C3D15H" => Some(CellKind::Wedge15),
-        "C3D5" | "C3D5H" => Some(CellKind::Pyramid5),
-        "CPE3" | "CPE3H" => Some(CellKind::Tri3),
-        "CPE6" | "CPE6H" | "CPE6M" | "CPE6MH" => Some(CellKind::Tri6),
-        "CPE4" | "CPE4R" | "CPE4H" | "CPE4RH" | "CPE4I" | "CPE4IH" => Some(CellKind::Quad4),
-        "CPE8" | "CPE8R" | "CPE8H" | "CPE8RH" => Some(CellKind::Quad8),
-        "T3D2" | "T3D2H" | "T2D2" | "T2D2H" | "CONN3D2" | "CONN2D2" | "SPRINGA" => Some(CellKind::Line2),
-        _ => None,
-    }
+    TYPES.iter().find(|(_, types)| types.contains(&element_type)).map(|(kind, _)| *kind)
 }
 
 /// Kind of the faces of solid cells that membranes, shells and cells in plane stress of a type can be, given in upper case: meshers write
@@ -66,14 +87,14 @@ pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
 
 /// Number of the face in [`CellKind::facets`] of a face of Abaqus, `S1` being 1.
 pub(super) fn local_facet(kind: CellKind, face: u8) -> Option<u8> {
-    let faces: &[&[usize]] = match kind.linear() {
-        CellKind::Tet4 => &TET_FACES,
-        CellKind::Wedge6 => &WEDGE_FACES,
-        CellKind::Pyramid5 => &PYRAMID_FACES,
-        CellKind::Tri3 => &TRI_EDGES,
-        CellKind::Quad4 => &QUAD_EDGES,
-        CellKind::Line2 => &[],
-        _ => &HEX_FACES,
+    let faces: &[&[usize]] = match kind.info().shape {
+        CellShape::Hexahedron => &HEX_FACES,
+        CellShape::Tetrahedron => &TET_FACES,
+        CellShape::Wedge => &WEDGE_FACES,
+        CellShape::Pyramid => &PYRAMID_FACES,
+        CellShape::Triangle => &TRI_EDGES,
+        CellShape::Quadrilateral => &QUAD_EDGES,
+        CellShape::Line => &[],
     };
     let corners = faces.get(usize::from(face).checked_sub(1)?)?;
     let same = |nodes: &[usize]| corners.iter().all(|corner| nodes.contains(corner));

@@ -12,6 +12,12 @@ use std::path::Path;
 use super::{MeshFile, Result, without_mark};
 use deck::Deck;
 
+/// Element types of a kind of cell.
+#[cfg(test)]
+pub(super) fn types(kind: emmy::mesh::CellKind) -> &'static [&'static str] {
+    element::types(kind)
+}
+
 /// The mesh in the bytes of an input file; `links`: groups of lines that are cells.
 pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     let deck = Deck::read(file, without_mark(bytes), links)?;

@@ -341,5 +341,5 @@ const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), 
 
 /// The error of an element type that is no cell.
 pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshError {
-    MeshError::UnsupportedElement { place: cursor.place(start), kind, supported: super::super::KINDS }
+    MeshError::UnsupportedElement { place: cursor.place(start), kind, supported: super::super::kinds() }
 }

@@ -20,6 +20,12 @@ enum Version {
     V4,
 }
 
+/// Number of a kind of cell.
+#[cfg(test)]
+pub(super) fn number(kind: emmy::mesh::CellKind) -> Option<i64> {
+    Shape::of_kind(kind).map(|shape| shape.id)
+}
+
 /// The mesh in the bytes of an MSH file; lines in the groups `links` are cells.
 pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     let mut cursor = Cursor::new(file, without_mark(bytes));

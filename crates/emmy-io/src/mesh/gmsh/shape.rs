@@ -21,27 +21,38 @@ impl Shape {
         SHAPES.iter().find(|shape| shape.id == id)
     }
 
+    /// The element type of a kind of cell.
+    #[cfg(test)]
+    pub(super) fn of_kind(kind: CellKind) -> Option<&'static Shape> {
+        SHAPES.iter().find(|shape| shape.name == kind.name())
+    }
+
     /// Kind of cell, and the place in the file's node list of each node in VTK order.
     pub(super) fn cell(&self) -> Option<(CellKind, &'static [usize])> {
         let kind = CellKind::ALL.into_iter().find(|kind| kind.name() == self.name)?;
         let order: &[usize] = match kind {
             CellKind::Tet10 => &TET10,
             CellKind::Wedge15 => &WEDGE15,
-            // Corners, edges in the same order, centre: as in VTK.
-            _ if self.dim == 2 => &PLANE[..self.n_nodes],
-            _ => &HEX27[..self.n_nodes],
+            CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => &HEX27[..self.n_nodes],
+            CellKind::Tet4 | CellKind::Wedge6 | CellKind::Pyramid5 | CellKind::Line2 => {
+                &AS_IN_VTK[..self.n_nodes]
+            }
+            // Corners, edges in the same order, centre.
+            CellKind::Tri3 | CellKind::Tri6 | CellKind::Quad4 | CellKind::Quad8 | CellKind::Quad9 => {
+                &AS_IN_VTK[..self.n_nodes]
+            }
         };
         Some((kind, order))
     }
 }
 
-const PLANE: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+const AS_IN_VTK: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 /// The last two edges, 2-3 and 1-3, stand the other way round in VTK.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 /// Gmsh numbers edges by their lower corner: 01, 02, 03, 12, 14, 25, 34, 35, 45.
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
-/// Gmsh numbers edges by their lower corner and faces as z-min, y-min, x-min, x-max, y-max, z-max; linear cells and the
-/// 20-node brick are the beginning of this list.
+/// Gmsh numbers edges by their lower corner and faces as z-min, y-min, x-min, x-max, y-max, z-max; the bricks of 8
+/// and 20 nodes are the beginning of this list.
 const HEX27: [usize; 27] = [
     0, 1, 2, 3, 4, 5, 6, 7, // corners
     8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, // edges

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use emmy::mesh::MeshBuilder;
 
-use super::{KINDS, MeshError, MeshFile, Origin, Place, Result, counted, finished, without_mark};
+use super::{MeshError, MeshFile, Origin, Place, Result, counted, finished, kinds, without_mark};
 pub(crate) use frame::{Frame, fields, frame};
 
 use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
@@ -114,7 +114,7 @@ fn known(file: &Path, id: i64) -> Result<Shape> {
     shape(id).ok_or_else(|| MeshError::UnsupportedElement {
         place: Place::line(file, 1),
         kind: format!("{id} of VTK"),
-        supported: KINDS,
+        supported: kinds(),
     })
 }
 

@@ -119,7 +119,7 @@ impl Deck {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
         let face = element::face_kind(&element_type);
         let Some(kind) = element::kind(&element_type).or(face) else {
-            let (place, supported) = (self.place(at), element::SUPPORTED);
+            let (place, supported) = (self.place(at), element::supported());
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
         if face.is_some() {

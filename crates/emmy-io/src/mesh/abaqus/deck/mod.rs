@@ -109,7 +109,7 @@ impl Deck {
             return Err(MeshError::UnsupportedElement {
                 place: self.place(at),
                 kind,
-                supported: element::SUPPORTED,
+                supported: element::supported(),
             });
         }
         let has_lines =

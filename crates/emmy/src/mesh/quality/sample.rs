@@ -1,9 +1,11 @@
 //! Where a cell is looked at to measure its quality, and what is measured there.
 
+#![allow(non_snake_case)]
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::element::{ReferenceElement, element, jacobian};
-use crate::mesh::CellKind;
+use crate::mesh::{CellKind, CellShape};
 use crate::tensor::det;
 
 /// Measures of one cell.
@@ -95,10 +97,10 @@ impl Sample {
 
 /// Product of the edge lengths at a corner by the volume that they span, where all edges of a cell have one length.
 fn ideal(kind: CellKind) -> f64 {
-    match kind.linear() {
-        CellKind::Tet4 | CellKind::Pyramid5 => 2f64.sqrt(),
-        CellKind::Wedge6 | CellKind::Tri3 => 2.0 / 3f64.sqrt(),
-        _ => 1.0,
+    match kind.info().shape {
+        CellShape::Tetrahedron | CellShape::Pyramid => 2f64.sqrt(),
+        CellShape::Wedge | CellShape::Triangle => 2.0 / 3f64.sqrt(),
+        CellShape::Hexahedron | CellShape::Quadrilateral | CellShape::Line => 1.0,
     }
 }
 

@@ -21,7 +21,7 @@ pub struct Worst {
 ///
 /// ```
 /// let mesh = emmy::mesh::block([2.0, 1.0, 1.0], [1, 1, 1])?;
-/// let quality = emmy::element::quality(&mesh);
+/// let quality = emmy::mesh::quality(&mesh);
 /// assert_eq!((quality.aspect_ratio.value, quality.volume), (2.0, 2.0));
 /// # Ok::<(), emmy::Error>(())
 /// ```
@@ -68,7 +68,7 @@ pub fn quality(mesh: &Mesh) -> Quality {
 ///
 /// ```
 /// let mesh = emmy::mesh::l_block(1.0)?;
-/// assert_eq!(emmy::element::check(&mesh), Ok(()));
+/// assert_eq!(emmy::mesh::check(&mesh), Ok(()));
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn check(mesh: &Mesh) -> Result<()> {

@@ -1,0 +1,268 @@
+//! The input described: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
+//!
+//! Every table is described once, in the file that reads it. From these descriptions come the check of keys, the
+//! defaults, the JSON schema and the tables of `docs/input.md`.
+
+mod synonyms;
+
+use std::sync::LazyLock;
+
+use emmy::material::{Bounds, IfAbsent, Parameter, ParameterKind, Volumetric};
+
+use super::suggest::did_you_mean;
+use super::{material, problem};
+
+/// A table of the input. Descriptions are made once, where they are needed first.
+pub(super) type Described = LazyLock<Section>;
+
+/// A table of the input, such as `[mesh]` or `box`.
+#[derive(Debug)]
+pub(super) struct Section {
+    /// Name by which messages speak of it.
+    pub(super) name: &'static str,
+    /// One sentence on it.
+    pub(super) doc: String,
+    pub(super) keys: Vec<Key>,
+    /// Which keys go together.
+    pub(super) rule: Rule,
+}
+
+/// A key of a table.
+#[derive(Debug, Clone)]
+pub(super) struct Key {
+    pub(super) name: &'static str,
+    pub(super) kind: Kind,
+    /// Unit, such as `length`; empty for a number without dimension and for what is no number.
+    pub(super) unit: &'static str,
+    pub(super) if_absent: IfAbsent,
+    /// One sentence on it.
+    pub(super) doc: String,
+}
+
+/// Kind of the value of a key.
+#[derive(Debug, Clone)]
+pub(super) enum Kind {
+    /// A text that is not empty.
+    Text,
+    /// Name of a column: letters, digits, `_` and `-`, but none of these.
+    Column(&'static [&'static str]),
+    Number(Bounds),
+    /// A whole number from the first to the second.
+    Whole(usize, Option<usize>),
+    /// One of several words.
+    Word(Vec<&'static str>),
+    /// A list of different words.
+    Words(Vec<&'static str>),
+    /// A scheme in time.
+    Scheme,
+    /// `true`.
+    True,
+    /// A list with at least so many entries.
+    List(usize, Box<Kind>),
+    /// A list of a fixed length.
+    Exactly(usize, Box<Kind>),
+    /// Lists of whole numbers by name.
+    Groups,
+    /// A table of the time or an expression.
+    History,
+    /// A table.
+    Table(&'static Section),
+    /// One table or a list of them.
+    Tables(&'static Section),
+}
+
+/// Which keys of a table go together.
+#[derive(Debug, Clone)]
+pub(super) enum Rule {
+    /// No rule.
+    Free,
+    /// Exactly one of these is there, each with the keys it needs beside it.
+    ExactlyOne(Vec<Vec<&'static str>>),
+    /// Exactly one of these sets of keys is there, and nothing of the others.
+    OneSet(&'static [&'static [Parameter]]),
+    /// At least one of these is there.
+    AtLeastOne(Vec<&'static str>),
+    /// `density` is there unless the material has no mass.
+    Density,
+}
+
+/// A number.
+pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
+
+/// A number above zero.
+pub(super) const POSITIVE: Kind = Kind::Number(Bounds::Above(0.0));
+
+/// A whole number from a least one on.
+pub(super) const fn whole(least: usize) -> Kind {
+    Kind::Whole(least, None)
+}
+
+/// Three numbers.
+pub(super) fn vector() -> Kind {
+    exactly(3, NUMBER)
+}
+
+/// A list of a fixed length.
+pub(super) fn exactly(length: usize, of: Kind) -> Kind {
+    Kind::Exactly(length, Box::new(of))
+}
+
+/// A list with at least so many entries.
+pub(super) fn list(least: usize, of: Kind) -> Kind {
+    Kind::List(least, Box::new(of))
+}
+
+impl Key {
+    /// A key that must be there.
+    pub(super) fn new(name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
+        Key { name, kind, unit, if_absent: IfAbsent::Required, doc: doc.to_string() }
+    }
+}
+
+impl From<&Parameter> for Key {
+    fn from(parameter: &Parameter) -> Self {
+        let kind = match parameter.kind {
+            ParameterKind::Number(bounds) => Kind::Number(bounds),
+            ParameterKind::Numbers => list(1, NUMBER),
+            ParameterKind::Direction => vector(),
+            ParameterKind::Directions => list(1, vector()),
+            ParameterKind::Law => Kind::Word(Volumetric::ALL.map(Volumetric::name).to_vec()),
+        };
+        let if_absent = parameter.if_absent;
+        Key { if_absent, ..Key::new(parameter.name, kind, parameter.unit, parameter.doc) }
+    }
+}
+
+impl Section {
+    /// A table without keys.
+    pub(super) fn new(name: &'static str, doc: &str) -> Self {
+        Section { name, doc: doc.to_string(), keys: Vec::new(), rule: Rule::Free }
+    }
+
+    /// The same with a key that must be there.
+    pub(super) fn must(self, name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
+        self.key(Key::new(name, kind, unit, doc))
+    }
+
+    /// The same with a key that may be left out, which says nothing then.
+    pub(super) fn may(self, name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
+        self.key(Key { if_absent: IfAbsent::Means(""), ..Key::new(name, kind, unit, doc) })
+    }
+
+    /// The same with a key.
+    pub(super) fn key(mut self, key: Key) -> Self {
+        self.keys.push(key);
+        self
+    }
+
+    /// The same where the last key has a default: a value as in TOML, which is put in where it is left out.
+    pub(super) fn default(self, value: &'static str) -> Self {
+        self.last(IfAbsent::Value(value))
+    }
+
+    /// The same where the last key has this meaning where it is left out.
+    pub(super) fn absent(self, meaning: &'static str) -> Self {
+        self.last(IfAbsent::Means(meaning))
+    }
+
+    fn last(mut self, if_absent: IfAbsent) -> Self {
+        self.keys.iter_mut().last().into_iter().for_each(|key| key.if_absent = if_absent);
+        self
+    }
+
+    /// The same where exactly one of some keys must be there.
+    pub(super) fn exactly_one(self, of: &[&'static str]) -> Self {
+        let rule = Rule::ExactlyOne(of.iter().map(|&key| vec![key]).collect());
+        Section { rule, ..self }
+    }
+
+    /// The same where at least one of some keys must be there.
+    pub(super) fn at_least_one(self, of: &[&'static str]) -> Self {
+        Section { rule: Rule::AtLeastOne(of.to_vec()), ..self }
+    }
+
+    /// The keys of which the rule asks for one.
+    pub(super) fn choice(&self) -> Vec<&'static str> {
+        match &self.rule {
+            Rule::ExactlyOne(sets) => sets.iter().filter_map(|keys| keys.first().copied()).collect(),
+            Rule::AtLeastOne(keys) => keys.clone(),
+            Rule::Free | Rule::Density | Rule::OneSet(_) => Vec::new(),
+        }
+    }
+
+    /// Names of the keys.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.keys.iter().map(|key| key.name)
+    }
+
+    fn has(&self, word: &str) -> bool {
+        self.names().any(|name| name == word)
+    }
+
+    /// The key of this table that is meant by a word which does not belong to it, or the table it belongs to.
+    pub(super) fn advice(&self, word: &str) -> Option<String> {
+        if word.split_once('.').is_some_and(|(first, _)| self.has(first)) {
+            return Some(format!("without the quotes: {word}"));
+        }
+        let mut synonyms = synonyms::of(word);
+        let first = synonyms.clone().next();
+        let here = synonyms.find(|key| self.has(key)).map(|key| format!("did you mean `{key}`?"));
+        here.or_else(|| did_you_mean(word, self.names()))
+            .or_else(|| self.elsewhere(word))
+            .or_else(|| first.and_then(|key| self.elsewhere(key)))
+    }
+
+    /// The table that has a key: the one around this table, if it has it.
+    fn elsewhere(&self, word: &str) -> Option<String> {
+        let own = self.name.trim_matches('`');
+        let all = all();
+        let mut tables = all.iter().filter(|table| table.has(word));
+        let around = tables.clone().find(|table| table.has(own));
+        let models = material::sections().filter(|table| table.has(word)).count();
+        let table = around.or_else(|| tables.next())?;
+        let is_of_models = models > 1 && material::sections().any(|model| model.name == table.name);
+        let name = if is_of_models { "a material" } else { table.name };
+        Some(format!("`{word}` belongs in {name}"))
+    }
+}
+
+/// Every table, each before those in it; two with the same keys and the same name once.
+pub(super) fn all() -> Vec<&'static Section> {
+    fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
+        if all.iter().any(|other| std::ptr::eq(*other, section)) {
+            return;
+        }
+        all.push(section);
+        section.keys.iter().for_each(|key| add_of(&key.kind, all));
+    }
+    fn add_of(kind: &Kind, all: &mut Vec<&'static Section>) {
+        match kind {
+            Kind::Table(section) | Kind::Tables(section) => add(section, all),
+            Kind::List(_, of) | Kind::Exactly(_, of) => add_of(of, all),
+            _ => {}
+        }
+    }
+    let mut sections = Vec::new();
+    add(&problem::ROOT, &mut sections);
+    sections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_keys_are_unique_and_described() {
+        for section in all() {
+            for (index, key) in section.keys.iter().enumerate() {
+                assert!(section.keys[..index].iter().all(|other| other.name != key.name), "{}", key.name);
+                assert!(
+                    !key.doc.is_empty() && !key.doc.trim_end_matches("...").ends_with('.'),
+                    "{} {}",
+                    section.name,
+                    key.name
+                );
+            }
+        }
+    }
+}

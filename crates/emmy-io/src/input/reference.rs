@@ -1,0 +1,220 @@
+//! Tables of `docs/input.md` and `docs/results.md`, made of the descriptions.
+//!
+//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is that of a table of the input, or one of
+//! [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
+
+use emmy::body::MODELS;
+use emmy::body::fields::FieldName;
+use emmy::element::element;
+use emmy::material::{IfAbsent, Parameter};
+use emmy::mesh::CellKind;
+use emmy::time::SCHEMES;
+
+use super::description::{self, Key, Kind, Rule, Section};
+use super::material;
+
+/// Tables that are not the keys of a table of the input.
+const TABLES: [(&str, fn() -> String); 5] = [
+    ("models", models),
+    ("parameters", parameters),
+    ("cells", cells),
+    ("schemes", schemes),
+    ("fields", fields),
+];
+
+fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | ").replace("|V|", "\\|V\\|"));
+    let head_line = line(head.iter().map(|title| title.to_string()).collect());
+    let rule = line(head.iter().map(|_| "---".to_string()).collect()).replace(' ', "");
+    head_line + &rule + &rows.into_iter().map(line).collect::<String>()
+}
+
+fn code(text: &str) -> String {
+    format!("`{text}`")
+}
+
+/// Keys of a table of the input.
+fn keys(section: &Section) -> String {
+    let choice = section.choice();
+    let row = |key: &Key| {
+        let absent = match key.if_absent {
+            _ if choice.contains(&key.name) => chosen(section).to_string(),
+            IfAbsent::Required => "required".to_string(),
+            IfAbsent::Value("{}") => "as below".to_string(),
+            IfAbsent::Value(value) => shortened(value),
+            IfAbsent::Means(meaning) => meaning.to_string(),
+        };
+        vec![code(key.name), value(&key.kind, key.unit), absent, key.doc.clone()]
+    };
+    table(&["key", "value", "left out", "meaning"], section.keys.iter().map(row))
+}
+
+fn chosen(section: &Section) -> &'static str {
+    match section.rule {
+        Rule::AtLeastOne(_) => "one of them at least",
+        Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of them",
+        Rule::Free | Rule::Density => "",
+    }
+}
+
+/// A default; the text of the page says what a long list is.
+fn shortened(value: &str) -> String {
+    match value.len() {
+        0..60 => code(&value.replace('\'', "\"")),
+        _ => "see below".to_string(),
+    }
+}
+
+/// A kind of value with its unit.
+fn value(kind: &Kind, unit: &str) -> String {
+    let kind = of(kind);
+    if unit.is_empty() { kind } else { format!("{kind} \\[{unit}\\]") }
+}
+
+fn of(kind: &Kind) -> String {
+    match kind {
+        Kind::Text => "text".to_string(),
+        Kind::Column(_) => "name".to_string(),
+        Kind::Number(bounds) => format!("number {bounds}").trim_end().to_string(),
+        Kind::Whole(least, None) => format!("whole number ≥ {least}"),
+        Kind::Whole(least, Some(most)) => format!("whole number from {least} to {most}"),
+        Kind::Word(words) => {
+            words.iter().map(|word| code(&format!("\"{word}\""))).collect::<Vec<_>>().join(", ")
+        }
+        Kind::Words(_) => "list of words".to_string(),
+        Kind::Scheme => "scheme, see below".to_string(),
+        Kind::True => code("true"),
+        Kind::List(_, entry) if matches!(**entry, Kind::Table(_)) => "list of tables".to_string(),
+        Kind::List(_, entry) if matches!(**entry, Kind::Number(_)) => "list of numbers".to_string(),
+        Kind::List(_, entry) if matches!(**entry, Kind::Word(_)) => format!("list of {}", of(entry)),
+        Kind::List(_, entry) => format!("list: {} each", of(entry)),
+        Kind::Exactly(length, entry) => match &**entry {
+            Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
+            Kind::Whole(least, _) => format!("{length} whole numbers ≥ {least}"),
+            Kind::Exactly(inner, _) => format!("{length} × {inner} numbers"),
+            entry => format!("{length} times {}", of(entry)),
+        },
+        Kind::Groups => "table of lists of whole numbers".to_string(),
+        Kind::History => "[history](#loadhistory)".to_string(),
+        Kind::Table(_) => "table".to_string(),
+        Kind::Tables(_) => "table, or list of tables".to_string(),
+    }
+}
+
+fn models() -> String {
+    let row = |model: &emmy::body::RegionModel| {
+        let model = &model.model;
+        vec![code(model.name), code(model.energy), model.purpose.to_string()]
+    };
+    table(&["model", "strain energy", "for"], MODELS.iter().map(row))
+}
+
+/// Parameters of all models, those that several models share once.
+fn parameters() -> String {
+    let mut rows: Vec<(Parameter, Vec<&str>)> = Vec::new();
+    for model in MODELS.iter().map(|model| &model.model) {
+        for parameter in model.every_parameter() {
+            match rows.iter_mut().find(|(other, _)| other == parameter) {
+                Some((_, names)) => names.push(model.name),
+                None => rows.push((*parameter, vec![model.name])),
+            }
+        }
+    }
+    let row = |(parameter, models): (Parameter, Vec<&str>)| {
+        let key = Key::from(&parameter);
+        let is_choice =
+            MODELS.iter().any(|model| model.model.parameters.len() > 1 && model.model.name == models[0]);
+        let absent = match key.if_absent {
+            IfAbsent::Required if is_choice => "one of the pairs".to_string(),
+            IfAbsent::Required => "required".to_string(),
+            IfAbsent::Value(value) => shortened(value),
+            IfAbsent::Means(meaning) => meaning.to_string(),
+        };
+        let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
+        vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
+    };
+    table(&["model", "parameter", "value", "left out", "meaning"], rows.into_iter().map(row))
+}
+
+fn cells() -> String {
+    let row = |kind: CellKind| {
+        let (gmsh, abaqus) = crate::mesh::numbers(kind);
+        let points = element(kind).quadrature().points.len();
+        let gmsh = gmsh.map(|id| id.to_string()).unwrap_or_default();
+        let vtk = crate::vtk::cell_type(kind);
+        let description = kind.info().description.to_string();
+        vec![code(kind.name()), description, gmsh, abaqus.join(", "), vtk.to_string(), points.to_string()]
+    };
+    table(&["cell", "description", "Gmsh", "Abaqus", "VTK", "points"], CellKind::ALL.map(row))
+}
+
+fn schemes() -> String {
+    let row = |(name, description): (&str, &str)| vec![code(name), description.to_string()];
+    table(&["scheme", "description"], SCHEMES.map(row))
+}
+
+fn fields() -> String {
+    let row = |field: FieldName| {
+        let place = match field.place() {
+            emmy::body::fields::Place::Nodes => "nodes",
+            emmy::body::fields::Place::Cells => "cells",
+        };
+        let n = field.components().len();
+        vec![
+            code(field.name()),
+            place.to_string(),
+            n.to_string(),
+            field.description().replace('[', "\\[").replace(']', "\\]"),
+        ]
+    };
+    table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(row))
+}
+
+/// The table of a name.
+fn named(name: &str) -> Option<String> {
+    let section = description::all().into_iter().find(|section| section.name == name).map(keys);
+    section.or_else(|| TABLES.iter().find(|(own, _)| *own == name).map(|(_, table)| table()))
+}
+
+const START: &str = "<!-- table: ";
+const END: &str = "<!-- end of table -->";
+
+/// A page with its tables written again, and their names.
+fn filled(page: &str) -> (String, Vec<String>) {
+    let (mut parts, mut names) = (page.split(START), Vec::new());
+    let mut text = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        let (name, rest) = part.split_once(" -->").expect("the name ends");
+        let (_, rest) = rest.split_once(END).expect("the table ends");
+        let table = named(name).unwrap_or_else(|| panic!("there is no table `{name}`"));
+        text += &format!("{START}{name} -->\n{table}{END}{rest}");
+        names.push(name.to_string());
+    }
+    (text, names)
+}
+
+#[test]
+fn the_tables_of_the_reference_are_those_of_the_program() {
+    let mut all = Vec::new();
+    for page in ["input", "results"] {
+        let path = format!("{}/../../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));
+        let page = std::fs::read_to_string(&path).unwrap();
+        let (filled, names) = filled(&page);
+        all.extend(names);
+        if std::env::var_os("EMMY_UPDATE_DOCS").is_some() {
+            std::fs::write(&path, &filled).unwrap();
+        }
+        let is_same = std::fs::read_to_string(&path).unwrap() == filled;
+        assert!(
+            is_same,
+            "{path}: EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference writes its tables"
+        );
+    }
+    let is_model = |section: &&Section| {
+        section.name == "material" || material::sections().any(|model| model.name == section.name)
+    };
+    let sections = description::all().into_iter().filter(|section| !is_model(section));
+    for name in sections.map(|section| section.name).chain(TABLES.map(|(name, _)| name)) {
+        assert!(all.iter().any(|shown| shown == name), "no page shows the table `{name}`");
+    }
+}

@@ -1,0 +1,238 @@
+//! The input as a JSON schema (draft 7), for editors: completion, descriptions of keys, and marks on what is wrong.
+//!
+//! It is made of the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that go across tables.
+
+use emmy::material::{Bounds, IfAbsent, ModelCells};
+use serde_json::{Map, Value, json};
+
+use super::description::{Key, Kind, Rule, Section, list, whole};
+use super::{material, problem};
+
+/// The JSON schema of an input file, draft 7.
+///
+/// ```
+/// let schema = emmy_io::input::schema();
+/// let density = &schema["properties"]["region"]["properties"]["density"];
+/// assert_eq!(density["exclusiveMinimum"], 0);
+/// ```
+pub fn schema() -> Value {
+    let mut schema = table(&problem::ROOT);
+    schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    schema["title"] = json!("Input of Emmy");
+    schema["definitions"] = json!({ "material": table(&material::MATERIAL) });
+    schema
+}
+
+/// Schema of a table.
+fn table(section: &Section) -> Value {
+    let is_required = |key: &&Key| key.if_absent == IfAbsent::Required;
+    let required: Vec<&str> = section.keys.iter().filter(is_required).map(|key| key.name).collect();
+    let properties: Map<String, Value> =
+        section.keys.iter().map(|key| (key.name.to_string(), property(key))).collect();
+    let mut schema = json!({
+        "title": section.name,
+        "description": section.doc,
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+    });
+    if !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    rules(section).into_iter().for_each(|(rule, value)| schema[rule] = value);
+    schema
+}
+
+/// Schema of one table or a list of them. Written without a choice of two schemas, because a validator can only say of a
+/// choice that none of it fits, and not which key is wrong.
+fn tables(section: &Section) -> Value {
+    let (one, rules) = (table(section), rules(section));
+    let mut schema = one.clone();
+    // A list fits all of the choices between keys, which is too many for `oneOf`: they are for tables only.
+    schema.as_object_mut().into_iter().for_each(|schema| schema.retain(|rule, _| !rules.contains_key(rule)));
+    schema["if"] = json!({ "type": "object" });
+    schema["then"] = rules.into();
+    schema["type"] = json!(["object", "array"]);
+    schema["items"] = one;
+    schema
+}
+
+/// Which keys go together.
+fn rules(section: &Section) -> Map<String, Value> {
+    let required = |keys: &[&str]| json!({ "required": keys });
+    let rules = match &section.rule {
+        Rule::Free => json!({}),
+        // A table of nothing but the keys to choose from.
+        Rule::ExactlyOne(sets) if sets.len() == section.keys.len() => {
+            json!({ "minProperties": 1, "maxProperties": 1 })
+        }
+        Rule::ExactlyOne(sets) => {
+            json!({ "oneOf": sets.iter().map(|keys| required(keys)).collect::<Vec<_>>() })
+        }
+        Rule::OneSet(sets) => {
+            let names = sets.iter().map(|set| set.iter().map(|parameter| parameter.name).collect::<Vec<_>>());
+            let most = sets.iter().map(|set| set.len()).max();
+            json!({ "oneOf": names.map(|keys| required(&keys)).collect::<Vec<_>>(), "maxProperties": most })
+        }
+        Rule::AtLeastOne(keys) if keys.len() == section.keys.len() => json!({ "minProperties": 1 }),
+        Rule::AtLeastOne(keys) => {
+            json!({ "anyOf": keys.iter().map(|key| required(&[key])).collect::<Vec<_>>() })
+        }
+        Rule::Density => {
+            let massless = emmy::body::MODELS.iter().map(|model| &model.model);
+            let massless = massless.filter(|model| model.cells == ModelCells::MasslessLinks);
+            let massless: Vec<Value> = massless.map(|model| required(&[model.name])).collect();
+            let without_mass = json!({ "properties": { "material": { "anyOf": massless } } });
+            json!({ "anyOf": [required(&["density"]), without_mass] })
+        }
+    };
+    rules.as_object().cloned().unwrap_or_default()
+}
+
+/// Schema of the value of a key.
+fn property(key: &Key) -> Value {
+    let mut schema = match &key.kind {
+        Kind::Table(section) if section.name == material::MATERIAL.name => {
+            return json!({ "$ref": "#/definitions/material" });
+        }
+        kind => of(kind),
+    };
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
+    let absent = match key.if_absent {
+        IfAbsent::Means(meaning) if !meaning.is_empty() => format!("; left out: {meaning}"),
+        _ => String::new(),
+    };
+    if !matches!(key.kind, Kind::Table(_) | Kind::Tables(_)) {
+        schema["description"] = json!(format!("{}{unit}{absent}", key.doc).replace('`', ""));
+        if let IfAbsent::Value(value) = key.if_absent {
+            schema["default"] = default(value);
+        }
+    }
+    schema
+}
+
+/// A value as TOML has it.
+fn default(value: &str) -> Value {
+    let table = format!("value = {value}").parse::<toml::Table>().unwrap_or_default();
+    json!(table.get("value"))
+}
+
+/// Schema of a kind of value.
+fn of(kind: &Kind) -> Value {
+    match kind {
+        Kind::Text => json!({ "type": "string", "pattern": "\\S" }),
+        Kind::Column(taken) => json!({ "type": "string", "pattern": r"^[\w-]+$", "not": { "enum": taken } }),
+        Kind::Number(bounds) => number(*bounds),
+        Kind::Whole(least, None) => json!({ "type": "integer", "minimum": least }),
+        Kind::Whole(least, Some(most)) => json!({ "type": "integer", "minimum": least, "maximum": most }),
+        Kind::Word(words) => json!({ "type": "string", "enum": words }),
+        Kind::Words(words) => {
+            let word = of(&Kind::Word(words.clone()));
+            json!({ "type": "array", "items": word, "minItems": 0, "uniqueItems": true })
+        }
+        Kind::Scheme => scheme(),
+        Kind::True => json!({ "const": true }),
+        Kind::List(least, entry) => json!({ "type": "array", "items": of(entry), "minItems": least }),
+        Kind::Exactly(length, entry) => {
+            json!({ "type": "array", "items": of(entry), "minItems": length, "maxItems": length })
+        }
+        Kind::Groups => json!({ "type": "object", "additionalProperties": of(&list(0, whole(0))) }),
+        Kind::History => history(),
+        Kind::Table(section) => table(section),
+        Kind::Tables(section) => tables(section),
+    }
+}
+
+fn number(bounds: Bounds) -> Value {
+    match bounds {
+        Bounds::Any => json!({ "type": "number" }),
+        Bounds::Above(least) => json!({ "type": "number", "exclusiveMinimum": bound(least) }),
+        Bounds::AtLeast(least) => json!({ "type": "number", "minimum": bound(least) }),
+        Bounds::Between(low, high) => {
+            json!({ "type": "number", "exclusiveMinimum": bound(low), "exclusiveMaximum": bound(high) })
+        }
+        Bounds::Within(low, high) => {
+            json!({ "type": "number", "minimum": bound(low), "maximum": bound(high) })
+        }
+        Bounds::NotZero => json!({ "type": "number", "not": { "const": 0 } }),
+    }
+}
+
+/// A bound, without a point where it is a whole number.
+fn bound(value: f64) -> Value {
+    if value.fract() == 0.0 { json!(value as i64) } else { json!(value) }
+}
+
+/// A table of the time, or an expression.
+fn history() -> Value {
+    let entry = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+    json!({ "type": ["string", "array"], "pattern": "\\S", "items": entry, "minItems": 1 })
+}
+
+/// Schemes that an editor offers; the numbers in them may be others.
+const SCHEMES: [&str; 15] = [
+    "DGM",
+    "DGM(0.8)",
+    "AS(5, 0.8)",
+    "AS(1)",
+    "AS(2)",
+    "AS(5)",
+    "FE(1)",
+    "FE(2)",
+    "trapezoidal",
+    "Lobatto(2)",
+    "Newmark(0.25, 0.5)",
+    "HHT(0.05)",
+    "generalized-alpha(0.8)",
+    "Bathe",
+    "central-differences",
+];
+
+fn scheme() -> Value {
+    let number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*";
+    let points = r"(FE|AS|Lobatto)\(\+?0*[1-9]\d*\)";
+    let dissipative = format!(r"AS\(\s*\+?0*[1-9]\d*\s*,{number}\)|DGM\({number}\)");
+    let pattern = format!(
+        r"^({points}|{dissipative}|DGM|trapezoidal|Bathe|central-differences|Newmark\({number},{number}\)|(HHT|generalized-alpha)\({number}\))$"
+    );
+    let what =
+        "Scheme in time; `emmy list schemes` explains them. Of n Gauss points: FE(n), AS(n), Lobatto(n)";
+    // An editor takes the word from the one branch and its description from either.
+    let branch = |key: &str, value: Value| json!({ "description": what, "type": "string", key: value });
+    json!({ "type": "string", "anyOf": [branch("enum", json!(SCHEMES)), branch("pattern", json!(pattern))] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_is_described() {
+        fn check(schema: &Value) {
+            // A rule in `anyOf` names keys of the table that it belongs to: they are described there.
+            let own = schema["title"].as_str().and_then(|_| schema["properties"].as_object());
+            for (key, value) in own.into_iter().flatten() {
+                let described = value["description"].is_string() || value["$ref"].is_string();
+                assert!(described, "`{key}` of {} has no description", schema["title"]);
+            }
+            match schema {
+                Value::Object(entries) => entries.values().for_each(check),
+                Value::Array(items) => items.iter().for_each(check),
+                _ => {}
+            }
+        }
+        check(&schema());
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_reader() {
+        let schema = schema();
+        let default =
+            |section: &str, key: &str| schema["properties"][section]["properties"][key]["default"].clone();
+        assert_eq!(default("newton", "tolerance"), 1e-10);
+        assert_eq!(default("output", "every"), 1);
+        let models = &schema["definitions"]["material"]["properties"];
+        assert_eq!(models["gent"]["properties"]["volumetric"]["default"], "simo-taylor");
+        assert_eq!(models["orthotropic"]["properties"]["axis_2"]["default"], json!([0, 1, 0]));
+    }
+}

@@ -1,0 +1,93 @@
+//! Every material model by name.
+
+use super::{Region, Solid};
+use crate::error::Result;
+use crate::material::{Link, Model, Modelled, Values, each_material};
+
+/// A model of which regions can be made.
+#[derive(Debug, Clone, Copy)]
+pub struct RegionModel {
+    /// Name, energy and parameters.
+    pub model: Model,
+    region: fn(Option<String>, f64, &Values) -> Result<Region>,
+}
+
+macro_rules! region_models {
+    ($($material:ident),+) => {
+        &[
+            $(RegionModel {
+                model: <crate::material::$material as Modelled>::MODEL,
+                region: region::<crate::material::$material>,
+            },)+
+            RegionModel {
+                model: Link::BAR,
+                region: |group, density, values| {
+                    Ok(Region::links(group, density, Link::bar_from_values(values)?))
+                },
+            },
+            RegionModel {
+                model: Link::SPRING,
+                region: |group, density, values| {
+                    Ok(Region::links(group, density, Link::spring_from_values(values)?))
+                },
+            },
+            RegionModel {
+                model: Link::ATTRACTION,
+                region: |group, density, values| {
+                    Ok(Region::links(group, density, Link::attraction_from_values(values)?))
+                },
+            },
+        ]
+    };
+}
+
+/// All models, those of links last.
+pub const MODELS: &[RegionModel] = each_material!(region_models);
+
+fn region<M: Modelled + Solid>(group: Option<String>, density: f64, values: &Values) -> Result<Region> {
+    Ok(Region::new(group, density, M::from_values(values)?))
+}
+
+impl RegionModel {
+    /// The model with a name.
+    ///
+    /// ```
+    /// use emmy::body::RegionModel;
+    /// use emmy::material::{Value, Values};
+    /// let model = RegionModel::named("neo-hooke").unwrap();
+    /// let values = Values::from_iter([("lambda", Value::Number(1000.0)), ("mu", Value::Number(500.0))]);
+    /// assert_eq!(model.region(None, 2.0, &values)?.density, 2.0);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn named(name: &str) -> Option<&'static RegionModel> {
+        MODELS.iter().find(|model| model.model.name == name)
+    }
+
+    /// A region of the model.
+    ///
+    /// # Errors
+    /// [`crate::Error::MaterialParameter`] for values that are out of range or missing.
+    pub fn region(&self, group: Option<String>, density: f64, values: &Values) -> Result<Region> {
+        (self.region)(group, density, values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Error;
+
+    #[test]
+    fn names_are_unique_and_values_that_are_missing_are_rejected_by_name() {
+        for (index, RegionModel { model, region }) in MODELS.iter().enumerate() {
+            assert!(MODELS[..index].iter().all(|other| other.model.name != model.name), "{}", model.name);
+            match region(None, 1.0, &Values::default()).unwrap_err() {
+                Error::MaterialParameter { material, parameter, .. } => {
+                    assert_eq!(material, model.name);
+                    assert!(model.every_parameter().any(|own| own.name == parameter), "{parameter}");
+                }
+                other => panic!("{other}"),
+            }
+        }
+    }
+}
