@@ -23,6 +23,22 @@ pub enum Error {
         /// Number of nodes.
         n_nodes: usize,
     },
+    /// A point that no cell uses: it would have no mass.
+    #[error("point {node} belongs to no cell")]
+    UnusedPoint {
+        /// Index of the point.
+        node: usize,
+    },
+    /// A node of a group which does not exist.
+    #[error("group \"{group}\" names node {node}, but the mesh has {n_nodes} nodes")]
+    GroupNodeOutOfRange {
+        /// Name of the group.
+        group: String,
+        /// Index of the node.
+        node: usize,
+        /// Number of nodes.
+        n_nodes: usize,
+    },
     /// A cell with a number of nodes that its kind does not have.
     #[error("a {kind} cell has {expected} nodes, not {found}")]
     WrongNodeCount {

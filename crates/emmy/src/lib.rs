@@ -19,6 +19,7 @@ pub mod motion;
 pub mod newton;
 pub mod number;
 pub mod polynomial;
+pub mod prelude;
 pub mod quadrature;
 pub mod sparse;
 pub mod tensor;

@@ -20,29 +20,31 @@ pub struct Region {
 }
 
 impl Region {
-    /// A region of a material.
-    pub fn new(group: Option<String>, density: f64, material: impl Material) -> Self {
-        Region::of(group, density, RegionMaterial::Solid(material.compiled()))
+    /// The region of all cells, of a material with a reference density \[mass/length^3\].
+    pub fn new(material: impl Material, density: f64) -> Self {
+        Region::of(RegionMaterial::Solid(material.compiled()), density)
     }
 
-    /// A region of links. `density` is the mass per volume of bars; springs and attractions have no mass.
+    /// The region of all cells, of links. The density is that of bars; springs and attractions have no mass.
     ///
     /// ```
-    /// use emmy::{body::{Body, Region}, material::Link, mesh::{CellKind, MeshBuilder}};
-    /// let mut builder = MeshBuilder::new();
-    /// let ends = [[0.0; 3], [3.0, 4.0, 0.0]].map(|point| builder.point(point));
-    /// builder.cell(CellKind::Line2, &ends)?;
-    /// let bar = Region::links(None, 2.0, Link::bar(1000.0, 0.1)?);
-    /// let body = Body::new(builder.build()?, vec![bar], &[], &[])?;
-    /// assert!((body.regions()[0].mass - 1.0).abs() < 1e-15);
+    /// use emmy::prelude::*;
+    /// let mesh = Mesh::from_cells(CellKind::Line2, &[[0.0; 3], [3.0, 4.0, 0.0]], &[[0, 1]])?;
+    /// let bar = Region::links(Link::bar(1000.0, 0.1)?, 2.0);
+    /// assert!((Body::builder(mesh).region(bar).build()?.regions()[0].mass - 1.0).abs() < 1e-15);
     /// # Ok::<(), emmy::Error>(())
     /// ```
-    pub fn links(group: Option<String>, density: f64, link: Link) -> Self {
-        Region::of(group, density, RegionMaterial::Link(link))
+    pub fn links(link: Link, density: f64) -> Self {
+        Region::of(RegionMaterial::Link(link), density)
     }
 
-    fn of(group: Option<String>, density: f64, material: RegionMaterial) -> Self {
-        Region { group, density, thickness: 1.0, viscosity: Viscosity::default(), material }
+    fn of(material: RegionMaterial, density: f64) -> Self {
+        Region { group: None, density, thickness: 1.0, viscosity: Viscosity::default(), material }
+    }
+
+    /// The same region on the cells of a group.
+    pub fn on(self, group: impl Into<String>) -> Self {
+        Region { group: Some(group.into()), ..self }
     }
 
     /// The link that the region is made of, if it is one of links.
@@ -82,7 +84,7 @@ impl Region {
 
 /// Masses and forces at single nodes.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Nodal {
+pub struct PointTerms {
     /// Point masses.
     pub masses: Vec<PointMass>,
     /// Springs to the ground.
@@ -158,6 +160,36 @@ pub struct Support {
 }
 
 impl Support {
+    /// A support that holds all components of a group.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// assert_eq!(Support::fixed("left").fix, [true; 3]);
+    /// ```
+    pub fn fixed(group: impl Into<String>) -> Self {
+        Support::of_components(group, [true; 3])
+    }
+
+    /// A support that holds some components of a group.
+    pub fn of_components(group: impl Into<String>, fix: [bool; 3]) -> Self {
+        Support { group: group.into(), fix, ..Default::default() }
+    }
+
+    /// A plane of symmetry through the facets of a group.
+    pub fn symmetry(group: impl Into<String>) -> Self {
+        Support { group: group.into(), symmetry: true, ..Default::default() }
+    }
+
+    /// A support that moves the nodes of a group by a displacement over time, in the components that are given.
+    pub fn driven(group: impl Into<String>, displacement: [Option<History>; 3]) -> Self {
+        Support { group: group.into(), displacement, ..Default::default() }
+    }
+
+    /// The same support, released at a time.
+    pub fn until(self, time: f64) -> Self {
+        Support { until: Some(time), ..self }
+    }
+
     /// Components at rest: those of `fix`, and that across the plane of symmetry.
     ///
     /// # Errors
@@ -210,6 +242,58 @@ pub struct Load {
     pub kind: LoadKind,
     /// Factor over time.
     pub history: History,
+}
+
+impl Load {
+    /// A load of constant size.
+    pub fn new(kind: LoadKind) -> Self {
+        Load { kind, history: History::constant() }
+    }
+
+    /// A force \[force\] at each node of a group.
+    pub fn nodal_force(group: impl Into<String>, force: [f64; 3]) -> Self {
+        Load::new(LoadKind::NodalForce { group: group.into(), force })
+    }
+
+    /// A resultant \[force\] spread evenly over the reference area of a facet group.
+    pub fn force(group: impl Into<String>, force: [f64; 3]) -> Self {
+        Load::new(LoadKind::Force { group: group.into(), force })
+    }
+
+    /// A traction per reference area \[force/length^2\] on a facet group.
+    pub fn traction(group: impl Into<String>, traction: [f64; 3]) -> Self {
+        Load::new(LoadKind::Traction { group: group.into(), traction })
+    }
+
+    /// A pressure \[force/length^2\] on a facet group that follows the motion.
+    pub fn pressure(group: impl Into<String>, pressure: f64) -> Self {
+        Load::new(LoadKind::Pressure { group: group.into(), pressure })
+    }
+
+    /// An acceleration \[length/time^2\] of all masses, such as gravity.
+    pub fn acceleration(acceleration: [f64; 3]) -> Self {
+        Load::new(LoadKind::Acceleration { group: None, acceleration })
+    }
+
+    /// The same load with a factor over time: a table of (time, factor).
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let pull = Load::nodal_force("right", [0.0, 0.0, -2.0]).over([(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)])?;
+    /// assert_eq!(pull.history.value(0.05), 0.5);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`History::new`].
+    pub fn over(self, table: impl Into<Vec<(f64, f64)>>) -> Result<Self> {
+        Ok(self.with_history(History::new(table.into())?))
+    }
+
+    /// The same load with a factor over time.
+    pub fn with_history(self, history: History) -> Self {
+        Load { history, ..self }
+    }
 }
 
 /// Kind of a load. All but the pressure are dead: they keep their direction while the body turns.

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 mod batches;
+mod builder;
 mod drive;
 mod facets;
 mod field;
@@ -28,11 +29,12 @@ mod viscosity;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+pub use builder::BodyBuilder;
 pub use field::Field;
 pub use geometry::CellTable;
 pub use history::History;
 pub use input::{
-    GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Rotation,
+    GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Rotation,
     Support,
 };
 pub use integral::Scratch;
@@ -62,9 +64,9 @@ use crate::sparse::{Pattern, StageMatrix, nested_dissection};
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
 /// ```
-/// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+/// use emmy::prelude::*;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::l_block(1.0)?, vec![Region::new(None, 0.5, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::l_block(1.0)?).region(Region::new(rubber, 0.5)).build()?;
 /// assert!((body.regions()[0].mass - 0.5 * 117.0).abs() < 1e-12);
 /// # Ok::<(), emmy::Error>(())
 /// ```
@@ -97,26 +99,16 @@ pub struct Body {
 }
 
 impl Body {
-    /// The body of a mesh. Nodes of plane cells are fixed along z.
-    ///
-    /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::RegionCover`] if the regions do not cover the cells, [`Error::NotPositive`]
-    /// for a density, [`Error::InvertedCell`], [`Error::NotFinite`] for a load, [`Error::Support`].
-    pub fn new(mesh: Mesh, regions: Vec<Region>, supports: &[Support], loads: &[Load]) -> Result<Self> {
-        Body::with_nodal(mesh, regions, &Nodal::default(), supports, loads)
+    /// A builder of the body of a mesh.
+    pub fn builder(mesh: Mesh) -> BodyBuilder {
+        BodyBuilder::new(mesh)
     }
 
-    /// The body of a mesh with masses and forces at single nodes.
-    ///
-    /// # Errors
-    /// Those of [`Body::new`], and [`Error::NoMass`] for a node without mass that is free to move.
-    pub fn with_nodal(
-        mesh: Mesh,
-        regions: Vec<Region>,
-        nodal: &Nodal,
-        supports: &[Support],
-        loads: &[Load],
-    ) -> Result<Self> {
+    fn from_parts(parts: BodyBuilder) -> Result<Self> {
+        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag } = parts;
+        if !(drag >= 0.0 && drag.is_finite()) {
+            return Err(Error::Viscosity { name: "drag", value: drag });
+        }
         let of_cell = RegionOfCell::new(&mesh, &regions)?;
         let section = of_cell.sections(&mesh, &regions);
         let density_of_cell = of_cell.densities(&mesh, &regions);
@@ -124,7 +116,7 @@ impl Body {
         let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
         let mut terms = regions::terms(&mesh, &regions, &of_cell)?;
-        let mut ground = nodal::ground_terms(&mesh, nodal, &section, &lumped_mass)?;
+        let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass)?;
         let couplings = terms.iter().flat_map(|term| {
             let (nodes, length) = term.couplings();
             nodes.chunks_exact(length)
@@ -151,7 +143,7 @@ impl Body {
             fields: Arc::new(fields),
             pressures: Arc::new(pressures),
             release: None,
-            drag: 0.0,
+            drag,
             viscous_time: term::viscous_time(&terms),
             fixed: given.fixed,
             drives: given.drives,
@@ -167,7 +159,7 @@ impl Body {
             parts,
             mesh: Arc::new(mesh),
         };
-        body.with_releases(supports)
+        body.with_releases(&supports)
     }
 
     /// The body with those that it is after each release of a support; they share their tables.
@@ -296,20 +288,6 @@ impl Body {
             rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
         }
         assembly.parts.iter().try_for_each(|part| part.outcome.clone())
-    }
-
-    /// The body in a medium that resists its motion with the external force `f = -rate M v` (mass-proportional damping). Alone, it
-    /// lets velocities decay like `exp(-rate t)`.
-    ///
-    /// # Errors
-    /// [`Error::Viscosity`] unless the rate \[1/time\] is finite and not negative.
-    pub fn with_drag(self, rate: f64) -> Result<Self> {
-        if !(rate >= 0.0 && rate.is_finite()) {
-            return Err(Error::Viscosity { name: "drag", value: rate });
-        }
-        let release =
-            self.release.map(|(time, body)| -> Result<_> { Ok((time, Box::new(body.with_drag(rate)?))) });
-        Ok(Body { drag: rate, release: release.transpose()?, ..self })
     }
 
     /// Rate of the drag \[1/time\].

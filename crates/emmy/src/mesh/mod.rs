@@ -43,6 +43,52 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The mesh of cells of one kind; a [`MeshBuilder`] takes several.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let mesh = Mesh::from_cells(CellKind::Tet4, &points, &[[0, 1, 2, 3]])?.with_node_group("tip", [3])?;
+    /// assert_eq!((mesh.n_cells(), mesh.group_nodes("tip")?), (1, vec![3]));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`MeshBuilder::cell`] and [`MeshBuilder::build`]; [`Error::UnusedPoint`].
+    pub fn from_cells(kind: CellKind, points: &[[f64; 3]], cells: &[impl AsRef<[u32]>]) -> Result<Mesh> {
+        let mut builder = MeshBuilder::new();
+        points.iter().for_each(|&point| _ = builder.point(point));
+        for nodes in cells {
+            builder.cell(kind, nodes.as_ref())?;
+        }
+        let mesh = builder.build()?;
+        // The builder leaves unused points out, which would renumber the nodes behind the caller's back.
+        let mut is_used = vec![false; points.len()];
+        cells.iter().flat_map(AsRef::as_ref).for_each(|&node| is_used[node as usize] = true);
+        match is_used.iter().position(|is_used| !is_used) {
+            Some(node) => Err(Error::UnusedPoint { node }),
+            None => Ok(mesh),
+        }
+    }
+
+    /// The same mesh with a group of nodes.
+    ///
+    /// # Errors
+    /// [`Error::GroupNodeOutOfRange`].
+    pub fn with_node_group(mut self, name: &str, nodes: impl IntoIterator<Item = u32>) -> Result<Mesh> {
+        let n_nodes = self.n_nodes();
+        let group = self.groups.nodes.entry(name.to_string()).or_default();
+        group.extend(nodes);
+        group.sort_unstable();
+        group.dedup();
+        match group.last() {
+            Some(&node) if node as usize >= n_nodes => {
+                Err(Error::GroupNodeOutOfRange { group: name.to_string(), node: node as usize, n_nodes })
+            }
+            _ => Ok(self),
+        }
+    }
+
     /// Reference positions of the nodes, `[n_nodes][3]` \[length\].
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
