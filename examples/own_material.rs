@@ -44,7 +44,7 @@ impl Material for Foam {
 fn fly() -> emmy::Result<Vec<Record>> {
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2])?;
     let foam = Foam { mu: 200.0, stiffening: 5.0 };
-    let body = Body::new(mesh, vec![Region::new(None, 1.0, foam)], &[], &[])?;
+    let body = Body::builder(mesh).region(Region::new(foam, 1.0)).build()?;
     let spin = InitialVelocity { angular_velocity: [8.0, 1.0, 3.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin])?;
     let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(state)?;

@@ -23,7 +23,11 @@ fn beam(lambda: f64, mu: f64, density: f64) -> emmy::Result<Body> {
         Load { kind: LoadKind::TractionField { group: "x-max".into(), field }, history: History::constant() };
     let held = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
     let mesh = emmy::mesh::block([4.0, 1.0, 1.0], [4, 1, 1])?;
-    Body::new(mesh, vec![Region::new(None, density, NeoHooke::new(lambda, mu)?)], &[held], &[push])
+    Body::builder(mesh)
+        .region(Region::new(NeoHooke::new(lambda, mu)?, density))
+        .support(held)
+        .load(push)
+        .build()
 }
 
 /// Place of the tip along y at the end, what it depends on, and its estimated error.

@@ -40,8 +40,8 @@ fn fly() -> emmy::Result<(Mesh, Film)> {
         Ok(Load { kind: LoadKind::Traction { group: group.into(), traction }, history })
     });
     let loads: Vec<Load> = loads.into_iter().collect::<emmy::Result<_>>()?;
-    let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0)?);
-    let body = Body::new(emmy::mesh::l_block(1.0)?, vec![rubber], &[], &loads)?;
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5);
+    let body = Body::builder(emmy::mesh::l_block(1.0)?).region(rubber).loads(&loads).build()?;
     let state = State::initial(&body, 0.0, &[])?;
     let mut film = Film { times: vec![0.0, 0.6, 1.2, 1.8, 2.4, 3.0], records: vec![], frames: vec![] };
     let mut motion = Motion::new(&body, TimeElement::assumed_strain(5, 1)?)?.from(state)?;

@@ -17,7 +17,7 @@ use libfuzzer_sys::fuzz_target;
 static BODY: LazyLock<Body> = LazyLock::new(|| {
     let cell = mesh::block([1.0; 3], [1; 3]).expect("a cell");
     let rubber = NeoHooke::new(1000.0, 500.0).expect("a material");
-    Body::new(cell, vec![Region::new(None, 2.0, rubber)], &[], &[]).expect("a body")
+    Body::builder(cell).region(Region::new(rubber, 2.0)).build().expect("a body")
 });
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,7 +1,7 @@
 //! The motions.
 
 use emmy::Result;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, PointMass, Region, Viscosity};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Viscosity};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, CellKind, MeshBuilder};
 use emmy::motion::State;
@@ -75,9 +75,9 @@ fn orbit() -> Result<Case> {
     builder.node_group("comet", [ends[1]]);
     builder.cell(CellKind::Line2, &ends)?;
     let mass = |group: &str, mass| PointMass { group: group.into(), mass };
-    let nodal = Nodal { masses: vec![mass("star", 2.0), mass("comet", 1.0)], ..Nodal::default() };
-    let region = Region::links(None, 0.0, Link::attraction(3.0)?);
-    let body = Body::with_nodal(builder.build()?, vec![region], &nodal, &[], &[])?;
+    let nodal = PointTerms { masses: vec![mass("star", 2.0), mass("comet", 1.0)], ..PointTerms::default() };
+    let region = Region::links(Link::attraction(3.0)?, 0.0);
+    let body = Body::builder(builder.build()?).region(region).point_terms(nodal.clone()).build()?;
     // v^2 = g/mu (1 - e)/r at the largest distance r = 1 = a (1 + e), mu = 2/3; period tau sqrt(a^3 mu/g).
     let (e, speed) = (0.9, 0.45f64.sqrt());
     let moving = |group: &str, rate| InitialVelocity {
@@ -103,7 +103,7 @@ fn orbit() -> Result<Case> {
 
 /// The paper's block: at rest, a load until t = 1, free flight.
 fn block() -> Result<Case> {
-    let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0)?);
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5);
     let hat = History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
     let load = |group: &str, sign: f64| Load {
         kind: LoadKind::Traction {
@@ -112,8 +112,11 @@ fn block() -> Result<Case> {
         },
         history: hat.clone(),
     };
-    let body =
-        Body::new(mesh::l_block(1.0)?, vec![rubber], &[], &[load("face-a", 1.0), load("face-b", -1.0)])?;
+    let body = Body::builder(mesh::l_block(1.0)?)
+        .region(rubber)
+        .load(load("face-a", 1.0))
+        .load(load("face-b", -1.0))
+        .build()?;
     let start = State::initial(&body, 0.0, &[])?;
     Ok(Case {
         name: "block",
@@ -130,7 +133,7 @@ fn block() -> Result<Case> {
 
 /// A beam of rubber that is hit at one end, for a thousandth of the time, and flies on.
 fn pulse() -> Result<Case> {
-    let body = beam(rubber()?, 4.0)?;
+    let body = beam(rubber()?, 4.0, 0.0)?;
     let start = State::initial(&body, 0.0, &[])?;
     Ok(Case {
         name: "pulse",
@@ -148,7 +151,7 @@ fn pulse() -> Result<Case> {
 /// The same beam with viscosity and drag: it rings for a tenth of the time and coasts, slower and slower, for the rest.
 fn damped() -> Result<Case> {
     let viscosity = Viscosity { time: 0.01, ..Viscosity::default() };
-    let body = beam(rubber()?.with_viscosity(viscosity), 40.0)?.with_drag(0.5)?;
+    let body = beam(rubber()?.with_viscosity(viscosity), 40.0, 0.5)?;
     let start = State::initial(&body, 0.0, &[])?;
     Ok(Case {
         name: "damped",
@@ -164,18 +167,22 @@ fn damped() -> Result<Case> {
 }
 
 fn rubber() -> Result<Region> {
-    Ok(Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?))
+    Ok(Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0))
 }
 
 /// A beam of 1 x 1 x 3 with a pulse on one end, across it, at the start of a motion of some duration.
-fn beam(region: Region, duration: f64) -> Result<Body> {
+fn beam(region: Region, duration: f64, drag: f64) -> Result<Body> {
     // A table, not a smooth function: its kinks are met by adaptive steps and integrated exactly by large ones, so that neither passes over it.
     let width = 1e-3 * duration;
     let history = History::new(vec![(0.0, 0.0), (0.5 * width, 1.0), (width, 0.0)])?;
     // The same impulse, whatever its duration.
     let traction = [1.2 / width, 0.4 / width, 0.0];
     let kind = LoadKind::Traction { group: "z-max".into(), traction };
-    Body::new(mesh::block([1.0, 1.0, 3.0], [2, 1, 6])?, vec![region], &[], &[Load { kind, history }])
+    Body::builder(mesh::block([1.0, 1.0, 3.0], [2, 1, 6])?)
+        .region(region)
+        .load(Load { kind, history })
+        .drag(drag)
+        .build()
 }
 
 /// A tuning fork that rings, three periods.

@@ -17,9 +17,9 @@ const TINES: f64 = 3.0;
 /// The fork: two tines of 1 x 10 x 1 on a bridge and a stem, of a period near 1.
 pub fn body() -> emmy::Result<Body> {
     // Young's modulus 4e5, Poisson's ratio 0.3.
-    let metal = Region::new(None, 1.0, NeoHooke::new(230_769.230_769, 153_846.153_846)?);
+    let metal = Region::new(NeoHooke::new(230_769.230_769, 153_846.153_846)?, 1.0);
     let held = Support { group: "stem".into(), fix: [true; 3], ..Support::default() };
-    Body::new(mesh()?, vec![metal], &[held], &[])
+    Body::builder(mesh()?).region(metal).support(held).build()
 }
 
 /// The fork while its tines swing against each other in the lowest modes: struck, and brought by Bathe's method through the

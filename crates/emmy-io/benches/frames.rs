@@ -33,8 +33,8 @@ fn main() {
 }
 
 fn body() -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
-    Body::new(block([1.0; 3], [46; 3]).unwrap(), vec![rubber], &[], &[]).unwrap()
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    Body::builder(block([1.0; 3], [46; 3]).unwrap()).region(rubber).build().unwrap()
 }
 
 /// A smooth bending with noise in the last digits, as a solution has.

@@ -79,7 +79,7 @@ impl Step {
             dofs.map(|(dof, x)| factor * (2.0 * x + dof as f64 % 3.0).sin()).collect()
         };
         let (displacement, rates) = (wave(0.05), wave(0.01));
-        let body = pool.install(|| Body::new(mesh, vec![region], &[], &[]).unwrap());
+        let body = pool.install(|| Body::builder(mesh).region(region).build().unwrap());
         Step { body, displacement, rates }
     }
 
@@ -94,7 +94,7 @@ impl Step {
 }
 
 fn neo_hooke() -> Region {
-    Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap())
+    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0)
 }
 
 /// Every kind with every rule.

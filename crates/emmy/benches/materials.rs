@@ -18,13 +18,13 @@ const MATERIALS: [&str; 4] = ["neo-hooke", "saint-venant-kirchhoff", "hencky", "
 
 fn region(material: &str) -> Region {
     match material {
-        "saint-venant-kirchhoff" => Region::new(None, 1.0, SaintVenantKirchhoff::new(1000.0, 500.0).unwrap()),
-        "hencky" => Region::new(None, 1.0, Hencky::new(1000.0, 500.0).unwrap()),
+        "saint-venant-kirchhoff" => Region::new(SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), 1.0),
+        "hencky" => Region::new(Hencky::new(1000.0, 500.0).unwrap(), 1.0),
         "ogden" => {
             let terms = [(400.0, 1.3), (-50.0, -2.0)];
-            Region::new(None, 1.0, Ogden::new(&terms, 1000.0, Volumetric::Logarithmic).unwrap())
+            Region::new(Ogden::new(&terms, 1000.0, Volumetric::Logarithmic).unwrap(), 1.0)
         }
-        _ => Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap()),
+        _ => Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0),
     }
 }
 
@@ -37,7 +37,7 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, want: Want) {
         dofs.map(|(dof, x)| factor * (2.0 * x + dof as f64 % 3.0).sin()).collect()
     };
     let (displacement, rates, rule) = (wave(0.05), wave(0.01), Rule::standard(1, &gauss(1)));
-    let body = pool.install(|| Body::new(mesh, vec![region(material)], &[], &[]).unwrap());
+    let body = pool.install(|| Body::builder(mesh).region(region(material)).build().unwrap());
     let mut assembly = body.assembly(1);
     let step = StepInput {
         rule: &rule,

@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use clap::Args;
 use emmy::body::{
-    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, Nodal, RegionSummary, Support, Viscosity,
+    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, PointTerms, RegionSummary, Support,
+    Viscosity,
 };
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
@@ -194,7 +195,7 @@ impl Report {
     }
 
     /// Springs to the ground, and attractions.
-    fn ground(&mut self, nodal: &Nodal) {
+    fn ground(&mut self, nodal: &PointTerms) {
         for spring in &nodal.springs {
             self.line("support", &format!("{}: spring {}", spring.group, number(spring.stiffness)));
         }

@@ -64,7 +64,7 @@ pub(super) fn given(material: &Item<'_>) -> impl Iterator<Item = &'static Model>
 }
 
 /// Reads the one model of a material and makes the region of it.
-pub(super) fn region(item: Item<'_>, group: Option<String>, density: f64) -> Result<Region, Fault> {
+pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     let item = item.table(&MATERIAL)?.exactly_one("one model")?;
     let found = MODELS.iter().zip(sections()).find(|(model, _)| model.model.name == item.key());
     let (model, section) =
@@ -79,7 +79,7 @@ pub(super) fn region(item: Item<'_>, group: Option<String>, density: f64) -> Res
     let values = Values::from_iter(values);
     let engineering = values.optional("youngs_modulus").zip(values.optional("poissons_ratio"));
     engineering.map_or(Ok(()), |(youngs, poissons)| derived::check_lame(&item, youngs, poissons))?;
-    model.region(group, density, &values).map_err(|error| {
+    model.region(density, &values).map_err(|error| {
         let guilty = match &error {
             emmy::Error::MaterialParameter { parameter, .. } => table.get(parameter),
             _ => None,

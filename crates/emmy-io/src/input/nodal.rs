@@ -1,6 +1,6 @@
 //! Masses and forces at single nodes: `[[mass]]`, the springs of `[[support]]`, attractions and drags of `[[load]]`.
 
-use emmy::body::{GroundAttraction, GroundSpring, Nodal, PointMass, Region};
+use emmy::body::{GroundAttraction, GroundSpring, PointMass, PointTerms, Region};
 use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section};
@@ -76,8 +76,8 @@ impl PlacedNodal {
     }
 
     /// The values alone.
-    pub(super) fn values(self) -> Nodal {
-        Nodal {
+    pub(super) fn values(self) -> PointTerms {
+        PointTerms {
             masses: self.masses.into_iter().map(|mass| mass.value).collect(),
             springs: self.springs.into_iter().map(|spring| spring.value).collect(),
             attractions: self.attractions.into_iter().map(|attraction| attraction.value).collect(),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use emmy::body::{Body, InitialVelocity, Load, Nodal, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, PointTerms, Region, Support};
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::sparse::Solver;
 use emmy::time::Scheme;
@@ -84,7 +84,7 @@ pub struct Problem {
     /// Supports.
     pub supports: Vec<Support>,
     /// Point masses, springs to the ground, attraction to points.
-    pub nodal: Nodal,
+    pub nodal: PointTerms,
     /// Loads.
     pub loads: Vec<Load>,
     /// Initial velocities.
@@ -232,8 +232,13 @@ impl Parts {
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
         let nodal = self.nodal.values();
-        let body = Body::with_nodal(mesh, values(self.regions), &nodal, &supports, &loads);
-        let body = body.and_then(|body| body.with_drag(drag));
+        let body = Body::builder(mesh)
+            .regions(values(self.regions))
+            .point_terms(nodal.clone())
+            .supports(&supports)
+            .loads(&loads)
+            .drag(drag)
+            .build();
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;

@@ -68,8 +68,11 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
     let table = item.table(&REGION)?;
     let material = table.require("material")?;
     let density = density(&table, material)?;
-    let name = group(&table)?.map(|(name, _)| name);
-    let region = material::region(material, name, density)?;
+    let region = material::region(material, density)?;
+    let region = match group(&table)? {
+        Some((name, _)) => region.on(name),
+        None => region,
+    };
     let region = match table.get("thickness") {
         Some(thickness) => region.with_thickness(thickness.positive()?),
         None => region,

@@ -20,9 +20,9 @@ fn assert_balances(mesh: Mesh, supports: &[Support], degree: usize) {
     };
     let length = extent(0).max(extent(1)).max(extent(2));
     let wave_speed = 1400f64.sqrt();
-    let rubber = Region::new(None, 1.0, NeoHooke::from_engineering(1000.0, 0.3).unwrap());
+    let rubber = Region::new(NeoHooke::from_engineering(1000.0, 0.3).unwrap(), 1.0);
     let free = supports.is_empty();
-    let body = Body::new(mesh, vec![rubber], supports, &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber).supports(supports).build().unwrap();
     let rate = 0.3 * wave_speed / length;
     let field = InitialVelocity {
         angular_velocity: [0.3 * rate, 0.2 * rate, 0.5 * rate],

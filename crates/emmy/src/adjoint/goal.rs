@@ -15,7 +15,7 @@ use crate::time::State;
 /// ```
 /// use emmy::{adjoint::Goal, body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh, time::State};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [3.0, 4.0, 0.0], ..Default::default() }])?;
 /// assert!((Goal::velocity_at(&body, 7, [0.6, 0.8, 0.0]).value(&state) - 5.0).abs() < 1e-14);
 /// # Ok::<(), emmy::Error>(())

@@ -23,7 +23,7 @@ use crate::sparse::reduce::dot;
 /// use emmy::{adjoint::Parameter, body::{Body, Region}, material::NeoHooke, mesh};
 /// let mesh = mesh::block([1.0; 3], [1; 3])?;
 /// let mu = Parameter::linear(500.0, 500.0, |mu| {
-///     Body::new(mesh.clone(), vec![Region::new(None, 1.0, NeoHooke::new(1000.0, mu)?)], &[], &[])
+///     Body::builder(mesh.clone()).region(Region::new(NeoHooke::new(1000.0, mu)?, 1.0)).build()
 /// })?;
 /// assert_eq!(mu.value(), 500.0);
 /// # Ok::<(), emmy::Error>(())

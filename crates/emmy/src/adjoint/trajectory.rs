@@ -20,7 +20,7 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
 /// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
 /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(state)?;
 /// let mut trajectory = Trajectory::new(&motion)?;

@@ -59,8 +59,8 @@ impl Region {
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
-    /// let plate = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?).with_thickness(0.1);
-    /// let body = Body::new(mesh::rectangle([3.0, 4.0], [3, 4])?, vec![plate], &[], &[])?;
+    /// let plate = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_thickness(0.1);
+    /// let body = Body::builder(mesh::rectangle([3.0, 4.0], [3, 4])?).region(plate).build()?;
     /// assert!((body.regions()[0].mass - 2.4).abs() < 1e-14);
     /// # Ok::<(), emmy::Error>(())
     /// ```
@@ -73,8 +73,8 @@ impl Region {
     /// ```
     /// use emmy::{body::{Body, Region, Viscosity}, material::NeoHooke, mesh};
     /// let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
-    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?).with_viscosity(viscosity);
-    /// assert!(Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?.is_viscous());
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_viscosity(viscosity);
+    /// assert!(Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?.is_viscous());
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn with_viscosity(self, viscosity: Viscosity) -> Self {

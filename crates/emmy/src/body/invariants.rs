@@ -29,8 +29,8 @@ impl Body {
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
-    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?);
-    /// let body = Body::new(mesh::block([1.0, 2.0, 2.0], [1; 3])?, vec![rubber], &[], &[])?;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let body = Body::builder(mesh::block([1.0, 2.0, 2.0], [1; 3])?).region(rubber).build()?;
     /// assert!((body.radius_of_gyration() - 1.5).abs() < 1e-14); // all mass in the corners
     /// # Ok::<(), emmy::Error>(())
     /// ```
@@ -68,7 +68,7 @@ impl Body {
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
     /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-    /// let body = Body::new(mesh::block([1.0; 3], [2; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+    /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
     /// let squeezed: Vec<f64> = body.mesh().points().iter().flat_map(|X| [0.0, 0.0, -0.2 * X[2]]).collect();
     /// assert!((body.strained(&squeezed).smallest_determinant - 0.8).abs() < 1e-14);
     /// # Ok::<(), emmy::Error>(())

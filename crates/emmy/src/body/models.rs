@@ -1,15 +1,15 @@
 //! Every material model by name.
 
-use super::{Region, Solid};
+use super::Region;
 use crate::error::Result;
-use crate::material::{Link, Model, Modelled, Values, each_material};
+use crate::material::{Link, Material, Model, Modelled, Values, each_material};
 
 /// A model of which regions can be made.
 #[derive(Debug, Clone, Copy)]
 pub struct RegionModel {
     /// Name, energy and parameters.
     pub model: Model,
-    region: fn(Option<String>, f64, &Values) -> Result<Region>,
+    region: fn(f64, &Values) -> Result<Region>,
 }
 
 macro_rules! region_models {
@@ -21,21 +21,15 @@ macro_rules! region_models {
             },)+
             RegionModel {
                 model: Link::BAR,
-                region: |group, density, values| {
-                    Ok(Region::links(group, density, Link::bar_from_values(values)?))
-                },
+                region: |density, values| Ok(Region::links(Link::bar_from_values(values)?, density)),
             },
             RegionModel {
                 model: Link::SPRING,
-                region: |group, density, values| {
-                    Ok(Region::links(group, density, Link::spring_from_values(values)?))
-                },
+                region: |density, values| Ok(Region::links(Link::spring_from_values(values)?, density)),
             },
             RegionModel {
                 model: Link::ATTRACTION,
-                region: |group, density, values| {
-                    Ok(Region::links(group, density, Link::attraction_from_values(values)?))
-                },
+                region: |density, values| Ok(Region::links(Link::attraction_from_values(values)?, density)),
             },
         ]
     };
@@ -44,8 +38,8 @@ macro_rules! region_models {
 /// All models, those of links last.
 pub const MODELS: &[RegionModel] = each_material!(region_models);
 
-fn region<M: Modelled + Solid>(group: Option<String>, density: f64, values: &Values) -> Result<Region> {
-    Ok(Region::new(group, density, M::from_values(values)?))
+fn region<M: Modelled + Material>(density: f64, values: &Values) -> Result<Region> {
+    Ok(Region::new(M::from_values(values)?, density))
 }
 
 impl RegionModel {
@@ -56,19 +50,19 @@ impl RegionModel {
     /// use emmy::material::{Value, Values};
     /// let model = RegionModel::named("neo-hooke").unwrap();
     /// let values = Values::from_iter([("lambda", Value::Number(1000.0)), ("mu", Value::Number(500.0))]);
-    /// assert_eq!(model.region(None, 2.0, &values)?.density, 2.0);
+    /// assert_eq!(model.region(2.0, &values)?.density, 2.0);
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn named(name: &str) -> Option<&'static RegionModel> {
         MODELS.iter().find(|model| model.model.name == name)
     }
 
-    /// A region of the model.
+    /// The region of all cells, of the model with a reference density.
     ///
     /// # Errors
     /// [`crate::Error::MaterialParameter`] for values that are out of range or missing.
-    pub fn region(&self, group: Option<String>, density: f64, values: &Values) -> Result<Region> {
-        (self.region)(group, density, values)
+    pub fn region(&self, density: f64, values: &Values) -> Result<Region> {
+        (self.region)(density, values)
     }
 }
 
@@ -81,7 +75,7 @@ mod tests {
     fn names_are_unique_and_values_that_are_missing_are_rejected_by_name() {
         for (index, RegionModel { model, region }) in MODELS.iter().enumerate() {
             assert!(MODELS[..index].iter().all(|other| other.model.name != model.name), "{}", model.name);
-            match region(None, 1.0, &Values::default()).unwrap_err() {
+            match region(1.0, &Values::default()).unwrap_err() {
                 Error::MaterialParameter { material, parameter, .. } => {
                     assert_eq!(material, model.name);
                     assert!(model.every_parameter().any(|own| own.name == parameter), "{parameter}");

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::geometry::{CellTable, add_facet_areas};
-use super::input::{GroundAttraction, GroundSpring, Nodal, PointMass};
+use super::input::{GroundAttraction, GroundSpring, PointMass, PointTerms};
 use super::integral::Scratch;
 use super::regions::RegionSummary;
 use super::solid::SolidTerm;
@@ -38,7 +38,7 @@ pub(super) fn check_masses(mesh: &Mesh, lumped_mass: &[f64], fixed: &[bool]) -> 
 /// Terms of all springs and attractions to the ground.
 pub(super) fn ground_terms(
     mesh: &Mesh,
-    nodal: &Nodal,
+    nodal: &PointTerms,
     section: &[f64],
     lumped_mass: &[f64],
 ) -> Result<Vec<Box<dyn Term>>> {

@@ -34,7 +34,7 @@ impl RegionSummary {
     /// ```
     /// use emmy::{body::{Body, Region, RegionSummary}, material::NeoHooke, mesh};
     /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-    /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 6.0, rubber)], &[], &[])?;
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 6.0)).build()?;
     /// let whole = RegionSummary::combined(body.regions());
     /// assert!((whole.inertia[0][0] - 1.0).abs() < 1e-14); // m (b^2 + c^2) / 12
     /// # Ok::<(), emmy::Error>(())
@@ -247,7 +247,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshBuilder, block};
 
     fn region(group: &str, density: f64) -> Region {
-        Region::new(Some(group.into()), density, NeoHooke::new(1000.0, 500.0).unwrap())
+        Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), density).on(group)
     }
 
     /// A block whose cells are the groups `lower` and `upper` along y.
@@ -280,7 +280,8 @@ mod tests {
 
     #[test]
     fn nodes_are_ordered_when_somebody_asks_for_it() {
-        let body = Body::new(halves([1.0; 3]), vec![region("lower", 1.0), region("upper", 1.0)], &[], &[]);
+        let body =
+            Body::builder(halves([1.0; 3])).region(region("lower", 1.0)).region(region("upper", 1.0)).build();
         let body = body.unwrap();
         assert!(body.node_order.get().is_none());
         let mut order = body.node_order().unwrap().to_vec();
@@ -300,11 +301,11 @@ mod tests {
             builder.cell_group(&i.to_string(), [cell]);
         }
         let mesh = builder.build().unwrap();
-        let region = |i: u32| Region::links(Some(i.to_string()), 1.0, Link::bar(1.0, 1.0).unwrap());
+        let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i);
         let seconds = (0..3).map(|_| {
             let (mesh, regions) = (mesh.clone(), (0..n_links).map(region).collect());
             let start = std::time::Instant::now();
-            Body::new(mesh, regions, &[], &[]).unwrap();
+            Body::builder(mesh).regions(regions).build().unwrap();
             start.elapsed().as_secs_f64()
         });
         seconds.fold(f64::INFINITY, f64::min)
@@ -321,8 +322,11 @@ mod tests {
     #[test]
     fn two_halves_are_the_box_that_they_make() {
         let size = [1.0, 4.0, 2.0];
-        let body =
-            Body::new(halves(size), vec![region("lower", 3.0), region("upper", 3.0)], &[], &[]).unwrap();
+        let body = Body::builder(halves(size))
+            .region(region("lower", 3.0))
+            .region(region("upper", 3.0))
+            .build()
+            .unwrap();
         assert_box(&body.regions()[1], 12.0, [1.0, 2.0, 2.0], [0.5, 3.0, 1.0]);
         assert_box(&RegionSummary::combined(body.regions()), 24.0, size, [0.5, 2.0, 1.0]);
     }
@@ -330,8 +334,10 @@ mod tests {
     #[test]
     fn halves_of_different_density_turn_about_the_common_centre() {
         // Cubes of edge 2, masses 8 and 24, centres 2 apart: I_xx = (8 + 24) 8/12 + 8 24/32 2^2, I_yy = 32 8/12.
-        let body =
-            Body::new(halves([2.0, 4.0, 2.0]), vec![region("lower", 1.0), region("upper", 3.0)], &[], &[]);
+        let body = Body::builder(halves([2.0, 4.0, 2.0]))
+            .region(region("lower", 1.0))
+            .region(region("upper", 3.0))
+            .build();
         let whole = RegionSummary::combined(body.unwrap().regions());
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} is not {b}");
         (0..3).for_each(|i| near(whole.centre[i], [1.0, 2.5, 1.0][i]));

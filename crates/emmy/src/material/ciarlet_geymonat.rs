@@ -5,8 +5,8 @@
 use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
-use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::{Material, axes, compiled_with_this_crate, fulfils, positive};
 use super::model::{Bounds, Model, ModelCells, Modelled, Parameter, Values};
+use super::{Material, axes, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 

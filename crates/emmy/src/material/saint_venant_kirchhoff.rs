@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
+use super::{Material, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
 

@@ -22,7 +22,7 @@ use crate::time::{Scheme, State, Stepper};
 /// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
 /// use emmy::{motion::{GlobalError, Motion, NewtonSettings, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 1.0], about: [0.5; 3], ..Default::default() };
 /// let (element, settings) = (TimeElement::discrete_gradient(1)?, NewtonSettings::default());
 /// let state = State::initial(&body, 0.0, &[spin])?;

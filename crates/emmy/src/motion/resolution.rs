@@ -50,8 +50,8 @@ impl fmt::Display for Unresolved {
 /// use emmy::{motion::{Phase, Resolution, StepPlan}, time::TimeElement};
 /// let pulse = History::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
 /// let kind = LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] };
-/// let region = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![region], &[], &[Load { kind, history: pulse }])?;
+/// let region = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(region).load(Load { kind, history: pulse }).build()?;
 /// let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 2.0 }])?;
 /// let resolution = Resolution::new(&body, TimeElement::discrete_gradient(1)?, &plan).unwrap();
 /// let missed = resolution.unresolved(4.0, 2.0).unwrap();
@@ -304,7 +304,12 @@ mod tests {
             displacement: [Some(history), None, None],
             ..Default::default()
         });
-        Body::new(mesh, vec![Region::new(None, 1.0, rubber)], driven.as_slice(), &[load]).unwrap()
+        Body::builder(mesh)
+            .region(Region::new(rubber, 1.0))
+            .supports(driven.as_slice())
+            .load(load)
+            .build()
+            .unwrap()
     }
 
     fn pulse(at: f64, width: f64) -> History {

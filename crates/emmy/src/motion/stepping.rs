@@ -17,7 +17,7 @@ use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
 /// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
 /// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 6.0], about: [0.5; 3], ..Default::default() };
 /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(2)?)?.from(State::initial(&body, 0.0, &[spin])?)?;
 /// motion.step(0.05)?;
@@ -242,8 +242,8 @@ impl<'a> Motion<'a> {
     ///
     /// ```
     /// # use emmy::{body::{Body, Region}, material::NeoHooke, mesh, motion::Motion, time::TimeElement};
-    /// # let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0)?);
-    /// # let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// # let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// # let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
     /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
     /// motion.step(0.1)?;
     /// assert_eq!(motion.statistics().worst_energy_residual.value, 0.0); // at rest

@@ -14,7 +14,7 @@ use crate::sparse::reduce::dot;
 /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
 /// use emmy::{newton::NewtonSettings, time::{State, Stepper, TimeElement, TimeElementStepper}};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let mut state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;
 /// let element = TimeElement::discrete_gradient(1)?;
 /// TimeElementStepper::new(&body, element, NewtonSettings::default())?.advance(&mut state, 0.5)?;

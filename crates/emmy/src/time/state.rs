@@ -84,8 +84,8 @@ impl State {
     ///
     /// ```
     /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh, time::State};
-    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?);
-    /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
     /// let flies = InitialVelocity { velocity: [0.0, 3.0, 0.0], ..Default::default() };
     /// let state = State::initial(&body, 0.0, &[flies])?;
     /// assert!((state.angular_momentum(&body)[2] - 0.5 * 2.0 * 3.0).abs() < 1e-14); // arm, mass, velocity

@@ -44,10 +44,10 @@ fn residuals(body: &Body, element: TimeElement) -> Vec<f64> {
 #[test]
 fn newton_converges_quadratically() {
     let mesh = || crate::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let rubber = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());
-    let stiff = Region::new(None, 1.0, SaintVenantKirchhoff::new(10.0, 5.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 1.0);
+    let stiff = Region::new(SaintVenantKirchhoff::new(10.0, 5.0).unwrap(), 1.0);
     for region in [rubber, stiff] {
-        let body = Body::new(mesh(), vec![region], &[], &[]).unwrap();
+        let body = Body::builder(mesh()).region(region).build().unwrap();
         for degree in 1..=4 {
             let rules = [
                 AveragingRule::Standard(degree),

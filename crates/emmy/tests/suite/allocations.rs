@@ -19,9 +19,9 @@ fn a_step_with_supports_that_move_allocates_nothing() {
         Support { group: "y-max".into(), displacement: [Some(table), None, None], ..Default::default() },
     ];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-    let body = pool.install(|| Body::new(mesh, vec![rubber], &supports, &[]).unwrap());
+    let body = pool.install(|| Body::builder(mesh).region(rubber).supports(&supports).build().unwrap());
     for degree in 1..=3 {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let scheme = DGM;
@@ -37,9 +37,9 @@ fn a_step_with_supports_that_move_allocates_nothing() {
 #[test]
 fn an_estimate_of_the_error_allocates_nothing() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[]).unwrap());
+    let body = pool.install(|| Body::builder(mesh).region(rubber).build().unwrap());
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     for (degree, estimator) in [
         (1, Estimator::Difference),
@@ -76,13 +76,12 @@ fn a_step_allocates_nothing() {
     };
     // One part: the thread pool would allocate for its own queues.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [2, 6, 2]).unwrap();
     let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
-    let viscous =
-        vec![Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_viscosity(viscosity)];
-    let damped = pool.install(|| Body::new(mesh.clone(), viscous, &[], &[]).unwrap().with_drag(0.3).unwrap());
-    let body = pool.install(|| Body::new(mesh, vec![rubber], &[], &[load, pressure]).unwrap());
+    let viscous = vec![Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0).with_viscosity(viscosity)];
+    let damped = pool.install(|| Body::builder(mesh.clone()).regions(viscous).drag(0.3).build().unwrap());
+    let body = pool.install(|| Body::builder(mesh).region(rubber).load(load).load(pressure).build().unwrap());
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     let schemes = [
         ("DGM", 1, 0.01),

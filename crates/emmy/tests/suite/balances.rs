@@ -9,7 +9,7 @@ use emmy::time::Scheme;
 use crate::shared::schemes::{DGM, TRAPEZOIDAL, assumed_strain, at, fe};
 
 fn rubber() -> Region {
-    Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap())
+    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7)
 }
 
 fn history(entries: &[(f64, f64)]) -> History {
@@ -33,7 +33,7 @@ fn loads() -> Vec<Load> {
 
 fn records(supports: &[Support], loads: &[Load], scheme: Scheme, degree: usize) -> Vec<Record> {
     let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-    let body = Body::new(mesh, vec![rubber()], supports, loads).unwrap();
+    let body = Body::builder(mesh).region(rubber()).supports(supports).loads(loads).build().unwrap();
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
     let mut motion = Motion::starting(&body, at(scheme, degree), NewtonSettings::default(), state).unwrap();
@@ -130,13 +130,11 @@ fn free_fall() {
         history: History::constant(),
     };
     for degree in 1..=2 {
-        let body = Body::new(
-            emmy::mesh::block([1.0; 3], [2; 3]).unwrap(),
-            vec![rubber()],
-            &[],
-            std::slice::from_ref(&gravity),
-        )
-        .unwrap();
+        let body = Body::builder(emmy::mesh::block([1.0; 3], [2; 3]).unwrap())
+            .region(rubber())
+            .loads([&gravity])
+            .build()
+            .unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion = Motion::starting(&body, at(DGM, degree), NewtonSettings::default(), state).unwrap();
         motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }]).unwrap(), &mut []).unwrap();
@@ -152,7 +150,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [4, 12, 4]).unwrap();
-            let body = Body::new(mesh, vec![rubber()], &[], &loads()).unwrap();
+            let body = Body::builder(mesh).region(rubber()).loads(&loads()).build().unwrap();
             let state = State::initial(&body, 0.0, &[]).unwrap();
             let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
             motion
@@ -168,7 +166,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 /// A moving body without load has no force at its starting point; that does not make rest a solution.
 #[test]
 fn a_moving_body_is_never_solved_without_an_iteration() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).build().unwrap();
     let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
     for (scheme, degree, size) in
         [(DGM, 2, 5.0), (assumed_strain(5), 1, 1.0), (fe(1), 1, 5.0), (TRAPEZOIDAL, 1, 0.8), (DGM, 3, 0.8)]

@@ -14,7 +14,7 @@ const ALL: [&str; 5] =
     ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe", "central-differences"];
 
 fn rubber() -> Region {
-    Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap())
+    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5)
 }
 
 fn spin() -> InitialVelocity {
@@ -40,7 +40,12 @@ fn clamp() -> Vec<Support> {
 
 /// Records of the L-block over a time of 0.4.
 fn l_block(scheme: &str, h: f64, supports: &[Support], loads: &[Load]) -> Vec<Record> {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], supports, loads).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap())
+        .region(rubber())
+        .supports(supports)
+        .loads(loads)
+        .build()
+        .unwrap();
     let state = State::initial(&body, 0.0, &[spin()]).unwrap();
     let mut motion =
         Motion::starting(&body, at(scheme.parse().unwrap(), 1), NewtonSettings::default(), state).unwrap();
@@ -122,7 +127,7 @@ fn free_fall_is_exact() {
         history: History::constant(),
     };
     let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let body = Body::new(mesh, vec![rubber()], &[], &[gravity]).unwrap();
+    let body = Body::builder(mesh).region(rubber()).load(gravity).build().unwrap();
     for scheme in ALL {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion =
@@ -144,7 +149,7 @@ fn free_fall_is_exact() {
 
 #[test]
 fn free_flight_has_no_work_and_no_impulse() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).build().unwrap();
     for scheme in ALL {
         let mut state = State::initial(&body, 0.0, &[spin()]).unwrap();
         let scheme: Scheme = scheme.parse().unwrap();
@@ -158,7 +163,7 @@ fn free_flight_has_no_work_and_no_impulse() {
 /// Momenta of the lumped mass are the state's: total mass and linear momentum are those of the body.
 #[test]
 fn central_differences_report_the_lumped_mass() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).build().unwrap();
     let drift = InitialVelocity { velocity: [2.0, 0.0, -1.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[drift]).unwrap();
     let motion =
@@ -183,7 +188,7 @@ fn lumped_masses_are_positive() {
         let mut mesh = MeshBuilder::new();
         let nodes: Vec<u32> = element(kind).nodes().iter().map(|&point| mesh.point(point)).collect();
         mesh.cell(kind, &nodes).unwrap();
-        let body = Body::new(mesh.build().unwrap(), vec![rubber()], &[], &[]).unwrap();
+        let body = Body::builder(mesh.build().unwrap()).region(rubber()).build().unwrap();
         let (masses, mass) = (body.lumped_mass(), body.regions()[0].mass);
         assert!((masses.iter().sum::<f64>() / mass - 1.0).abs() < 1e-14, "{kind}");
         assert!(masses.iter().all(|&m| m > 0.0), "{kind}: {masses:?}");
@@ -203,7 +208,7 @@ fn the_critical_step_follows_the_deformation() {
     };
     let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
     let wall = Support { group: "x-min".into(), fix: [true, false, false], ..Default::default() };
-    let body = Body::new(mesh, vec![rubber()], &[wall], &[press]).unwrap();
+    let body = Body::builder(mesh).region(rubber()).support(wall).load(press).build().unwrap();
     let mut state = State::initial(&body, 0.0, &[]).unwrap();
     let at_rest = CentralDifferences::new(&body, &mut state).unwrap().critical_step();
     let h = 0.9 * at_rest;
@@ -218,7 +223,11 @@ fn the_critical_step_follows_the_deformation() {
 
 #[test]
 fn a_step_that_fails_leaves_the_state_as_it_was() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber()], &[], &tractions()).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap())
+        .region(rubber())
+        .loads(&tractions())
+        .build()
+        .unwrap();
     let hurry = NewtonSettings { tolerance: 1e-14, max_iterations: 1, ..NewtonSettings::default() };
     for scheme in ALL {
         let state = State::initial(&body, 0.0, &[spin()]).unwrap();

@@ -1,6 +1,6 @@
 //! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Nodal, Region, Support, Viscosity};
+use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, PointTerms, Region, Support, Viscosity};
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
@@ -21,25 +21,35 @@ fn scheme(text: &str) -> Scheme {
 /// A mass 1 on a spring of stiffness k to a fixed point, moving along it so slowly that it is linear.
 fn oscillator(k: f64, time: f64, drag: f64) -> Body {
     let viscosity = Viscosity { time, ..Viscosity::default() };
-    let region = Region::links(None, 0.0, Link::spring(k, None).unwrap()).with_viscosity(viscosity);
+    let region = Region::links(Link::spring(k, None).unwrap(), 0.0).with_viscosity(viscosity);
     let fixed = Support { group: "0".into(), fix: [true; 3], ..Support::default() };
     let guided = Support { group: "1".into(), fix: [false, true, true], ..Support::default() };
     let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
-    let body = Body::with_nodal(
-        mesh,
-        vec![region],
-        &Nodal { masses: masses(&[1.0, 1.0]), ..Nodal::default() },
-        &[fixed, guided],
-        &[],
-    )
-    .unwrap();
-    body.with_drag(drag).unwrap()
+    let masses = PointTerms { masses: masses(&[1.0, 1.0]), ..PointTerms::default() };
+    Body::builder(mesh)
+        .region(region)
+        .point_terms(masses)
+        .support(fixed)
+        .support(guided)
+        .drag(drag)
+        .build()
+        .unwrap()
 }
 
 /// A block that tumbles, bends and stretches.
 fn block(viscosity: Viscosity, supports: &[Support], loads: &[Load]) -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap()).with_viscosity(viscosity);
-    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 3]).unwrap(), vec![rubber], supports, loads).unwrap()
+    block_in_medium(0.0, viscosity, supports, loads)
+}
+
+fn block_in_medium(drag: f64, viscosity: Viscosity, supports: &[Support], loads: &[Load]) -> Body {
+    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0).with_viscosity(viscosity);
+    Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 3]).unwrap())
+        .region(rubber)
+        .supports(supports)
+        .loads(loads)
+        .drag(drag)
+        .build()
+        .unwrap()
 }
 
 fn tumbling(body: &Body) -> State {
@@ -112,7 +122,12 @@ fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
         displacement: velocity.map(along),
         ..Support::default()
     };
-    Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![region], &[held, moved], &[]).unwrap()
+    Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap())
+        .region(region)
+        .support(held)
+        .support(moved)
+        .build()
+        .unwrap()
 }
 
 /// What is dissipated in a given deformation is an integral over time, done by hand.
@@ -123,14 +138,14 @@ fn a_given_deformation_dissipates_what_its_formula_says() {
     // (t_v lambda + zeta - 2/3 eta) (tr E')^2 + 2 (t_v mu + eta) E' : E'.
     let (lambda, mu, until) = (30.0, 15.0, 0.6);
     let materials: [&dyn Fn() -> Region; 3] = [
-        &|| Region::new(None, 1.0, NeoHooke::new(lambda, mu).unwrap()),
-        &|| Region::new(None, 1.0, SaintVenantKirchhoff::new(lambda, mu).unwrap()),
+        &|| Region::new(NeoHooke::new(lambda, mu).unwrap(), 1.0),
+        &|| Region::new(SaintVenantKirchhoff::new(lambda, mu).unwrap(), 1.0),
         // Fibres have no stiffness at rest, so no part in D_0, though the motion stretches them.
         &|| {
             let (bulk, fibres) = (lambda + 2.0 / 3.0 * mu, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
             let law = Volumetric::default();
             let tissue = HolzapfelGasserOgden::new(mu, [5.0, 0.3], 0.0, &fibres, bulk, law).unwrap();
-            Region::new(None, 1.0, tissue)
+            Region::new(tissue, 1.0)
         },
     ];
     for velocity in [[0.0, 0.7, 0.0], [0.5, 0.0, 0.0], [-0.3, 0.4, 0.6]] {
@@ -169,11 +184,11 @@ fn a_viscous_block_decays_as_in_theory() {
     let (lambda, mu, density, v, t) = (4.0, 3.0, 2.0, 1e-8, 3.0);
     for (time, shear, bulk) in [(0.04, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.4), (0.02, 0.1, 0.1)] {
         let elastic = SaintVenantKirchhoff::new(lambda, mu).unwrap();
-        let region = Region::new(None, density, elastic).with_viscosity(Viscosity { time, shear, bulk });
+        let region = Region::new(elastic, density).with_viscosity(Viscosity { time, shear, bulk });
         let fixed = Support { group: "x-min".into(), fix: [true; 3], ..Support::default() };
         let guided = Support { group: "x-max".into(), fix: [false, true, true], ..Support::default() };
         let mesh = mesh::block([1.0; 3], [1; 3]).unwrap();
-        let body = Body::new(mesh, vec![region], &[fixed, guided], &[]).unwrap();
+        let body = Body::builder(mesh).region(region).support(fixed).support(guided).build().unwrap();
         let pushed =
             InitialVelocity { group: Some("x-max".into()), velocity: [v, 0.0, 0.0], ..Default::default() };
         let state = State::initial(&body, 0.0, &[pushed]).unwrap();
@@ -192,7 +207,7 @@ fn a_viscous_block_decays_as_in_theory() {
 #[test]
 fn a_braked_body_in_free_flight_slows_down_by_the_factor_of_the_midpoint() {
     // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade approximant of exp.
-    let body = block(Viscosity::default(), &[], &[]).with_drag(0.8).unwrap();
+    let body = block_in_medium(0.8, Viscosity::default(), &[], &[]);
     let field = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
     let z: f64 = -0.8 * 0.5;
     for (degree, factor) in [
@@ -217,7 +232,7 @@ fn balances_close_with_viscosity_drag_loads_and_supports() {
     };
     let held = Support { group: "z-min".into(), fix: [true; 3], ..Support::default() };
     for supports in [vec![], vec![held]] {
-        let body = block(viscosity, &supports, std::slice::from_ref(&pull)).with_drag(0.2).unwrap();
+        let body = block_in_medium(0.2, viscosity, &supports, std::slice::from_ref(&pull));
         for (text, degree) in
             [("DGM", 1), ("DGM", 2), ("AS(6)", 1), ("AS(6)", 2), ("AS(7)", 3), ("DGM(0.5)", 1), ("DGM(0)", 2)]
         {
@@ -248,8 +263,7 @@ fn balances_close_where_a_support_moves_a_damped_body() {
         displacement: [Some(rate), None, None],
         ..Support::default()
     };
-    let body =
-        block(Viscosity { time: 0.02, ..Viscosity::default() }, &[driven], &[]).with_drag(0.3).unwrap();
+    let body = block_in_medium(0.3, Viscosity { time: 0.02, ..Viscosity::default() }, &[driven], &[]);
     for (text, degree) in [("DGM", 1), ("DGM", 2), ("AS(8)", 1)] {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let records = records(&body, scheme(text), degree, state, 0.1, 30);
@@ -312,13 +326,13 @@ fn schemes_that_dissipate_never_add_energy_and_keep_the_momenta() {
 
 #[test]
 fn a_body_in_plane_strain_keeps_its_angular_momentum_and_one_on_rollers_its_energy_balance() {
-    let rubber = || Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let rubber = || Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
     let field = InitialVelocity {
         angular_velocity: [0.0, 0.0, 1.5],
         gradient: [[0.0, 1.3, 0.0], [0.2, 0.8, 0.0], [0.0; 3]],
         ..InitialVelocity::default()
     };
-    let plane = Body::new(mesh::rectangle([2.0, 1.0], [4, 2]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let plane = Body::builder(mesh::rectangle([2.0, 1.0], [4, 2]).unwrap()).region(rubber()).build().unwrap();
     let state = State::initial(&plane, 0.0, std::slice::from_ref(&field)).unwrap();
     let records = records(&plane, scheme("DGM(0.4)"), 1, state, 0.1, 40);
     let [energy, linear, angular] = worst(&records);
@@ -462,15 +476,12 @@ fn a_relative_equilibrium_is_left_alone() {
     let tangent = (h * h * kappa / (4.0 * m)).sqrt();
     let speed = 2.0 * r * tangent / h;
     let mesh = network(&[[0.5 * length, 0.0, 0.0], [-0.5 * length, 0.0, 0.0]], &[[0, 1]]);
-    let region = Region::links(None, 0.0, Link::spring(k, None).unwrap());
-    let body = Body::with_nodal(
-        mesh,
-        vec![region],
-        &Nodal { masses: masses(&[m, m]), ..Nodal::default() },
-        &[],
-        &[],
-    )
-    .unwrap();
+    let region = Region::links(Link::spring(k, None).unwrap(), 0.0);
+    let body = Body::builder(mesh)
+        .region(region)
+        .point_terms(PointTerms { masses: masses(&[m, m]), ..PointTerms::default() })
+        .build()
+        .unwrap();
     // In flight besides.
     let mut state = moving(&body, &[[0.3, speed, 0.1], [0.3, -speed, 0.1]]);
     (state.displacement[0], state.displacement[3]) = (r - 0.5 * length, 0.5 * length - r);
@@ -516,8 +527,8 @@ fn what_does_not_go_together_is_refused() {
     let body = block(Viscosity::default(), &[driven], &[]);
     let state = State::initial(&body, 0.0, &[]).unwrap();
     assert!(Motion::starting(&body, at(scheme("DGM(0.5)"), 1), settings(), state).is_err());
-    let negative = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap())
+    let negative = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0)
         .with_viscosity(Viscosity { shear: -1.0, ..Viscosity::default() });
-    let error = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![negative], &[], &[]).unwrap_err();
+    let error = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(negative).build().unwrap_err();
     assert!(error.to_string().contains("shear"), "{error}");
 }

@@ -49,8 +49,12 @@ fn a_block_that_is_carried_along() {
     let parabola =
         |a: f64| Some(History::smooth(&format!("{a} t^2/2"), move |t| [a * t * t / 2.0, a * t, a]));
     let supports = [moved("body", [parabola(3.0), None, parabola(4.0)])];
-    let rubber = Region::new(None, 2.0, NeoHooke::new(10.0, 5.0).unwrap());
-    let body = Body::new(mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber], &supports, &[]).unwrap();
+    let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
+    let body = Body::builder(mesh::block([1.0; 3], [2; 3]).unwrap())
+        .region(rubber)
+        .supports(&supports)
+        .build()
+        .unwrap();
     for degree in 1..=3 {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let (state, records) = march(&body, DGM, degree, state, &[(1.0, 0.3)]);
@@ -75,8 +79,12 @@ fn base_excitation_of_an_oscillator() {
         Support { group: "body".into(), fix: [false, true, true], ..Default::default() },
         moved("x-min", [Some(sine(amplitude, drive)), None, None]),
     ];
-    let steel = Region::new(None, 2.0, SaintVenantKirchhoff::new(4.0, 3.0).unwrap());
-    let body = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![steel], &supports, &[]).unwrap();
+    let steel = Region::new(SaintVenantKirchhoff::new(4.0, 3.0).unwrap(), 2.0);
+    let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap())
+        .region(steel)
+        .supports(&supports)
+        .build()
+        .unwrap();
     let w = 15f64.sqrt();
     let response = amplitude * (w * w + 0.5 * drive * drive) / (w * w - drive * drive);
     let end = body.mesh().nearest_node([1.0; 3]);
@@ -106,9 +114,9 @@ fn balances_close_under_loads_with_kinks_inside_steps() {
         Load { kind: force, history: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) },
         Load { kind: gravity, history: sine(1.0, 20.0) },
     ];
-    let rubber = Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7);
     let mesh = mesh::block([1.0, 3.0, 1.0], [1, 4, 1]).unwrap();
-    let body = Body::new(mesh, vec![rubber], &supports, &loads).unwrap();
+    let body = Body::builder(mesh).region(rubber).supports(&supports).loads(&loads).build().unwrap();
     let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
     for degree in 1..=3 {
         for scheme in [DGM, assumed_strain(10)] {
@@ -133,9 +141,12 @@ fn a_driven_face_keeps_a_spin() {
     let (omega, about) = (2.0, [0.5, 0.5, 0.0]);
     let angle = History::smooth("2 t", |t| [2.0 * t, 2.0, 0.0]);
     let supports = [turned("z-min", [0.0, 0.0, 3.0], about, angle)];
-    let stiff = Region::new(None, 1.5, SaintVenantKirchhoff::new(1e5, 1e5).unwrap());
-    let body =
-        Body::new(mesh::block([1.0, 1.0, 2.0], [2, 2, 3]).unwrap(), vec![stiff], &supports, &[]).unwrap();
+    let stiff = Region::new(SaintVenantKirchhoff::new(1e5, 1e5).unwrap(), 1.5);
+    let body = Body::builder(mesh::block([1.0, 1.0, 2.0], [2, 2, 3]).unwrap())
+        .region(stiff)
+        .supports(&supports)
+        .build()
+        .unwrap();
     let spin = InitialVelocity { angular_velocity: [0.0, 0.0, omega], about, ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
     let (state, records) = march(&body, DGM, 2, state, &[(std::f64::consts::PI, 0.05)]);
@@ -180,9 +191,9 @@ fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
     let inertia = mass * (arm.iter().map(|x| x * x).sum::<f64>() + own);
     for (which, angle) in turns.into_iter().enumerate() {
         let supports = [turned("body", axis.map(|e| 3.0 * e), about, angle)];
-        let stiff = Region::new(None, 1.5, SaintVenantKirchhoff::new(10.0, 10.0).unwrap());
+        let stiff = Region::new(SaintVenantKirchhoff::new(10.0, 10.0).unwrap(), 1.5);
         let mesh = mesh::block(edges, [2, 2, 1]).unwrap();
-        let body = Body::new(mesh, vec![stiff], &supports, &[]).unwrap();
+        let body = Body::builder(mesh).region(stiff).supports(&supports).build().unwrap();
         for degree in 1..=3 {
             let mut state = State::initial(&body, 0.0, &[]).unwrap();
             for end in [0.0, 0.2, 0.4, 0.6, 0.8] {
@@ -219,9 +230,12 @@ fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
 fn order_is_twice_the_degree() {
     let turn = turned("y-min", [0.3, 0.2, 1.0], [0.5, 0.0, 0.5], sine(0.3, 2.0));
     let supports = [turn, moved("y-max", [Some(sine(0.2, 1.5)), None, None])];
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 0.5).unwrap());
-    let body =
-        Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![rubber], &supports, &[]).unwrap();
+    let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap())
+        .region(rubber)
+        .supports(&supports)
+        .build()
+        .unwrap();
     let at_end = |degree: usize, size: f64| {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let state = march(&body, DGM, degree, state, &[(1.0, size)]).0;
@@ -244,8 +258,8 @@ fn order_is_twice_the_degree() {
 #[test]
 fn what_cannot_be_driven_is_refused() {
     let body = |supports: &[Support]| {
-        let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 0.5).unwrap());
-        Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], supports, &[])
+        let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
+        Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).supports(supports).build()
     };
     let along = |history: History| moved("x-min", [Some(history), None, None]);
     let jump = body(&[along(table(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]))]);
@@ -274,12 +288,12 @@ fn a_swing_that_is_released() {
     let mut swing = turned("y-min", [0.0, 0.0, 1.0], [0.5, -2.0, 0.0], angle);
     (swing.rotation, swing.until) = (swing.rotation.take(), Some(0.5));
     // The edge at z = 0 of the face is held by both.
-    let rubber = || Region::new(None, 1.0, NeoHooke::new(500.0, 250.0).unwrap());
+    let rubber = || Region::new(NeoHooke::new(500.0, 250.0).unwrap(), 1.0);
     let block = || mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-    let both = Body::new(block(), vec![rubber()], &[plane.clone(), swing.clone()], &[]);
+    let both = Body::builder(block()).region(rubber()).support(plane.clone()).support(swing.clone()).build();
     assert!(matches!(both, Err(Error::Support { .. })));
     let plane = Support { group: "y-max".into(), ..plane };
-    let body = Body::new(block(), vec![rubber()], &[plane, swing], &[]).unwrap();
+    let body = Body::builder(block()).region(rubber()).support(plane).support(swing).build().unwrap();
     assert_eq!((body.n_free_dofs(), body.release().unwrap().1.n_free_dofs()), (48 - 16, 48 - 4));
     assert_eq!(body.release().unwrap().1.release().unwrap().1.n_free_dofs(), 48);
     for degree in 1..=3 {
@@ -308,8 +322,13 @@ fn every_scheme_releases() {
     let held = Support { group: "z-max".into(), fix: [true; 3], until: Some(0.2), ..Default::default() };
     let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -10.0] };
     let gravity = Load { kind, history: History::constant() };
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
-    let body = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[held], &[gravity]).unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap())
+        .region(rubber)
+        .support(held)
+        .load(gravity)
+        .build()
+        .unwrap();
     for scheme in ["DGM", "Newmark(0.25, 0.5)", "generalized-alpha(0.8)", "Bathe", "central-differences"] {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let phases = [(0.2, 0.002), (0.4, 0.002)];

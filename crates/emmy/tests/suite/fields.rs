@@ -6,7 +6,7 @@
 use crate::shared::patch::Patch;
 use crate::shared::plane_patch::plane_patch;
 use emmy::body::fields::{FieldName, Fields, Place};
-use emmy::body::{Body, Nodal, PointMass, Region};
+use emmy::body::{Body, PointMass, PointTerms, Region};
 use emmy::element::{element, jacobian};
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
@@ -17,11 +17,11 @@ const MU: f64 = 500.0;
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
 fn rubber() -> Region {
-    Region::new(None, 2.0, NeoHooke::new(LAMBDA, MU).unwrap())
+    Region::new(NeoHooke::new(LAMBDA, MU).unwrap(), 2.0)
 }
 
 fn body(mesh: Mesh) -> Body {
-    Body::new(mesh, vec![rubber()], &[], &[]).unwrap()
+    Body::builder(mesh).region(rubber()).build().unwrap()
 }
 
 fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
@@ -234,13 +234,13 @@ fn recovered_stresses_converge() {
 fn tissue() -> Region {
     let fibres = vec![[1.0, 0.5, 0.0], [0.0, 0.3, 1.0]];
     let volume = Volumetric::Quadratic;
-    Region::new(None, 1.0, HolzapfelGasserOgden::new(3.0, [2.0, 0.7], 0.1, &fibres, 40.0, volume).unwrap())
+    Region::new(HolzapfelGasserOgden::new(3.0, [2.0, 0.7], 0.1, &fibres, 40.0, volume).unwrap(), 1.0)
 }
 
 #[test]
 fn rotations_turn_the_cauchy_stress_and_leave_the_rest() {
     let mesh = Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(CellKind::Hex20);
-    let body = Body::new(mesh, vec![tissue()], &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(tissue()).build().unwrap();
     let R = rotation([1.0, -0.4, 2.0], 2.3);
     let plain = displacement(body.mesh(), |X| waved(X).0);
     let turned = displacement(body.mesh(), |X| {
@@ -284,7 +284,7 @@ fn energies_of_the_cells_add_up_to_that_of_the_body() {
     let planes = CellKind::PLANES.map(|kind| plane_patch(kind, 3));
     for mesh in solids.into_iter().chain(planes) {
         let section = if mesh.cell(0).kind.dimension() == 2 { 0.3 } else { 1.0 };
-        let body = Body::new(mesh, vec![rubber().with_thickness(section)], &[], &[]).unwrap();
+        let body = Body::builder(mesh).region(rubber().with_thickness(section)).build().unwrap();
         let in_plane = section < 1.0;
         let displacement = displacement(body.mesh(), |X| {
             let [x, y, z] = waved(X).0;
@@ -310,12 +310,12 @@ fn two_cubes() -> Body {
         builder.cell_group(name, [index]);
     }
     let region = |name: &str, density: f64, mu: f64| {
-        Region::new(Some(name.into()), density, SaintVenantKirchhoff::new(0.0, mu).unwrap())
+        Region::new(SaintVenantKirchhoff::new(0.0, mu).unwrap(), density).on(name)
     };
     let regions = vec![region("soft", 1.0, 10.0), region("hard", 3.0, 70.0)];
     let masses = vec![PointMass { group: "soft".into(), mass: 5.0 }];
-    let nodal = Nodal { masses, ..Default::default() };
-    Body::with_nodal(builder.build().unwrap(), regions, &nodal, &[], &[]).unwrap()
+    let nodal = PointTerms { masses, ..Default::default() };
+    Body::builder(builder.build().unwrap()).regions(regions).point_terms(nodal.clone()).build().unwrap()
 }
 
 /// S = 2 mu E of each side, E_11 = (1.2^2 - 1)/2 = 0.22; the mean of both in between.
@@ -366,10 +366,16 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
         let cell = builder.cell(CellKind::Line2, &ends.map(|end| nodes[end])).unwrap();
         builder.cell_group(name, [cell]);
     }
-    let bar = Region::links(Some("bar".into()), 4.0, Link::bar(1000.0, 0.5).unwrap());
-    let spring = Region::links(Some("spring".into()), 0.0, Link::spring(8.0, Some(0.25)).unwrap());
-    let nodal = Nodal { masses: vec![PointMass { group: "spring".into(), mass: 1.0 }], ..Default::default() };
-    let body = Body::with_nodal(builder.build().unwrap(), vec![bar, spring], &nodal, &[], &[]).unwrap();
+    let bar = Region::links(Link::bar(1000.0, 0.5).unwrap(), 4.0).on("bar");
+    let spring = Region::links(Link::spring(8.0, Some(0.25)).unwrap(), 0.0).on("spring");
+    let nodal =
+        PointTerms { masses: vec![PointMass { group: "spring".into(), mass: 1.0 }], ..Default::default() };
+    let body = Body::builder(builder.build().unwrap())
+        .region(bar)
+        .region(spring)
+        .point_terms(nodal.clone())
+        .build()
+        .unwrap();
     // The bar turns to y and is 2.4 long: e = (1.2^2 - 1)/2 = 0.22, N = E A e 1.2; the spring turns to x, 0.75 long.
     let displacement = [0.0, 0.0, 0.0, -2.0, 2.4, 0.0, 0.75, -1.0, 0.0];
     let mut names = vec![FieldName::AxialForce];
@@ -404,7 +410,7 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
 
 #[test]
 fn a_body_at_rest_has_no_stress() {
-    let body = Body::new(block([1.0; 3], [2; 3]).unwrap(), vec![tissue()], &[], &[]).unwrap();
+    let body = Body::builder(block([1.0; 3], [2; 3]).unwrap()).region(tissue()).build().unwrap();
     let rest = vec![0.0; body.n_dofs()];
     for (values, name) in fields(&body, &rest, &FieldName::ALL).iter().zip(FieldName::ALL) {
         let expected = if name == FieldName::PrincipalStretches { 1.0 } else { 0.0 };

@@ -23,7 +23,7 @@ fn brick() -> Body {
         Support { group: "x-min".into(), fix: [true; 3], ..Default::default() },
         Support { group: "body".into(), fix: [false, true, true], ..Default::default() },
     ];
-    Body::new(mesh, vec![Region::new(None, 1.0, material)], &supports, &[]).unwrap()
+    Body::builder(mesh).region(Region::new(material, 1.0)).supports(&supports).build().unwrap()
 }
 
 /// The axial mode, displaced by the amplitude with a velocity of half of it.

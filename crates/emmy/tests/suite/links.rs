@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use emmy::body::{Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind};
-use emmy::body::{Nodal, PointMass, Region, Support};
+use emmy::body::{PointMass, PointTerms, Region, Support};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
@@ -12,8 +12,8 @@ use emmy::{Error, Result};
 use crate::shared::points::{masses, moving, network};
 use crate::shared::schemes::at;
 
-fn linked(mesh: Mesh, link: Link, nodal: &Nodal) -> Body {
-    Body::with_nodal(mesh, vec![Region::links(None, 0.0, link)], nodal, &[], &[]).unwrap()
+fn linked(mesh: Mesh, link: Link, nodal: &PointTerms) -> Body {
+    Body::builder(mesh).region(Region::links(link, 0.0)).point_terms(nodal.clone()).build().unwrap()
 }
 
 fn motion<'a>(body: &'a Body, scheme: &str, degree: usize, state: State) -> Motion<'a> {
@@ -32,7 +32,7 @@ fn march(motion: &mut Motion<'_>, end: f64, n_steps: usize, mut each: impl FnMut
 /// `speed` times the speed of the circular orbit.
 fn two_bodies(speed: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[2.0, 1.0]), ..Default::default() };
     let body = linked(mesh, Link::attraction(3.0).unwrap(), &nodal);
     let v = speed * OMEGA;
     let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
@@ -95,7 +95,7 @@ fn lattice() -> (Body, State) {
     let links: Vec<[u32; 2]> =
         pairs.filter(|&(i, j)| near(i, j)).map(|(i, j)| [i as u32, j as u32]).collect();
     let of_node: Vec<f64> = (0..27).map(|i| 1.0 + 0.5 * noise(7 * i)).collect();
-    let nodal = Nodal { masses: masses(&of_node), ..Default::default() };
+    let nodal = PointTerms { masses: masses(&of_node), ..Default::default() };
     let body = linked(network(&points, &links), Link::spring(50.0, None).unwrap(), &nodal);
     let velocity = |i: usize| {
         let [x, y, z] = points[i];
@@ -169,12 +169,12 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
         }
     };
     // The spring is linear in its length: large amplitudes swing alike. Momentum zero: v_1 = -v m_2/m_1.
-    let nodal = Nodal { masses: masses(&[0.5, 2.0]), ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[0.5, 2.0]), ..Default::default() };
     let spring = linked(mesh(), Link::spring(8.0, None).unwrap(), &nodal);
     swings(&spring, 0.1, 4.0, (8.0f64 * (1.0 / 0.5 + 1.0 / 2.0)).sqrt(), 1e-8);
-    let nodal = Nodal { masses: masses(&[1.5, 1.5]), ..Default::default() };
-    let bar = vec![Region::links(None, 3.0, Link::bar(40.0, 0.5).unwrap())];
-    let bar = Body::with_nodal(mesh(), bar, &nodal, &[], &[]).unwrap();
+    let nodal = PointTerms { masses: masses(&[1.5, 1.5]), ..Default::default() };
+    let bar = vec![Region::links(Link::bar(40.0, 0.5).unwrap(), 3.0)];
+    let bar = Body::builder(mesh()).regions(bar).point_terms(nodal.clone()).build().unwrap();
     assert_eq!(bar.regions()[0].mass, 3.0);
     swings(&bar, 1e-7, 1.0, (2.0 * 10.0f64 / (1.5 + 1.0 - 0.5)).sqrt(), 1e-6);
 }
@@ -183,11 +183,11 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
 #[test]
 fn point_masses_fall() {
     let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
-    let nodal = Nodal { masses: masses(&[0.5, 2.0]), ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[0.5, 2.0]), ..Default::default() };
     let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -9.81] };
     let gravity = Load { kind, history: History::constant() };
-    let spring = vec![Region::links(None, 0.0, Link::spring(8.0, None).unwrap())];
-    let body = Body::with_nodal(mesh, spring, &nodal, &[], &[gravity]).unwrap();
+    let spring = vec![Region::links(Link::spring(8.0, None).unwrap(), 0.0)];
+    let body = Body::builder(mesh).regions(spring).point_terms(nodal.clone()).load(gravity).build().unwrap();
     let mut motion = motion(&body, "DGM", 1, State::initial(&body, 0.0, &[]).unwrap());
     march(&mut motion, 2.0, 10, |_| ());
     assert!((motion.record().linear_momentum[2] + 2.5 * 9.81 * 2.0).abs() < 1e-12);
@@ -201,7 +201,7 @@ fn on_the_ground() -> (Body, State) {
         GroundSpring { group: "0".into(), stiffness: 4.5 },
         GroundSpring { group: "1".into(), stiffness: 9.0 },
     ];
-    let nodal = Nodal { masses: masses(&[0.5, 1.0]), springs, ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[0.5, 1.0]), springs, ..Default::default() };
     let mesh = network(&[[1.0, 0.0, 0.0], [3.0, 1.0, 0.0]], &[[0, 1]]);
     let body = linked(mesh, Link::spring(20.0, None).unwrap(), &nodal);
     let state = moving(&body, &[[0.6, -0.3, 0.9]; 2]);
@@ -258,10 +258,10 @@ fn impulses_of_the_ground_close_the_balances_of_every_scheme() {
 #[test]
 fn springs_on_facets_are_a_foundation() {
     let springs = vec![GroundSpring { group: "z-min".into(), stiffness: 6.0 }];
-    let nodal = Nodal { springs, ..Default::default() };
-    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let nodal = PointTerms { springs, ..Default::default() };
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0);
     let mesh = block([2.0, 3.0, 1.0], [2, 3, 2]).unwrap();
-    let body = Body::with_nodal(mesh, vec![rubber], &nodal, &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber).point_terms(nodal.clone()).build().unwrap();
     let displacement: Vec<f64> = (0..body.n_dofs()).map(|dof| [0.1, 0.2, -0.2][dof % 3]).collect();
     // k A |u|^2 / 2, with the area 2 x 3.
     assert!((body.strain_energy(&displacement) - 0.5 * 6.0 * 6.0 * 0.09).abs() < 1e-14);
@@ -273,7 +273,7 @@ fn springs_on_facets_are_a_foundation() {
 #[test]
 fn links_have_no_determinant() {
     let spring = Link::spring(2.0, None).unwrap();
-    let nodal = Nodal { masses: masses(&[1.0, 1.0]), ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[1.0, 1.0]), ..Default::default() };
     let body = linked(network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]), spring, &nodal);
     let turned_about = [0.0, 0.0, 0.0, -2.5, 0.0, 0.0];
     assert_eq!(body.strained(&turned_about).smallest_determinant, f64::INFINITY);
@@ -285,7 +285,7 @@ fn a_star_holds_its_planets_on_a_circle() {
     let (c, radius, g) = ([1.0, -2.0, 0.5], 1.5f64, 6.0);
     let points = [[c[0] + radius, c[1], c[2]], [c[0] - radius, c[1], c[2]]];
     let attractions = vec![GroundAttraction { group: None, centre: c, strength: g }];
-    let nodal = Nodal { masses: masses(&[0.3, 0.7]), attractions, ..Default::default() };
+    let nodal = PointTerms { masses: masses(&[0.3, 0.7]), attractions, ..Default::default() };
     let body = linked(network(&points, &[[0, 1]]), Link::spring(2.0, None).unwrap(), &nodal);
     let omega = (g / radius.powi(3)).sqrt();
     let state = moving(&body, &[[0.0, omega * radius, 0.0], [0.0, -omega * radius, 0.0]]);
@@ -324,14 +324,15 @@ fn solids_springs_bars_and_masses_fly_together() {
     builder.cell_group("springs", springs);
     builder.cell_group("bar", [bar]);
     builder.node_group("mass", [mass]);
-    let name = |name: &str| Some(name.to_string());
     let regions = vec![
-        Region::new(name("block"), 2.0, NeoHooke::new(1000.0, 500.0).unwrap()),
-        Region::links(name("springs"), 0.0, Link::spring(100.0, Some(0.9)).unwrap()),
-        Region::links(name("bar"), 1.5, Link::bar(500.0, 0.1).unwrap()),
+        Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).on("block"),
+        Region::links(Link::spring(100.0, Some(0.9)).unwrap(), 0.0).on("springs"),
+        Region::links(Link::bar(500.0, 0.1).unwrap(), 1.5).on("bar"),
     ];
-    let nodal = Nodal { masses: vec![PointMass { group: "mass".into(), mass: 0.5 }], ..Default::default() };
-    let body = Body::with_nodal(builder.build().unwrap(), regions, &nodal, &[], &[]).unwrap();
+    let nodal =
+        PointTerms { masses: vec![PointMass { group: "mass".into(), mass: 0.5 }], ..Default::default() };
+    let body =
+        Body::builder(builder.build().unwrap()).regions(regions).point_terms(nodal.clone()).build().unwrap();
     let summaries = body.regions();
     assert_eq!((summaries.len(), summaries[3].mass, summaries[3].centre), (4, 0.5, [2.0, 0.4, 0.3]));
     let total: f64 = summaries.iter().map(|region| region.mass).sum();
@@ -356,11 +357,11 @@ fn solids_springs_bars_and_masses_fly_together() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let mesh = || network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
-    let body = |regions: Vec<Region>, nodal: Nodal, supports: &[Support]| -> Result<Body> {
-        Body::with_nodal(mesh(), regions, &nodal, supports, &[])
+    let body = |regions: Vec<Region>, nodal: PointTerms, supports: &[Support]| -> Result<Body> {
+        Body::builder(mesh()).regions(regions).point_terms(nodal.clone()).supports(supports).build()
     };
-    let spring = || vec![Region::links(None, 0.0, Link::spring(1.0, None).unwrap())];
-    let one = || Nodal { masses: masses(&[1.0]), ..Default::default() };
+    let spring = || vec![Region::links(Link::spring(1.0, None).unwrap(), 0.0)];
+    let one = || PointTerms { masses: masses(&[1.0]), ..Default::default() };
     let lost = body(spring(), one(), &[]).unwrap_err();
     assert_eq!(lost, Error::NoMass { node: 1, position: [1.0, 0.0, 0.0] });
     // A node that is held needs none.
@@ -372,13 +373,13 @@ fn what_does_not_fit_is_refused() {
         march(&mut motion, 1.0, 100, |record| assert!(record.linear_momentum_residual < 1e-13, "{record:?}"));
         assert!(motion.state().displacement.iter().all(|u| u.is_finite()));
     }
-    let rubber = vec![Region::new(None, 1.0, NeoHooke::new(1.0, 1.0).unwrap())];
+    let rubber = vec![Region::new(NeoHooke::new(1.0, 1.0).unwrap(), 1.0)];
     assert_eq!(
         body(rubber, one(), &[]).unwrap_err(),
         Error::WrongMaterial { cell: 0, kind: CellKind::Line2 }
     );
-    let heavy = Nodal { masses: masses(&[-1.0]), ..Default::default() };
+    let heavy = PointTerms { masses: masses(&[-1.0]), ..Default::default() };
     assert!(matches!(body(spring(), heavy, &[]).unwrap_err(), Error::NotPositive { .. }));
-    let limp = Nodal { springs: vec![GroundSpring { group: "0".into(), stiffness: 0.0 }], ..one() };
+    let limp = PointTerms { springs: vec![GroundSpring { group: "0".into(), stiffness: 0.0 }], ..one() };
     assert!(matches!(body(spring(), limp, &[wall]).unwrap_err(), Error::NotPositive { .. }));
 }

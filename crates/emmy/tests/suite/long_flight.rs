@@ -16,8 +16,8 @@ fn drift_of_block(scheme: &str, steps: usize) -> (f64, f64) {
         kind: LoadKind::Traction { group: group.into(), traction: traction.map(|t| sign * t) },
         history: History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap(),
     });
-    let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap());
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![rubber], &[], &loads).unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5);
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber).loads(&loads).build().unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let mut motion =
         Motion::starting(&body, at(scheme.parse().unwrap(), 1), NewtonSettings::default(), state).unwrap();
@@ -28,9 +28,9 @@ fn drift_of_block(scheme: &str, steps: usize) -> (f64, f64) {
 /// Relative drift of energy and angular momentum of a small body, two cells of rubber that tumble and swing with strains of a
 /// fifth, at steps of half of the slowest period of stretching.
 fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let body = Body::new(mesh, vec![rubber], &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber).build().unwrap();
     let gradient = [[0.0, -3.0, 2.0], [3.0, 5.0, -1.0], [-2.0, 1.0, 0.0]];
     let start = InitialVelocity { gradient, velocity: [2.0, -6.0, 0.0], ..Default::default() };
     let state = State::initial(&body, 0.0, &[start]).unwrap();
@@ -41,9 +41,9 @@ fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
 
 /// The same for two cells that turn and fly 4,000 lengths, where the displacement has lost four of its digits.
 fn drift_far_away(steps: usize) -> (f64, f64) {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    let body = Body::new(mesh, vec![rubber], &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber).build().unwrap();
     let (h, direction) = (0.2, [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]);
     let velocity = direction.map(|d| 4000.0 * d / (h * steps as f64));
     let (angular_velocity, about) = ([0.3, 0.5, 0.8], [0.5, 0.5, 1.0]);

@@ -98,8 +98,8 @@ fn body(mesh: Mesh, given: Given) -> Body {
     let loads: Vec<Load> =
         kinds.into_iter().map(|kind| Load { kind, history: History::constant() }).collect();
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
-    let rubber = Region::new(None, DENSITY, NeoHooke::new(LAMBDA, MU).unwrap());
-    Body::new(mesh, vec![rubber], &[clamp], &loads).unwrap()
+    let rubber = Region::new(NeoHooke::new(LAMBDA, MU).unwrap(), DENSITY);
+    Body::builder(mesh).region(rubber).support(clamp).loads(&loads).build().unwrap()
 }
 
 /// The state of the given motion at t = 0 at the nodes.

@@ -12,7 +12,7 @@ use crate::shared::schemes::{DGM, at};
 /// A block of 2 x 2 x 2 cells that turns about all axes and is stretched and sheared by its velocities.
 fn block(material: impl Material) -> Body {
     let mesh = emmy::mesh::block([1.0, 1.5, 1.0], [2; 3]).unwrap();
-    Body::new(mesh, vec![Region::new(None, 0.7, material)], &[], &[]).unwrap()
+    Body::builder(mesh).region(Region::new(material, 0.7)).build().unwrap()
 }
 
 fn start(body: &Body) -> State {

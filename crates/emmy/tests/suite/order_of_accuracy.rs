@@ -10,8 +10,8 @@ use crate::shared::schemes::{DGM, TRAPEZOIDAL, assumed_strain, at, fe};
 
 /// A soft block that is stretched, sheared and turned, so slowly that every mode is resolved by the steps.
 fn body() -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 0.5).unwrap());
-    Body::new(emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![rubber], &[], &[]).unwrap()
+    let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
+    Body::builder(emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(rubber).build().unwrap()
 }
 
 /// Displacement at t = 1.
@@ -60,7 +60,7 @@ fn fibres_that_go_slack_cost_the_order() {
         let tissue =
             HolzapfelGasserOgden::new(5.0, [k1, 0.5], 0.0, &fibres, 20.0, Volumetric::default()).unwrap();
         let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-        Body::new(mesh, vec![Region::new(None, 1.0, tissue)], &[], &[]).unwrap()
+        Body::builder(mesh).region(Region::new(tissue, 1.0)).build().unwrap()
     };
     let mean_order = |body: &Body| {
         let reference = displacement(body, DGM, 4, 0.00125);

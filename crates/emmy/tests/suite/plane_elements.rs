@@ -15,7 +15,7 @@ use emmy::quadrature::gauss;
 const THICKNESS: f64 = 0.4;
 
 fn rubber() -> Vec<Region> {
-    vec![Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_thickness(THICKNESS)]
+    vec![Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(THICKNESS)]
 }
 
 const H: [[f64; 2]; 2] = [[0.1, 0.05], [-0.03, 0.2]];
@@ -66,7 +66,8 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
 fn every_kind_passes_the_patch_test() {
     let (P, energy) = stress_and_energy();
     for kind in CellKind::PLANES {
-        let body = Body::new(plane_patch(kind, 3), rubber(), &[], &tractions(P)).unwrap();
+        let body =
+            Body::builder(plane_patch(kind, 3)).regions(rubber()).loads(&tractions(P)).build().unwrap();
         let quality = emmy::mesh::quality(body.mesh());
         assert!(quality.inverted.is_empty() && quality.scaled_jacobian.value < 0.95, "{kind}: {quality:?}");
         assert!((quality.volume - 1.0).abs() < 1e-14 && (body.regions()[0].volume - THICKNESS).abs() < 1e-14);
@@ -96,11 +97,11 @@ fn every_kind_flies_free_with_three_materials() {
 
 /// History of a cantilever that is loaded at its end: energies and the position of a corner.
 fn cantilever(mesh: Mesh, thickness: f64, supports: &[Support]) -> Vec<[f64; 4]> {
-    let region = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_thickness(thickness);
+    let region = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(thickness);
     let kind = LoadKind::Traction { group: "y-max".into(), traction: [20.0, 5.0, 0.0] };
     let load = Load { kind, history: History::new(vec![(0.0, 0.0), (0.1, 1.0)]).unwrap() };
     let corner = mesh.nearest_node([0.0, 4.0, 0.0]);
-    let body = Body::new(mesh, vec![region], supports, &[load]).unwrap();
+    let body = Body::builder(mesh).region(region).supports(supports).load(load).build().unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let mut motion = Motion::starting(&body, at(DGM, 1), NewtonSettings::default(), state).unwrap();
     let mut history = Vec::new();

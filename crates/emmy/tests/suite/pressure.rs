@@ -21,8 +21,8 @@ fn pressure(group: &str, history: History) -> Load {
 }
 
 fn body(mesh: Mesh, supports: &[Support], load: Load) -> Body {
-    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap());
-    Body::new(mesh, vec![rubber], supports, &[load]).unwrap()
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0);
+    Body::builder(mesh).region(rubber).supports(supports).load(load).build().unwrap()
 }
 
 /// A patch whose whole surface is a group, its bricks distorted.
@@ -305,9 +305,9 @@ fn orders_in_time() {
 fn pressure_around_a_plane_body_has_a_potential() {
     let sides = ["x-min", "x-max", "y-min", "y-max"];
     let loads = sides.map(|group| pressure(group, History::constant()));
-    let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap()).with_thickness(0.5);
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(0.5);
     let mesh = emmy::mesh::rectangle([1.0, 1.0], [2, 2]).unwrap();
-    let body = Body::new(mesh, vec![rubber], &[], &loads).unwrap();
+    let body = Body::builder(mesh).region(rubber).loads(&loads).build().unwrap();
     // Area by the shoelace formula over the nodes of the boundary, which follow each other as the edges say.
     let area = |state: &State| -> f64 {
         let edges = sides.iter().flat_map(|group| body.mesh().groups().facets(group).unwrap());

@@ -34,14 +34,14 @@ fn hat_loads() -> [Load; 2] {
 
 fn body(case: &Case) -> Body {
     let mesh = emmy::mesh::l_block(1.0).unwrap();
-    let rubber = || Region::new(Some("body".into()), 0.5, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = || Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5).on("body");
     match case {
         Case::Rigid => {
             let stiff = SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap();
-            Body::new(mesh, vec![Region::new(None, 1.0, stiff)], &[], &hat_loads())
+            Body::builder(mesh).region(Region::new(stiff, 1.0)).loads(&hat_loads()).build()
         }
-        Case::Soft => Body::new(mesh, vec![rubber()], &[], &hat_loads()),
-        Case::Spinning => Body::new(mesh, vec![rubber()], &[], &[]),
+        Case::Soft => Body::builder(mesh).region(rubber()).loads(&hat_loads()).build(),
+        Case::Spinning => Body::builder(mesh).region(rubber()).build(),
     }
     .unwrap()
 }

@@ -62,7 +62,7 @@ fn settings(solver: Solver) -> NewtonSettings {
 }
 
 fn rubber() -> Region {
-    Region::new(None, 0.7, NeoHooke::new(1000.0, 500.0).unwrap())
+    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7)
 }
 
 fn table(entries: &[(f64, f64)]) -> History {
@@ -77,7 +77,7 @@ fn force() -> Load {
 #[test]
 fn every_time_element_goes_on_in_every_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let body = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
+    let body = Body::builder(block()).region(rubber()).load(force()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for degree in 1..=3 {
         let schemes = [fe(degree + 1), assumed_strain(degree + 2), DGM, lobatto(degree + 1)];
@@ -93,9 +93,13 @@ fn every_time_element_goes_on_in_every_bit() {
 fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
     let viscosity = Viscosity { time: 0.01, shear: 0.5, bulk: 0.1 };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let damped = Body::new(block(), vec![rubber().with_viscosity(viscosity)], &[], &[force()]).unwrap();
-    let damped = damped.with_drag(0.3).unwrap();
-    let free = Body::new(block(), vec![rubber()], &[], &[force()]).unwrap();
+    let damped = Body::builder(block())
+        .region(rubber().with_viscosity(viscosity))
+        .load(force())
+        .drag(0.3)
+        .build()
+        .unwrap();
+    let free = Body::builder(block()).region(rubber()).load(force()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (text, degree) in [("DGM", 1), ("FE(1)", 1), ("AS(3)", 2), ("DGM(0.5)", 1), ("AS(4, 0.2)", 2)] {
         for solver in [Solver::Direct, Solver::Iterative] {
@@ -112,7 +116,7 @@ fn every_classic_stepper_goes_on_in_every_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     for supports in [vec![], vec![held]] {
         let spin = if supports.is_empty() { spin() } else { InitialVelocity::default() };
-        let body = Body::new(block(), vec![rubber()], &supports, &[force()]).unwrap();
+        let body = Body::builder(block()).region(rubber()).supports(&supports).load(force()).build().unwrap();
         for scheme in ["Newmark(0.3, 0.6)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"] {
             for solver in [Solver::Direct, Solver::Iterative] {
                 let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
@@ -127,8 +131,8 @@ fn every_classic_stepper_goes_on_in_every_bit() {
 
 #[test]
 fn a_stiff_body_that_turns_goes_on_in_every_bit() {
-    let stiff = Region::new(None, 1.5, SaintVenantKirchhoff::new(1e6, 1e6).unwrap());
-    let body = Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![stiff], &[], &[]).unwrap();
+    let stiff = Region::new(SaintVenantKirchhoff::new(1e6, 1e6).unwrap(), 1.5);
+    let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(stiff).build().unwrap();
     let spin = InitialVelocity { gradient: [[0.0; 3]; 3], ..spin() };
     for degree in [1, 2] {
         let plan = plan(&[(1.0, 0.1)]);
@@ -147,7 +151,8 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
     };
     let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.2), ..Default::default() };
     let mesh = mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-    let body = Body::new(mesh, vec![rubber()], &[shaken, released], &[force()]).unwrap();
+    let body =
+        Body::builder(mesh).region(rubber()).support(shaken).support(released).load(force()).build().unwrap();
     for degree in [1, 2] {
         for solver in [Solver::Direct, Solver::Iterative] {
             let plan = plan(&[(0.2, 0.03), (0.4, 0.07)]);
@@ -189,7 +194,7 @@ fn pressure() -> Load {
 #[test]
 fn a_free_body_under_pressure_goes_on_in_every_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let body = Body::new(block(), vec![rubber()], &[], &[pressure(), force()]).unwrap();
+    let body = Body::builder(block()).region(rubber()).load(pressure()).load(force()).build().unwrap();
     // The pressure ends at 0.4: nothing of it may be left in the steps after.
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (scheme, degree, solver) in families() {
@@ -201,7 +206,7 @@ fn a_free_body_under_pressure_goes_on_in_every_bit() {
 fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
     let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-    let body = Body::new(block(), vec![rubber()], &[released], &[pressure()]).unwrap();
+    let body = Body::builder(block()).region(rubber()).support(released).load(pressure()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (scheme, degree, solver) in families() {
         assert_same(&body, (scheme, degree), settings(solver), &InitialVelocity::default(), &plan);
@@ -210,8 +215,8 @@ fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
 
 /// A body, started with velocities that turn its cells inside out within a large step.
 fn violent() -> (Body, InitialVelocity) {
-    let soft = Region::new(None, 1.0, NeoHooke::new(10.0, 5.0).unwrap());
-    let body = Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![soft], &[], &[]).unwrap();
+    let soft = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(soft).build().unwrap();
     let gradient = [[0.0, 9.0, 0.0], [-3.0, -6.0, 0.0], [0.0, 0.0, 5.0]];
     (body, InitialVelocity { gradient, about: [0.5, 1.0, 0.5], ..Default::default() })
 }
@@ -271,7 +276,7 @@ fn cuts_end_at_the_smallest_step() {
 
 #[test]
 fn central_differences_are_cut_below_their_critical_step() {
-    let body = Body::new(mesh::block([1.0; 3], [2; 3]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let body = Body::builder(mesh::block([1.0; 3], [2; 3]).unwrap()).region(rubber()).build().unwrap();
     let state = State::initial(&body, 0.0, &[spin()]).unwrap();
     let mut motion =
         Motion::starting(&body, at(Scheme::CentralDifferences, 1), NewtonSettings::default(), state).unwrap();
@@ -284,7 +289,7 @@ fn central_differences_are_cut_below_their_critical_step() {
 
 #[test]
 fn a_memory_of_another_body_is_refused() {
-    let body = |n| Body::new(mesh::block([1.0; 3], [n; 3]).unwrap(), vec![rubber()], &[], &[]).unwrap();
+    let body = |n| Body::builder(mesh::block([1.0; 3], [n; 3]).unwrap()).region(rubber()).build().unwrap();
     let (small, large) = (body(1), body(2));
     let motion = |body| {
         let state = State::initial(body, 0.0, &[]).unwrap();

@@ -50,7 +50,7 @@ fn tractions(P: [[f64; 3]; 3]) -> Vec<Load> {
 }
 
 fn rubber() -> Vec<Region> {
-    vec![Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0).unwrap())]
+    vec![Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0)]
 }
 
 /// Internal force at the displacement u = H X: one evaluation of the mid-point rule without rates.
@@ -79,7 +79,7 @@ fn linear_displacement(mesh: &Mesh) -> Vec<f64> {
 /// vanish, on the surface they are those of the tractions P n.
 fn passes_the_patch_test(kind: CellKind, curved: bool) {
     let (P, energy) = stress_and_energy();
-    let body = Body::new(patch(kind, curved), rubber(), &[], &tractions(P)).unwrap();
+    let body = Body::builder(patch(kind, curved)).regions(rubber()).loads(&tractions(P)).build().unwrap();
     let volume = body.regions()[0].volume;
     assert!((volume - 1.0).abs() < 1e-14, "{kind}: volume {volume}");
     let displacement = linear_displacement(body.mesh());
@@ -122,7 +122,7 @@ fn stiffness(kind: CellKind) -> Vec<Vec<f64>> {
     let mut builder = MeshBuilder::new();
     let nodes: Vec<u32> = element(kind).nodes().iter().map(|&xi| builder.point(xi)).collect();
     builder.cell(kind, &nodes).unwrap();
-    let body = Body::new(builder.build().unwrap(), rubber(), &[], &[]).unwrap();
+    let body = Body::builder(builder.build().unwrap()).regions(rubber()).build().unwrap();
     let (rule, zeros) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
     let step = StepInput {
         rule: &rule,

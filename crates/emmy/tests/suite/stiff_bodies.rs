@@ -52,11 +52,11 @@ fn vibration(size: f64) -> InitialVelocity {
 }
 
 fn svk(youngs_modulus: f64, density: f64) -> Region {
-    Region::new(None, density, SaintVenantKirchhoff::from_engineering(youngs_modulus, 0.3).unwrap())
+    Region::new(SaintVenantKirchhoff::from_engineering(youngs_modulus, 0.3).unwrap(), density)
 }
 
 fn rubber(youngs_modulus: f64, density: f64) -> Region {
-    Region::new(None, density, NeoHooke::from_engineering(youngs_modulus, 0.3).unwrap())
+    Region::new(NeoHooke::from_engineering(youngs_modulus, 0.3).unwrap(), density)
 }
 
 /// AS(8) rather than AS(4): at degree 3 four inner points leave a relative error of the order of the strain.
@@ -76,7 +76,9 @@ fn tiny_vibration() {
             "steel" => 5e6,
             _ => 3e3,
         };
-        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[])
+        let body = Body::builder(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap())
+            .region(region)
+            .build()
             .unwrap();
         for scheme in SCHEMES {
             for degree in 1..=3 {
@@ -96,7 +98,7 @@ fn tiny_vibration() {
 fn tiny_vibration_of_a_clamped_bar() {
     let supports = [Support { group: "y-min".into(), fix: [true; 3], ..Default::default() }];
     let mesh = emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap();
-    let body = Body::new(mesh, vec![rubber(1e7, 1.0)], &supports, &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber(1e7, 1.0)).supports(&supports).build().unwrap();
     for degree in 1..=3 {
         assert_kept("clamped", run(&body, DGM, degree, vibration(3e-5), 1e-3, 20));
     }
@@ -112,7 +114,9 @@ fn rigid_rotation() {
         ..Default::default()
     };
     for (name, region, rate) in [("stiff", svk(1e7, 1.0), 5.0), ("steel", rubber(2.1e5, 7.85e-9), 500.0)] {
-        let body = Body::new(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap(), vec![region], &[], &[])
+        let body = Body::builder(emmy::mesh::block([2.0, 6.0, 2.0], [2, 6, 2]).unwrap())
+            .region(region)
+            .build()
             .unwrap();
         for scheme in SCHEMES {
             for degree in 1..=2 {
@@ -129,7 +133,7 @@ fn rigid_rotation() {
 /// iterations with the exact tangent and the last correction, and one to spare.
 #[test]
 fn a_rigid_rotation_takes_few_iterations() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![svk(1e7, 1.0)], &[], &[]).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(svk(1e7, 1.0)).build().unwrap();
     let spin = InitialVelocity {
         angular_velocity: [0.6, 1.0, 1.6],
         about: [3.0, 3.0, 1.5],
@@ -152,7 +156,7 @@ fn a_rigid_rotation_takes_few_iterations() {
 /// mid-point rule a first correction leaves 0.3, because its stress is that of chords.
 #[test]
 fn the_kept_stiffness_of_a_turning_body_is_right() {
-    let body = Body::new(emmy::mesh::l_block(1.0).unwrap(), vec![svk(1e7, 0.5)], &[], &[]).unwrap();
+    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(svk(1e7, 0.5)).build().unwrap();
     let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
     for scheme in [assumed_strain(1), assumed_strain(5), DGM] {
         let mut state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
@@ -175,7 +179,7 @@ fn the_kept_stiffness_of_a_turning_body_is_right() {
 fn a_steel_part_tumbles_in_steps_of_a_second() {
     for scale in [1.0, 0.1] {
         let mesh = emmy::mesh::block([1.0, 10.0, 2.0], [2, 20, 4]).unwrap().scaled(scale).unwrap();
-        let body = Body::new(mesh, vec![svk(210_000.0, 7.85e-9)], &[], &[]).unwrap();
+        let body = Body::builder(mesh).region(svk(210_000.0, 7.85e-9)).build().unwrap();
         let spin = InitialVelocity {
             angular_velocity: [0.02, 0.05, 0.2],
             about: [0.5 * scale, 5.0 * scale, scale],
@@ -202,7 +206,7 @@ fn a_steel_part_tumbles_in_steps_of_a_second() {
 #[test]
 fn a_block_beyond_all_stiffness_keeps_six_digits() {
     let mesh = emmy::mesh::block([1.0; 3], [3; 3]).unwrap();
-    let body = Body::new(mesh, vec![rubber(1e16, 1.0)], &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber(1e16, 1.0)).build().unwrap();
     for (scheme, degree) in [(DGM, 1), (assumed_strain(5), 1), (DGM, 2)] {
         let spin =
             InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], about: [0.5; 3], ..Default::default() };
@@ -227,7 +231,7 @@ fn a_block_beyond_all_stiffness_keeps_six_digits() {
 #[test]
 fn a_step_without_digits_fails() {
     let mesh = emmy::mesh::block([1.0; 3], [3; 3]).unwrap();
-    let body = Body::new(mesh, vec![rubber(1e19, 1.0)], &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber(1e19, 1.0)).build().unwrap();
     let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], about: [0.5; 3], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
     let mut motion = Motion::starting(&body, at(fe(1), 1), NewtonSettings::default(), state).unwrap();

@@ -54,9 +54,9 @@ const E: f64 = 4e5;
 
 fn fork() -> Body {
     let (lambda, mu) = (E * 0.3 / (1.3 * 0.4), E / 2.6);
-    let metal = Region::new(None, 1.0, NeoHooke::new(lambda, mu).unwrap());
+    let metal = Region::new(NeoHooke::new(lambda, mu).unwrap(), 1.0);
     let held = Support { group: "stem".into(), fix: [true; 3], ..Support::default() };
-    Body::new(mesh(), vec![metal], &[held], &[]).unwrap()
+    Body::builder(mesh()).region(metal).support(held).build().unwrap()
 }
 
 /// The fork after ten periods by Bathe's method, which takes away the modes that its steps do not resolve.

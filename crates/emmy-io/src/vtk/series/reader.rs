@@ -16,8 +16,8 @@ use crate::vtk::{FACETS, GROUP, Precision, cell_type};
 /// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
 /// use emmy_io::vtk::{Precision, Series, SeriesReader};
 /// # let directory = std::env::temp_dir().join(format!("emmy-doc-series-{}", std::process::id()));
-/// let rubber = Region::new(None, 2.0, NeoHooke::new(1.0, 1.0)?);
-/// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+/// let rubber = Region::new(NeoHooke::new(1.0, 1.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
 /// let mut series = Series::create(&directory, Precision::Double, body.mesh(), body.region_of_cell())?;
 /// for (step, time) in [0.0, 0.5].into_iter().enumerate() {
 ///     let fields = Fields::new(&body).at(&[0.0; 24], &[time; 24], &[FieldName::MomentumDensity]);

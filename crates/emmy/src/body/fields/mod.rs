@@ -34,7 +34,7 @@ use recovery::Recovery;
 /// ```
 /// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
 /// let rubber = NeoHooke::new(0.0, 500.0)?;
-/// let body = Body::new(mesh::block([1.0; 3], [2; 3])?, vec![Region::new(None, 1.0, rubber)], &[], &[])?;
+/// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
 /// let fields = Fields::new(&body).at(&stretched, &stretched, &[FieldName::CauchyStress]);
 /// // sigma = mu (b - I) / J with F = diag(2, 1, 1)

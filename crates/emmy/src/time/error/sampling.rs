@@ -193,8 +193,8 @@ mod tests {
     use crate::mesh;
 
     fn cube() -> Body {
-        let rubber = Region::new(None, 1.0, NeoHooke::new(1.0, 1.0).unwrap());
-        Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[], &[]).unwrap()
+        let rubber = Region::new(NeoHooke::new(1.0, 1.0).unwrap(), 1.0);
+        Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).build().unwrap()
     }
 
     /// Rates of `u = t^power` in all degrees of freedom, in a step from t of size h.

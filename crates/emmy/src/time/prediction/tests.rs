@@ -12,8 +12,8 @@ use crate::time::stage_system::StageSystem;
 use crate::time::{State, TimeElement};
 
 fn body_of(mesh: Mesh) -> Body {
-    let rubber = Region::new(None, 1.5, NeoHooke::new(1000.0, 500.0).unwrap());
-    Body::new(mesh, vec![rubber], &[], &[]).unwrap()
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.5);
+    Body::builder(mesh).region(rubber).build().unwrap()
 }
 
 fn system(body: &Body, k: usize) -> StageSystem<'_> {
@@ -193,8 +193,12 @@ fn lines_planes_and_supports_are_no_special_cases() {
     assert_eq!(rod.rates[0].iter().flatten().filter(|D| !D.is_finite()).count(), 0);
 
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
-    let rubber = Region::new(None, 1.5, NeoHooke::new(1000.0, 500.0).unwrap());
-    let held = Body::new(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap(), vec![rubber], &[clamp], &[]).unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.5);
+    let held = Body::builder(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap())
+        .region(rubber)
+        .support(clamp)
+        .build()
+        .unwrap();
     let mut system = system(&held, 1);
     let mut prediction = Prediction::new(1, held.n_dofs());
     start(&mut system, &mut prediction, &spinning(&held, [0.7, -1.1, 0.9]), 0.4);

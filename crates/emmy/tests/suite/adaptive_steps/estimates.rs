@@ -1,7 +1,7 @@
 //! Estimate over true local error.
 
 use emmy::Error;
-use emmy::body::{Body, History, Load, LoadKind, Nodal, PointMass, Region, Support};
+use emmy::body::{Body, History, Load, LoadKind, PointMass, PointTerms, Region, Support};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh;
 use emmy::motion::{Motion, NewtonSettings, State};
@@ -75,9 +75,9 @@ fn driven_block() -> (Body, State) {
         Support { group: "z-min".into(), displacement, ..Default::default() },
         Support { group: "z-min".into(), fix: [false, true, true], ..Default::default() },
     ];
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
     let mesh = mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    let body = Body::new(mesh, vec![rubber], &supports, &[]).unwrap();
+    let body = Body::builder(mesh).region(rubber).supports(&supports).build().unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     (body, state)
 }
@@ -264,10 +264,10 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
 fn on_the_linear_oscillator_the_error_is_that_of_the_pade_approximation() {
     // Two masses of 2 on a spring of 9 that vibrate along it: linear for FE(k), in their distance s.
     let masses = ["0", "1"].map(|group| PointMass { group: group.into(), mass: 2.0 });
-    let nodal = Nodal { masses: masses.to_vec(), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::spring(9.0, None).unwrap());
+    let nodal = PointTerms { masses: masses.to_vec(), ..Default::default() };
+    let region = Region::links(Link::spring(9.0, None).unwrap(), 0.0);
     let mesh = network(&[[0.0; 3], [2.0, 0.0, 0.0]], &[[0, 1]]);
-    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
+    let body = Body::builder(mesh).region(region).point_terms(nodal.clone()).build().unwrap();
     let mut start = moving(&body, &[[-0.2, 0.0, 0.0], [0.2, 0.0, 0.0]]);
     (start.displacement[0], start.displacement[3]) = (-0.15, 0.15);
     let omega = 3.0;

@@ -59,14 +59,14 @@ fn the_error_at_the_end_is_estimated_with_equal_steps_and_others() {
 /// The highest modes of the paper's blocks are not resolved by their steps: what is left of the estimate then. In the quasi-rigid one they hardly move.
 #[test]
 fn what_no_step_resolves_is_estimated_in_size() {
-    let rubber = Region::new(None, 0.5, NeoHooke::new(1000.0, 500.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5);
     let stiff = SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap();
     // At k = 3 the error of the quasi-rigid one is that of its elastic modes alone, which both degrees have wrong: 4 times it is estimated.
     for (name, region, sizes, quoted) in [
         ("large strain", rubber, [0.02, 0.01], [&[0.97, 0.96, 0.92][..], &[0.99, 0.97, 0.98]]),
-        ("quasi-rigid", Region::new(None, 1.0, stiff), [0.05, 0.025], [&[1.00, 1.02, 4.0], &[1.00, 1.57]]),
+        ("quasi-rigid", Region::new(stiff, 1.0), [0.05, 0.025], [&[1.00, 1.02, 4.0], &[1.00, 1.57]]),
     ] {
-        let body = Body::new(mesh::l_block(1.0).unwrap(), vec![region], &[], &[]).unwrap();
+        let body = Body::builder(mesh::l_block(1.0).unwrap()).region(region).build().unwrap();
         let gradient = match name {
             "large strain" => [[0.2, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, 0.0, 0.02]],
             _ => [[0.0; 3]; 3],
@@ -242,12 +242,12 @@ fn carried_errors_choose_the_sizes_that_estimated_ones_do() {
 
 /// A block that hangs on two supports, one of which is released, under a load with a kink and a jump.
 fn loaded_block() -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(300.0, 150.0).unwrap());
+    let rubber = Region::new(NeoHooke::new(300.0, 150.0).unwrap(), 1.0);
     let held = Support { group: "z-min".into(), until: Some(0.31), ..Support::default() };
     let history = History::new(vec![(0.0, 0.0), (0.1234, 1.0), (0.2, 1.0), (0.2, 0.0)]).unwrap();
     let kind = LoadKind::Traction { group: "z-max".into(), traction: [4.0, 0.0, 0.0] };
     let mesh = mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    Body::new(mesh, vec![rubber], &[held], &[Load { kind, history }]).unwrap()
+    Body::builder(mesh).region(rubber).support(held).load(Load { kind, history }).build().unwrap()
 }
 
 #[test]
@@ -347,8 +347,8 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
 /// A body at rest takes steps as large as they may be; what is short beside them is not passed over.
 #[test]
 fn a_short_phase_after_a_long_one_is_done() {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-    let body = Body::new(mesh::block([1.0; 3], [1; 3]).unwrap(), vec![rubber], &[], &[]).unwrap();
+    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).build().unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let plan = adaptive(1e8 + 2.0, 1e-4).with_end_at(1e8).with_end_at(1e8 + 1.0);
     let (watch, end) = march(&body, &state, 1, &plan);
@@ -360,8 +360,9 @@ fn a_short_phase_after_a_long_one_is_done() {
 /// a sixth of the mass at 3/2 on both sides, a third at 1/2.
 #[test]
 fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
-    let rubber = Region::new(None, 2.0, NeoHooke::new(30.0, 15.0).unwrap());
-    let body = Body::new(mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap(), vec![rubber], &[], &[]).unwrap();
+    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 2.0);
+    let body =
+        Body::builder(mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap()).region(rubber).build().unwrap();
     let lumped = (0.25 + 0.25 + 2.0 * (2.25f64 / 6.0 + 0.25 / 3.0)).sqrt();
     assert!((body.radius_of_gyration() - lumped).abs() < 1e-14, "{}", body.radius_of_gyration());
     assert_quoted("lumped", lumped, 1.19, 1e-3);

@@ -1,6 +1,6 @@
 //! Small bodies in motion, and their exact motion.
 
-use emmy::body::{Body, Nodal, PointMass, Region};
+use emmy::body::{Body, PointMass, PointTerms, Region};
 use emmy::material::Link;
 use emmy::motion::{Motion, NewtonSettings, State};
 
@@ -22,9 +22,10 @@ pub fn springs() -> (Body, State) {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
     let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
     let masses = (0..4).map(|i| PointMass { group: i.to_string(), mass: 1.0 + 0.2 * i as f64 });
-    let nodal = Nodal { masses: masses.collect(), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::spring(20.0, None).unwrap());
-    let body = Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[]).unwrap();
+    let nodal = PointTerms { masses: masses.collect(), ..Default::default() };
+    let region = Region::links(Link::spring(20.0, None).unwrap(), 0.0);
+    let body =
+        Body::builder(network(&points, &links)).region(region).point_terms(nodal.clone()).build().unwrap();
     let state = moving(&body, &[[1.0, 0.0, 0.5], [0.0, 1.5, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, -0.5]]);
     (body, state)
 }

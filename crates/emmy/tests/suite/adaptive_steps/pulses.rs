@@ -17,8 +17,13 @@ fn pulse(height: f64) -> History {
 }
 
 fn block(supports: &[Support], loads: &[Load]) -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::from_engineering(1000.0, 0.3).unwrap());
-    Body::new(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap(), vec![rubber], supports, loads).unwrap()
+    let rubber = Region::new(NeoHooke::from_engineering(1000.0, 0.3).unwrap(), 1.0);
+    Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap())
+        .region(rubber)
+        .supports(supports)
+        .loads(loads)
+        .build()
+        .unwrap()
 }
 
 fn loaded() -> Body {

@@ -41,9 +41,11 @@ fn the_gradient_does_not_depend_on_the_threads() {
     let gradient = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-            let body =
-                Body::new(mesh::block([3.0, 6.0, 3.0], [3, 6, 3]).unwrap(), vec![rubber], &[], &[]).unwrap();
+            let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
+            let body = Body::builder(mesh::block([3.0, 6.0, 3.0], [3, 6, 3]).unwrap())
+                .region(rubber)
+                .build()
+                .unwrap();
             let (start, goal) = (disturbed(&body, 0.02, 0.5), scattered_goal(&body));
             trajectory(&body, DGM, 2, &start, &equal(0.2, 0.1)).gradient(&goal, &[]).unwrap()
         })

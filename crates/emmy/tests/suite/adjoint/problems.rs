@@ -2,7 +2,9 @@
 
 use emmy::Error;
 use emmy::adjoint::{Goal, Gradient, Trajectory};
-use emmy::body::{Body, GroundAttraction, GroundSpring, History, Load, LoadKind, Nodal, Region, Support};
+use emmy::body::{
+    Body, GroundAttraction, GroundSpring, History, Load, LoadKind, PointTerms, Region, Support,
+};
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
@@ -37,15 +39,19 @@ pub fn scattered(n: usize, seed: usize) -> Vec<f64> {
 /// A soft block that is held at its bottom face; a traction that varies over time and gravity pull at it.
 pub fn held_block([lambda, mu]: [f64; 2], density: f64, traction: f64, rubber: bool) -> Result<Body> {
     let region = match rubber {
-        true => Region::new(None, density, NeoHooke::new(lambda, mu)?),
-        false => Region::new(None, density, SaintVenantKirchhoff::new(lambda, mu)?),
+        true => Region::new(NeoHooke::new(lambda, mu)?, density),
+        false => Region::new(SaintVenantKirchhoff::new(lambda, mu)?, density),
     };
     let kind = LoadKind::Traction { group: "z-max".into(), traction: [traction, 0.3 * traction, -0.2] };
     let load = Load { kind, history: History::new(vec![(0.0, 0.2), (0.25, 1.0), (0.6, 0.4)])? };
     let gravity = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.5, -2.0] };
     let support = Support { group: "z-min".into(), fix: [true; 3], ..Default::default() };
     let loads = [load, Load { kind: gravity, history: History::constant() }];
-    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![region], &[support], &loads)
+    Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?)
+        .region(region)
+        .support(support)
+        .loads(&loads)
+        .build()
 }
 
 pub fn rubber() -> Body {
@@ -56,13 +62,13 @@ pub fn rubber() -> Body {
 pub fn springs(stiffness: f64) -> Result<Body> {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
     let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-    let nodal = Nodal {
+    let nodal = PointTerms {
         masses: masses(&[1.0, 1.2, 1.4, 1.6]),
         springs: vec![GroundSpring { group: "2".into(), stiffness: 7.0 }],
         attractions: vec![GroundAttraction { group: None, centre: [3.0, 1.0, 0.5], strength: 4.0 }],
     };
-    let region = Region::links(None, 0.0, Link::spring(stiffness, None)?);
-    Body::with_nodal(network(&points, &links), vec![region], &nodal, &[], &[])
+    let region = Region::links(Link::spring(stiffness, None)?, 0.0);
+    Body::builder(network(&points, &links)).region(region).point_terms(nodal.clone()).build()
 }
 
 /// The state of a body with a displacement and a velocity that are scattered over its free degrees of freedom.

@@ -14,14 +14,14 @@ use crate::shared::schemes::{DGM, at};
 #[test]
 fn what_is_not_covered_is_refused() {
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    let rubber = || vec![Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap())];
+    let rubber = || vec![Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0)];
     let held = |until| Support { group: "z-min".into(), fix: [true; 3], until, ..Default::default() };
     let rate = History::smooth("0.1*t^2", |t| [0.1 * t * t, 0.2 * t, 0.2]);
     let driven = Support { displacement: [Some(rate), None, None], fix: [false; 3], ..held(None) };
     let kind = LoadKind::Pressure { group: "z-max".into(), pressure: 1.0 };
     let pressure = Load { kind, history: History::constant() };
     let refused = |supports: &[Support], loads: &[Load], scheme: Scheme| {
-        let body = Body::new(block(), rubber(), supports, loads).unwrap();
+        let body = Body::builder(block()).regions(rubber()).supports(supports).loads(loads).build().unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let motion = Motion::starting(&body, at(scheme, 1), settings(), state).unwrap();
         Trajectory::new(&motion).unwrap_err().to_string()
@@ -53,15 +53,15 @@ fn a_trajectory_with_gaps_is_refused() {
     let short = Goal { displacement: vec![1.0], velocity: vec![1.0] };
     has(trajectory.gradient(&short, &[]).unwrap_err(), "number of degrees of freedom");
     let free = Parameter::linear(1.0, 1.0, |density| {
-        let rubber = Region::new(None, density, NeoHooke::new(30.0, 15.0)?);
-        Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![rubber], &[], &[])
+        let rubber = Region::new(NeoHooke::new(30.0, 15.0)?, density);
+        Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?).region(rubber).build()
     });
     has(trajectory.gradient(&goal, &[free.unwrap()]).unwrap_err(), "other degrees of freedom or supports");
     let pressed = Parameter::linear(1.0, 1.0, |pressure| {
         let kind = LoadKind::Pressure { group: "z-max".into(), pressure };
-        let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0)?);
+        let rubber = Region::new(NeoHooke::new(30.0, 15.0)?, 1.0);
         let load = Load { kind, history: History::constant() };
-        Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?, vec![rubber], &[], &[load])
+        Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?).region(rubber).load(load).build()
     });
     has(trajectory.gradient(&goal, &[pressed.unwrap()]).unwrap_err(), "pressures that follow");
     (2..4).for_each(|_| {

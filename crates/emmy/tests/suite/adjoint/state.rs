@@ -1,7 +1,7 @@
 //! Gradients by the initial state: differences of motions, formulae, symmetries.
 
 use emmy::adjoint::{Goal, Parameter};
-use emmy::body::{Body, GroundSpring, InitialVelocity, Nodal, Region};
+use emmy::body::{Body, GroundSpring, InitialVelocity, PointTerms, Region};
 use emmy::material::{Hencky, Link, Ogden, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh;
 use emmy::motion::{Phase, State, StepPlan};
@@ -78,16 +78,12 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
     let plate = SaintVenantKirchhoff::new(30.0, 15.0).unwrap();
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
     let bodies = [
-        ("Ogden", block(), Region::new(None, 1.0, ogden)),
-        ("Hencky", block(), Region::new(None, 1.0, hencky)),
-        (
-            "plate",
-            mesh::rectangle([4.0, 3.0], [4, 3]).unwrap(),
-            Region::new(None, 1.0, plate).with_thickness(0.3),
-        ),
+        ("Ogden", block(), Region::new(ogden, 1.0)),
+        ("Hencky", block(), Region::new(hencky, 1.0)),
+        ("plate", mesh::rectangle([4.0, 3.0], [4, 3]).unwrap(), Region::new(plate, 1.0).with_thickness(0.3)),
     ];
     for (name, mesh, region) in bodies {
-        let body = Body::new(mesh, vec![region], &[], &[]).unwrap();
+        let body = Body::builder(mesh).region(region).build().unwrap();
         let (start, goal) = (disturbed(&body, 0.02, 0.5), scattered_goal(&body));
         for (scheme, k) in [(fe(1), 1), (assumed_strain(3), 2), (DGM, 1), (DGM, 2)] {
             let error = error_by_differences(&body, (scheme, k), &start, &equal(0.45, 0.15), &goal);
@@ -119,7 +115,7 @@ fn gradients_know_the_symmetries_of_space() {
     for (name, youngs, size) in [("soft", 40.0, 0.1), ("stiff", 1e7, 0.2)] {
         let material = SaintVenantKirchhoff::from_engineering(youngs, 0.3).unwrap();
         let mesh = mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
-        let body = Body::new(mesh, vec![Region::new(None, 1.0, material)], &[], &[]).unwrap();
+        let body = Body::builder(mesh).region(Region::new(material, 1.0)).build().unwrap();
         let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
         let start = State::initial(&body, 0.0, &[spin]).unwrap();
         let turned = |state: &State| -> [Vec<f64>; 2] {
@@ -164,9 +160,12 @@ fn angle(k: usize, z: f64) -> f64 {
 pub fn oscillator(square: f64) -> Result<Body> {
     let spring = |i: usize, k: f64| GroundSpring { group: i.to_string(), stiffness: k * square };
     let (masses, springs) = (masses(&[0.5, 1.0]), vec![spring(0, 4.5), spring(1, 9.0)]);
-    let region = Region::links(None, 0.0, Link::spring(20.0, None)?);
+    let region = Region::links(Link::spring(20.0, None)?, 0.0);
     let mesh = network(&[[1.0, 0.0, 0.0], [3.0, 1.0, 0.0]], &[[0, 1]]);
-    Body::with_nodal(mesh, vec![region], &Nodal { masses, springs, ..Default::default() }, &[], &[])
+    Body::builder(mesh)
+        .region(region)
+        .point_terms(PointTerms { masses, springs, ..Default::default() })
+        .build()
 }
 
 #[test]

@@ -20,6 +20,10 @@ pub fn soft_block() -> (Body, State) {
 
 /// The block alone.
 pub fn soft_block_under(loads: &[Load]) -> Body {
-    let rubber = Region::new(None, 1.0, NeoHooke::new(30.0, 15.0).unwrap());
-    Body::new(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap(), vec![rubber], &[], loads).unwrap()
+    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
+    Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap())
+        .region(rubber)
+        .loads(loads)
+        .build()
+        .unwrap()
 }

@@ -9,7 +9,7 @@ use crate::shared::schemes::{DGM, at};
 
 /// A region of a material.
 fn region(material: impl Material) -> Region {
-    Region::new(None, 2.0, material)
+    Region::new(material, 2.0)
 }
 
 /// St. Venant-Kirchhoff, neo-Hooke and Ogden, DGM of degree 1 and 2, for 200 steps each: every kind of cell, in the mesh
@@ -25,7 +25,7 @@ pub fn every_kind_flies(kinds: &[CellKind], mesh: impl Fn(CellKind) -> Mesh, fie
                 ("Ogden", region(ogden.unwrap())),
             ];
             for (material, region) in regions {
-                let body = Body::new(mesh(kind), vec![region], &[], &[]).unwrap();
+                let body = Body::builder(mesh(kind)).region(region).build().unwrap();
                 flies(&format!("{kind}, {material}, k = {degree}"), &body, field, degree);
             }
         }

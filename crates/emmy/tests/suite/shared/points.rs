@@ -1,6 +1,6 @@
 //! Points with masses, and links between them.
 
-use emmy::body::{Body, InitialVelocity, Nodal, PointMass, Region};
+use emmy::body::{Body, InitialVelocity, PointMass, PointTerms, Region};
 use emmy::material::Link;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 use emmy::motion::State;
@@ -36,9 +36,9 @@ pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
 /// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
 pub fn orbit(e: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
-    let nodal = Nodal { masses: masses(&[2.0, 1.0]), ..Default::default() };
-    let region = Region::links(None, 0.0, Link::attraction(3.0).unwrap());
-    let body = Body::with_nodal(mesh, vec![region], &nodal, &[], &[]).unwrap();
+    let nodal = PointTerms { masses: masses(&[2.0, 1.0]), ..Default::default() };
+    let region = Region::links(Link::attraction(3.0).unwrap(), 0.0);
+    let body = Body::builder(mesh).region(region).point_terms(nodal.clone()).build().unwrap();
     // v^2 = g/mu (1 - e)/r at the aphelion r = 1 = a (1 + e), mu = 2/3.
     let v = (4.5 * (1.0 - e)).sqrt();
     let state = moving(&body, &[[0.0, v / 3.0, 0.0], [0.0, -2.0 / 3.0 * v, 0.0]]);
