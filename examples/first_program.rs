@@ -14,7 +14,7 @@ fn main() -> emmy::Result<()> {
         .load(Load::nodal_force("right", [0.0, 0.0, -2.0]).over([(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)])?)
         .build()?;
 
-    let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1))?;
+    let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
     while motion.time() < 1.0 {
         let record = motion.step(0.01)?;
         println!("{:5.2} {:.15e} {:9.2e}", record.time, record.total_energy, record.energy_residual);

@@ -46,7 +46,9 @@ fn section(model: &Model) -> Section {
 pub fn materials() -> Vec<(&'static str, String)> {
     let parameter = |parameter: &Parameter| match parameter.if_absent {
         IfAbsent::Required => parameter.name.to_string(),
-        IfAbsent::Value(value) | IfAbsent::Means(value) => format!("{} = {value}", parameter.name),
+        IfAbsent::Value(value) | IfAbsent::Means(value) => {
+            format!("{} = {}", parameter.name, value.replace('\'', "\""))
+        }
     };
     let set = |set: &&[Parameter]| set.iter().map(parameter).collect::<Vec<_>>().join(", ");
     let line = |RegionModel { model, .. }: &RegionModel| {

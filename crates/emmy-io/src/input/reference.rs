@@ -149,8 +149,7 @@ fn cells() -> String {
 }
 
 fn schemes() -> String {
-    let row = |(name, description): (&str, &str)| vec![code(name), description.to_string()];
-    table(&["scheme", "description"], SCHEMES.map(row))
+    table(&["scheme", "description"], SCHEMES.map(|row| vec![code(row.form), row.description.to_string()]))
 }
 
 fn fields() -> String {

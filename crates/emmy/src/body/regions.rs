@@ -301,7 +301,7 @@ mod tests {
             builder.cell_group(&i.to_string(), [cell]);
         }
         let mesh = builder.build().unwrap();
-        let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i);
+        let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i.to_string());
         let seconds = (0..3).map(|_| {
             let (mesh, regions) = (mesh.clone(), (0..n_links).map(region).collect());
             let start = std::time::Instant::now();
