@@ -98,8 +98,8 @@ fn check(checkpoint: &Checkpoint) -> Result<(), String> {
 
 /// Whether all numbers of a state are finite.
 pub fn is_finite(state: &State) -> bool {
-    let State { time, displacement, momentum, velocity, .. } = state;
-    let lists = [displacement, momentum, velocity];
+    let State { time, displacement, momentum, velocity, displacement_low, .. } = state;
+    let lists = [displacement, momentum, velocity, displacement_low];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))
 }
 

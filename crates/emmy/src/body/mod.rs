@@ -359,6 +359,11 @@ impl Body {
         !self.ground.is_empty()
     }
 
+    /// Whether nothing holds the body: neither supports nor springs and attractions to the ground.
+    pub fn is_free(&self) -> bool {
+        self.ground.is_empty() && !self.fixed.contains(&true)
+    }
+
     /// Stage averages of the part of the internal force with which the body pulls at the ground, `force: [k][n_nodes][3]`: its
     /// negative is external to the momenta of the body.
     ///

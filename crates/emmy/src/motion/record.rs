@@ -89,7 +89,7 @@ impl Record {
         self.smallest_determinant = strained.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
         self.linear_momentum = sum(&state.momentum);
-        self.angular_momentum = body.moment(&state.displacement, &state.momentum);
+        self.angular_momentum = state.angular_momentum(body);
         self
     }
 

@@ -66,6 +66,8 @@ pub struct Resolution {
     rule: Rule,
     /// Points of a step at which the stepper takes loads.
     points: Quadrature<1>,
+    /// Points through which the polynomial of a given motion is laid.
+    nodes: Quadrature<1>,
     /// Longest panel of the comparison \[time\].
     panel: f64,
 }
@@ -132,6 +134,7 @@ impl Resolution {
             scheme,
             rule,
             points,
+            nodes: lobatto(scheme.degree() + 2),
             panel: duration / panels as f64,
         })
     }
@@ -158,6 +161,7 @@ impl Resolution {
     pub(super) fn set_degree(&mut self, degree: usize) {
         if self.rule.degree() != degree {
             (self.rule, self.points) = rule_and_points(self.scheme, degree);
+            self.nodes = lobatto(degree + 2);
         }
     }
 
@@ -237,11 +241,10 @@ impl Resolution {
     /// Largest difference of the function from the polynomial of degree k + 1 through its values in the step: what the error
     /// estimate can see of a given motion.
     fn deviation(&self, signal: &Signal, time: f64, size: f64) -> f64 {
-        let n = self.rule.degree() + 2;
-        let nodes = lobatto(n);
+        let n = self.nodes.points.len();
         let mut places = [0.0; MAX_DEGREE + 2];
         let mut values = [0.0; MAX_DEGREE + 2];
-        for (i, &[alpha]) in nodes.points.iter().enumerate() {
+        for (i, &[alpha]) in self.nodes.points.iter().enumerate() {
             (places[i], values[i]) = (alpha, signal.at(time + alpha * size));
         }
         let mut largest = 0f64;

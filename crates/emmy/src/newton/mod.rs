@@ -107,6 +107,9 @@ pub const STAGNATION: f64 = 100.0;
 /// floor.
 const POLISH: f64 = 1e-6;
 
+/// Part of the rounding of a residual that may be left in it.
+const NEGLIGIBLE: f64 = 0.1;
+
 /// Newton's iteration with its memory.
 #[derive(Debug, Clone, Default)]
 pub struct Newton {
@@ -194,14 +197,29 @@ impl Newton {
         }
     }
 
-    /// One correction more with the exact tangent. It leaves what the rounding of the internal forces makes of the residual, and
-    /// those have neither a resultant nor a moment.
+    /// One more correction with the exact tangent, and a second one where the first leaves more than rounding. It leaves what the
+    /// rounding of the internal forces makes of the residual, and those have neither a resultant nor a moment.
     fn polish(&mut self, system: &mut impl System, x: &mut [f64], run: &mut Run<'_>) -> Result<()> {
         let tangent = if run.outcome.took_exact_tangent { Tangent::LastExact } else { Tangent::Exact };
         run.outcome.linear_iterations += self.correct(system, x, POLISH, tangent)?;
         x.copy_from_slice(&self.trial);
         run.outcome.iterations += 1;
+        if tangent == Tangent::LastExact && !run.outcome.at_rounding_floor && self.chord_leaves(run) {
+            run.sizes = system.residual(x, &mut self.residual)?;
+            self.history.push(run.sizes.residual);
+            run.outcome.linear_iterations += self.correct(system, x, POLISH, tangent)?;
+            x.copy_from_slice(&self.trial);
+            run.outcome.iterations += 1;
+        }
         Ok(())
+    }
+
+    /// Whether a correction with the tangent of the iterate before leaves more than a part of the rounding. Its work always has the
+    /// same sign, so that it adds up over the steps where rounding does not.
+    fn chord_leaves(&self, run: &Run<'_>) -> bool {
+        let [.., before, last] = self.history[..] else { return false };
+        // Newton's step leaves half of what its tangent changes by, a step with the old tangent all of it.
+        2.0 * last / before * last > NEGLIGIBLE * run.round_off()
     }
 
     /// Notes a residual; whether it counts as converged.

@@ -37,6 +37,10 @@ pub struct TimeElementStepper<'a> {
     /// Force on the ground in every stage; empty without springs and attractions to it.
     ground: Vec<f64>,
     is_loaded: bool,
+    /// Displacement that the stage system's is relative to.
+    origin: [f64; 3],
+    /// Parts of a free body's mass, `[n_nodes]`; else empty.
+    mass_shares: Vec<f64>,
 }
 
 impl<'a> TimeElementStepper<'a> {
@@ -58,6 +62,8 @@ impl<'a> TimeElementStepper<'a> {
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
+            origin: [0.0; 3],
+            mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
     }
 
@@ -69,13 +75,18 @@ impl<'a> TimeElementStepper<'a> {
     /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
     fn start(&mut self, state: &State, h: f64) {
         self.momentum.copy_from_slice(&state.momentum);
-        self.system.start(&state.displacement, h);
+        state.set_relative_displacement(self.system.body, &mut self.position);
+        self.origin = state.origin(self.system.body);
+        self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
         let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
         let (k, n) = (coefficients.rule.degree(), self.momentum.len());
         for (row, known) in coefficients.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
             let row_sum: f64 = row.iter().sum();
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
+            for (g, share) in known.as_chunks_mut::<3>().0.iter_mut().zip(&self.mass_shares) {
+                (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
+            }
         }
         self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, &mut self.averages, dead_load);
         followers.average(body, state.time, h);
@@ -109,7 +120,8 @@ impl<'a> TimeElementStepper<'a> {
         let k = rule.degree();
         for i in 0..k {
             let b = rule.weights()[i];
-            self.position.copy_from_slice(&self.system.displacement);
+            let relative = self.position.iter_mut().zip(&self.system.displacement).enumerate();
+            relative.for_each(|(dof, (u, relative))| *u = self.origin[dof % 3] + relative);
             for j in 0..k {
                 let a = rule.coefficients()[i * k + j];
                 self.position.iter_mut().zip(&rates[j * n..]).for_each(|(u, x)| *u += a * x);
@@ -134,17 +146,23 @@ impl<'a> TimeElementStepper<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`]: a rule may not evaluate the end, and no step can start from an inverted state.
-    fn strained_at_end(&mut self, displacement: &[f64]) -> Result<Strained> {
-        self.go_to_end(displacement);
+    fn strained_at_end(&mut self) -> Result<Strained> {
+        self.position.copy_from_slice(&self.system.displacement);
+        let n = self.position.len();
+        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(self.system.coefficients.rule.weights()) {
+            self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
+        }
         self.system.body.strained(&self.position).upright()
     }
 
-    /// Sets `position` to the displacement at the end of the step.
-    fn go_to_end(&mut self, displacement: &[f64]) {
-        self.position.copy_from_slice(displacement);
-        let (n, weights) = (displacement.len(), self.system.coefficients.rule.weights());
-        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(weights) {
-            self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
+    /// Adds the rates of the step to a displacement.
+    fn displace(&self, state: &mut State) {
+        let n = state.displacement.len();
+        let weights = self.system.coefficients.rule.weights();
+        state.displacement_low.resize(n, 0.0);
+        for dof in 0..n {
+            let rates = self.iteration.rates[dof..].iter().step_by(n);
+            state.displace(dof, rates.zip(weights).map(|(x, b)| b * x).sum());
         }
     }
 
@@ -161,8 +179,11 @@ impl<'a> TimeElementStepper<'a> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size, given)?;
         let mut impulses = self.impulses(step_size)?;
-        let strained = self.strained_at_end(&state.displacement)?;
+        let strained = self.strained_at_end()?;
         self.update(state, step_size, &mut impulses);
+        if !self.mass_shares.is_empty() {
+            state.note_momentum_error(&self.momentum, impulses.linear);
+        }
         self.iteration.remember(&self.system.coefficients, step_size);
         Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
     }
@@ -185,18 +206,17 @@ impl<'a> TimeElementStepper<'a> {
         if !correct(&mut self.system, &mut self.iteration.rates)? {
             return Ok(false);
         }
-        self.go_to_end(&state.displacement);
         self.update(state, step_size, &mut Impulses::default());
         Ok(true)
     }
 
-    /// The state at the end of the step, whose displacement is in `position`.
+    /// The state at the end of the step.
     ///
     /// Velocity and momentum are taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`:
     /// then an error of the iteration enters the energy balance through `R_i . x_i` only. So taken, the velocity is that of the
     /// momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
-        state.displacement.copy_from_slice(&self.position);
+        self.displace(state);
         if self.system.body.is_driven() {
             self.update_momentum(state, h);
             self.set_driven_end(state, h, impulses);
@@ -273,6 +293,12 @@ impl<'a> TimeElementStepper<'a> {
         impulses.work += body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>();
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
     }
+}
+
+/// The part of a body's mass at each node.
+fn mass_shares(body: &Body) -> Vec<f64> {
+    let total: f64 = body.lumped_mass().iter().sum();
+    body.lumped_mass().iter().map(|mass| mass / total).collect()
 }
 
 /// Takes the entries of the fixed degrees of freedom over.

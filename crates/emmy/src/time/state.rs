@@ -21,6 +21,12 @@ pub struct State {
     pub momentum: Vec<f64>,
     /// Velocity v = M^-1 p, `[n_nodes][3]` \[length/time\].
     pub velocity: Vec<f64>,
+    /// Low part of the displacement, `[n_nodes][3]` \[length\]; empty: zero. The sum of both has twice the digits, so that a body
+    /// that flies far keeps those of its strains.
+    pub displacement_low: Vec<f64>,
+    /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps take it out again. Far from the
+    /// origin it would have a long lever.
+    pub momentum_error: [f64; 3],
 }
 
 impl State {
@@ -30,7 +36,16 @@ impl State {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::NotFinite`], [`crate::Error::DrivenStart`].
     pub fn initial(body: &Body, time: f64, fields: &[InitialVelocity]) -> Result<Self> {
         let (momentum, velocity) = body.initial_motion(time, fields)?;
-        Ok(State { time, step: 0, displacement: vec![0.0; body.n_dofs()], momentum, velocity })
+        let (displacement, displacement_low) = (vec![0.0; body.n_dofs()], vec![0.0; body.n_dofs()]);
+        Ok(State {
+            time,
+            step: 0,
+            displacement,
+            momentum,
+            velocity,
+            displacement_low,
+            momentum_error: [0.0; 3],
+        })
     }
 
     /// Takes over another state of the same body, in the memory that there is.
@@ -39,10 +54,88 @@ impl State {
         self.displacement.copy_from_slice(&other.displacement);
         self.momentum.copy_from_slice(&other.momentum);
         self.velocity.copy_from_slice(&other.velocity);
+        self.displacement_low.clone_from(&other.displacement_low);
+        self.momentum_error = other.momentum_error;
     }
 
     /// Current position of a node.
     pub fn position(&self, body: &Body, node: usize) -> [f64; 3] {
         [0, 1, 2].map(|i| body.mesh().points()[node][i] + self.displacement[3 * node + i])
     }
+
+    /// Displacement of the first node of a free body, zero for any other: strains and forces of the body do not depend on it.
+    pub fn origin(&self, body: &Body) -> [f64; 3] {
+        let first = self.displacement.first_chunk();
+        first.filter(|_| body.is_free()).copied().unwrap_or_default()
+    }
+
+    /// Sets the displacement relative to [`State::origin`], its low part included.
+    pub fn set_relative_displacement(&self, body: &Body, relative: &mut [f64]) {
+        let origin = self.origin(body);
+        let low = self.displacement_low.iter().chain(std::iter::repeat(&0.0));
+        for (dof, (relative, (u, low))) in
+            relative.iter_mut().zip(self.displacement.iter().zip(low)).enumerate()
+        {
+            *relative = (u - origin[dof % 3]) + low;
+        }
+    }
+
+    /// Angular momentum about the origin of space, the low part of the displacement included \[mass length^2/time\].
+    ///
+    /// ```
+    /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh, time::State};
+    /// let rubber = Region::new(None, 2.0, NeoHooke::new(1000.0, 500.0)?);
+    /// let body = Body::new(mesh::block([1.0; 3], [1; 3])?, vec![rubber], &[], &[])?;
+    /// let flies = InitialVelocity { velocity: [0.0, 3.0, 0.0], ..Default::default() };
+    /// let state = State::initial(&body, 0.0, &[flies])?;
+    /// assert!((state.angular_momentum(&body)[2] - 0.5 * 2.0 * 3.0).abs() < 1e-14); // arm, mass, velocity
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn angular_momentum(&self, body: &Body) -> [f64; 3] {
+        let (origin, mut total) = (self.origin(body), [0.0; 3]);
+        let mut moment = [0.0; 3];
+        for (node, p) in self.momentum.as_chunks::<3>().0.iter().enumerate() {
+            let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
+            let (X, at) = (body.mesh().points()[node], 3 * node);
+            let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
+            add_cross(&mut moment, q, *p);
+            (0..3).for_each(|d| total[d] += p[d]);
+        }
+        add_cross(&mut moment, origin, total);
+        moment
+    }
+
+    /// Adds an increment of the displacement at a degree of freedom, both parts of it.
+    pub(super) fn displace(&mut self, dof: usize, increment: f64) {
+        let (high, error) = two_sum(self.displacement[dof], increment);
+        let low = self.displacement_low[dof] + error;
+        (self.displacement[dof], self.displacement_low[dof]) = two_sum(high, low);
+    }
+
+    /// Adds to the error of the momentum what has changed since `before` beyond an impulse.
+    pub(super) fn note_momentum_error(&mut self, before: &[f64], impulse: [f64; 3]) {
+        let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
+        for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {
+            for d in 0..3 {
+                let (change, error) = two_sum(p[d], -before[d]);
+                let (sum, rounding) = two_sum(high[d], change);
+                (high[d], low[d]) = (sum, low[d] + error + rounding);
+            }
+        }
+        (0..3).for_each(|d| self.momentum_error[d] += (high[d] - impulse[d]) + low[d]);
+    }
+}
+
+/// Sum and its rounding error (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
+/// Adds a x b.
+fn add_cross(sum: &mut [f64; 3], a: [f64; 3], b: [f64; 3]) {
+    sum[0] += a[1] * b[2] - a[2] * b[1];
+    sum[1] += a[2] * b[0] - a[0] * b[2];
+    sum[2] += a[0] * b[1] - a[1] * b[0];
 }

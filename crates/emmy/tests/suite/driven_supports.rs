@@ -257,13 +257,8 @@ fn what_cannot_be_driven_is_refused() {
     assert!(body(&[turned("x-min", [0.0; 3], [0.0; 3], sine(1.0, 1.0))]).is_err());
     let body = body(&[along(table(&[(0.0, 0.5)]))]).unwrap();
     assert!(matches!(State::initial(&body, 0.0, &[]), Err(Error::DrivenStart { .. })));
-    let mut state = State {
-        time: 0.0,
-        step: 0,
-        displacement: vec![0.0; 24],
-        momentum: vec![0.0; 24],
-        velocity: vec![0.0; 24],
-    };
+    let zero = || vec![0.0; 24];
+    let mut state = State { displacement: zero(), momentum: zero(), velocity: zero(), ..Default::default() };
     for scheme in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
         let stepper = scheme.parse::<Scheme>().unwrap().stepper(&body, NewtonSettings::default(), &mut state);
         assert!(matches!(stepper, Err(Error::Scheme { .. })), "{scheme}");

@@ -142,7 +142,7 @@ impl Prediction {
             return;
         }
         self.mass = mass;
-        self.set_arm(body, state, mass);
+        self.set_arm(body, &system.displacement, mass);
         self.set_known(system);
         for (j, rate) in self.translation.iter_mut().enumerate() {
             for d in (0..3).filter(|d| shifts[*d]) {
@@ -186,8 +186,8 @@ impl Prediction {
     }
 
     /// Sets y and M y.
-    fn set_arm(&mut self, body: &Body, state: &State, mass: f64) {
-        let points = body.mesh().points().iter().zip(state.displacement.chunks_exact(3));
+    fn set_arm(&mut self, body: &Body, displacement: &[f64], mass: f64) {
+        let points = body.mesh().points().iter().zip(displacement.chunks_exact(3));
         for ((X, u), y) in points.zip(self.arm.chunks_exact_mut(3)) {
             (0..3).for_each(|d| y[d] = X[d] + u[d]);
         }

@@ -24,7 +24,7 @@ pub struct StageSystem<'a> {
     pub assembly: Assembly,
     /// The time s: the step size of a time element.
     pub time_scale: f64,
-    /// Displacement at the start of the step.
+    /// Displacement at the start of the step, relative to [`super::State::origin`].
     pub displacement: Vec<f64>,
     /// Known part g_i of the inertia.
     pub known: Vec<f64>,
