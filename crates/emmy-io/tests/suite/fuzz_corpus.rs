@@ -65,6 +65,7 @@ const SEEDS: [(&str, &str); 4] = [
 #[ignore = "writes fuzz/corpus/checkpoint"]
 fn write_checkpoint_seeds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/checkpoint");
+    fs::create_dir_all(&folder).unwrap();
     for (name, tables) in SEEDS {
         fs::write(folder.join(name), checkpoint(tables)).unwrap();
     }
