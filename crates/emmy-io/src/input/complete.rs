@@ -7,7 +7,7 @@ use emmy::motion::{Phase, StepPlan};
 use super::fault::{InputError, Place};
 use super::tree::{self, Node, Value};
 use super::{material, settings};
-use crate::{message, report};
+use crate::{link, message};
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
@@ -81,7 +81,7 @@ pub(super) fn spellable(file: PathBuf, output: &Path) -> PathBuf {
     if file.to_str().is_some() {
         return file;
     }
-    let way = report::relative(output, &file);
+    let way = link::relative(output, &file);
     let way = way.trim_end_matches('/');
     let is_whole = !way.contains(char::REPLACEMENT_CHARACTER) && !way.starts_with("file:");
     if is_whole { PathBuf::from(way) } else { file }
