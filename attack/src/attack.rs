@@ -1,4 +1,4 @@
-//! What an attack is, and a campaign of several.
+//! Attacks, and campaigns of several attacks.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -13,28 +13,28 @@ use crate::place::Place;
 /// An attack: trials of one kind.
 #[derive(Debug, Clone, Copy)]
 pub struct Attack {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What is tried, in a few words.
+    /// Short description.
     pub what: &'static str,
-    /// Its part of the time, relative to those of the others.
+    /// Share of the time, relative to the other attacks.
     pub share: f64,
-    /// What its trials are.
+    /// The trials.
     pub cases: Cases,
     /// One trial; an error is a fault of the program under attack.
     pub trial: fn(&mut Trial<'_>) -> Result<(), String>,
 }
 
-/// What the trials of an attack are.
+/// The trials of an attack.
 #[derive(Debug, Clone, Copy)]
 pub enum Cases {
-    /// Drawn from the seed, until the time is up.
+    /// Random, from the seed, until the time is up.
     Random,
-    /// A list of known length, once each, in an order drawn from the seed.
+    /// A list of known length, each item once, in a random order.
     Listed(fn(&Emmy) -> usize),
 }
 
-/// One trial: a directory of its own and a random generator.
+/// One trial, with its directory and random generator.
 #[derive(Debug)]
 pub struct Trial<'a> {
     /// The binary.
@@ -43,38 +43,38 @@ pub struct Trial<'a> {
     pub place: Place,
     /// Random numbers of the trial.
     pub rng: Rng,
-    /// Seed of a random trial, number of a listed case.
+    /// Seed of a random trial, or number of a listed case.
     pub number: u64,
 }
 
-/// How long an attack goes on.
+/// Duration of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Budget {
-    /// For a time, shared by all attacks.
+    /// A time, shared by all attacks.
     Time(Duration),
-    /// For a number of trials each.
+    /// A number of trials of each attack.
     Trials(usize),
 }
 
-/// A fault that was found.
+/// A fault.
 #[derive(Debug)]
 pub struct Finding {
     /// Seed or number of the trial.
     pub number: u64,
-    /// What is wrong.
+    /// Description.
     pub fault: String,
-    /// Where the files of the trial are kept.
+    /// Directory with the files of the trial.
     pub kept: PathBuf,
 }
 
-/// What came of an attack.
+/// The result of an attack.
 #[derive(Debug)]
 pub struct Report {
     /// The attack.
     pub attack: Attack,
-    /// Number of trials done, and of all where they are listed.
+    /// Number of trials done, and of all listed cases.
     pub trials: (usize, Option<usize>),
-    /// What was found.
+    /// The faults.
     pub findings: Vec<Finding>,
 }
 
@@ -85,12 +85,12 @@ pub struct Campaign {
     pub emmy: Emmy,
     /// Seed of the first trial of each attack.
     pub seed: u64,
-    /// How long.
+    /// Duration.
     pub budget: Budget,
 }
 
 impl Campaign {
-    /// Runs the attacks of some names; all of them if there is none.
+    /// Runs the named attacks, or all without names.
     pub fn run(&self, names: &[String]) -> Vec<Report> {
         let is_chosen = |attack: &&Attack| names.is_empty() || names.iter().any(|name| name == attack.name);
         let chosen: Vec<Attack> = attacks::ALL.iter().filter(is_chosen).copied().collect();
@@ -113,8 +113,8 @@ impl Campaign {
         Report { attack: *attack, trials: (done, total), findings }
     }
 
-    /// Numbers of the listed cases in the order in which they are tried. With a number of trials they begin at the seed, so that a case
-    /// can be repeated.
+    /// Numbers of the listed cases in the order of their trials. With a given number of trials they begin at the seed, so that a case can be
+    /// repeated.
     fn numbers(&self, attack: &Attack) -> Option<Vec<u64>> {
         let Cases::Listed(count) = attack.cases else { return None };
         let count = count(&self.emmy) as u64;

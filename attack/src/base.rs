@@ -1,9 +1,9 @@
-//! Finished runs of a small body, of which attacks damage copies.
+//! Finished runs of a small body; attacks damage copies of them.
 
 use crate::emmy::Emmy;
 use crate::place::Place;
 
-/// A body that takes thirty steps.
+/// The input, with thirty steps.
 pub const INPUT: &str = r#"mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }
 [[region]]
 density = 2.0
@@ -24,10 +24,10 @@ checkpoint_every = 7
 probes = [{ name = "tip", point = [0, 2, 0] }]
 "#;
 
-/// Directories `vtu/run` and `vtkhdf/run` of finished runs, each beside its input.
+/// Directories `vtu/run` and `vtkhdf/run` of finished runs, each with its input beside it.
 #[derive(Debug)]
 pub struct Base {
-    /// Where they are.
+    /// The directory of both.
     pub place: Place,
 }
 
@@ -38,7 +38,7 @@ impl Base {
     /// Makes the runs.
     ///
     /// # Panics
-    /// If one does not end well.
+    /// If a run fails.
     pub fn new(emmy: &Emmy) -> Self {
         let place = Place::new();
         for format in FORMATS {

@@ -1,4 +1,4 @@
-//! Whether two directories hold the same run.
+//! Comparison of two runs in every bit.
 
 use std::fs;
 use std::path::Path;
@@ -8,18 +8,17 @@ use emmy_io::vtk::SeriesReader;
 
 use crate::place::files;
 
-/// Checks that the histories, frames and checkpoints of two directories of one name are the same in every bit, but for the times that
-/// the computations took.
+/// Checks that histories, frames and checkpoints of two directories of the same name are equal in every bit, except for wall times.
 ///
 /// # Errors
-/// What differs.
+/// The first difference.
 pub fn same(own: &Path, expected: &Path) -> Result<(), String> {
     same_rows(own, expected)?;
     same_frames(own, expected)?;
     same_checkpoints(own, expected)
 }
 
-/// Checks that two histories are the same but for `wall_seconds`.
+/// Checks that two histories are equal except for `wall_seconds`.
 ///
 /// # Errors
 /// The first row that differs.
@@ -55,7 +54,7 @@ fn rows(directory: &Path) -> Result<Vec<String>, String> {
     Ok(text.lines().map(without).collect())
 }
 
-/// Checks that the frames are the same, and their list.
+/// Checks that the frames and their list are equal.
 fn same_frames(own: &Path, expected: &Path) -> Result<(), String> {
     let is_frame =
         |name: &Path| name.extension().is_some_and(|extension| extension == "vtu" || extension == "pvd");

@@ -1,21 +1,21 @@
-//! Inputs drawn at random: every kind of load, support, scheme, estimator, damping, solver and output, on tiny bodies.
+//! Random inputs: every kind of load, support, scheme, estimator, damping, solver and output, on tiny bodies.
 
 use fastrand::Rng;
 
-/// How long a motion is.
+/// Length of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Length {
-    /// Some ten steps.
+    /// About ten steps.
     Short,
-    /// Some hundred, so that there is time to stop it.
+    /// Some hundred steps, enough to stop the run.
     Long,
 }
 
-/// Schemes of degree k, with the letters of their arguments filled in later.
+/// Schemes of degree k, with letters for their arguments.
 const TIME_ELEMENTS: [&str; 9] =
     ["FE(k)", "FE(k+1)", "AS(k)", "AS(k+2)", "DGM", "DGM(0.5)", "AS(k+1,0.2)", "Lobatto(k+1)", "trapezoidal"];
 
-/// Methods that are no time elements.
+/// Methods that are not time elements.
 const CLASSIC: [&str; 6] = [
     "Newmark(0.25,0.5)",
     "Newmark(0.3,0.6)",
@@ -25,7 +25,7 @@ const CLASSIC: [&str; 6] = [
     "central-differences",
 ];
 
-/// Materials of about the same stiffness, 1000.
+/// Materials of a stiffness of about 1000.
 const MATERIALS: [&str; 8] = [
     "neo-hooke = { lambda = 800.0, mu = 400.0 }",
     "saint-venant-kirchhoff = { youngs_modulus = 1000.0, poissons_ratio = 0.3 }",
@@ -61,7 +61,7 @@ pub fn input(rng: &mut Rng, length: Length) -> String {
     text
 }
 
-/// What decides on the rest.
+/// Choices that determine the rest.
 #[derive(Debug)]
 struct Draft {
     is_plane: bool,
@@ -77,7 +77,7 @@ fn one_of<'a>(rng: &mut Rng, list: &[&'a str]) -> &'a str {
     list[rng.usize(..list.len())]
 }
 
-/// Three components up to a size; none across the plane.
+/// Three components up to a size; zero across the plane.
 fn vector(rng: &mut Rng, size: f64) -> String {
     let mut component = || format!("{:.3}", size * (2.0 * rng.f64() - 1.0));
     format!("[{}, {}, {}]", component(), component(), component())
@@ -103,7 +103,7 @@ impl Draft {
         Draft { is_plane: rng.usize(..4) == 0, is_element, is_explicit, scheme, degree, until, size }
     }
 
-    /// Whether it has a spectral radius, `AS(n,rho)` or `DGM(rho)`.
+    /// Whether the scheme has a spectral radius, `AS(n,rho)` or `DGM(rho)`.
     fn dissipates(&self) -> bool {
         self.scheme.contains(',') || self.scheme.starts_with("DGM(")
     }
@@ -113,7 +113,7 @@ impl Draft {
         self.is_element && !self.dissipates()
     }
 
-    /// Whether the scheme is there for all degrees.
+    /// Whether the scheme has all degrees.
     fn can_change_degree(&self) -> bool {
         self.scheme.starts_with("DGM") || self.scheme.starts_with("AS(")
     }
@@ -211,7 +211,7 @@ impl Draft {
             format!("steps = [{{ until = {until}, size = {size} }}]\n")
         };
         let solver = one_of(rng, &["auto", "direct", "iterative"]);
-        // Too few iterations for some steps, which are then cut.
+        // Too few iterations for some steps, so that they are cut.
         let newton = if self.is_explicit { 20 } else { [20, 20, 6][rng.usize(..3)] };
         format!("{head}{steps}[newton]\nmax_iterations = {newton}\n[solver]\nkind = \"{solver}\"\n")
     }

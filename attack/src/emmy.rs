@@ -1,4 +1,4 @@
-//! The binary under attack, run within limits.
+//! Runs the binary under attack, within limits.
 
 use std::cell::OnceCell;
 use std::ffi::{OsStr, OsString};
@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use crate::base::Base;
 use crate::place::Place;
 
-/// Seconds of computing after which a command counts as hung.
+/// CPU seconds after which a command counts as hung.
 const CPU_SECONDS: u64 = 10;
 
-/// The same of the clock, which a busy machine and a command that only waits may take.
+/// Wall seconds after which a command counts as hung; larger because the machine may be busy.
 const WALL_SECONDS: u64 = 30;
 
-/// Kilobytes of memory.
+/// Limit of the memory in kilobytes.
 const MEMORY: u64 = 2 << 20;
 
 /// The binary.
@@ -27,16 +27,16 @@ pub struct Emmy {
     base: OnceCell<Base>,
 }
 
-/// How a call ended.
+/// The result of a call.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The arguments, for messages.
+    /// The call, for messages.
     pub call: String,
-    /// Exit code; none after a signal.
+    /// Exit code; `None` after a signal.
     pub code: Option<i32>,
     /// The signal that ended it.
     pub signal: Option<i32>,
-    /// Whether it was ended because it took too long.
+    /// Whether it was stopped because it took too long.
     pub is_hung: bool,
     /// Standard output.
     pub stdout: String,
@@ -61,7 +61,7 @@ impl Emmy {
         Emmy { path, base: OnceCell::new() }
     }
 
-    /// Finished runs, made once.
+    /// Finished runs, computed once.
     pub fn base(&self) -> &Base {
         self.base.get_or_init(|| Base::new(self))
     }
@@ -82,7 +82,7 @@ impl Emmy {
         }
     }
 
-    /// What a list of the binary names.
+    /// Names in a list of the binary.
     ///
     /// # Panics
     /// If it lists nothing.
@@ -95,25 +95,25 @@ impl Emmy {
 }
 
 impl Call<'_> {
-    /// With a command of the shell before it, such as a limit.
+    /// Adds a shell command before the call, such as a limit.
     pub fn after(mut self, command: &str) -> Self {
         self.before = format!("{command}; ");
         self
     }
 
-    /// As a command of the shell, in which `"$@"` is the call.
+    /// Replaces the call by a shell command, in which `"$@"` is the call.
     pub fn within(mut self, shell: &str) -> Self {
         self.shell = shell.into();
         self
     }
 
-    /// With SIGKILL after a time.
+    /// Kills the call after a time.
     pub fn killed_after(mut self, time: Duration) -> Self {
         self.kill_after = Some(time);
         self
     }
 
-    /// Runs it to its end.
+    /// Runs the call.
     ///
     /// # Panics
     /// If there is no shell.

@@ -1,20 +1,20 @@
-//! What counts as a fault, whatever was tried.
+//! Checks that hold for every call.
 
 use std::fs;
 use std::path::Path;
 
 use crate::emmy::Outcome;
 
-/// Bytes of a message; a longer one hides what it says.
+/// Largest length of a message in bytes.
 const LONGEST_MESSAGE: usize = 20_000;
 
-/// Exit codes that are documented.
+/// Documented exit codes.
 const CODES: [i32; 6] = [0, 1, 2, 3, 4, 130];
 
-/// Signal of the limit of computing time.
+/// Signal of the CPU time limit.
 const OUT_OF_TIME: i32 = 24;
 
-/// Checks what holds of every call: no panic, no signal, no hang, and a message where it failed.
+/// Checks a call: no panic, no signal, no hang, and a message after a failure.
 ///
 /// # Errors
 /// The fault.
@@ -39,10 +39,10 @@ pub fn check(outcome: &Outcome) -> Result<(), String> {
     is_printable(&outcome.stderr).or_else(fault)
 }
 
-/// Checks that a text has no control characters, which a terminal would take for commands.
+/// Checks that text has no control characters, which a terminal would execute.
 ///
 /// # Errors
-/// The first one.
+/// The first control character.
 pub fn is_printable(text: &str) -> Result<(), String> {
     match text.chars().find(|c| c.is_control() && !matches!(c, '\n' | '\t' | '\r')) {
         Some(c) => Err(format!("control character in the output: {c:?}")),
@@ -84,7 +84,7 @@ pub fn is_finite(history: &Path) -> Result<(), String> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
     for line in lines {
-        // A body of links has no determinant: infinity.
+        // A body of links has an infinite determinant.
         let cells = names.iter().zip(line.split(',')).filter(|(name, _)| **name != "smallest_determinant");
         let is_number = |cell: &str| cell.is_empty() || cell.parse().is_ok_and(f64::is_finite);
         if let Some((name, cell)) = cells.into_iter().find(|(_, cell)| !is_number(cell)) {
@@ -94,14 +94,14 @@ pub fn is_finite(history: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The status in a directory's summary; empty if there is none.
+/// The status in the summary of a directory; empty if it is missing.
 pub fn status(directory: &Path) -> String {
     let text = fs::read_to_string(directory.join("summary.json")).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
     summary["status"].as_str().unwrap_or_default().to_string()
 }
 
-/// Checks that the summary of a run that has ended by itself says so.
+/// Checks that the summary of an ended run does not have the status `running`.
 ///
 /// # Errors
 /// The fault.

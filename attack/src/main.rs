@@ -6,21 +6,21 @@ use std::time::{Duration, Instant, SystemTime};
 
 use clap::Parser;
 
-/// Attacks the built binary from outside; exit code 1 if anything comes out.
+/// Attacks the built binary from outside; exit code 1 if a fault is found.
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Attacks to run [default: all]
     attacks: Vec<String>,
-    /// Minutes for all of them together
+    /// Minutes for all attacks together
     #[arg(long, default_value_t = 5.0, value_name = "N")]
     minutes: f64,
-    /// Forty seconds for all of them together, as in CI
+    /// Forty seconds for all attacks together, as in CI
     #[arg(long, conflicts_with = "minutes")]
     quick: bool,
-    /// Number of trials of each attack, in place of a time
+    /// Number of trials of each attack, instead of a time
     #[arg(long, value_name = "N")]
     trials: Option<usize>,
-    /// Seed of the first trial of each attack; the next trials take the next seeds [default: by the clock]
+    /// Seed of the first trial of each attack; later trials have the following seeds [default: from the clock]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// The binary [default: `emmy` beside this program]

@@ -1,4 +1,4 @@
-//! A motion in one go and in two parts, in the library.
+//! A motion in one and in two parts, in the library.
 
 use emmy::motion::{MarchError, Motion, Observer, Record, Snapshot, State, View};
 use emmy_io::input::{self, Overrides, Problem};
@@ -10,10 +10,10 @@ use crate::place::Place;
 /// Snapshots of a motion that are resumed.
 const SNAPSHOTS: usize = 3;
 
-/// Draws a motion from a seed, stops it after some steps and resumes it: records, events and the last state must be the same in every bit.
+/// Stops a random motion after some steps and resumes it. Records, events and the last snapshot must be equal in every bit.
 ///
 /// # Errors
-/// What differs, with the input.
+/// The difference, with the input.
 pub fn resumes_in_every_bit(seed: u64) -> Result<(), String> {
     let mut rng = Rng::with_seed(seed);
     let text = draw::input(&mut rng, draw::Length::Short);
@@ -56,14 +56,14 @@ fn resumes(problem: &Problem, rng: &mut Rng) -> Result<(), String> {
 type March<'a> =
     fn(&mut Motion<'a>, &emmy::motion::StepPlan, &mut [&mut dyn Observer]) -> Result<(), MarchError>;
 
-/// Marches to the end, or to the error with which it ends.
+/// Marches to the end or to an error.
 fn march<'a>(problem: &Problem, motion: &mut Motion<'a>, watch: &mut Watch, march: March<'a>) -> String {
     motion.allow_cuts(problem.smallest_step);
     let outcome = march(motion, &problem.plan, &mut [watch]);
     outcome.err().map(|error| format!("{error:?}")).unwrap_or_default()
 }
 
-/// Every record, as text with all digits, and snapshots after all of them.
+/// Every record as text with all digits, and a snapshot after each.
 #[derive(Debug, Default)]
 struct Watch {
     seen: Vec<String>,

@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 
-/// Numbers at which a reader may stumble.
+/// Numbers that a reader may mishandle.
 const NUMBERS: [&str; 24] = [
     "0",
     "-0.0",
@@ -30,7 +30,7 @@ const NUMBERS: [&str; 24] = [
     "99999999",
 ];
 
-/// A damaged copy: one to four changes, most of them one.
+/// A damaged copy with one to four changes, mostly one.
 pub fn damaged(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..[1, 1, 1, 2, 4][rng.usize(..5)] {
@@ -69,14 +69,14 @@ fn damage(bytes: &mut Vec<u8>, rng: &mut Rng) {
 fn insert_noise(bytes: &mut Vec<u8>, rng: &mut Rng) {
     let at = rng.usize(..=bytes.len());
     let noise: Vec<u8> = match rng.usize(..20) {
-        // A line of a length that no message may have.
+        // A line that is too long for a message.
         0 => vec![b"0 (,=x"[rng.usize(..6)]; 100_000],
         _ => (0..1 << rng.usize(..6)).map(|_| rng.u8(..)).collect(),
     };
     bytes.splice(at..at, noise);
 }
 
-/// Takes a line out, doubles it or changes its place.
+/// Removes, duplicates or moves a line.
 fn lines(bytes: &mut Vec<u8>, rng: &mut Rng) {
     let mut lines: Vec<Vec<u8>> = bytes.split_inclusive(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
     let at = rng.usize(..lines.len());
@@ -91,7 +91,7 @@ fn lines(bytes: &mut Vec<u8>, rng: &mut Rng) {
     *bytes = lines.concat();
 }
 
-/// Changes a number into an odd one, or for another number of the file.
+/// Replaces a number by an odd one, or by another number of the file.
 fn numbers(bytes: &mut Vec<u8>, rng: &mut Rng) {
     let places = number_places(bytes);
     if places.is_empty() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-/// A directory that is removed in the end, unless it is kept.
+/// A directory that is removed when it is dropped, unless it is kept.
 #[derive(Debug)]
 pub struct Place {
     directory: TempDir,
@@ -18,10 +18,10 @@ impl Default for Place {
 }
 
 impl Place {
-    /// A new one; in memory, where the system has such a file system.
+    /// A new directory, in memory if the system has such a file system.
     ///
     /// # Panics
-    /// If there is nowhere to write.
+    /// If it cannot be created.
     pub fn new() -> Self {
         let memory = Path::new("/dev/shm");
         let within = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
@@ -29,7 +29,7 @@ impl Place {
         Place { directory: directory.expect("a directory of its own") }
     }
 
-    /// A path in it.
+    /// A path in the directory.
     pub fn path(&self, name: impl AsRef<Path>) -> PathBuf {
         self.directory.path().join(name)
     }
@@ -44,13 +44,13 @@ impl Place {
         fs::write(&path, content).expect("a file of its own");
     }
 
-    /// Keeps it for good.
+    /// Keeps the directory.
     pub fn keep(self) -> PathBuf {
         self.directory.keep()
     }
 }
 
-/// Copies a directory with all that is in it.
+/// Copies a directory with its contents.
 ///
 /// # Panics
 /// If it cannot be read or written.

@@ -1,14 +1,14 @@
-//! The table at the end.
+//! The table of results.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::attack::{Finding, Report};
 
-/// Findings of one kind that are shown.
+/// Number of findings of one kind that are shown.
 const SHOWN: usize = 3;
 
-/// What was tried and what was found.
+/// Trials and findings.
 pub fn of(reports: &[Report]) -> String {
     let mut text = format!("{:<14} {:>10} {:>6}  tried\n", "attack", "trials", "found");
     for report in reports {
@@ -32,7 +32,7 @@ pub fn of(reports: &[Report]) -> String {
     text
 }
 
-/// Findings by what stands before the first colon.
+/// Findings grouped by the text before the first colon.
 fn kinds(findings: &[Finding]) -> BTreeMap<&str, Vec<&Finding>> {
     let mut kinds: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {

@@ -1,4 +1,4 @@
-//! The attack sees a fault where there is one.
+//! The attack detects faults.
 #![cfg(unix)]
 
 use std::path::Path;
@@ -10,7 +10,7 @@ use emmy_attack::mutation::damaged;
 use emmy_attack::place::Place;
 use fastrand::Rng;
 
-/// A shell in place of the binary, with a script.
+/// A shell script instead of the binary.
 fn shell(script: &str) -> Outcome {
     Emmy::new("/bin/sh".into()).call("/", ["-c", script]).run()
 }

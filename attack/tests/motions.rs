@@ -1,9 +1,9 @@
-//! Motions drawn at random, stopped and resumed.
+//! Random motions, stopped and resumed.
 #![cfg(unix)]
 
 use emmy_attack::motions::resumes_in_every_bit;
 
-/// Checks the draws of some seeds, or the one that `EMMY_DRAW` names.
+/// Checks the motions of some seeds, or of the seed in `EMMY_DRAW`.
 fn draw(seeds: std::ops::Range<u64>) {
     let one = std::env::var("EMMY_DRAW").ok().map(|seed| seed.parse().expect("a seed in EMMY_DRAW"));
     let seeds = one.map_or(seeds, |seed: u64| seed..seed + 1);

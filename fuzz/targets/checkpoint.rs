@@ -1,5 +1,5 @@
-//! Any bytes as a checkpoint: a motion that goes on or a reason why not, never a panic. The checksum is made right, since no fuzzer
-//! finds one; that a wrong one is seen is a test of its own.
+//! Any bytes as a checkpoint: a resumed motion or an error, never a panic. The target adds a valid checksum, which no fuzzer would find;
+//! another test checks wrong ones.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Any bytes as an input file: a problem or faults with places inside the text, never a panic.
+//! Any bytes as an input file: a problem, or faults with positions inside the text, never a panic.
 
 #![no_main]
 
@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use emmy_io::input::{self, Overrides};
 use libfuzzer_sys::fuzz_target;
 
-/// A folder in memory, where there is one.
+/// A folder in memory, if possible.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
@@ -32,7 +32,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Whether a built-in mesh would have more than some thousand cells: valid, but no work for a fuzzer.
+/// Whether a built-in mesh has more than some thousand cells, which takes too long for a fuzzer.
 fn is_large(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else { return false };
     let Ok(input) = text.parse::<toml::Table>() else { return false };

@@ -1,4 +1,4 @@
-//! Damaged checkpoints: each damage is noticed, and the other checkpoint is used.
+//! Damaged checkpoints: the damage is reported, and the other checkpoint is used.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ use crate::place;
 /// The attack.
 pub const ATTACK: Attack = Attack {
     name: "checkpoints",
-    what: "damaged checkpoints: noticed, the other one used, or exit code 2",
+    what: "damaged checkpoints: reported, the other one used, or exit code 2",
     share: 1.0,
     cases: Cases::Random,
     trial,
@@ -38,7 +38,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     let outcome = emmy.call(trial.place.path(""), until).run();
     faults::ends_with(&outcome, if chosen.len() == 2 { &[2] } else { &[0] })?;
     if let Some(name) = chosen.iter().find(|name| !outcome.stderr.contains(&format!("{name}.checkpoint"))) {
-        return Err(format!("damage not noticed: {name}.checkpoint\n{}", outcome.stderr));
+        return Err(format!("damage not reported: {name}.checkpoint\n{}", outcome.stderr));
     }
     if outcome.code == Some(0) {
         let expected = trial.place.path("expected/run");

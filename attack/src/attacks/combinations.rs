@@ -1,4 +1,4 @@
-//! Every scheme with every material and degree: a run with the balances that the scheme promises, or a message.
+//! Every scheme with every material and degree: a run that satisfies the balances of the scheme, or a message.
 
 use std::fs;
 use std::path::Path;
@@ -17,10 +17,10 @@ pub const ATTACK: Attack = Attack {
     trial,
 };
 
-/// Degrees, one more than there are.
+/// Degrees, and one too many.
 const DEGREES: usize = 9;
 
-/// What rounding leaves of a balance, relative to the scale of the run.
+/// Largest residual from rounding, relative to the scale of the run.
 const ROUND_OFF: f64 = 1e-11;
 
 fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
@@ -34,7 +34,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     let outcome = trial.emmy.call(trial.place.path(""), ["run", "run.toml", "--quiet"]).run();
     let what = format!("{scheme}, degree {degree}, {material}");
     faults::ends_with(&outcome, &[0, 2]).map_err(|fault| format!("{fault}\n{what}"))?;
-    // One degree of every time element must go.
+    // At least one degree of every time element must run.
     let is_expected = degree == 1 || degree <= 8 && is_time_element(name);
     if (outcome.code == Some(0)) != is_expected {
         return Err(format!("exit code {:?}: {what}\n{}", outcome.code, outcome.stderr));
@@ -95,7 +95,7 @@ fn material_of(name: &str) -> Option<&'static str> {
     })
 }
 
-/// A free body that turns and swings.
+/// A free body that rotates and vibrates.
 fn input(scheme: &str, degree: usize, model: &str) -> String {
     let is_link = ["bar", "spring", "attraction"].iter().any(|name| model.starts_with(name));
     let mesh = match is_link {
@@ -117,13 +117,13 @@ fn input(scheme: &str, degree: usize, model: &str) -> String {
     )
 }
 
-/// Checks the balances that a scheme promises for a free body.
+/// Checks the balances of a scheme for a free body.
 fn balances(directory: &Path, name: &str, scheme: &str, degree: usize) -> Result<(), String> {
     let text = fs::read_to_string(directory.join("summary.json")).map_err(|error| error.to_string())?;
     let summary: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
     let number = |key: &str| summary[key].as_f64().unwrap_or(f64::NAN);
     let keeps_energy = name.starts_with("DGM");
-    // Gauss collocation with as many points as the degree; by the paper AS and DGM always.
+    // Gauss collocation with as many points as the degree; AS and DGM always.
     let is_collocation = scheme == format!("FE({degree})") || name == "central-differences";
     let keeps_turn = name.starts_with("AS") || keeps_energy || is_collocation;
     let promises = [

@@ -1,4 +1,4 @@
-//! Disks that are full: exit code 1, a summary that says so, and a run that can be resumed.
+//! Full disks: exit code 1, a true summary, and a run that can be resumed.
 
 use crate::attack::{Attack, Cases, Trial};
 use crate::base::{FORMATS, INPUT};
@@ -27,7 +27,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     faults::succeeds(&emmy.call(trial.place.path("whole"), RUN).run())?;
     match rng.usize(..3) {
         0 => file_system(trial, emmy),
-        // Blocks of 512 bytes; the signal of the limit is ignored or not.
+        // Blocks of 512 bytes; with and without the signal of the limit.
         case => {
             let blocks = trial.rng.usize(4..260);
             let trap = if case == 1 { "trap '' XFSZ; " } else { "" };
@@ -41,7 +41,7 @@ const RUN: [&str; 3] = ["run", "box.toml", "--quiet"];
 fn small_files(trial: &Trial<'_>, emmy: &Emmy, limit: &str) -> Result<(), String> {
     let parts = trial.place.path("parts");
     let outcome = emmy.call(&parts, RUN).after(limit).run();
-    // The report alone may have found no room, which is no failure.
+    // Without room for the report only, the run succeeds.
     faults::ends_with(&outcome, &[0, 1])?;
     faults::has_ended(&parts.join("run")).map_err(|fault| format!("{fault}\n{}", outcome.call))?;
     if outcome.code == Some(0) {
@@ -50,7 +50,7 @@ fn small_files(trial: &Trial<'_>, emmy: &Emmy, limit: &str) -> Result<(), String
     resumes(trial, emmy)
 }
 
-/// The run can be resumed, or the message says that there is nothing to resume.
+/// Checks that the run can be resumed, or that the message says why not.
 fn resumes(trial: &Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     let (parts, whole) = (trial.place.path("parts"), trial.place.path("whole"));
     let has_checkpoint =
@@ -63,10 +63,10 @@ fn resumes(trial: &Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     }
 }
 
-/// A file system of its own with little room; nothing where none may be mounted.
+/// A small file system; nothing is tried if it cannot be mounted.
 fn file_system(trial: &mut Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     let room = trial.rng.usize(12..400);
-    // The mount ends with the shell, so the run is copied out of it first.
+    // The mount ends with the shell, so the run is copied first.
     let mount = format!("mount -t tmpfs -o size={room}k tmpfs small || exit 77");
     let parts = trial.place.path("parts");
     std::fs::create_dir_all(parts.join("small")).map_err(|error| error.to_string())?;
@@ -79,7 +79,7 @@ fn file_system(trial: &mut Trial<'_>, emmy: &Emmy) -> Result<(), String> {
     if is_not_allowed || !parts.join("run").exists() {
         return Ok(());
     }
-    // A run that finds no room for its first files has not begun: 2.
+    // Without room for the first files the run does not start: exit code 2.
     faults::ends_with(&outcome, &[0, 1, 2])?;
     faults::has_ended(&parts.join("run")).map_err(|fault| format!("{fault}\n{room} kB"))?;
     if outcome.code == Some(0) { Ok(()) } else { resumes(trial, emmy) }

@@ -17,10 +17,10 @@ pub const ATTACK: Attack = Attack {
     trial,
 };
 
-/// Kills of a run at the most; then it may end.
+/// Largest number of kills of a run.
 const MOST_KILLS: usize = 5;
 
-/// Longest run that is killed and resumed.
+/// Time limit of a run that is killed and resumed.
 const LONGEST: Duration = Duration::from_secs(3);
 
 const RUN: [&str; 3] = ["run", "draw.toml", "--quiet"];
@@ -35,7 +35,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     let whole = emmy.call(place.path("whole"), RUN).killed_after(LONGEST).run();
     let duration = start.elapsed();
     if duration >= LONGEST {
-        // Valid, but work: the steps of some motions become tiny.
+        // The steps of some motions become tiny, which takes too long.
         return Ok(());
     }
     faults::ends_with(&whole, &[0, 3])?;
@@ -55,7 +55,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
         kills += 1;
     };
     faults::check(&last)?;
-    // A kill between the summary and the page leaves nothing to resume.
+    // After a kill between summary and report there is nothing to resume.
     let is_done = last.code == Some(2) && last.stderr.contains("emmy report");
     if last.code != whole.code && !is_done {
         let (code, expected) = (last.code, whole.code);

@@ -1,4 +1,4 @@
-//! The attacks, one a file.
+//! The attacks, each in a file.
 
 mod checkpoints;
 mod combinations;

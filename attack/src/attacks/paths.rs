@@ -19,7 +19,7 @@ pub const ATTACK: Attack = Attack {
     trial,
 };
 
-/// What a path is used for.
+/// Use of a path.
 const USES: [Use; 7] =
     [Use::Input, Use::Output, Use::Mesh, Use::Resume, Use::Report, Use::Compare, Use::Folder];
 
@@ -31,11 +31,11 @@ enum Use {
     Resume,
     Report,
     Compare,
-    /// The directory in which everything is.
+    /// The parent directory.
     Folder,
 }
 
-/// Names of files that may be there.
+/// Unusual but valid file names.
 fn names() -> Vec<OsString> {
     let long = "n".repeat(240);
     let too_long = "n".repeat(300);
@@ -57,7 +57,7 @@ fn names() -> Vec<OsString> {
     texts.map(OsString::from).chain(bytes.map(|name| OsStr::from_bytes(name).to_os_string())).collect()
 }
 
-/// Files that are no files; `fifo`, `directory`, `loop` and `empty` are made.
+/// Paths that are not regular files; `fifo`, `directory`, `loop` and `empty` are created.
 const SPECIAL: [&str; 9] =
     ["/dev/zero", "/dev/null", "/dev/full", "/dev/stdin", "fifo", "directory", "loop", "empty", "not-there"];
 
@@ -70,7 +70,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     }
 }
 
-/// With a name that is unusual but possible everything works; with one that is not there is a message.
+/// An unusual but valid name works; an invalid name gives a message.
 fn odd_name(trial: &Trial<'_>, used: Use, name: &OsStr) -> Result<(), String> {
     let (emmy, place) = (trial.emmy, &trial.place);
     let name = Path::new("./").join(name);
@@ -120,7 +120,7 @@ fn directories(trial: &Trial<'_>, used: Use, name: &Path, is_possible: bool) -> 
     faults::ends_with(&outcome, if is_possible { &[0] } else { &[0, 1, 2] })
 }
 
-/// A special file is rejected, at once.
+/// A special file is rejected at once.
 fn special_file(trial: &Trial<'_>, used: Use, name: &str) -> Result<(), String> {
     let (emmy, place) = (trial.emmy, &trial.place);
     match name {
@@ -148,7 +148,7 @@ fn special_file(trial: &Trial<'_>, used: Use, name: &str) -> Result<(), String> 
     faults::ends_with(&emmy.call(place.path(""), arguments).run(), if is_writable { &[0] } else { &[2] })
 }
 
-/// An input with a mesh file; the path as a TOML text.
+/// An input with a mesh file, whose path is a TOML string.
 fn input_with_mesh(path: &str) -> String {
     let quoted = serde_json::Value::from(path).to_string().replace("\\u001b", "\\u001B");
     format!(
@@ -161,7 +161,7 @@ fn input_with_mesh(path: &str) -> String {
 pub const TET: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
                        $Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
 
-/// Checks that a run is there as a whole: a page, and a collection that names frames that are there.
+/// Checks that a run is complete: a report, and a collection whose frames exist.
 fn is_complete(directory: &Path) -> Result<(), String> {
     faults::is_finite(&directory.join("history.csv"))?;
     if faults::status(directory) != "done" {

@@ -22,10 +22,10 @@ pub const ATTACK: Attack = Attack {
     trial,
 };
 
-/// Time after which a run of a damaged input is killed: it may have been asked for a million steps.
+/// Time after which a run of a damaged input is killed, as it may have a million steps.
 const LONGEST_RUN: Duration = Duration::from_millis(700);
 
-/// Cells and steps beyond which an input is no longer tiny: valid, but work.
+/// Cells and steps beyond which an input takes too long for this attack.
 const MOST_CELLS: f64 = 2000.0;
 
 fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
@@ -37,7 +37,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     }
 }
 
-/// Files of the corpora in a folder of the repository with one of some extensions; `""`: all.
+/// Files in a folder of the repository with one of some extensions; `""`: all.
 fn corpus(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder);
     let is_wanted = |path: &PathBuf| {
@@ -55,7 +55,7 @@ fn one_of(rng: &mut Rng, paths: &[PathBuf]) -> Vec<u8> {
     fs::read(path).unwrap_or_default()
 }
 
-/// A damaged input: `check`, and a run that is ended soon.
+/// A damaged input: `check`, and a short run.
 fn input(trial: &mut Trial<'_>) -> Result<(), String> {
     let rng = &mut trial.rng;
     let whole = match rng.usize(..4) {
@@ -71,7 +71,7 @@ fn input(trial: &mut Trial<'_>) -> Result<(), String> {
     check_and_run(trial)
 }
 
-/// Checks `input.toml` and runs it for a while: both agree on whether it is valid.
+/// Checks `input.toml` and runs it for a while: both must agree on whether it is valid.
 fn check_and_run(trial: &Trial<'_>) -> Result<(), String> {
     let checked = trial.emmy.call(trial.place.path(""), ["check", "input.toml"]).run();
     faults::ends_with(&checked, &[0, 2])?;
@@ -93,7 +93,7 @@ fn check_and_run(trial: &Trial<'_>) -> Result<(), String> {
     if history.exists() && outcome.code == Some(0) { faults::is_finite(&history) } else { Ok(()) }
 }
 
-/// Whether an input asks for much: valid, but no work for this attack.
+/// Whether an input takes too long for this attack.
 fn is_large(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |after: &str| {
@@ -136,7 +136,7 @@ fn input_with_mesh(extension: &str) -> String {
     )
 }
 
-/// A damaged checkpoint with the checksum made right again, so that its content is read.
+/// A damaged checkpoint with a valid checksum, so that its content is read.
 fn checkpoint(trial: &mut Trial<'_>) -> Result<(), String> {
     let (emmy, rng) = (trial.emmy, &mut trial.rng);
     let format = FORMATS[rng.usize(..2)];
@@ -166,7 +166,7 @@ fn run(trial: &mut Trial<'_>) -> Result<(), String> {
         ["csv", "json", "toml", "vtu", "pvd", "vtkhdf"].contains(&&*extension)
     };
     let mut names: Vec<PathBuf> = place::files(&own).into_iter().filter(is_read).collect();
-    // One frame stands for all, so that the other files have their turn.
+    // One frame represents all, so that the other files are tried often enough.
     names.dedup_by_key(|name| name.extension().map(ToOwned::to_owned).filter(|extension| extension == "vtu"));
     let path = own.join(&names[rng.usize(..names.len())]);
     let bytes = fs::read(&path).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Streams that are closed, full or cut off: they never end a run.
+//! Streams that are closed, full or cut off never end a run.
 
 use crate::attack::{Attack, Cases, Trial};
 use crate::base::INPUT;
@@ -15,7 +15,7 @@ pub const ATTACK: Attack = Attack {
     trial,
 };
 
-/// What is done to the streams.
+/// Damage to the streams.
 const REDIRECTIONS: [&str; 9] = [
     "\"$@\" 2>&-",
     "\"$@\" >&-",
@@ -48,17 +48,17 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     place::copy(&base, &place.path("done/run"));
     let mut outcome = emmy.call(place.path(""), verb).within(shell).run();
     if shell.contains("code") {
-        // The shell's own would be that of the last command.
+        // The exit code of the shell would be that of the last command.
         let code =
             std::fs::read_to_string(place.path("code")).map_err(|error| format!("no exit code: {error}"))?;
         outcome.code = code.trim().parse().ok();
     }
-    // The shell speaks of a signal as of a code above 128.
+    // The shell reports a signal as a code above 128.
     if let Some(code @ 129..) = outcome.code.filter(|code| *code != 130) {
         (outcome.code, outcome.signal) = (None, Some(code - 128));
     }
     if outcome.stderr.is_empty() {
-        // Where standard error cannot be read nothing can be asked of it.
+        // If standard error cannot be read, it is not checked.
         outcome.stderr = "(not seen)".into();
     }
     let is_wrong = verb.contains(&"wrong.toml");
@@ -66,7 +66,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     if verb[0] != "run" {
         return Ok(());
     }
-    // Whatever becomes of the messages, the motion is computed and written. Numbers on standard output are asked for.
+    // The motion must be computed and written even if messages are lost. Numbers on standard output are results.
     faults::has_ended(&place.path("run")).map_err(|fault| format!("{fault}\n{}", outcome.call))?;
     match verb.contains(&"--json") {
         true => Ok(()),

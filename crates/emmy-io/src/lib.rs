@@ -34,6 +34,7 @@ pub mod events;
 pub mod history;
 pub mod input;
 pub mod limits;
+mod link;
 pub mod log;
 pub mod mesh;
 pub mod message;

@@ -287,7 +287,7 @@ fn a_history_with_another_digit_is_not_resumed() {
     place.write("out/history.csv", &whole.replacen(line, &other, 1));
     let outcome = place.emmy(&["resume", "out", "--until", "0.5"]);
     assert_eq!(outcome.code, 2);
-    for part in ["history.csv was changed after the run wrote it", "bring back the file"] {
+    for part in ["history.csv was changed after the run wrote it", "restore the file"] {
         assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
     }
     // Rows after the checkpoint do not matter.

@@ -3,7 +3,6 @@
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use emmy_io::checkpoint::parse;
 use emmy_io::history::History;
 use emmy_io::vtk::SeriesReader;
 
@@ -111,91 +110,6 @@ fn step_scheme_degree_and_output_may_change() {
     let history = place.history("out");
     let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
     assert!(history["energy_residual"][9..].iter().all(|residual| residual.abs() < 1e-12 * largest));
-}
-
-#[test]
-fn what_cannot_go_on_says_why() {
-    let place = Place::with(&even_box(0.3, 0.05));
-    place.succeed(&["run", "box.toml", "--quiet"]);
-    let before = place.read("out/history.csv");
-    let cases: [(&[&str], &str); 8] = [
-        (&["resume", "out"], "the run is at t = 0.3 (step 6) already"),
-        (&["resume", "out", "--until", "0.2"], "give a later end with --until T"),
-        (&["resume", "nowhere", "--until", "1"], "holds no run of Emmy"),
-        (
-            &["resume", "out", "--until", "1", "--set", "mesh.box.cells=[2,2,1]"],
-            "`mesh.box.cells.0` is 2, but 1",
-        ),
-        (
-            &["resume", "out", "--until", "1", "--set", "region.0.density=3.0"],
-            "`region.0.density` is 3.0, but 2.0",
-        ),
-        (
-            &["resume", "out", "--until", "1", "--set", "load.0.traction.2=5.0"],
-            "`load.0.traction.2` is 5.0, but 10.0",
-        ),
-        (&["resume", "out", "--until", "1", "--set", "output.probes=[]"], "`output.probes` cannot change"),
-        (&["resume", "out", "--until", "1", "--step", "-0.1"], "--step -0.1"),
-    ];
-    for (arguments, part) in cases {
-        let outcome = place.emmy(arguments);
-        assert_eq!(outcome.code, 2, "{arguments:?}\n{}", outcome.stderr);
-        assert!(outcome.stderr.contains(part), "{arguments:?}\n{}", outcome.stderr);
-    }
-    assert_eq!(place.read("out/history.csv"), before);
-}
-
-#[test]
-fn damaged_checkpoints_are_not_taken() {
-    let place = Place::with(&even_box(0.3, 0.05).replace("every = 2", "every = 2\ncheckpoint_every = 2"));
-    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole", "--until", "0.5"]);
-    place.succeed(&["run", "box.toml", "--quiet"]);
-    assert_eq!(place.names("out/checkpoint"), ["a.checkpoint", "b.checkpoint"]);
-    // The newer one is of step 6, the older one of the last step that waited for the disk. A bit of the newer one falls over.
-    let file = |name: &str| place.path(&format!("out/checkpoint/{name}.checkpoint"));
-    let step = |name: &str| parse(&std::fs::read(file(name)).unwrap()).unwrap().snapshot.state.step;
-    let (newer, older) = if step("a") > step("b") { ("a", "b") } else { ("b", "a") };
-    let left = step(older);
-    assert!(step(newer) == 6 && left < 6);
-    let newest = file(newer);
-    let mut bytes = std::fs::read(&newest).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
-    std::fs::write(&newest, &bytes).unwrap();
-    let outcome = place.succeed(&["resume", "out", "--until", "0.5"]);
-    let note = format!("{newer}.checkpoint is damaged; the other checkpoint is used");
-    for part in [note, format!("resuming after step {left}, t = ")] {
-        assert!(outcome.stderr.contains(&part), "{}", outcome.stderr);
-    }
-    assert_same_rows(&place, "out", "whole");
-    for name in ["a", "b"] {
-        std::fs::write(place.path(&format!("out/checkpoint/{name}.checkpoint")), &bytes[..middle]).unwrap();
-    }
-    let outcome = place.emmy(&["resume", "out", "--until", "0.6"]);
-    assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("no checkpoint can be read"), "{}", outcome.stderr);
-    place.succeed(&["run", "box.toml", "--quiet", "--set", "output.checkpoint_every=0"]);
-    assert!(!place.path("out/checkpoint").exists());
-    let outcome = place.emmy(&["resume", "out", "--until", "0.6"]);
-    assert!(outcome.code == 2 && outcome.stderr.contains("there is no checkpoint"), "{}", outcome.stderr);
-}
-
-#[test]
-fn another_mesh_under_the_same_name_is_rejected() {
-    let mesh = |name: &str| {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../emmy-io/tests/meshes");
-        std::fs::read(format!("{folder}/{name}")).unwrap()
-    };
-    let place = Place::new();
-    let input = "mesh.file = \"body.msh\"\nregion = { density = 2.0, material.neo-hooke = { lambda = 10.0, mu = 5.0 } }\n\
-                 initial.velocity = [1, 0, 0]\n[time]\nscheme = \"DGM\"\nsteps = [{ until = 0.2, size = 0.1 }]\n";
-    place.write("body.toml", input);
-    std::fs::write(place.path("body.msh"), mesh("hex8-41-ascii.msh")).unwrap();
-    place.succeed(&["run", "body.toml", "--quiet", "--output", "out"]);
-    std::fs::write(place.path("body.msh"), mesh("tet4-41-ascii.msh")).unwrap();
-    let outcome = place.emmy(&["resume", "out", "--until", "0.4"]);
-    assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("the mesh has changed since the checkpoint"), "{}", outcome.stderr);
 }
 
 /// Starts the binary without waiting for it.

@@ -28,7 +28,7 @@ pub enum HistoryError {
     },
     /// Its columns are not those of the run to resume.
     #[error(
-        "{path}: its columns are not those of the input now; a resumed run cannot change `output.probes`, or between adaptive steps and planned ones"
+        "{path}: its columns are not those of the input now; a resumed run cannot change `output.probes`, or switch between adaptive and planned steps"
     )]
     Columns {
         /// The path.

@@ -9,7 +9,7 @@ use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
 use super::problem::ROOT;
 use super::tree::{self, Node, Value};
-use crate::{message, report};
+use crate::{link, message};
 
 /// Puts in the values of keys that are left out.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
@@ -74,7 +74,7 @@ pub(super) fn spellable(file: PathBuf, output: &Path) -> PathBuf {
     if file.to_str().is_some() {
         return file;
     }
-    let way = report::relative(output, &file);
+    let way = link::relative(output, &file);
     let way = way.trim_end_matches('/');
     let is_whole = !way.contains(char::REPLACEMENT_CHARACTER) && !way.starts_with("file:");
     if is_whole { PathBuf::from(way) } else { file }

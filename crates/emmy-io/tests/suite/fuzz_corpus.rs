@@ -55,7 +55,7 @@ const SEEDS: [(&str, &str); 4] = [
     ("adaptive", "[time]\nscheme = 'DGM'\ndegree = 2\nuntil = 0.1\nadaptive = { tolerance = 1e-4 }\n"),
     (
         "releases",
-        "[[support]]\ngroup = 'x-min'\nfix = 'x'\nuntil = 0.05\n\
+        "[[support]]\ngroup = 'x-min'\nfix = ['x']\nuntil = 0.05\n\
          [time]\nscheme = 'DGM'\nsteps = [{ until = 0.1, size = 0.01 }]\n",
     ),
 ];
@@ -65,6 +65,7 @@ const SEEDS: [(&str, &str); 4] = [
 #[ignore = "writes fuzz/corpus/checkpoint"]
 fn write_checkpoint_seeds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/checkpoint");
+    fs::create_dir_all(&folder).unwrap();
     for (name, tables) in SEEDS {
         fs::write(folder.join(name), checkpoint(tables)).unwrap();
     }
