@@ -1,3 +1,5 @@
+//! Two cells of rubber, held on the left, are pulled and released.
+
 use emmy::prelude::*;
 
 fn main() -> emmy::Result<()> {

@@ -303,7 +303,7 @@ mod tests {
         let mesh = builder.build().unwrap();
         let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i.to_string());
         let seconds = (0..3).map(|_| {
-            let (mesh, regions) = (mesh.clone(), (0..n_links).map(region).collect());
+            let (mesh, regions): (_, Vec<Region>) = (mesh.clone(), (0..n_links).map(region).collect());
             let start = std::time::Instant::now();
             Body::builder(mesh).regions(regions).build().unwrap();
             start.elapsed().as_secs_f64()

@@ -57,6 +57,7 @@ macro_rules! each_material {
         $apply! {
             SaintVenantKirchhoff,
             NeoHooke,
+            NeoHookeIsochoric,
             CiarletGeymonat,
             Hencky,
             MooneyRivlin,

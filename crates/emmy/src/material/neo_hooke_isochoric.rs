@@ -1,6 +1,7 @@
 //! Isochoric neo-Hooke material.
 
 use super::isochoric::Isochoric;
+use super::model::{BULK_MODULUS, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values};
 use super::volumetric::Volume;
 use super::{Volumetric, positive, split_material};
 use crate::error::Result;
@@ -39,6 +40,21 @@ impl NeoHookeIsochoric {
     pub fn new(mu: f64, bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
         positive(NAME, "mu", mu)?;
         Ok(NeoHookeIsochoric { mu, volume: Volume::new(NAME, bulk_modulus, volumetric)? })
+    }
+}
+
+impl Modelled for NeoHookeIsochoric {
+    const MODEL: Model = Model {
+        name: NAME,
+        energy: "mu/2 (I1bar - 3) + W_vol(J)",
+        purpose: "nearly incompressible rubber, moderate strain",
+        parameters: &[&[Parameter::positive("mu", "stress", "Shear modulus"), BULK_MODULUS, VOLUMETRIC]],
+        cells: ModelCells::Solids,
+    };
+
+    fn from_values(values: &Values) -> Result<Self> {
+        let (bulk_modulus, law) = values.volume();
+        NeoHookeIsochoric::new(values.number("mu"), bulk_modulus, law)
     }
 }
 

@@ -3,7 +3,7 @@
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::{
     ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Material,
-    MooneyRivlin, NeoHooke, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
+    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
 };
 use emmy::motion::{Motion, NewtonSettings, State};
 
@@ -58,6 +58,7 @@ fn isotropic_materials_keep_their_balances() {
         assert_balanced(&NeoHooke::new(lambda, mu).unwrap()),
         assert_balanced(&CiarletGeymonat::new(lambda, mu).unwrap()),
         assert_balanced(&Hencky::new(lambda, mu).unwrap()),
+        assert_balanced(&NeoHookeIsochoric::new(mu, bulk_modulus, Volumetric::default()).unwrap()),
         assert_balanced(&Yeoh::new([250.0, -20.0, 40.0], bulk_modulus, Volumetric::SimoTaylor).unwrap()),
         assert_balanced(&Gent::new(mu, 5.0, bulk_modulus, Volumetric::Miehe).unwrap()),
         assert_balanced(&ArrudaBoyce::new(mu, 2.5, bulk_modulus, Volumetric::Liu).unwrap()),
