@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in the order in which they may use each other: each only those before it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "number",
     "error",
     "tensor",
@@ -20,6 +20,7 @@ const ORDER: [&str; 15] = [
     "time",
     "motion",
     "adjoint",
+    "prelude",
 ];
 
 /// The same for the files and folders inside a module.
