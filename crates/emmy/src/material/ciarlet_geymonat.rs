@@ -82,7 +82,7 @@ impl Modelled for CiarletGeymonat {
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.from_a_pair(CiarletGeymonat::new, CiarletGeymonat::from_engineering)
+        values.elastic_pair(CiarletGeymonat::new, CiarletGeymonat::from_engineering)
     }
 }
 

@@ -64,7 +64,7 @@ impl Modelled for Hencky {
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.from_a_pair(Hencky::new, Hencky::from_engineering)
+        values.elastic_pair(Hencky::new, Hencky::from_engineering)
     }
 }
 

@@ -285,7 +285,7 @@ impl Values {
     }
 
     /// The material of one of the two pairs in [`LAME_OR_ENGINEERING`], by its constructor for each.
-    pub(super) fn from_a_pair<M>(
+    pub(super) fn elastic_pair<M>(
         &self,
         from_lame: fn(f64, f64) -> Result<M>,
         from_engineering: fn(f64, f64) -> Result<M>,

@@ -90,7 +90,7 @@ impl Modelled for NeoHooke {
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.from_a_pair(NeoHooke::new, NeoHooke::from_engineering)
+        values.elastic_pair(NeoHooke::new, NeoHooke::from_engineering)
     }
 }
 

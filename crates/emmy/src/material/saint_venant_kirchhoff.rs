@@ -59,7 +59,7 @@ impl Modelled for SaintVenantKirchhoff {
     };
 
     fn from_values(values: &Values) -> Result<Self> {
-        values.from_a_pair(SaintVenantKirchhoff::new, SaintVenantKirchhoff::from_engineering)
+        values.elastic_pair(SaintVenantKirchhoff::new, SaintVenantKirchhoff::from_engineering)
     }
 }
 
