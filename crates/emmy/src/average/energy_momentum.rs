@@ -4,7 +4,7 @@
 //! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
 
 use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
-use super::{Average, Kind, Rule, Want};
+use super::{Average, Kind, Rule, StressKind, Want};
 use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
@@ -18,6 +18,7 @@ impl Rule {
     #[inline(always)]
     pub(super) fn average_energy_momentum<L: Lane>(
         &self,
+        kind: StressKind,
         material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
@@ -35,11 +36,13 @@ impl Rule {
             average.gradients[i] = G;
         }
         let E_1 = green_lagrange(start);
-        match self.kind {
-            Kind::AssumedStrain | Kind::StrainingRates => {
+        match kind {
+            StressKind::AssumedStrain | StressKind::StrainingRates => {
                 self.assumed_strain_stress(material, &E_1, want, average)
             }
-            _ => self.discrete_gradient_stress(material, &E_1, &end, want, average),
+            StressKind::DiscreteGradient => {
+                self.discrete_gradient_stress(material, &E_1, &end, want, average)
+            }
         }
         for i in 0..k {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
@@ -250,7 +253,11 @@ impl Rule {
             for j in 0..k {
                 let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
-                    let turned = if self.kind == Kind::StrainingRates { 0.0 } else { self.a[m * k + j] };
+                    let turned = if self.kind == Kind::EnergyMomentum(StressKind::StrainingRates) {
+                        0.0
+                    } else {
+                        self.a[m * k + j]
+                    };
                     let mut H = mat3(
                         #[inline(always)]
                         |r, c| rates[m][r][c] * turned,

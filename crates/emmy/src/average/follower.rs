@@ -37,7 +37,7 @@ impl FollowerRule {
         let k = rule.degree();
         let points = match rule.kind {
             Kind::Standard => rule.points.clone(),
-            _ => Rule::standard(k, &gauss(3 * k)).points,
+            Kind::EnergyMomentum(_) => Rule::standard(k, &gauss(3 * k)).points,
         };
         let nodes: Vec<f64> = points.iter().map(|point| point.alpha).collect();
         let fine = Rule::standard(nodes.len(), &gauss(1));

@@ -135,8 +135,15 @@ impl AveragingRule {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Standard,
+    EnergyMomentum(StressKind),
+}
+
+/// Algorithmic stress of an energy-momentum rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum StressKind {
     AssumedStrain,
     DiscreteGradient,
+    /// As [`StressKind::AssumedStrain`], see [`Rule::straining_rates`].
     StrainingRates,
 }
 
@@ -216,13 +223,13 @@ impl Rule {
 
     /// Assumed strain in time, AS(n), with n inner Gauss points (equations (57), (62)).
     pub fn assumed_strain(degree: usize, n: usize) -> Rule {
-        Rule::with(degree, Kind::AssumedStrain, &gauss(n))
+        Rule::with(degree, Kind::EnergyMomentum(StressKind::AssumedStrain), &gauss(n))
     }
 
     /// Discrete gradient, DGM (equations (63)-(65)).
     pub fn discrete_gradient(degree: usize) -> Rule {
         // The inner rule stands in for the energy difference where that is lost in rounding.
-        Rule::with(degree, Kind::DiscreteGradient, &gauss(degree + 3))
+        Rule::with(degree, Kind::EnergyMomentum(StressKind::DiscreteGradient), &gauss(degree + 3))
     }
 
     /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates that strain only.
@@ -234,7 +241,7 @@ impl Rule {
     /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules see no strain
     /// in that, but the mid-point rule does: in a stiff body its tangent does not approximate theirs.
     pub fn straining_rates() -> Rule {
-        Rule::with(1, Kind::StrainingRates, &gauss(1))
+        Rule::with(1, Kind::EnergyMomentum(StressKind::StrainingRates), &gauss(1))
     }
 
     fn with(degree: usize, kind: Kind, quadrature: &Quadrature<1>) -> Rule {
@@ -254,9 +261,7 @@ impl Rule {
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
             // The outer quadrature, which integrates the path exactly.
-            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
-                Mean { start: vec![1.0; degree], rates: Vec::clone(&a) }
-            }
+            Kind::EnergyMomentum(_) => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
         let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
@@ -339,7 +344,11 @@ impl Rule {
     /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k = 1 and without
     /// damping.
     pub fn is_symmetric(&self, is_damped: bool) -> bool {
-        let is_symmetric = self.kind == Kind::StrainingRates || self.kind == Kind::Standard && !is_damped;
+        let is_symmetric = match self.kind {
+            Kind::Standard => !is_damped,
+            Kind::EnergyMomentum(StressKind::StrainingRates) => true,
+            Kind::EnergyMomentum(StressKind::AssumedStrain | StressKind::DiscreteGradient) => false,
+        };
         is_symmetric && self.degree() == 1
     }
 
@@ -366,8 +375,8 @@ impl Rule {
     ) {
         match self.kind {
             Kind::Standard => self.average_standard(material, start, rates, want, average),
-            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
-                self.average_energy_momentum(material, start, rates, want, average);
+            Kind::EnergyMomentum(kind) => {
+                self.average_energy_momentum(kind, material, start, rates, want, average);
             }
         }
     }
