@@ -6,7 +6,7 @@ use std::any::Any;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
-use super::term::StepInput;
+use super::step::StepInput;
 use crate::average::{Average, Damping, Want};
 use crate::material::Response;
 use crate::tensor::{
