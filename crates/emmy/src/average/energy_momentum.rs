@@ -58,11 +58,11 @@ impl Rule {
     pub(super) fn assumed_strain_at<L: Lane>(
         &self,
         E_1: &Sym<L>,
-        passed: &[f64],
+        integrals: &[f64],
         average: &mut Average<L>,
     ) -> Sym<L> {
         let mut E = *E_1;
-        for (&L_j, rate) in passed.iter().zip(&average.strain_rates) {
+        for (&L_j, rate) in integrals.iter().zip(&average.strain_rates) {
             E = sym_add_scaled(&E, E_1[0].splat(L_j), rate);
         }
         if self.degree() > 1 {
@@ -95,7 +95,7 @@ impl Rule {
         }
         let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, average);
             match want {
                 Want::Stress => material.stress(&E, &mut S),
                 Want::Tangent => material.stress_and_elasticity(&E, &mut S, &mut D),
@@ -103,7 +103,7 @@ impl Rule {
             if !is_straight {
                 for i in 0..k {
                     average.stresses[i] =
-                        sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
+                        sym_add_scaled(&average.stresses[i], zero.splat(point.stage_weights[i]), &S);
                 }
             }
             if want == Want::Stress {
@@ -111,7 +111,7 @@ impl Rule {
             }
             for i in 0..k {
                 for m in 0..k {
-                    let weight = point.share[i] * point.passed[m];
+                    let weight = point.stage_weights[i] * point.integrals[m];
                     add_elasticity(&mut average.stiffness[i * k + m], weight, &D);
                 }
             }
@@ -182,7 +182,7 @@ impl Rule {
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
         let (mut integral, mut stress_norm, mut S) = (zero, zero, [zero; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, average);
             material.stress(&E, &mut S);
             let mut rate = [zero; 6];
             for (&l_j, r) in point.basis.iter().zip(&average.strain_rates) {

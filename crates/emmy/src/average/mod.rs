@@ -46,7 +46,7 @@ pub struct Rule {
     /// a_ij = L_j(c_i), row by row.
     a: Vec<f64>,
     /// Values p_i of the Legendre polynomial of degree k - 1 and norm one at the Gauss points.
-    fastest: Vec<f64>,
+    highest_mode: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
     /// `[L_1, w l_1 / b_1]` of every point: for k = 1 the path of strains is straight.
@@ -155,11 +155,11 @@ struct TimePoint {
     /// Weight w.
     weight: f64,
     /// L_j(alpha), the integrals of the basis.
-    passed: Vec<f64>,
+    integrals: Vec<f64>,
     /// l_j(alpha).
     basis: Vec<f64>,
     /// w l_i(alpha) / b_i, the weights of the point in the stage averages.
-    share: Vec<f64>,
+    stage_weights: Vec<f64>,
 }
 
 /// Wanted results of [`Rule::average`].
@@ -252,20 +252,20 @@ impl Rule {
         let a: Vec<f64> = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
         let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
             let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
-            let passed = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
-            let share = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
-            TimePoint { alpha, weight, passed, basis, share }
+            let integrals = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
+            let stage_weights = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
+            TimePoint { alpha, weight, integrals, basis, stage_weights }
         });
         let points: Vec<TimePoint> = points.collect();
-        let path = points.iter().map(|point| [point.passed[0], point.share[0]]).collect();
+        let path = points.iter().map(|point| [point.integrals[0], point.stage_weights[0]]).collect();
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
             // The outer quadrature, which integrates the path exactly.
             Kind::EnergyMomentum(_) => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
-        let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
-        Rule { c, b, a, fastest, kind, points, path, mean, load_quadrature, smooth_quadrature }
+        let highest_mode = c.iter().map(|&c| legendre(degree - 1, c)).collect();
+        Rule { c, b, a, highest_mode, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }
 
     /// Whether the rule has an algorithmic stress: AS and DGM.
@@ -294,8 +294,8 @@ impl Rule {
     }
 
     /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`.
-    pub fn fastest(&self) -> &[f64] {
-        &self.fastest
+    pub fn highest_mode(&self) -> &[f64] {
+        &self.highest_mode
     }
 
     /// Coefficients of the stage averages of a linear force.
@@ -355,7 +355,7 @@ impl Rule {
     /// Integrated basis functions L_j at the rule's single stress point, `[k]`; `None` if the rule has several points.
     pub fn only_point(&self) -> Option<&[f64]> {
         match &self.points[..] {
-            [point] if self.kind == Kind::Standard => Some(&point.passed),
+            [point] if self.kind == Kind::Standard => Some(&point.integrals),
             _ => None,
         }
     }
@@ -383,9 +383,9 @@ impl Rule {
 
     /// Displacement gradient `G_1 + sum_j L_j F'_j` at a point of the step with the integrals L_j of the basis.
     #[inline(always)]
-    fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
+    fn gradient_at<L: Lane>(start: &Mat3<L>, integrals: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
         let mut G = *start;
-        for (&L_j, rate) in passed.iter().zip(rates) {
+        for (&L_j, rate) in integrals.iter().zip(rates) {
             G = add_scaled(&G, L_j, rate);
         }
         G

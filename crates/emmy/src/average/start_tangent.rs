@@ -67,12 +67,12 @@ impl Rule {
         result.tangent.fill([[0.0; 9]; 9]);
         let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
-            let G = Rule::gradient_at(start, &point.passed, rates);
+            let G = Rule::gradient_at(start, &point.integrals, rates);
             material.stress_and_elasticity(&green_lagrange(&G), &mut S, &mut D);
             let A = first_elasticity(&G, &S, &D);
-            for (tangent, share) in result.tangent.iter_mut().zip(&point.share) {
+            for (tangent, weight) in result.tangent.iter_mut().zip(&point.stage_weights) {
                 let entries = tangent.as_flattened_mut().iter_mut().zip(A.as_flattened());
-                entries.for_each(|(sum, entry)| *sum += share * entry);
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
             }
         }
     }
@@ -89,11 +89,11 @@ impl Rule {
         result.stiffness.fill([[0.0; 6]; 6]);
         let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, &mut result.average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, &mut result.average);
             material.stress_and_elasticity(&E, &mut S, &mut D);
-            for (stiffness, share) in result.stiffness.iter_mut().zip(&point.share) {
+            for (stiffness, weight) in result.stiffness.iter_mut().zip(&point.stage_weights) {
                 let entries = stiffness.as_flattened_mut().iter_mut().zip(D.as_flattened());
-                entries.for_each(|(sum, entry)| *sum += share * entry);
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
             }
         }
     }

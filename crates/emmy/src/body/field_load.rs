@@ -17,10 +17,10 @@ pub struct FieldLoad {
     pub(super) history: History,
     /// Reference positions.
     points: Vec<[f64; 3]>,
-    /// End of each point's part of `shares`.
+    /// End of each point's part of `node_weights`.
     ends: Vec<usize>,
     /// Nodes with weight times shape function \[length^2 or length^3\].
-    shares: Vec<(u32, f64)>,
+    node_weights: Vec<(u32, f64)>,
 }
 
 /// Points of a field at which its course over time is checked.
@@ -33,14 +33,14 @@ impl FieldLoad {
     /// [`crate::Error::UnknownGroup`].
     pub fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
         let empty = |field: &Field| {
-            let (points, ends, shares) = (Vec::new(), Vec::new(), Vec::new());
+            let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
             FieldLoad {
                 load: index,
                 field: field.clone(),
                 history: load.history.clone(),
                 points,
                 ends,
-                shares,
+                node_weights,
             }
         };
         match &load.kind {
@@ -82,8 +82,8 @@ impl FieldLoad {
 
     fn push(&mut self, nodes: &[u32], position: [f64; 3], weight: f64, shapes: &[f64]) {
         self.points.push(position);
-        self.shares.extend(nodes.iter().zip(shapes).map(|(&node, N)| (node, weight * N)));
-        self.ends.push(self.shares.len());
+        self.node_weights.extend(nodes.iter().zip(shapes).map(|(&node, N)| (node, weight * N)));
+        self.ends.push(self.node_weights.len());
     }
 
     /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is other than zero.
@@ -91,37 +91,37 @@ impl FieldLoad {
         self.add(time, &[1.0], force)
     }
 
-    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `shares`: memory for k
+    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`: memory for k
     /// numbers. Returns whether the load acts.
     pub fn add_averages(
         &self,
         time: f64,
         h: f64,
         rule: &Rule,
-        shares: &mut [f64],
+        stage_weights: &mut [f64],
         force: &mut [f64],
     ) -> bool {
         let mut acts = false;
         for (&[alpha], w) in rule.smooth_quadrature().iter() {
-            for (i, share) in shares.iter_mut().enumerate() {
-                *share = w * rule.basis(i, alpha) / rule.weights()[i];
+            for (i, stage_weight) in stage_weights.iter_mut().enumerate() {
+                *stage_weight = w * rule.basis(i, alpha) / rule.weights()[i];
             }
-            acts |= self.add(time + alpha * h, shares, force);
+            acts |= self.add(time + alpha * h, stage_weights, force);
         }
         acts
     }
 
-    /// Adds the nodal forces at a time to every stage, times its share.
-    fn add(&self, time: f64, shares: &[f64], force: &mut [f64]) -> bool {
-        let (factor, n_dofs, mut begin) = (self.history.value(time), force.len() / shares.len(), 0);
+    /// Adds the nodal forces at a time to every stage, times its weight.
+    fn add(&self, time: f64, stage_weights: &[f64], force: &mut [f64]) -> bool {
+        let (factor, n_dofs, mut begin) = (self.history.value(time), force.len() / stage_weights.len(), 0);
         if factor == 0.0 {
             return false;
         }
         for (&X, &end) in self.points.iter().zip(&self.ends) {
             let value = self.field.at(X, time).map(|value| factor * value);
-            for &(node, weight) in &self.shares[begin..end] {
-                for (force, share) in force.chunks_exact_mut(n_dofs).zip(shares) {
-                    (0..3).for_each(|i| force[3 * node as usize + i] += share * weight * value[i]);
+            for &(node, weight) in &self.node_weights[begin..end] {
+                for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(stage_weights) {
+                    (0..3).for_each(|i| force[3 * node as usize + i] += stage_weight * weight * value[i]);
                 }
             }
             begin = end;

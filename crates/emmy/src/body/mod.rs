@@ -51,5 +51,5 @@ pub use signal::{Signal, SignalTarget};
 pub use step::{StepDamping, StepInput};
 pub use symmetry::symmetry_axis;
 pub use system::{Assembly, Body};
-pub use term::{Strained, Term};
+pub use term::{StrainState, Term};
 pub use viscosity::Viscosity;

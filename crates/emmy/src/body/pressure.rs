@@ -64,10 +64,10 @@ impl Pressure {
         for table in &self.tables {
             for (nodes, _, section) in table.facets() {
                 for (m, factor) in factors.iter().enumerate() {
-                    let q = positions(mesh, nodes, |dof| displacement_at(step, rule.passed(m), dof));
+                    let q = positions(mesh, nodes, |dof| displacement_at(step, rule.integrals(m), dof));
                     let f = table.force(&q);
-                    for (force, share) in force.chunks_exact_mut(n_dofs).zip(rule.share(m)) {
-                        let factor = section * self.pressure * factor * share;
+                    for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(rule.stage_weights(m)) {
+                        let factor = section * self.pressure * factor * stage_weight;
                         for (&node, f) in nodes.iter().zip(&f) {
                             (0..3).for_each(|i| force[3 * node as usize + i] += factor * f[i]);
                         }
@@ -89,9 +89,9 @@ impl Pressure {
         for table in &self.tables {
             for (nodes, pairs, section) in table.facets() {
                 for (m, factor) in factors.iter().enumerate() {
-                    let (passed, share) = (rule.passed(m), rule.share(m));
-                    let q = positions(mesh, nodes, |dof| displacement_at(step, passed, dof));
-                    let (c, n, k) = (table.derivative(&q), nodes.len(), passed.len());
+                    let (integrals, stage_weights) = (rule.integrals(m), rule.stage_weights(m));
+                    let q = positions(mesh, nodes, |dof| displacement_at(step, integrals, dof));
+                    let (c, n, k) = (table.derivative(&q), nodes.len(), integrals.len());
                     let factor = -step.tangent_factor * section * self.pressure * factor;
                     for (A, &node) in nodes.iter().enumerate() {
                         let Some(part) = matrix.parts_mut().iter_mut().find(|part| part.owns(node)) else {
@@ -99,7 +99,7 @@ impl Pressure {
                         };
                         for B in 0..n {
                             for stages in 0..k * k {
-                                let weight = factor * share[stages / k] * passed[stages % k];
+                                let weight = factor * stage_weights[stages / k] * integrals[stages % k];
                                 let block = part.block_mut(pairs[A * n + B] as usize, stages);
                                 add_cross_product(block, weight, c[A][B]);
                             }
@@ -119,10 +119,10 @@ fn add_cross_product(block: &mut [f64], weight: f64, c: [f64; 3]) {
     }
 }
 
-/// A component of the displacement after the rates have been passed by `passed`.
-fn displacement_at(step: &StepInput<'_>, passed: &[f64], dof: usize) -> f64 {
+/// A component of the displacement at the point of a step with the integrals L_j of the basis.
+fn displacement_at(step: &StepInput<'_>, integrals: &[f64], dof: usize) -> f64 {
     let rates = step.rates[dof..].iter().step_by(step.displacement.len());
-    step.displacement[dof] + passed.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
+    step.displacement[dof] + integrals.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
 }
 
 /// Current positions of a facet's nodes.

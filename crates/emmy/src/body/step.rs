@@ -21,7 +21,7 @@ pub struct StepInput<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepDamping {
     /// Factor on viscosities: one over the step size \[1/time\].
-    pub rate: f64,
+    pub inverse_step_size: f64,
     /// Factor beta on the elasticity at rest, for a scheme that dissipates.
-    pub excess: f64,
+    pub dissipation: f64,
 }
