@@ -137,7 +137,7 @@ impl Run {
             corrections: counts.corrections,
             renewals: counts.renewals,
             error: distance(&case.body, motion.state(), reference),
-            estimate: case.body.mean(estimate.displacement()) / length,
+            estimate: case.body.mass_weighted_rms(estimate.displacement()) / length,
             seconds: f64::INFINITY,
         })
     }
@@ -203,5 +203,5 @@ fn reference(case: &Case, degree: usize, n: usize) -> Result<State, String> {
 /// Distance of the positions of two states in the mean over the mass, over the radius of gyration.
 fn distance(body: &Body, a: &State, b: &State) -> f64 {
     let difference: Vec<f64> = a.displacement.iter().zip(&b.displacement).map(|(a, b)| a - b).collect();
-    body.mean(&difference) / body.radius_of_gyration()
+    body.mass_weighted_rms(&difference) / body.radius_of_gyration()
 }

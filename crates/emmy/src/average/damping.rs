@@ -64,10 +64,10 @@ impl Rule {
         average: &mut Average<L>,
     ) {
         let k = self.degree();
-        let stress = self.fastest_stress(damping, average);
+        let stress = self.highest_mode_stress(damping, average);
         for i in 0..k {
             let viscous = times(&damping.viscous, &average.strain_rates[i]);
-            let sum = sym_add_scaled(&average.stresses[i], stress[0].splat(self.fastest[i]), &stress);
+            let sum = sym_add_scaled(&average.stresses[i], stress[0].splat(self.highest_mode[i]), &stress);
             average.stresses[i] = sym_add_scaled(&sum, stress[0].splat(1.0), &viscous);
         }
         if want == Want::Stress {
@@ -75,7 +75,7 @@ impl Rule {
         }
         for i in 0..k {
             for m in 0..k {
-                let factor = self.fastest[i] * self.b[m] * self.fastest[m];
+                let factor = self.highest_mode[i] * self.b[m] * self.highest_mode[m];
                 let is_own = if i == m { 1.0 } else { 0.0 };
                 let X = &mut average.stiffness[i * k + m];
                 for a in 0..6 {
@@ -121,11 +121,11 @@ impl Rule {
 
     /// `D : sum_j b_j p_j E'_j`.
     #[inline(always)]
-    fn fastest_stress<L: Lane>(&self, damping: &Damping, average: &Average<L>) -> Sym<L> {
+    fn highest_mode_stress<L: Lane>(&self, damping: &Damping, average: &Average<L>) -> Sym<L> {
         let zero = average.strain_rates[0][0].splat(0.0);
         let mut rate = [zero; 6];
         for j in 0..self.degree() {
-            let weight = zero.splat(self.b[j] * self.fastest[j]);
+            let weight = zero.splat(self.b[j] * self.highest_mode[j]);
             rate = sym_add_scaled(&rate, weight, &average.strain_rates[j]);
         }
         times(&damping.dissipative, &rate)
@@ -203,19 +203,19 @@ mod tests {
     }
 
     #[test]
-    fn the_dissipative_part_sees_what_changes_fastest() {
+    fn the_dissipative_part_sees_the_highest_mode() {
         // E' = A + B p_(k-1): the constant does nothing for k > 1. At rest, with rates that strain without turning, E' = sym F' to first order.
         let damping = Damping { viscous: [[0.0; 6]; 6], dissipative: tensor(0.7) };
         for k in 2..=4 {
             let rule = Rule::assumed_strain(k, k);
             let size = 1e-7;
-            let of = |constant: f64, fastest: f64| {
+            let of = |constant: f64, highest: f64| {
                 let rate = |p: f64| {
                     [0, 1, 2].map(|r| {
-                        [0, 1, 2].map(|c| (constant + fastest * p) * if r == c { size } else { 0.0 })
+                        [0, 1, 2].map(|c| (constant + highest * p) * if r == c { size } else { 0.0 })
                     })
                 };
-                let rates: Vec<Mat3<f64>> = rule.fastest().iter().map(|p| rate(*p)).collect();
+                let rates: Vec<Mat3<f64>> = rule.highest_mode().iter().map(|p| rate(*p)).collect();
                 rule.dissipated(&damping, &[[0.0; 3]; 3], &rates, &mut Average::new(k, 0.0)) / (size * size)
             };
             let D = damping.dissipative;

@@ -4,7 +4,7 @@
 //! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
 
 use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
-use super::{Average, Kind, Rule, Want};
+use super::{Average, Kind, Rule, StressKind, Want};
 use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
@@ -18,6 +18,7 @@ impl Rule {
     #[inline(always)]
     pub(super) fn average_energy_momentum<L: Lane>(
         &self,
+        kind: StressKind,
         material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
@@ -35,11 +36,13 @@ impl Rule {
             average.gradients[i] = G;
         }
         let E_1 = green_lagrange(start);
-        match self.kind {
-            Kind::AssumedStrain | Kind::StrainingRates => {
+        match kind {
+            StressKind::AssumedStrain | StressKind::StrainingRates => {
                 self.assumed_strain_stress(material, &E_1, want, average)
             }
-            _ => self.discrete_gradient_stress(material, &E_1, &end, want, average),
+            StressKind::DiscreteGradient => {
+                self.discrete_gradient_stress(material, &E_1, &end, want, average)
+            }
         }
         for i in 0..k {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
@@ -55,11 +58,11 @@ impl Rule {
     pub(super) fn assumed_strain_at<L: Lane>(
         &self,
         E_1: &Sym<L>,
-        passed: &[f64],
+        integrals: &[f64],
         average: &mut Average<L>,
     ) -> Sym<L> {
         let mut E = *E_1;
-        for (&L_j, rate) in passed.iter().zip(&average.strain_rates) {
+        for (&L_j, rate) in integrals.iter().zip(&average.strain_rates) {
             E = sym_add_scaled(&E, E_1[0].splat(L_j), rate);
         }
         if self.degree() > 1 {
@@ -92,7 +95,7 @@ impl Rule {
         }
         let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, average);
             match want {
                 Want::Stress => material.stress(&E, &mut S),
                 Want::Tangent => material.stress_and_elasticity(&E, &mut S, &mut D),
@@ -100,7 +103,7 @@ impl Rule {
             if !is_straight {
                 for i in 0..k {
                     average.stresses[i] =
-                        sym_add_scaled(&average.stresses[i], zero.splat(point.share[i]), &S);
+                        sym_add_scaled(&average.stresses[i], zero.splat(point.stage_weights[i]), &S);
                 }
             }
             if want == Want::Stress {
@@ -108,7 +111,7 @@ impl Rule {
             }
             for i in 0..k {
                 for m in 0..k {
-                    let weight = point.share[i] * point.passed[m];
+                    let weight = point.stage_weights[i] * point.integrals[m];
                     add_elasticity(&mut average.stiffness[i * k + m], weight, &D);
                 }
             }
@@ -179,7 +182,7 @@ impl Rule {
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
         let (mut integral, mut stress_norm, mut S) = (zero, zero, [zero; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, average);
             material.stress(&E, &mut S);
             let mut rate = [zero; 6];
             for (&l_j, r) in point.basis.iter().zip(&average.strain_rates) {
@@ -250,7 +253,11 @@ impl Rule {
             for j in 0..k {
                 let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
-                    let turned = if self.kind == Kind::StrainingRates { 0.0 } else { self.a[m * k + j] };
+                    let turned = if self.kind == Kind::EnergyMomentum(StressKind::StrainingRates) {
+                        0.0
+                    } else {
+                        self.a[m * k + j]
+                    };
                     let mut H = mat3(
                         #[inline(always)]
                         |r, c| rates[m][r][c] * turned,

@@ -9,7 +9,7 @@ use crate::quadrature::gauss;
 /// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage averages are
 ///
 /// ```math
-/// f_i = (1/b_i) integral_0^1 l_i p F(q^h) dalpha = sum_m share_im p_m F(q^h(alpha_m)),
+/// f_i = (1/b_i) integral_0^1 l_i p F(q^h) dalpha = sum_m s_im p_m F(q^h(alpha_m)),
 /// p_m = (1/w_m) integral_0^1 Lambda_m(alpha) p dalpha
 /// ```
 ///
@@ -37,14 +37,14 @@ impl FollowerRule {
         let k = rule.degree();
         let points = match rule.kind {
             Kind::Standard => rule.points.clone(),
-            _ => Rule::standard(k, &gauss(3 * k)).points,
+            Kind::EnergyMomentum(_) => Rule::standard(k, &gauss(3 * k)).points,
         };
         let nodes: Vec<f64> = points.iter().map(|point| point.alpha).collect();
         let fine = Rule::standard(nodes.len(), &gauss(1));
         let mean = points.iter().enumerate().flat_map(|(m, point)| {
             let (nodes, fine) = (&nodes, &fine);
-            let share = move |(&c, &b): (&f64, &f64)| b / point.weight * lagrange(nodes, m, c);
-            fine.nodes().iter().zip(fine.weights()).map(share)
+            let weight = move |(&c, &b): (&f64, &f64)| b / point.weight * lagrange(nodes, m, c);
+            fine.nodes().iter().zip(fine.weights()).map(weight)
         });
         FollowerRule { mean: mean.collect(), fine, points }
     }
@@ -60,13 +60,13 @@ impl FollowerRule {
     }
 
     /// `L_j(alpha_m)`, the integrals of the basis at a point, `[k]`.
-    pub fn passed(&self, m: usize) -> &[f64] {
-        &self.points[m].passed
+    pub fn integrals(&self, m: usize) -> &[f64] {
+        &self.points[m].integrals
     }
 
-    /// `w_m l_i(alpha_m) / b_i`, the weights of a point in the stage averages, `[k]`.
-    pub fn share(&self, m: usize) -> &[f64] {
-        &self.points[m].share
+    /// `s_im = w_m l_i(alpha_m) / b_i`, the weights of a point in the stage averages, `[k]`.
+    pub fn stage_weights(&self, m: usize) -> &[f64] {
+        &self.points[m].stage_weights
     }
 
     /// The rule on whose basis a history is averaged for [`FollowerRule::factors`]; its degree is the number of points.

@@ -18,9 +18,9 @@ pub struct Mean {
 impl Mean {
     pub(super) fn of(degree: usize, points: &[TimePoint]) -> Mean {
         let sum = |of: &dyn Fn(&TimePoint) -> f64| points.iter().map(of).sum::<f64>();
-        let rate = |n: usize| sum(&|point| point.share[n / degree] * point.passed[n % degree]);
+        let rate = |n: usize| sum(&|point| point.stage_weights[n / degree] * point.integrals[n % degree]);
         Mean {
-            start: (0..degree).map(|i| sum(&|point| point.share[i])).collect(),
+            start: (0..degree).map(|i| sum(&|point| point.stage_weights[i])).collect(),
             rates: (0..degree * degree).map(rate).collect(),
         }
     }

@@ -46,7 +46,7 @@ pub struct Rule {
     /// a_ij = L_j(c_i), row by row.
     a: Vec<f64>,
     /// Values p_i of the Legendre polynomial of degree k - 1 and norm one at the Gauss points.
-    fastest: Vec<f64>,
+    highest_mode: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
     /// `[L_1, w l_1 / b_1]` of every point: for k = 1 the path of strains is straight.
@@ -135,8 +135,15 @@ impl AveragingRule {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Standard,
+    EnergyMomentum(StressKind),
+}
+
+/// Algorithmic stress of an energy-momentum rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum StressKind {
     AssumedStrain,
     DiscreteGradient,
+    /// As [`StressKind::AssumedStrain`], see [`Rule::straining_rates`].
     StrainingRates,
 }
 
@@ -148,11 +155,11 @@ struct TimePoint {
     /// Weight w.
     weight: f64,
     /// L_j(alpha), the integrals of the basis.
-    passed: Vec<f64>,
+    integrals: Vec<f64>,
     /// l_j(alpha).
     basis: Vec<f64>,
     /// w l_i(alpha) / b_i, the weights of the point in the stage averages.
-    share: Vec<f64>,
+    stage_weights: Vec<f64>,
 }
 
 /// Wanted results of [`Rule::average`].
@@ -216,13 +223,13 @@ impl Rule {
 
     /// Assumed strain in time, AS(n), with n inner Gauss points (equations (57), (62)).
     pub fn assumed_strain(degree: usize, n: usize) -> Rule {
-        Rule::with(degree, Kind::AssumedStrain, &gauss(n))
+        Rule::with(degree, Kind::EnergyMomentum(StressKind::AssumedStrain), &gauss(n))
     }
 
     /// Discrete gradient, DGM (equations (63)-(65)).
     pub fn discrete_gradient(degree: usize) -> Rule {
         // The inner rule stands in for the energy difference where that is lost in rounding.
-        Rule::with(degree, Kind::DiscreteGradient, &gauss(degree + 3))
+        Rule::with(degree, Kind::EnergyMomentum(StressKind::DiscreteGradient), &gauss(degree + 3))
     }
 
     /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates that strain only.
@@ -234,7 +241,7 @@ impl Rule {
     /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules see no strain
     /// in that, but the mid-point rule does: in a stiff body its tangent does not approximate theirs.
     pub fn straining_rates() -> Rule {
-        Rule::with(1, Kind::StrainingRates, &gauss(1))
+        Rule::with(1, Kind::EnergyMomentum(StressKind::StrainingRates), &gauss(1))
     }
 
     fn with(degree: usize, kind: Kind, quadrature: &Quadrature<1>) -> Rule {
@@ -245,22 +252,20 @@ impl Rule {
         let a: Vec<f64> = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
         let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
             let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
-            let passed = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
-            let share = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
-            TimePoint { alpha, weight, passed, basis, share }
+            let integrals = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
+            let stage_weights = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
+            TimePoint { alpha, weight, integrals, basis, stage_weights }
         });
         let points: Vec<TimePoint> = points.collect();
-        let path = points.iter().map(|point| [point.passed[0], point.share[0]]).collect();
+        let path = points.iter().map(|point| [point.integrals[0], point.stage_weights[0]]).collect();
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
             // The outer quadrature, which integrates the path exactly.
-            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
-                Mean { start: vec![1.0; degree], rates: Vec::clone(&a) }
-            }
+            Kind::EnergyMomentum(_) => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
         let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
-        let fastest = c.iter().map(|&c| legendre(degree - 1, c)).collect();
-        Rule { c, b, a, fastest, kind, points, path, mean, load_quadrature, smooth_quadrature }
+        let highest_mode = c.iter().map(|&c| legendre(degree - 1, c)).collect();
+        Rule { c, b, a, highest_mode, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }
 
     /// Whether the rule has an algorithmic stress: AS and DGM.
@@ -289,8 +294,8 @@ impl Rule {
     }
 
     /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`.
-    pub fn fastest(&self) -> &[f64] {
-        &self.fastest
+    pub fn highest_mode(&self) -> &[f64] {
+        &self.highest_mode
     }
 
     /// Coefficients of the stage averages of a linear force.
@@ -339,14 +344,18 @@ impl Rule {
     /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k = 1 and without
     /// damping.
     pub fn is_symmetric(&self, is_damped: bool) -> bool {
-        let is_symmetric = self.kind == Kind::StrainingRates || self.kind == Kind::Standard && !is_damped;
+        let is_symmetric = match self.kind {
+            Kind::Standard => !is_damped,
+            Kind::EnergyMomentum(StressKind::StrainingRates) => true,
+            Kind::EnergyMomentum(StressKind::AssumedStrain | StressKind::DiscreteGradient) => false,
+        };
         is_symmetric && self.degree() == 1
     }
 
     /// Integrated basis functions L_j at the rule's single stress point, `[k]`; `None` if the rule has several points.
     pub fn only_point(&self) -> Option<&[f64]> {
         match &self.points[..] {
-            [point] if self.kind == Kind::Standard => Some(&point.passed),
+            [point] if self.kind == Kind::Standard => Some(&point.integrals),
             _ => None,
         }
     }
@@ -366,17 +375,17 @@ impl Rule {
     ) {
         match self.kind {
             Kind::Standard => self.average_standard(material, start, rates, want, average),
-            Kind::AssumedStrain | Kind::DiscreteGradient | Kind::StrainingRates => {
-                self.average_energy_momentum(material, start, rates, want, average);
+            Kind::EnergyMomentum(kind) => {
+                self.average_energy_momentum(kind, material, start, rates, want, average);
             }
         }
     }
 
     /// Displacement gradient `G_1 + sum_j L_j F'_j` at a point of the step with the integrals L_j of the basis.
     #[inline(always)]
-    fn gradient_at<L: Lane>(start: &Mat3<L>, passed: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
+    fn gradient_at<L: Lane>(start: &Mat3<L>, integrals: &[f64], rates: &[Mat3<L>]) -> Mat3<L> {
         let mut G = *start;
-        for (&L_j, rate) in passed.iter().zip(rates) {
+        for (&L_j, rate) in integrals.iter().zip(rates) {
             G = add_scaled(&G, L_j, rate);
         }
         G

@@ -25,20 +25,20 @@ impl Rule {
         let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for (index, point) in self.points.iter().enumerate() {
             let is_first = index == 0;
-            let G = Rule::gradient_at(start, &point.passed, rates);
+            let G = Rule::gradient_at(start, &point.integrals, rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
             let E = green_lagrange(&G);
             if want == Want::Stress {
                 material.stress(&E, &mut S);
-                add_stress(&mut average.stress, &point.share, is_first, &G, &S);
+                add_stress(&mut average.stress, &point.stage_weights, is_first, &G, &S);
                 continue;
             }
             material.stress_and_elasticity(&E, &mut S, &mut D);
-            add_stress(&mut average.stress, &point.share, is_first, &G, &S);
+            add_stress(&mut average.stress, &point.stage_weights, is_first, &G, &S);
             let A = first_elasticity(&G, &S, &D);
             for i in 0..k {
                 for j in 0..k {
-                    let weight = zero.splat(point.share[i] * point.passed[j]);
+                    let weight = zero.splat(point.stage_weights[i] * point.integrals[j]);
                     add_tangent(&mut average.tangent[i * k + j], weight, is_first, &A);
                 }
             }
@@ -46,12 +46,12 @@ impl Rule {
     }
 }
 
-/// Adds the shares of `(I + G) S`, or sets them.
+/// Adds `(I + G) S` times the stage weights, or sets it.
 #[inline(always)]
-fn add_stress<L: Lane>(stress: &mut [Mat3<L>], share: &[f64], sets: bool, G: &Mat3<L>, S: &Sym<L>) {
+fn add_stress<L: Lane>(stress: &mut [Mat3<L>], stage_weights: &[f64], sets: bool, G: &Mat3<L>, S: &Sym<L>) {
     let (P, zero) = (identity_plus_times_sym(G, S), [[G[0][0].splat(0.0); 3]; 3]);
-    for (average, &share) in stress.iter_mut().zip(share) {
-        *average = add_scaled(if sets { &zero } else { average }, share, &P);
+    for (average, &weight) in stress.iter_mut().zip(stage_weights) {
+        *average = add_scaled(if sets { &zero } else { average }, weight, &P);
     }
 }
 

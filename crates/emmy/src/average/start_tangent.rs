@@ -2,7 +2,7 @@
 
 use super::energy_momentum::times_doubled;
 use super::standard::{add_geometric, first_elasticity, first_from_second, strain_response, with_identity};
-use super::{Average, Kind, Rule, Want};
+use super::{Average, Kind, Rule, StressKind, Want};
 use crate::material::Response;
 use crate::tensor::{Elasticity, Mat3, Sym, Tangent, double_dot, green_lagrange, sym_add_scaled, sym_scaled};
 
@@ -44,12 +44,12 @@ impl Rule {
     ) {
         match self.kind {
             Kind::Standard => self.standard_start_tangent(material, start, rates, result),
-            Kind::AssumedStrain | Kind::StrainingRates => {
+            Kind::EnergyMomentum(StressKind::AssumedStrain | StressKind::StrainingRates) => {
                 self.average(material, start, rates, Want::Tangent, &mut result.average);
                 self.assumed_strain_start_stiffness(material, &green_lagrange(start), result);
                 self.energy_momentum_start_tangent(start, rates, result);
             }
-            Kind::DiscreteGradient => {
+            Kind::EnergyMomentum(StressKind::DiscreteGradient) => {
                 self.average(material, start, rates, Want::Tangent, &mut result.average);
                 self.discrete_gradient_start_stiffness(material, start, rates, result);
                 self.energy_momentum_start_tangent(start, rates, result);
@@ -67,12 +67,12 @@ impl Rule {
         result.tangent.fill([[0.0; 9]; 9]);
         let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
-            let G = Rule::gradient_at(start, &point.passed, rates);
+            let G = Rule::gradient_at(start, &point.integrals, rates);
             material.stress_and_elasticity(&green_lagrange(&G), &mut S, &mut D);
             let A = first_elasticity(&G, &S, &D);
-            for (tangent, share) in result.tangent.iter_mut().zip(&point.share) {
+            for (tangent, weight) in result.tangent.iter_mut().zip(&point.stage_weights) {
                 let entries = tangent.as_flattened_mut().iter_mut().zip(A.as_flattened());
-                entries.for_each(|(sum, entry)| *sum += share * entry);
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
             }
         }
     }
@@ -89,11 +89,11 @@ impl Rule {
         result.stiffness.fill([[0.0; 6]; 6]);
         let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
         for point in &self.points {
-            let E = self.assumed_strain_at(E_1, &point.passed, &mut result.average);
+            let E = self.assumed_strain_at(E_1, &point.integrals, &mut result.average);
             material.stress_and_elasticity(&E, &mut S, &mut D);
-            for (stiffness, share) in result.stiffness.iter_mut().zip(&point.share) {
+            for (stiffness, weight) in result.stiffness.iter_mut().zip(&point.stage_weights) {
                 let entries = stiffness.as_flattened_mut().iter_mut().zip(D.as_flattened());
-                entries.for_each(|(sum, entry)| *sum += share * entry);
+                entries.for_each(|(sum, entry)| *sum += weight * entry);
             }
         }
     }

@@ -1,10 +1,17 @@
 //! Builder of a body: the mesh first, then everything that it consists of and that acts on it.
 
 use std::borrow::Borrow;
+use std::sync::{Arc, OnceLock};
 
-use super::{Body, Load, PointTerms, Region, Support};
-use crate::error::Result;
+use super::field_load::FieldLoad;
+use super::load_vector::LoadVector;
+use super::pressure::Pressure;
+use super::regions::{self, RegionOfCell};
+use super::supports::Given;
+use super::{Body, Load, PointTerms, Region, Support, nodal, term};
+use crate::error::{Error, Result};
 use crate::mesh::Mesh;
+use crate::sparse::Pattern;
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -20,16 +27,16 @@ use crate::mesh::Mesh;
 /// ```
 #[derive(Debug)]
 pub struct BodyBuilder {
-    pub(super) mesh: Mesh,
-    pub(super) regions: Vec<Region>,
-    pub(super) point_terms: PointTerms,
-    pub(super) supports: Vec<Support>,
-    pub(super) loads: Vec<Load>,
-    pub(super) drag: f64,
+    mesh: Mesh,
+    regions: Vec<Region>,
+    point_terms: PointTerms,
+    supports: Vec<Support>,
+    loads: Vec<Load>,
+    drag: f64,
 }
 
 impl BodyBuilder {
-    pub(super) fn new(mesh: Mesh) -> Self {
+    fn new(mesh: Mesh) -> Self {
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
         BodyBuilder { mesh, regions, point_terms: PointTerms::default(), supports, loads, drag: 0.0 }
     }
@@ -92,5 +99,85 @@ impl BodyBuilder {
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative.
     pub fn build(self) -> Result<Body> {
         Body::from_parts(self)
+    }
+}
+
+impl Body {
+    /// A builder of the body of a mesh.
+    pub fn builder(mesh: Mesh) -> BodyBuilder {
+        BodyBuilder::new(mesh)
+    }
+
+    fn from_parts(parts: BodyBuilder) -> Result<Self> {
+        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag } = parts;
+        if !(drag >= 0.0 && drag.is_finite()) {
+            return Err(Error::Viscosity { name: "drag", value: drag });
+        }
+        let of_cell = RegionOfCell::new(&mesh, &regions)?;
+        let section = of_cell.sections(&mesh, &regions);
+        let density_of_cell = of_cell.densities(&mesh, &regions);
+        let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
+        let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
+        lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
+        let mut terms = regions::terms(&mesh, &regions, &of_cell)?;
+        let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass)?;
+        let couplings = terms.iter().flat_map(|term| {
+            let (nodes, length) = term.couplings();
+            nodes.chunks_exact(length)
+        });
+        let pattern = Pattern::new(mesh.n_nodes(), couplings);
+        // One part a thread; fewer where there is too little to share.
+        let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
+        let parts = pattern.divided(n_parts);
+        terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
+        let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell);
+        for mass in &nodal.masses {
+            regions_and_masses.push(nodal::summary(&mesh, mass)?);
+        }
+        let (mut vectors, mut fields, mut pressures) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, load) in loads.iter().enumerate() {
+            vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
+            fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
+            pressures.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
+        }
+        let given = Given::new(&mesh, supports.iter())?;
+        nodal::check_masses(&mesh, &lumped_mass, &given.fixed)?;
+        let body = Body {
+            loads: Arc::new(vectors),
+            fields: Arc::new(fields),
+            pressures: Arc::new(pressures),
+            release: None,
+            drag,
+            viscous_time: term::viscous_time(&terms),
+            fixed: given.fixed,
+            drives: given.drives,
+            mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
+            lumped_mass,
+            regions: regions_and_masses,
+            region_of_cell: of_cell.into_indices(),
+            made_of: Arc::new(regions),
+            node_order: Arc::new(OnceLock::new()),
+            terms: Arc::new(terms),
+            ground: Arc::new(ground),
+            pattern: Arc::new(pattern),
+            parts,
+            mesh: Arc::new(mesh),
+        };
+        body.with_releases(&supports)
+    }
+
+    /// The body with those that it is after each release of a support; they share their tables.
+    fn with_releases(self, supports: &[Support]) -> Result<Self> {
+        let mut times: Vec<f64> = supports.iter().filter_map(|support| support.until).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let mut release = None;
+        for &time in times.iter().rev() {
+            let holds = |support: &&Support| support.until.is_none_or(|until| until > time);
+            let Given { fixed, drives } = Given::new(&self.mesh, supports.iter().filter(holds))?;
+            nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
+            release = Some((time, Box::new(Body { fixed, drives, release, ..self.clone() })));
+        }
+        Ok(Body { release, ..self })
     }
 }

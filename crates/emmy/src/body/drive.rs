@@ -1,14 +1,11 @@
 //! Prescribed motion: nodes of a group whose displacement is a function of time.
 
-use super::{Body, History, Rotation};
+use super::{History, Rotation};
 use crate::average::Rule;
 use crate::quadrature::Quadrature;
 
 /// Displacement `B (r, 1)` of a node from its offset `r = X - about`, row by row.
-type Map = [[f64; 4]; 3];
-
-/// Times that lie closer together than this part of a step are the same: they differ by rounding.
-const SAME_TIME: f64 = 1e-6;
+pub(super) type Map = [[f64; 4]; 3];
 
 /// The given motion of a group: a displacement over time in some components, or a rotation with one.
 ///
@@ -57,7 +54,7 @@ impl Drive {
     }
 
     /// Driven degrees of freedom with their component and the offset of their node.
-    fn entries(&self) -> impl Iterator<Item = (usize, usize, &[f64; 3])> + '_ {
+    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, &[f64; 3])> + '_ {
         let nodes = self.nodes.iter().zip(&self.offsets);
         nodes.flat_map(move |(&node, offset)| {
             let components = (0..3).filter(|&i| self.components[i]);
@@ -78,7 +75,7 @@ impl Drive {
     }
 
     /// The displacement at a time.
-    fn map(&self, time: f64) -> Map {
+    pub(super) fn map(&self, time: f64) -> Map {
         self.map_of(
             |history| history.value(time),
             |angle| {
@@ -89,7 +86,7 @@ impl Drive {
     }
 
     /// Rate of the displacement at a time; at a kink, on the side given by the sign of `shift`.
-    fn rate(&self, time: f64, shift: f64) -> Map {
+    pub(super) fn rate(&self, time: f64, shift: f64) -> Map {
         let side = |history: &History| match history.text() {
             Some(_) => history.rate(time),
             None => history.rate(time + shift),
@@ -123,7 +120,7 @@ impl Drive {
     /// ```math
     /// x_i = (1/b_i) integral l_i u' dalpha = (1/b_i) ( l_i(1) w(1) - integral l_i' w dalpha ),   w = u - u(0)
     /// ```
-    fn stage_rate(&self, rule: &Rule, i: usize, time: f64, h: f64) -> Map {
+    pub(super) fn stage_rate(&self, rule: &Rule, i: usize, time: f64, h: f64) -> Map {
         let (start, mut rate) = (self.map(time), [[0.0; 4]; 3]);
         add(&mut rate, rule.basis(i, 1.0), &self.map(time + h), &start);
         self.for_each_segment(time, h, |segment| {
@@ -163,65 +160,8 @@ fn points(quadrature: &Quadrature<1>, [from, to]: [f64; 2]) -> impl Iterator<Ite
 }
 
 /// A row of a map times `(r, 1)`.
-fn apply(row: &[f64; 4], offset: &[f64; 3]) -> f64 {
+pub(super) fn apply(row: &[f64; 4], offset: &[f64; 3]) -> f64 {
     row[0] * offset[0] + row[1] * offset[1] + row[2] * offset[2] + row[3]
-}
-
-impl Body {
-    /// Whether some degrees of freedom have a given motion.
-    pub fn is_driven(&self) -> bool {
-        !self.drives.is_empty()
-    }
-
-    /// Degrees of freedom with a given motion; [`Body::fixed`] counts them too.
-    pub fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.drives.iter().flat_map(Drive::dofs)
-    }
-
-    /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step ends
-    /// where the given motion does; the others are left alone. `rates: [k][n_nodes][3]`.
-    ///
-    /// ```math
-    /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
-    /// ```
-    pub fn driven_rates(&self, rule: &Rule, time: f64, h: f64, displacement: &[f64], rates: &mut [f64]) {
-        let n = self.n_dofs();
-        for drive in &self.drives {
-            let start = drive.map(time);
-            for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
-                let rate = drive.stage_rate(rule, i, time, h);
-                for (dof, component, offset) in drive.entries() {
-                    // A path of constant rate corrects the rounding of earlier steps.
-                    let behind = apply(&start[component], offset) - displacement[dof];
-                    rates[dof] = apply(&rate[component], offset) + behind;
-                }
-            }
-        }
-    }
-
-    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the rate after it,
-    /// at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`: of the step that ends or
-    /// starts here.
-    pub fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
-        velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
-        for drive in &self.drives {
-            let same = SAME_TIME * step_size;
-            let ends = drive.until.is_some_and(|until| time > until - same);
-            let rate = drive.rate(time, if ends { -same } else { same });
-            for (dof, component, offset) in drive.entries() {
-                velocity[dof] = apply(&rate[component], offset);
-            }
-        }
-    }
-
-    /// Largest displacement that the given motion has at a time \[length\].
-    pub fn driven_distance(&self, time: f64) -> f64 {
-        let of_drive = |drive: &Drive| {
-            let map = drive.map(time);
-            drive.entries().map(|(_, i, offset)| apply(&map[i], offset).abs()).fold(0.0, f64::max)
-        };
-        self.drives.iter().map(of_drive).fold(0.0, f64::max)
-    }
 }
 
 #[cfg(test)]

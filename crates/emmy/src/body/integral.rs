@@ -6,7 +6,7 @@ use std::any::Any;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
-use super::term::StepInput;
+use super::step::StepInput;
 use crate::average::{Average, Damping, Want};
 use crate::material::Response;
 use crate::tensor::{
@@ -98,16 +98,16 @@ pub fn gather(
     nodal: &mut [[Packed; 3]],
 ) -> usize {
     let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement.as_chunks().0);
-    if let Some(passed) = step.rule.only_point().filter(|_| !wants_rates) {
+    if let Some(integrals) = step.rule.only_point().filter(|_| !wants_rates) {
         cells.gather(
             batch,
             &mut nodal[..n],
             #[inline(always)]
             |node| {
                 let mut value = u[node];
-                for (passed, rates) in passed.iter().zip(step.rates.chunks_exact(stride)) {
+                for (L_j, rates) in integrals.iter().zip(step.rates.chunks_exact(stride)) {
                     let rate = rates.as_chunks::<3>().0[node];
-                    value = [0, 1, 2].map(|i| value[i] + passed * rate[i]);
+                    value = [0, 1, 2].map(|i| value[i] + L_j * rate[i]);
                 }
                 value
             },
@@ -251,7 +251,7 @@ pub fn integrate<R: Register>(
 
 /// Stored energy of the cells of a register at a nodal displacement, and the smallest det F.
 #[inline(always)]
-pub fn strained<R: Register>(
+pub fn strain_state<R: Register>(
     cells: RegisterCells<'_, R>,
     material: &dyn Response<R>,
     nodal: &[[Packed; 3]],

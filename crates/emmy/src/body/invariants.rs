@@ -1,6 +1,6 @@
 //! Energies and momenta of a state (section 2).
 
-use super::{Body, Strained};
+use super::{Body, StrainState};
 
 /// Sum of a nodal vector, `[n_nodes][3]`.
 pub fn sum(vector: &[f64]) -> [f64; 3] {
@@ -17,7 +17,7 @@ impl Body {
     /// ```math
     /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
     /// ```
-    pub fn mean(&self, field: &[f64]) -> f64 {
+    pub fn mass_weighted_rms(&self, field: &[f64]) -> f64 {
         let masses = self.lumped_mass();
         let squares = field.as_chunks::<3>().0.iter().zip(masses);
         let sum: f64 = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum();
@@ -25,7 +25,7 @@ impl Body {
     }
 
     /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. Errors
-    /// ([`Body::mean`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
+    /// ([`Body::mass_weighted_rms`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
@@ -42,7 +42,7 @@ impl Body {
             (0..3).for_each(|d| centre[d] += m * X[d] / mass);
         }
         let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
-        self.mean(&arms)
+        self.mass_weighted_rms(&arms)
     }
 
     /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
@@ -60,7 +60,7 @@ impl Body {
 
     /// Strain energy V of a displacement, with the potential of springs and attractions to the ground \[energy\].
     pub fn strain_energy(&self, displacement: &[f64]) -> f64 {
-        self.strained(displacement).strain_energy
+        self.strain_state(displacement).strain_energy
     }
 
     /// Strain energy and smallest det F of a displacement; the latter is infinite for a body of links.
@@ -70,11 +70,11 @@ impl Body {
     /// let rubber = NeoHooke::new(1000.0, 500.0)?;
     /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
     /// let squeezed: Vec<f64> = body.mesh().points().iter().flat_map(|X| [0.0, 0.0, -0.2 * X[2]]).collect();
-    /// assert!((body.strained(&squeezed).smallest_determinant - 0.8).abs() < 1e-14);
+    /// assert!((body.strain_state(&squeezed).smallest_determinant - 0.8).abs() < 1e-14);
     /// # Ok::<(), emmy::Error>(())
     /// ```
-    pub fn strained(&self, displacement: &[f64]) -> Strained {
+    pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
         let terms = self.terms.iter().chain(self.ground.iter());
-        terms.fold(Strained::NONE, |sum, term| sum.with(term.strained(displacement)))
+        terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)))
     }
 }

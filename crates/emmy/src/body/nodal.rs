@@ -7,7 +7,8 @@ use super::input::{GroundAttraction, GroundSpring, PointMass, PointTerms};
 use super::integral::Scratch;
 use super::regions::RegionSummary;
 use super::solid::SolidTerm;
-use super::term::{StepInput, Strained, Term};
+use super::step::StepInput;
+use super::term::{StrainState, Term};
 use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::material::Link;
@@ -144,10 +145,10 @@ impl Term for GroundSprings {
         }
     }
 
-    fn strained(&self, displacement: &[f64]) -> Strained {
+    fn strain_state(&self, displacement: &[f64]) -> StrainState {
         let square = |node: u32| displacement[3 * node as usize..][..3].iter().map(|u| u * u).sum::<f64>();
         let energies = self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node));
-        Strained { strain_energy: energies.sum(), ..Strained::NONE }
+        StrainState { strain_energy: energies.sum(), ..StrainState::NONE }
     }
 }
 

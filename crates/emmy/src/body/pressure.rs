@@ -1,7 +1,7 @@
 //! Follower pressures: loads that turn and grow with the surface on which they act.
 
 use super::facets::{FacetTable, NodalVectors};
-use super::{Assembly, Body, History, Load, LoadKind, StepInput};
+use super::{History, Load, LoadKind, StepInput};
 use crate::average::FollowerRule;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -52,7 +52,7 @@ impl Pressure {
     }
 
     /// Adds stage averages, `force: [k][n_nodes][3]`; `factors`: p_m at the points.
-    fn add_stage_forces(
+    pub(super) fn add_stage_forces(
         &self,
         mesh: &Mesh,
         step: &StepInput<'_>,
@@ -64,10 +64,10 @@ impl Pressure {
         for table in &self.tables {
             for (nodes, _, section) in table.facets() {
                 for (m, factor) in factors.iter().enumerate() {
-                    let q = positions(mesh, nodes, |dof| displacement_at(step, rule.passed(m), dof));
+                    let q = positions(mesh, nodes, |dof| displacement_at(step, rule.integrals(m), dof));
                     let f = table.force(&q);
-                    for (force, share) in force.chunks_exact_mut(n_dofs).zip(rule.share(m)) {
-                        let factor = section * self.pressure * factor * share;
+                    for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(rule.stage_weights(m)) {
+                        let factor = section * self.pressure * factor * stage_weight;
                         for (&node, f) in nodes.iter().zip(&f) {
                             (0..3).for_each(|i| force[3 * node as usize + i] += factor * f[i]);
                         }
@@ -78,7 +78,7 @@ impl Pressure {
     }
 
     /// Adds the derivatives `- s^2 df_i/dx_j` to the stage matrix.
-    fn add_stage_tangent(
+    pub(super) fn add_stage_tangent(
         &self,
         mesh: &Mesh,
         step: &StepInput<'_>,
@@ -89,9 +89,9 @@ impl Pressure {
         for table in &self.tables {
             for (nodes, pairs, section) in table.facets() {
                 for (m, factor) in factors.iter().enumerate() {
-                    let (passed, share) = (rule.passed(m), rule.share(m));
-                    let q = positions(mesh, nodes, |dof| displacement_at(step, passed, dof));
-                    let (c, n, k) = (table.derivative(&q), nodes.len(), passed.len());
+                    let (integrals, stage_weights) = (rule.integrals(m), rule.stage_weights(m));
+                    let q = positions(mesh, nodes, |dof| displacement_at(step, integrals, dof));
+                    let (c, n, k) = (table.derivative(&q), nodes.len(), integrals.len());
                     let factor = -step.tangent_factor * section * self.pressure * factor;
                     for (A, &node) in nodes.iter().enumerate() {
                         let Some(part) = matrix.parts_mut().iter_mut().find(|part| part.owns(node)) else {
@@ -99,7 +99,7 @@ impl Pressure {
                         };
                         for B in 0..n {
                             for stages in 0..k * k {
-                                let weight = factor * share[stages / k] * passed[stages % k];
+                                let weight = factor * stage_weights[stages / k] * integrals[stages % k];
                                 let block = part.block_mut(pairs[A * n + B] as usize, stages);
                                 add_cross_product(block, weight, c[A][B]);
                             }
@@ -119,10 +119,10 @@ fn add_cross_product(block: &mut [f64], weight: f64, c: [f64; 3]) {
     }
 }
 
-/// A component of the displacement after the rates have been passed by `passed`.
-fn displacement_at(step: &StepInput<'_>, passed: &[f64], dof: usize) -> f64 {
+/// A component of the displacement at the point of a step with the integrals L_j of the basis.
+fn displacement_at(step: &StepInput<'_>, integrals: &[f64], dof: usize) -> f64 {
     let rates = step.rates[dof..].iter().step_by(step.displacement.len());
-    step.displacement[dof] + passed.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
+    step.displacement[dof] + integrals.iter().zip(rates).map(|(L_j, x)| L_j * x).sum::<f64>()
 }
 
 /// Current positions of a facet's nodes.
@@ -133,74 +133,4 @@ fn positions(mesh: &Mesh, nodes: &[u32], displacement: impl Fn(usize) -> f64) ->
         *q = [0, 1, 2].map(|i| X[i] + displacement(3 * node as usize + i));
     }
     q
-}
-
-impl Body {
-    /// Number of loads that follow the motion.
-    pub fn n_followers(&self) -> usize {
-        self.pressures.len()
-    }
-
-    /// Factors p_m of the loads that follow, over a step, exact for every kink of the histories (see [`FollowerRule`]).
-    ///
-    /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
-    pub fn follower_averages(
-        &self,
-        rule: &FollowerRule,
-        time: f64,
-        step_size: f64,
-        averages: &mut [f64],
-        factors: &mut [f64],
-    ) {
-        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
-            pressure.history.averages(time, step_size, rule.fine(), averages);
-            rule.factors(averages, factors);
-        }
-    }
-
-    /// Factors of the loads that follow, at the points of a step: `p_m = p(t + alpha_m h)`.
-    ///
-    /// `factors: [n_followers][n_points]`.
-    pub fn follower_values(&self, rule: &FollowerRule, time: f64, step_size: f64, factors: &mut [f64]) {
-        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
-            for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
-                *factor = pressure.history.value(time + alpha * step_size);
-            }
-        }
-    }
-
-    /// Stage averages of the loads that follow, `force: [k][n_nodes][3]`.
-    pub fn stage_followers(
-        &self,
-        step: &StepInput<'_>,
-        rule: &FollowerRule,
-        factors: &[f64],
-        force: &mut [f64],
-    ) {
-        force.fill(0.0);
-        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
-            pressure.add_stage_forces(&self.mesh, step, rule, factors, force);
-        }
-    }
-
-    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: as external forces they stand on
-    /// the other side of the equations.
-    pub fn add_follower_tangent(
-        &self,
-        step: &StepInput<'_>,
-        rule: &FollowerRule,
-        factors: &[f64],
-        assembly: &mut Assembly,
-    ) {
-        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
-            pressure.add_stage_tangent(&self.mesh, step, rule, factors, &mut assembly.matrix);
-        }
-    }
-
-    /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
-    pub fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
-        for pressure in self.pressures.iter() {
-            pressure.add_force(&self.mesh, displacement, pressure.history.value(time), force);
-        }
-    }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-use super::field::FieldLoad;
+use super::field_load::FieldLoad;
 use super::{Body, History};
 
 /// The load or support that a function of time drives.
@@ -34,10 +34,16 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// The signal of a field load.
-    pub(super) fn new(load: usize, function: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Self {
-        let target = SignalTarget::Load(load);
-        Signal { target, text: "".into(), until: None, arm: 0.0, function: Arc::new(function) }
+    /// The signals of a field.
+    fn of_field(field: &FieldLoad) -> impl Iterator<Item = Self> + '_ {
+        let target = SignalTarget::Load(field.load);
+        field.components().map(move |function| Signal {
+            target,
+            text: "".into(),
+            until: None,
+            arm: 0.0,
+            function: Arc::new(function),
+        })
     }
 
     /// Value at a time.
@@ -78,7 +84,7 @@ impl Body {
             known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
         };
         let mut signals: Vec<Signal> = of_loads.chain(of_supports).filter(is_new).collect();
-        signals.extend(self.fields.iter().flat_map(FieldLoad::signals));
+        signals.extend(self.fields.iter().flat_map(Signal::of_field));
         signals
     }
 }

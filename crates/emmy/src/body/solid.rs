@@ -13,7 +13,8 @@ use pulp::{Arch, Simd, WithSimd};
 use super::batches::CellBatches;
 use super::geometry::CellTable;
 use super::integral::{self, BatchMemory, PointMemory, RegisterCells, Scratch};
-use super::term::{StepInput, Strained, Term};
+use super::step::StepInput;
+use super::term::{StrainState, Term};
 use super::viscosity::Viscosity;
 use crate::average::{Damping, Want};
 use crate::error::{Error, Result};
@@ -105,7 +106,7 @@ impl SolidTerm {
     /// Whether strain rates count in a step.
     #[inline(always)]
     fn damps(&self, step: &StepInput<'_>) -> bool {
-        step.damping.excess > 0.0 || step.damping.rate > 0.0 && !self.viscosity.is_zero()
+        step.damping.dissipation > 0.0 || step.damping.inverse_step_size > 0.0 && !self.viscosity.is_zero()
     }
 
     /// Damping of a cell in a step; `None` if there is none.
@@ -117,9 +118,9 @@ impl SolidTerm {
         let scaled = |tensor: Elasticity<f64>, factor: f64| tensor.map(|row| row.map(|entry| factor * entry));
         let viscous = match self.viscosity.is_zero() {
             true => [[0.0; 6]; 6],
-            false => scaled(self.viscosity.tensor(&at_rest), step.damping.rate),
+            false => scaled(self.viscosity.tensor(&at_rest), step.damping.inverse_step_size),
         };
-        Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.excess) })
+        Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.dissipation) })
     }
 
     /// The cells of a batch, register by register, each with the first of them.
@@ -161,9 +162,14 @@ impl SolidTerm {
 
     /// Strain energy and smallest det F of some batches.
     #[inline(always)]
-    fn strained_of<R: Register>(&self, zero: R, batches: Range<usize>, displacement: &[f64]) -> Strained {
+    fn strain_state_of<R: Register>(
+        &self,
+        zero: R,
+        batches: Range<usize>,
+        displacement: &[f64],
+    ) -> StrainState {
         let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
-        let (nodal, mut sum) = (&mut memory[..self.cells.n_nodes], Strained::NONE);
+        let (nodal, mut sum) = (&mut memory[..self.cells.n_nodes], StrainState::NONE);
         let (mut energies, mut dets) = (Packed([0.0; LANES]), Packed([f64::INFINITY; LANES]));
         for batch in batches {
             self.cells.gather(
@@ -173,7 +179,7 @@ impl SolidTerm {
                 |node| displacement.as_chunks().0[node],
             );
             for (cells, cell) in self.registers(zero, batch) {
-                let (energy, det) = integral::strained(cells, self.materials.response(cell), nodal);
+                let (energy, det) = integral::strain_state(cells, self.materials.response(cell), nodal);
                 energy.store(&mut energies, cells.part);
                 if !self.materials.is_links() {
                     det.store(&mut dets, cells.part);
@@ -182,7 +188,7 @@ impl SolidTerm {
             let cells = self.cells.cells_of(batch);
             for (lane, cell) in cells.clone().enumerate() {
                 let (smallest_determinant, smallest_cell) = (dets.0[lane], self.cells.cells[cell] as usize);
-                sum = sum.with(Strained { strain_energy: 0.0, smallest_determinant, smallest_cell });
+                sum = sum.with(StrainState { strain_energy: 0.0, smallest_determinant, smallest_cell });
             }
             sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
         }
@@ -190,13 +196,13 @@ impl SolidTerm {
     }
 
     /// Strain energy and smallest det F of some batches, added up in an order that does not depend on the threads.
-    fn strained_sum(&self, batches: Range<usize>, displacement: &[f64]) -> Strained {
+    fn strain_state_sum(&self, batches: Range<usize>, displacement: &[f64]) -> StrainState {
         if batches.len() <= ENERGY_RUN {
-            return self.materials.arch().dispatch(StrainedSum { term: self, batches, displacement });
+            return self.materials.arch().dispatch(StrainStateSum { term: self, batches, displacement });
         }
         let middle = batches.start + batches.len() / 2;
         let (left, right) = (batches.start..middle, middle..batches.end);
-        let sum = |batches| self.strained_sum(batches, displacement);
+        let sum = |batches| self.strain_state_sum(batches, displacement);
         let (left, right) = match self.parts.len() {
             1 => (sum(left), sum(right)),
             _ => rayon::join(|| sum(left), || sum(right)),
@@ -254,17 +260,17 @@ impl WithSimd for PartAssembly<'_> {
 }
 
 /// Strain energy and smallest det F of some batches, in the registers of an instruction set.
-struct StrainedSum<'a> {
+struct StrainStateSum<'a> {
     term: &'a SolidTerm,
     batches: Range<usize>,
     displacement: &'a [f64],
 }
 
-impl WithSimd for StrainedSum<'_> {
-    type Output = Strained;
+impl WithSimd for StrainStateSum<'_> {
+    type Output = StrainState;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Strained {
-        self.term.strained_of(Batch::new(simd, 0.0), self.batches, self.displacement)
+    fn with_simd<S: Simd>(self, simd: S) -> StrainState {
+        self.term.strain_state_of(Batch::new(simd, 0.0), self.batches, self.displacement)
     }
 }
 
@@ -345,7 +351,7 @@ impl Term for SolidTerm {
         self.add_start_gradient_of_cells(step, adjoint, gradient);
     }
 
-    fn strained(&self, displacement: &[f64]) -> Strained {
-        self.strained_sum(0..self.cells.len(), displacement)
+    fn strain_state(&self, displacement: &[f64]) -> StrainState {
+        self.strain_state_sum(0..self.cells.len(), displacement)
     }
 }

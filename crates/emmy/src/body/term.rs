@@ -4,38 +4,15 @@ use std::fmt;
 use std::ops::Range;
 
 use super::integral::Scratch;
+use super::step::StepInput;
 use super::viscosity::Viscosity;
-use crate::average::{Rule, Want};
+use crate::average::Want;
 use crate::error::{Error, Result};
 use crate::sparse::{Pattern, RowPart};
 
-/// A step as the terms see it.
-#[derive(Debug, Clone, Copy)]
-pub struct StepInput<'a> {
-    /// Averaging rule.
-    pub rule: &'a Rule,
-    /// Factor on the derivatives df_i/dx_j (h^2 in the stage equations).
-    pub tangent_factor: f64,
-    /// Displacement at the start, `[n_nodes][3]`.
-    pub displacement: &'a [f64],
-    /// Rates x_j of the displacement, `[k][n_nodes][3]`.
-    pub rates: &'a [f64],
-    /// Damping of the strain rates.
-    pub damping: StepDamping,
-}
-
-/// Factors of the damping in a step; zero by default.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StepDamping {
-    /// Factor on viscosities: one over the step size \[1/time\].
-    pub rate: f64,
-    /// Factor beta on the elasticity at rest, for a scheme that dissipates.
-    pub excess: f64,
-}
-
 /// Strain energy and smallest det F of a set of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strained {
+pub struct StrainState {
     /// Stored energy \[energy\].
     pub strain_energy: f64,
     /// Smallest det F at the quadrature points; infinite for links and springs.
@@ -44,25 +21,25 @@ pub struct Strained {
     pub smallest_cell: usize,
 }
 
-impl Strained {
+impl StrainState {
     /// The state of an empty set of cells.
-    pub const NONE: Strained =
-        Strained { strain_energy: 0.0, smallest_determinant: f64::INFINITY, smallest_cell: 0 };
+    pub const NONE: StrainState =
+        StrainState { strain_energy: 0.0, smallest_determinant: f64::INFINITY, smallest_cell: 0 };
 
     /// The union of both sets.
-    pub fn with(self, other: Strained) -> Strained {
+    pub fn with(self, other: StrainState) -> StrainState {
         let strain_energy = self.strain_energy + other.strain_energy;
         // NaN counts as the smallest.
         let is_mine =
             self.smallest_determinant <= other.smallest_determinant || self.smallest_determinant.is_nan();
-        Strained { strain_energy, ..if is_mine { self } else { other } }
+        StrainState { strain_energy, ..if is_mine { self } else { other } }
     }
 
     /// Returns `self`, or an error if a cell is inverted.
     ///
     /// # Errors
     /// [`Error::Inverted`].
-    pub fn upright(self) -> Result<Self> {
+    pub fn check_not_inverted(self) -> Result<Self> {
         match self.smallest_determinant > 0.0 {
             true => Ok(self),
             false => Err(Error::Inverted { cell: self.smallest_cell, det: self.smallest_determinant }),
@@ -116,7 +93,7 @@ pub trait Term: fmt::Debug + Send + Sync {
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]);
 
     /// Strain energy and smallest det F at a displacement.
-    fn strained(&self, displacement: &[f64]) -> Strained;
+    fn strain_state(&self, displacement: &[f64]) -> StrainState;
 }
 
 /// Mean viscosity of all cells over their mean stiffness at rest \[time\].

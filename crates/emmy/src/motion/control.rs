@@ -40,8 +40,8 @@ impl<'a> Control<'a> {
     /// Size of the first step: a part of the time in which the body moves by its own length.
     pub fn first_size(&self, body: &Body, state: &State) -> Result<f64> {
         let acceleration = LocalError::acceleration(body, state)?;
-        let by_velocity = self.length / body.mean(&state.velocity);
-        let by_acceleration = (2.0 * self.length / body.mean(&acceleration)).sqrt();
+        let by_velocity = self.length / body.mass_weighted_rms(&state.velocity);
+        let by_acceleration = (2.0 * self.length / body.mass_weighted_rms(&acceleration)).sqrt();
         Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
     }
 
@@ -52,9 +52,9 @@ impl<'a> Control<'a> {
 
     /// The same of the errors of an estimator.
     pub fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
-        let position = body.mean(estimator.displacement()) / self.length;
+        let position = body.mass_weighted_rms(estimator.displacement()) / self.length;
         match self.adaptivity.velocity {
-            Some(scale) => larger(position, body.mean(estimator.velocity()) / scale),
+            Some(scale) => larger(position, body.mass_weighted_rms(estimator.velocity()) / scale),
             None => position,
         }
     }

@@ -30,7 +30,7 @@ use crate::time::{Scheme, State, Stepper};
 /// let mut motion = Motion::starting(&body, element, settings, state)?;
 /// motion.march(&StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?, &mut [&mut error])?;
 /// // A rigid body lags behind by t h^2 omega^3/12 = 8.3e-4; its radius of gyration is 1/sqrt 2, by the lumped mass of its corners.
-/// assert!((body.mean(error.displacement()) / (8.3e-4 / f64::sqrt(2.0)) - 1.0).abs() < 0.1);
+/// assert!((body.mass_weighted_rms(error.displacement()) / (8.3e-4 / f64::sqrt(2.0)) - 1.0).abs() < 0.1);
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug)]

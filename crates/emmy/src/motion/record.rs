@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, Strained, sum};
+use crate::body::{Body, StrainState, sum};
 use crate::sparse::SolverChoice;
 use crate::sparse::reduce::dot;
 use crate::time::{State, StepOutcome};
@@ -79,14 +79,14 @@ pub struct Record {
 impl Record {
     /// The record with the energies and momenta of a state.
     pub(super) fn at(self, body: &Body, state: &State) -> Record {
-        self.with_invariants(body, state, body.strained(&state.displacement))
+        self.with_invariants(body, state, body.strain_state(&state.displacement))
     }
 
     /// The same, with strain energy and det F given.
-    fn with_invariants(mut self, body: &Body, state: &State, strained: Strained) -> Record {
+    fn with_invariants(mut self, body: &Body, state: &State, strain_state: StrainState) -> Record {
         self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
-        self.strain_energy = strained.strain_energy;
-        self.smallest_determinant = strained.smallest_determinant;
+        self.strain_energy = strain_state.strain_energy;
+        self.smallest_determinant = strain_state.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
         self.linear_momentum = sum(&state.momentum);
         self.angular_momentum = state.angular_momentum(body);
@@ -112,7 +112,7 @@ impl Record {
             rounding: self.rounding + outcome.newton.rounding,
             ..Record::default()
         };
-        let record = record.with_invariants(body, state, outcome.strained);
+        let record = record.with_invariants(body, state, outcome.strain_state);
         // T and V separately: they may be large and cancel in the change of their sum.
         let kinetic = record.kinetic_energy - self.kinetic_energy;
         let strain = record.strain_energy - self.strain_energy;

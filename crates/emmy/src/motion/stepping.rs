@@ -340,7 +340,7 @@ impl<'a> Motion<'a> {
         let outcome = self.stepper.advance(&mut self.state, step_size)?;
         let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
         let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
-        if dof.is_none() && outcome.strained.strain_energy.is_finite() {
+        if dof.is_none() && outcome.strain_state.strain_energy.is_finite() {
             return Ok(outcome);
         }
         self.state.copy_from(&self.last);

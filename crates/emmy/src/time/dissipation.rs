@@ -60,7 +60,7 @@ pub struct Dissipation {
 impl Dissipation {
     /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
     pub fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
-        let (k, b, p) = (rule.degree(), rule.weights(), rule.fastest());
+        let (k, b, p) = (rule.degree(), rule.weights(), rule.highest_mode());
         let strength = (1.0 - spectral_radius) / (1.0 + spectral_radius);
         let excess = strength / (2 * (2 * k - 1)) as f64;
         let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
@@ -77,7 +77,7 @@ impl Dissipation {
 
     /// Coefficients in the place of a, `[i k + j]`.
     pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
-        let (k, p) = (rule.degree(), rule.fastest());
+        let (k, p) = (rule.degree(), rule.highest_mode());
         let excess = |n: usize| self.excess * p[n / k] * self.highest_mode[n % k];
         rule.coefficients().iter().enumerate().map(|(n, a)| a + excess(n)).collect()
     }

@@ -3,7 +3,7 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, MassSolver, Strained};
+use crate::body::{Body, MassSolver, StrainState};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
@@ -146,13 +146,13 @@ impl<'a> TimeElementStepper<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`]: a rule may not evaluate the end, and no step can start from an inverted state.
-    fn strained_at_end(&mut self) -> Result<Strained> {
+    fn strain_state_at_end(&mut self) -> Result<StrainState> {
         self.position.copy_from_slice(&self.system.displacement);
         let n = self.position.len();
         for (rates, b) in self.iteration.rates.chunks_exact(n).zip(self.system.coefficients.rule.weights()) {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
-        self.system.body.strained(&self.position).upright()
+        self.system.body.strain_state(&self.position).check_not_inverted()
     }
 
     /// Adds the rates of the step to a displacement.
@@ -178,13 +178,13 @@ impl<'a> TimeElementStepper<'a> {
         self.start(state, step_size);
         let newton = self.iteration.solve(&mut self.system, state, step_size, given)?;
         let mut impulses = self.impulses(step_size)?;
-        let strained = self.strained_at_end()?;
+        let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses);
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(&self.momentum, impulses.linear);
         }
         self.iteration.remember(&self.system.coefficients, step_size);
-        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
     /// Advances a state by a step with the rates given, corrected by a function of the equations and the rates; false if that function

@@ -152,7 +152,7 @@ impl Iteration {
         let [work, impulse, moment] = self.prediction.imbalance(system, &self.rates, &self.residual);
         let kinetic = 0.5 * dot(&state.momentum, &state.velocity);
         let moved = system.mean_kinetic_energy(&self.rates);
-        let energy = kinetic.max(moved) + system.body.strained(&system.displacement).strain_energy.abs();
+        let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
         if energy == 0.0 {
             return Ok(0.0);
         }

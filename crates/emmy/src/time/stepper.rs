@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{Body, Strained, sum};
+use crate::body::{Body, StrainState, sum};
 use crate::error::Result;
 use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
@@ -46,7 +46,7 @@ pub struct StepOutcome {
     /// Impulses of loads and reactions.
     pub impulses: Impulses,
     /// Strain energy and smallest det F at the end.
-    pub strained: Strained,
+    pub strain_state: StrainState,
     /// The linear solver; `None` for an explicit stepper.
     pub solver: Option<SolverChoice>,
 }

@@ -24,7 +24,7 @@ const ORDER: [&str; 16] = [
 ];
 
 /// The same for the files and folders inside a module.
-const INSIDE: [(&str, &[&str]); 3] = [
+const INSIDE: [(&str, &[&str]); 4] = [
     (
         "sparse",
         &[
@@ -47,6 +47,41 @@ const INSIDE: [(&str, &[&str]); 3] = [
             "conjugate_gradients",
             "incomplete_cholesky",
             "shifted_solver",
+        ],
+    ),
+    (
+        "body",
+        &[
+            "viscosity",
+            "history",
+            "field",
+            "symmetry",
+            "geometry",
+            "batches",
+            "facets",
+            "step",
+            "integral",
+            "term",
+            "solid",
+            "input",
+            "models",
+            "regions",
+            "nodal",
+            "drive",
+            "supports",
+            "load_vector",
+            "field_load",
+            "pressure",
+            "system",
+            "builder",
+            "mass",
+            "invariants",
+            "driven",
+            "start",
+            "loads",
+            "followers",
+            "signal",
+            "fields",
         ],
     ),
     (

@@ -266,7 +266,7 @@ fn springs_on_facets_are_a_foundation() {
     // k A |u|^2 / 2, with the area 2 x 3.
     assert!((body.strain_energy(&displacement) - 0.5 * 6.0 * 6.0 * 0.09).abs() < 1e-14);
     // The block is moved, not strained.
-    assert!((body.strained(&displacement).smallest_determinant - 1.0).abs() < 1e-14);
+    assert!((body.strain_state(&displacement).smallest_determinant - 1.0).abs() < 1e-14);
 }
 
 /// A link may turn through any angle: it has no det F that means something.
@@ -276,7 +276,7 @@ fn links_have_no_determinant() {
     let nodal = PointTerms { masses: masses(&[1.0, 1.0]), ..Default::default() };
     let body = linked(network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]), spring, &nodal);
     let turned_about = [0.0, 0.0, 0.0, -2.5, 0.0, 0.0];
-    assert_eq!(body.strained(&turned_about).smallest_determinant, f64::INFINITY);
+    assert_eq!(body.strain_state(&turned_about).smallest_determinant, f64::INFINITY);
 }
 
 /// Two planets opposite each other on a circle about a star that is not at the origin, joined by a spring at rest.

@@ -91,7 +91,7 @@ pub fn march<'a>(
     observers.push(&mut stop);
     let outcome = march(motion, &problem.plan, &mut observers);
     progress.end();
-    let error = error.map(|error| problem.body.mean(error.displacement()));
+    let error = error.map(|error| problem.body.mass_weighted_rms(error.displacement()));
     error.into_iter().for_each(|error| results.set_error(error));
     let (status, failure) = ending(outcome, &results);
     let message = failure.as_ref().map(Failure::message);

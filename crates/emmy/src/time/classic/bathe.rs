@@ -167,8 +167,8 @@ impl Stepper for BatheStepper<'_> {
             rounding: first.rounding + second.rounding,
             ..second
         };
-        let strained = self.system.body.strained(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
+        let strain_state = self.system.body.strain_state(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
     /// That of the second part.

@@ -109,8 +109,8 @@ impl Stepper for CentralDifferences<'_> {
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
         std::mem::swap(&mut self.start, &mut self.end);
         let newton = Outcome { converged: true, ..Outcome::default() };
-        let strained = self.forces.body.strained(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strained, solver: None })
+        let strain_state = self.forces.body.strain_state(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: None })
     }
 
     fn newton_history(&self) -> &[f64] {

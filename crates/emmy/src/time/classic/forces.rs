@@ -97,7 +97,7 @@ impl Forces<'_> {
         if self.body.is_viscous() {
             let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
             let (before, rule): (Vec<f64>, Rule) = (before.collect(), Rule::standard(1, &gauss(1)));
-            let damping = StepDamping { rate: 1.0, excess: 0.0 };
+            let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
             let step = StepInput {
                 rule: &rule,
                 tangent_factor: 0.0,

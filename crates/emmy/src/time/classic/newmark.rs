@@ -238,8 +238,8 @@ impl Stepper for NewmarkStepper<'_> {
         self.update(state, step_size);
         let impulses = self.impulses(step_size);
         std::mem::swap(&mut self.start, &mut self.end);
-        let strained = self.system.body.strained(&state.displacement);
-        Ok(StepOutcome { newton, impulses, strained, solver: self.system.solver() })
+        let strain_state = self.system.body.strain_state(&state.displacement);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
     fn newton_history(&self) -> &[f64] {

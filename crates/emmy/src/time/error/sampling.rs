@@ -104,7 +104,7 @@ impl Sampling {
             let distance = 0.5 * (step_size + last_size);
             let pairs = self.new_derivative.iter().zip(&self.derivative);
             self.jump.iter_mut().zip(pairs).for_each(|(jump, (new, old))| *jump = (new - old) / distance);
-            body.mean(&self.jump)
+            body.mass_weighted_rms(&self.jump)
         });
     }
 
@@ -135,9 +135,9 @@ impl Sampling {
 
     /// Takes the estimated errors of the observed step as the next sample.
     pub fn resample(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
-        let by_law = self.factor(step_size).map(|factor| factor * body.mean(&self.displacement));
+        let by_law = self.factor(step_size).map(|factor| factor * body.mass_weighted_rms(&self.displacement));
         let agrees = by_law.is_some_and(|e| {
-            (1.0 / AGREEMENT_RATIO..=AGREEMENT_RATIO).contains(&(body.mean(displacement) / e))
+            (1.0 / AGREEMENT_RATIO..=AGREEMENT_RATIO).contains(&(body.mass_weighted_rms(displacement) / e))
         });
         self.pause = if agrees { (2 * self.pause).clamp(1, MAX_PAUSE) } else { 0 };
         (self.left, self.is_extrapolated) = (self.pause, false);

@@ -191,7 +191,7 @@ impl ApproximateTangent {
             tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
             displacement: &self.displacement,
             rates: &self.rates,
-            damping: StepDamping { rate: self.viscous_rate, excess: 0.0 },
+            damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
         };
         body.assemble(&step, Want::Tangent, &[0.0], &mut self.assembly)
     }

@@ -315,7 +315,7 @@ fn step_input<'a>(
     displacement: &'a [f64],
     rates: &'a [f64],
 ) -> StepInput<'a> {
-    let excess = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
-    let damping = StepDamping { rate: 1.0 / s, excess };
+    let dissipation = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
+    let damping = StepDamping { inverse_step_size: 1.0 / s, dissipation };
     StepInput { rule: &coefficients.rule, tangent_factor: s * s, displacement, rates, damping }
 }

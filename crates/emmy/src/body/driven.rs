@@ -1,0 +1,65 @@
+//! Degrees of freedom of a body whose motion is given.
+
+use super::Body;
+use super::drive::{Drive, apply};
+use crate::average::Rule;
+
+/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+const SAME_TIME: f64 = 1e-6;
+
+impl Body {
+    /// Whether some degrees of freedom have a given motion.
+    pub fn is_driven(&self) -> bool {
+        !self.drives.is_empty()
+    }
+
+    /// Degrees of freedom with a given motion; [`Body::fixed`] counts them too.
+    pub fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.drives.iter().flat_map(Drive::dofs)
+    }
+
+    /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step ends
+    /// where the given motion does; the others are left alone. `rates: [k][n_nodes][3]`.
+    ///
+    /// ```math
+    /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
+    /// ```
+    pub fn driven_rates(&self, rule: &Rule, time: f64, h: f64, displacement: &[f64], rates: &mut [f64]) {
+        let n = self.n_dofs();
+        for drive in &self.drives {
+            let start = drive.map(time);
+            for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
+                let rate = drive.stage_rate(rule, i, time, h);
+                for (dof, component, offset) in drive.entries() {
+                    // A path of constant rate corrects the rounding of earlier steps.
+                    let behind = apply(&start[component], offset) - displacement[dof];
+                    rates[dof] = apply(&rate[component], offset) + behind;
+                }
+            }
+        }
+    }
+
+    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the rate after it,
+    /// at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`: of the step that ends or
+    /// starts here.
+    pub fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
+        velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
+        for drive in &self.drives {
+            let same = SAME_TIME * step_size;
+            let ends = drive.until.is_some_and(|until| time > until - same);
+            let rate = drive.rate(time, if ends { -same } else { same });
+            for (dof, component, offset) in drive.entries() {
+                velocity[dof] = apply(&rate[component], offset);
+            }
+        }
+    }
+
+    /// Largest displacement that the given motion has at a time \[length\].
+    pub fn driven_distance(&self, time: f64) -> f64 {
+        let of_drive = |drive: &Drive| {
+            let map = drive.map(time);
+            drive.entries().map(|(_, i, offset)| apply(&map[i], offset).abs()).fold(0.0, f64::max)
+        };
+        self.drives.iter().map(of_drive).fold(0.0, f64::max)
+    }
+}

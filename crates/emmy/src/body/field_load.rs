@@ -1,0 +1,131 @@
+//! Loads given by a function of position and time.
+
+use super::field::Field;
+use super::geometry::{for_each_facet_point, for_each_volume_point};
+use super::load_vector::cells_of;
+use super::{History, Load, LoadKind};
+use crate::average::Rule;
+use crate::error::Result;
+use crate::mesh::Mesh;
+
+/// A load by a field, ready for use: the points at which the field is evaluated, and the weights of the nodes at each.
+#[derive(Debug)]
+pub struct FieldLoad {
+    /// Number of the load.
+    pub(super) load: usize,
+    field: Field,
+    pub(super) history: History,
+    /// Reference positions.
+    points: Vec<[f64; 3]>,
+    /// End of each point's part of `node_weights`.
+    ends: Vec<usize>,
+    /// Nodes with weight times shape function \[length^2 or length^3\].
+    node_weights: Vec<(u32, f64)>,
+}
+
+/// Points of a field at which its course over time is checked.
+const POINTS_OF_SIGNALS: usize = 4;
+
+impl FieldLoad {
+    /// The load; `None` if it is not a field.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownGroup`].
+    pub fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
+        let empty = |field: &Field| {
+            let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
+            FieldLoad {
+                load: index,
+                field: field.clone(),
+                history: load.history.clone(),
+                points,
+                ends,
+                node_weights,
+            }
+        };
+        match &load.kind {
+            LoadKind::TractionField { group, field } => {
+                let mut table = empty(field);
+                for_each_facet_point(mesh, mesh.groups().facets(group)?, section, |nodes, point| {
+                    table.push(nodes, point.position, point.weight, point.shapes);
+                });
+                Ok(Some(table))
+            }
+            LoadKind::BodyForceField { group, field } => {
+                let mut table = empty(field);
+                let cells = cells_of(mesh, group.as_deref())?;
+                for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+                    table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
+                });
+                Ok(Some(table))
+            }
+            LoadKind::Traction { .. }
+            | LoadKind::Pressure { .. }
+            | LoadKind::Force { .. }
+            | LoadKind::NodalForce { .. }
+            | LoadKind::Acceleration { .. } => Ok(None),
+        }
+    }
+
+    /// Its components over time, factor included, at some of its points.
+    pub(super) fn components(
+        &self,
+    ) -> impl Iterator<Item = impl Fn(f64) -> f64 + Send + Sync + 'static> + '_ {
+        let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
+        self.points.iter().step_by(every).flat_map(move |&X| {
+            (0..3).map(move |component| {
+                let (field, history) = (self.field.clone(), self.history.clone());
+                move |time| history.value(time) * field.at(X, time)[component]
+            })
+        })
+    }
+
+    fn push(&mut self, nodes: &[u32], position: [f64; 3], weight: f64, shapes: &[f64]) {
+        self.points.push(position);
+        self.node_weights.extend(nodes.iter().zip(shapes).map(|(&node, N)| (node, weight * N)));
+        self.ends.push(self.node_weights.len());
+    }
+
+    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is other than zero.
+    pub fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
+        self.add(time, &[1.0], force)
+    }
+
+    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`: memory for k
+    /// numbers. Returns whether the load acts.
+    pub fn add_averages(
+        &self,
+        time: f64,
+        h: f64,
+        rule: &Rule,
+        stage_weights: &mut [f64],
+        force: &mut [f64],
+    ) -> bool {
+        let mut acts = false;
+        for (&[alpha], w) in rule.smooth_quadrature().iter() {
+            for (i, stage_weight) in stage_weights.iter_mut().enumerate() {
+                *stage_weight = w * rule.basis(i, alpha) / rule.weights()[i];
+            }
+            acts |= self.add(time + alpha * h, stage_weights, force);
+        }
+        acts
+    }
+
+    /// Adds the nodal forces at a time to every stage, times its weight.
+    fn add(&self, time: f64, stage_weights: &[f64], force: &mut [f64]) -> bool {
+        let (factor, n_dofs, mut begin) = (self.history.value(time), force.len() / stage_weights.len(), 0);
+        if factor == 0.0 {
+            return false;
+        }
+        for (&X, &end) in self.points.iter().zip(&self.ends) {
+            let value = self.field.at(X, time).map(|value| factor * value);
+            for &(node, weight) in &self.node_weights[begin..end] {
+                for (force, stage_weight) in force.chunks_exact_mut(n_dofs).zip(stage_weights) {
+                    (0..3).for_each(|i| force[3 * node as usize + i] += stage_weight * weight * value[i]);
+                }
+            }
+            begin = end;
+        }
+        true
+    }
+}

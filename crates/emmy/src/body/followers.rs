@@ -1,0 +1,74 @@
+//! Loads of a body that follow its motion.
+
+use super::{Assembly, Body, StepInput};
+use crate::average::FollowerRule;
+
+impl Body {
+    /// Number of loads that follow the motion.
+    pub fn n_followers(&self) -> usize {
+        self.pressures.len()
+    }
+
+    /// Factors p_m of the loads that follow, over a step, exact for every kink of the histories (see [`FollowerRule`]).
+    ///
+    /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
+    pub fn follower_averages(
+        &self,
+        rule: &FollowerRule,
+        time: f64,
+        step_size: f64,
+        averages: &mut [f64],
+        factors: &mut [f64],
+    ) {
+        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
+            pressure.history.averages(time, step_size, rule.fine(), averages);
+            rule.factors(averages, factors);
+        }
+    }
+
+    /// Factors of the loads that follow, at the points of a step: `p_m = p(t + alpha_m h)`.
+    ///
+    /// `factors: [n_followers][n_points]`.
+    pub fn follower_values(&self, rule: &FollowerRule, time: f64, step_size: f64, factors: &mut [f64]) {
+        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
+            for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
+                *factor = pressure.history.value(time + alpha * step_size);
+            }
+        }
+    }
+
+    /// Stage averages of the loads that follow, `force: [k][n_nodes][3]`.
+    pub fn stage_followers(
+        &self,
+        step: &StepInput<'_>,
+        rule: &FollowerRule,
+        factors: &[f64],
+        force: &mut [f64],
+    ) {
+        force.fill(0.0);
+        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
+            pressure.add_stage_forces(&self.mesh, step, rule, factors, force);
+        }
+    }
+
+    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: as external forces they stand on
+    /// the other side of the equations.
+    pub fn add_follower_tangent(
+        &self,
+        step: &StepInput<'_>,
+        rule: &FollowerRule,
+        factors: &[f64],
+        assembly: &mut Assembly,
+    ) {
+        for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact(rule.n_points())) {
+            pressure.add_stage_tangent(&self.mesh, step, rule, factors, &mut assembly.matrix);
+        }
+    }
+
+    /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
+    pub fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
+        for pressure in self.pressures.iter() {
+            pressure.add_force(&self.mesh, displacement, pressure.history.value(time), force);
+        }
+    }
+}

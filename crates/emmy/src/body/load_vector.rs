@@ -1,0 +1,90 @@
+//! Dead loads: nodal vectors with a factor over time.
+
+use super::geometry::{add_facet_areas, for_each_volume_point};
+use super::{History, Load, LoadKind};
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+
+/// A load ready for use: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
+#[derive(Debug, Clone)]
+pub struct LoadVector {
+    /// Number of the load.
+    pub(super) load: usize,
+    pub(super) force: Vec<f64>,
+    pub(super) history: History,
+}
+
+impl LoadVector {
+    /// Equivalent nodal forces of a load, `None` if these are not one vector times a factor; `section`: thickness of plane cells,
+    /// `density`: mass per measure of each cell.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
+    pub fn new(
+        mesh: &Mesh,
+        index: usize,
+        load: &Load,
+        section: &[f64],
+        density_of_cell: &[f64],
+        point_masses: &[f64],
+    ) -> Result<Option<Self>> {
+        let (weights, vector) = match &load.kind {
+            LoadKind::Pressure { .. } | LoadKind::TractionField { .. } | LoadKind::BodyForceField { .. } => {
+                return Ok(None);
+            }
+            LoadKind::Traction { group, traction } => (facet_areas(mesh, group, section)?, *traction),
+            LoadKind::Force { group, force } => {
+                let areas = facet_areas(mesh, group, section)?;
+                let area: f64 = areas.iter().sum();
+                (areas.iter().map(|a| a / area).collect(), *force)
+            }
+            LoadKind::NodalForce { group, force } => (ones(mesh, group)?, *force),
+            LoadKind::Acceleration { group, acceleration } => {
+                let mut masses = nodal_masses(mesh, group.as_deref(), density_of_cell)?;
+                if group.is_none() {
+                    masses.iter_mut().zip(point_masses).for_each(|(sum, mass)| *sum += mass);
+                }
+                (masses, *acceleration)
+            }
+        };
+        if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what: "load".into(), value });
+        }
+        let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
+        Ok(Some(LoadVector { load: index, force, history: load.history.clone() }))
+    }
+}
+
+/// 1 at each node of a group, 0 elsewhere.
+fn ones(mesh: &Mesh, group: &str) -> Result<Vec<f64>> {
+    let mut ones = vec![0.0; mesh.n_nodes()];
+    mesh.group_nodes(group)?.into_iter().for_each(|node| ones[node as usize] = 1.0);
+    Ok(ones)
+}
+
+/// Integrals of the shape functions over a facet group.
+fn facet_areas(mesh: &Mesh, group: &str, section: &[f64]) -> Result<Vec<f64>> {
+    let mut areas = vec![0.0; mesh.n_nodes()];
+    add_facet_areas(mesh, mesh.groups().facets(group)?, section, &mut areas);
+    Ok(areas)
+}
+
+/// Cells of a group; without a name all cells.
+pub(super) fn cells_of(mesh: &Mesh, group: Option<&str>) -> Result<Vec<u32>> {
+    match group {
+        Some(name) => Ok(mesh.groups().cells(name)?.to_vec()),
+        None => Ok((0..mesh.n_cells() as u32).collect()),
+    }
+}
+
+/// Integrals of density times the shape functions over a cell group.
+fn nodal_masses(mesh: &Mesh, group: Option<&str>, density_of_cell: &[f64]) -> Result<Vec<f64>> {
+    let cells = cells_of(mesh, group)?;
+    let mut masses = vec![0.0; mesh.n_nodes()];
+    for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
+        for (&node, N) in nodes.iter().zip(point.shapes) {
+            masses[node as usize] += density_of_cell[cell] * point.weight * N;
+        }
+    });
+    Ok(masses)
+}

@@ -1,0 +1,44 @@
+//! Start of a motion.
+
+use super::{Body, InitialVelocity};
+use crate::error::{Error, Result};
+
+impl Body {
+    /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`; fixed components do not
+    /// move, driven ones as they are driven.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::DrivenStart`] if a driven node is displaced then.
+    pub fn initial_motion(&self, time: f64, fields: &[InitialVelocity]) -> Result<(Vec<f64>, Vec<f64>)> {
+        self.check_start(time)?;
+        let mut velocity = vec![0.0; self.n_dofs()];
+        for field in fields {
+            let nodes = match &field.group {
+                Some(name) => self.mesh.group_nodes(name)?,
+                None => (0..self.mesh.n_nodes() as u32).collect(),
+            };
+            for node in nodes {
+                let v = field.at(self.mesh.points()[node as usize]);
+                if let Some(&value) = v.iter().find(|value| !value.is_finite()) {
+                    return Err(Error::NotFinite { what: "initial velocity".into(), value });
+                }
+                velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
+            }
+        }
+        self.set_given_velocity(time, 0.0, &mut velocity);
+        let mut momentum = vec![0.0; self.n_dofs()];
+        self.mass_product(&velocity, &mut momentum);
+        Ok((momentum, velocity))
+    }
+
+    /// The body is undeformed at the start: driven nodes must be where they are.
+    fn check_start(&self, time: f64) -> Result<()> {
+        let distance = self.driven_distance(time);
+        let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
+        // Rounding of an expression that is zero in mathematics is not a displacement.
+        if distance <= 1e-12 * size {
+            return Ok(());
+        }
+        Err(Error::DrivenStart { time, distance })
+    }
+}

@@ -1,0 +1,27 @@
+//! A step as the assembly sees it.
+
+use crate::average::Rule;
+
+/// A step as the terms see it.
+#[derive(Debug, Clone, Copy)]
+pub struct StepInput<'a> {
+    /// Averaging rule.
+    pub rule: &'a Rule,
+    /// Factor on the derivatives df_i/dx_j (h^2 in the stage equations).
+    pub tangent_factor: f64,
+    /// Displacement at the start, `[n_nodes][3]`.
+    pub displacement: &'a [f64],
+    /// Rates x_j of the displacement, `[k][n_nodes][3]`.
+    pub rates: &'a [f64],
+    /// Damping of the strain rates.
+    pub damping: StepDamping,
+}
+
+/// Factors of the damping in a step; zero by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepDamping {
+    /// Factor on viscosities: one over the step size \[1/time\].
+    pub inverse_step_size: f64,
+    /// Factor beta on the elasticity at rest, for a scheme that dissipates.
+    pub dissipation: f64,
+}

@@ -1,0 +1,256 @@
+//! The body: its tables, and the assembly of stage forces and matrix.
+
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use rayon::prelude::*;
+
+use super::drive::Drive;
+use super::field_load::FieldLoad;
+use super::load_vector::LoadVector;
+use super::pressure::Pressure;
+use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
+use crate::average::Want;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
+
+/// An elastic body, discretised in space: everything but its state of motion.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let rubber = NeoHooke::new(1000.0, 500.0)?;
+/// let body = Body::builder(mesh::l_block(1.0)?).region(Region::new(rubber, 0.5)).build()?;
+/// assert!((body.regions()[0].mass - 0.5 * 117.0).abs() < 1e-12);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Body {
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) regions: Vec<RegionSummary>,
+    pub(super) region_of_cell: Vec<u32>,
+    /// The regions as they were given.
+    pub(super) made_of: Arc<Vec<Region>>,
+    pub(super) terms: Arc<Vec<Box<dyn Term>>>,
+    /// Terms that pull the body towards the ground: external to its momenta.
+    pub(super) ground: Arc<Vec<Box<dyn Term>>>,
+    pub(super) pattern: Arc<Pattern>,
+    pub(super) parts: Vec<Range<usize>>,
+    /// Found when it is first asked for.
+    pub(super) node_order: Arc<OnceLock<Result<Vec<usize>>>>,
+    pub(super) mass: Arc<Vec<f64>>,
+    /// Rate of the mass-proportional damping.
+    pub(super) drag: f64,
+    pub(super) viscous_time: f64,
+    pub(super) lumped_mass: Vec<f64>,
+    pub(super) fixed: Vec<bool>,
+    pub(super) drives: Vec<Drive>,
+    pub(super) loads: Arc<Vec<LoadVector>>,
+    pub(super) fields: Arc<Vec<FieldLoad>>,
+    pub(super) pressures: Arc<Vec<Pressure>>,
+    /// When the first support is released, and the body from then on.
+    pub(super) release: Option<(f64, Box<Body>)>,
+}
+
+impl Body {
+    /// When a support is released next, and the body from then on.
+    pub fn release(&self) -> Option<(f64, &Body)> {
+        self.release.as_ref().map(|(time, body)| (*time, &**body))
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Number of degrees of freedom, fixed ones included.
+    pub fn n_dofs(&self) -> usize {
+        self.mesh.n_dofs()
+    }
+
+    /// Number of degrees of freedom that are neither fixed nor driven.
+    pub fn n_free_dofs(&self) -> usize {
+        self.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    /// Which degrees of freedom are fixed, at rest or driven, `[n_nodes][3]`.
+    pub fn fixed(&self) -> &[bool] {
+        &self.fixed
+    }
+
+    /// Volume, mass, centre and inertia of each region, then of each group of point masses (no cells, no volume).
+    pub fn regions(&self) -> &[RegionSummary] {
+        &self.regions
+    }
+
+    /// Region of each cell.
+    pub fn region_of_cell(&self) -> &[u32] {
+        &self.region_of_cell
+    }
+
+    /// Couplings between nodes.
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// Consistent mass matrix M_AB, one number a coupling of the pattern \[mass\].
+    pub fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    /// Lumped mass, one number a node \[mass\].
+    ///
+    /// Row sums of the consistent mass for linear cells. Row sums of quadratic cells are negative at corners; there the
+    /// diagonal of a cell's consistent mass is scaled to the mass of the cell (Hinton, Rock and Zienkiewicz 1976):
+    ///
+    /// ```math
+    /// m_A = sum_cells m_cell M_AA / sum_B M_BB
+    /// ```
+    pub fn lumped_mass(&self) -> &[f64] {
+        &self.lumped_mass
+    }
+
+    /// Fill-reducing order of the nodes, `order[new] = old`, found when it is first asked for: explicit methods need none.
+    ///
+    /// # Errors
+    /// [`Error::Linear`] if there is not enough memory for it.
+    pub fn node_order(&self) -> Result<&[usize]> {
+        match self.node_order.get_or_init(|| nested_dissection(&self.pattern)) {
+            Ok(order) => Ok(order),
+            Err(error) => Err(error.clone()),
+        }
+    }
+
+    /// Memory for the assembly with time elements of a degree.
+    pub fn assembly(&self, degree: usize) -> Assembly {
+        let n_nodes = self.mesh.cells().map(|cell| cell.nodes.len()).max().unwrap_or(0);
+        let terms = self.terms.iter().chain(self.ground.iter());
+        let n_points = terms.map(|term| term.n_points()).max().unwrap_or(0);
+        let part = || Part { scratch: Scratch::new(degree, n_nodes, n_points), outcome: Ok(()) };
+        Assembly {
+            matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
+            parts: self.parts.iter().map(|_| part()).collect(),
+        }
+    }
+
+    /// Stage averages of the internal force; with [`Want::Tangent`] also the stage matrix
+    /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`] if a cell is inverted.
+    pub fn assemble(
+        &self,
+        step: &StepInput<'_>,
+        want: Want,
+        mass_coefficients: &[f64],
+        assembly: &mut Assembly,
+    ) -> Result<()> {
+        let rows = assembly.matrix.parts_mut();
+        // Springs of the ground neither store strains nor lose any.
+        let ground = StepInput { damping: StepDamping::default(), ..*step };
+        let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
+            sink.clear_force();
+            if want == Want::Tangent {
+                sink.set_blocks(&self.mass, mass_coefficients);
+            }
+            let terms = self.terms.iter().map(|term| (term, step));
+            let mut terms = terms.chain(self.ground.iter().map(|term| (term, &ground)));
+            part.outcome =
+                terms.try_for_each(|(term, step)| term.assemble(step, want, index, &mut part.scratch, sink));
+        };
+        if rows.len() == 1 {
+            rows.iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
+        } else {
+            rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
+        }
+        assembly.parts.iter().try_for_each(|part| part.outcome.clone())
+    }
+
+    /// Rate of the drag \[1/time\].
+    pub fn drag(&self) -> f64 {
+        self.drag
+    }
+
+    /// Whether any region has a viscosity.
+    pub fn is_viscous(&self) -> bool {
+        self.viscosities().any(|viscosity| !viscosity.is_zero())
+    }
+
+    /// Equivalent stiffness-proportional damping time, averaged over the cells \[time\].
+    pub fn viscous_time(&self) -> f64 {
+        self.viscous_time
+    }
+
+    /// Viscosity of each region.
+    pub fn viscosities(&self) -> impl Iterator<Item = &Viscosity> {
+        self.made_of.iter().map(|region| &region.viscosity)
+    }
+
+    /// Energy that viscosity and the scheme dissipate through strain rates in a step \[energy\].
+    ///
+    /// ```math
+    /// sum_i b_i integral S_i : E'_i dV
+    /// ```
+    pub fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
+        let scratch = &mut assembly.parts[0].scratch;
+        self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
+    }
+
+    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the step, its
+    /// rates being fixed; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads have no part in it.
+    ///
+    /// ```math
+    /// sum_i (df_i/du_1)^T mu_i
+    /// ```
+    pub fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        let terms = self.terms.iter().chain(self.ground.iter());
+        terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
+    }
+
+    /// Whether springs or attractions pull the body towards the ground.
+    pub fn has_ground(&self) -> bool {
+        !self.ground.is_empty()
+    }
+
+    /// Whether nothing holds the body: neither supports nor springs and attractions to the ground.
+    pub fn is_free(&self) -> bool {
+        self.ground.is_empty() && !self.fixed.contains(&true)
+    }
+
+    /// Stage averages of the force that the body exerts on the ground through springs and attractions, `force: [k][n_nodes][3]`. Its
+    /// negative is an external force in the momentum balances.
+    ///
+    /// # Errors
+    /// Those of [`Body::assemble`].
+    pub fn ground_force(
+        &self,
+        step: &StepInput<'_>,
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<()> {
+        let rows = assembly.matrix.parts_mut().iter_mut().zip(&mut assembly.parts);
+        for (index, (sink, part)) in rows.enumerate() {
+            sink.clear_force();
+            let mut terms = self.ground.iter();
+            let step = &StepInput { damping: StepDamping::default(), ..*step };
+            terms.try_for_each(|term| term.assemble(step, Want::Stress, index, &mut part.scratch, sink))?;
+        }
+        assembly.matrix.copy_force(force);
+        Ok(())
+    }
+}
+
+/// Stage forces and matrix of a body, with the working memory of their assembly.
+#[derive(Debug)]
+pub struct Assembly {
+    /// Forces and matrix.
+    pub matrix: StageMatrix,
+    parts: Vec<Part>,
+}
+
+#[derive(Debug)]
+struct Part {
+    scratch: Scratch,
+    outcome: Result<()>,
+}
