@@ -13,8 +13,11 @@ use emmy::time::SCHEMES;
 use super::description::{self, Key, Kind, Rule, Section};
 use super::material;
 
+/// Writes a table as Markdown.
+type Table = fn() -> String;
+
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, fn() -> String); 5] = [
+const TABLES: [(&str, Table); 5] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),

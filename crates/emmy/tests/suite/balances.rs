@@ -150,7 +150,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [4, 12, 4]).unwrap();
-            let body = Body::builder(mesh).region(rubber()).loads(&loads()).build().unwrap();
+            let body = Body::builder(mesh).region(rubber()).loads(loads()).build().unwrap();
             let state = State::initial(&body, 0.0, &[]).unwrap();
             let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
             motion

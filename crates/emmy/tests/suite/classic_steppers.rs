@@ -223,11 +223,8 @@ fn the_critical_step_follows_the_deformation() {
 
 #[test]
 fn a_step_that_fails_leaves_the_state_as_it_was() {
-    let body = Body::builder(emmy::mesh::l_block(1.0).unwrap())
-        .region(rubber())
-        .loads(&tractions())
-        .build()
-        .unwrap();
+    let body =
+        Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).loads(tractions()).build().unwrap();
     let hurry = NewtonSettings { tolerance: 1e-14, max_iterations: 1, ..NewtonSettings::default() };
     for scheme in ALL {
         let state = State::initial(&body, 0.0, &[spin()]).unwrap();

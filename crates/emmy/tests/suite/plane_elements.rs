@@ -66,8 +66,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
 fn every_kind_passes_the_patch_test() {
     let (P, energy) = stress_and_energy();
     for kind in CellKind::PLANES {
-        let body =
-            Body::builder(plane_patch(kind, 3)).regions(rubber()).loads(&tractions(P)).build().unwrap();
+        let body = Body::builder(plane_patch(kind, 3)).regions(rubber()).loads(tractions(P)).build().unwrap();
         let quality = emmy::mesh::quality(body.mesh());
         assert!(quality.inverted.is_empty() && quality.scaled_jacobian.value < 0.95, "{kind}: {quality:?}");
         assert!((quality.volume - 1.0).abs() < 1e-14 && (body.regions()[0].volume - THICKNESS).abs() < 1e-14);

@@ -38,9 +38,9 @@ fn body(case: &Case) -> Body {
     match case {
         Case::Rigid => {
             let stiff = SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap();
-            Body::builder(mesh).region(Region::new(stiff, 1.0)).loads(&hat_loads()).build()
+            Body::builder(mesh).region(Region::new(stiff, 1.0)).loads(hat_loads()).build()
         }
-        Case::Soft => Body::builder(mesh).region(rubber()).loads(&hat_loads()).build(),
+        Case::Soft => Body::builder(mesh).region(rubber()).loads(hat_loads()).build(),
         Case::Spinning => Body::builder(mesh).region(rubber()).build(),
     }
     .unwrap()

@@ -79,7 +79,7 @@ fn linear_displacement(mesh: &Mesh) -> Vec<f64> {
 /// vanish, on the surface they are those of the tractions P n.
 fn passes_the_patch_test(kind: CellKind, curved: bool) {
     let (P, energy) = stress_and_energy();
-    let body = Body::builder(patch(kind, curved)).regions(rubber()).loads(&tractions(P)).build().unwrap();
+    let body = Body::builder(patch(kind, curved)).regions(rubber()).loads(tractions(P)).build().unwrap();
     let volume = body.regions()[0].volume;
     assert!((volume - 1.0).abs() < 1e-14, "{kind}: volume {volume}");
     let displacement = linear_displacement(body.mesh());
