@@ -1,8 +1,6 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
 mod adaptive;
-mod bad_input;
-mod bad_material;
 mod compare;
 mod converge;
 mod endings;
@@ -11,6 +9,7 @@ mod hostile;
 mod killed_frames;
 mod links;
 mod listings;
+mod materials;
 mod mistakes;
 mod reference;
 mod report;

@@ -71,6 +71,20 @@ fn check_reports_and_writes_nothing() {
     assert!(report.contains("out, 4 frames"), "{report}");
 }
 
+#[test]
+fn symmetry_fixes_the_normal_component_of_its_plane() {
+    let input = BOX
+        .replacen("box = { size = [1, 2, 1], cells = [1, 2, 1] }", "file = \"tet.inp\"", 1)
+        .replacen("fix = [\"x\", \"y\", \"z\"]", "symmetry = true", 1)
+        .replacen("y-min", "floor", 1);
+    let place = Place::with(&input);
+    let deck = "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n\
+                *Surface, name=floor\n1, S1\n";
+    place.write("tet.inp", deck);
+    let report = place.succeed(&["check", "box.toml", "--set", "load="]).stdout;
+    assert!(report.contains("floor: z fixed, 3 degrees of freedom"), "{report}");
+}
+
 /// Two unit cubes side by side that have no node in common, and one node of no cell.
 const CUBES: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                      11,1,0,0\n12,2,0,0\n13,2,1,0\n14,1,1,0\n15,1,0,1\n16,2,0,1\n17,2,1,1\n18,1,1,1\n99,9,9,9\n\

@@ -1,6 +1,6 @@
 //! Input files that are none.
 
-use super::{BOX, Mistake, changed, whole};
+use super::{BOX, MESH, Mistake, changed, whole};
 
 pub(super) fn all() -> Vec<Mistake> {
     let utf16: Vec<u8> = BOX.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -18,13 +18,11 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("bracket-left-open", "[mesh]", "[mesh"),
         changed("list-left-open", "traction = [0.0, 0.0, 10.0]", "traction = [0.0, 0.0, 10.0"),
         changed("quote-left-open", "group = \"body\"", "group = \"body"),
-        changed(
-            "windows-path",
-            "box = { size = [1, 2, 1], cells = [1, 2, 1] }",
-            "file = \"C:\\meshes\\part.msh\"",
-        ),
+        changed("windows-path", MESH, "file = \"C:\\meshes\\part.msh\""),
         changed("nul", "title = \"box\"", "title = \"b\0x\""),
         whole("nested-without-end", format!("title = {}1{}\n", "[".repeat(500), "]".repeat(500))),
         changed("not-an-input-beside-tabs", "density = 2.0", "\tdensity\t=\t-2.0"),
+        whole("text-that-ends-in-bytes", *b"title = \"a\"\n\xff\xfe"),
+        changed("key-twice-with-one-value", "density = 2.0", "density = 2.0\ndensity = 2.0"),
     ]
 }

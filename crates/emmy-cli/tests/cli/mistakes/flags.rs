@@ -33,5 +33,11 @@ pub(super) fn all() -> Vec<Mistake> {
         flag("no-threads", &["--threads", "0"]),
         flag("flag-misspelt", &["--ouput", "other"]),
         flag("output-that-is-a-file", &["--output", "box.toml"]),
+        flag("set-an-item-of-a-list-of-one", &["--set", "load.1.traction=[1,2,3]"]),
+        flag("set-two-components", &["--set", "load.0.traction=[1,2]"]),
+        flag("set-a-list-that-ends-in-a-comma", &["--set", "load.0.traction=[1,2,"]),
+        flag("set-without-an-equals-sign", &["--set", "title"]),
+        flag("set-a-number-inside-a-text", &["--set", "title.x=1"]),
+        flag("until-a-number-that-is-none", &["--until", "nan"]),
     ]
 }

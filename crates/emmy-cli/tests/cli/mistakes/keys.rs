@@ -1,6 +1,6 @@
 //! Keys that are not keys, or not there.
 
-use super::{Mistake, changed, whole};
+use super::{MATERIAL, MESH, Mistake, changed, whole};
 
 pub(super) fn all() -> Vec<Mistake> {
     vec![
@@ -35,5 +35,25 @@ pub(super) fn all() -> Vec<Mistake> {
         ),
         whole("nothing", ""),
         whole("only-comments", "# the box\n\n"),
+        changed("title-misspelt", "title =", "titel ="),
+        changed("key-beside-its-other-name", "density = 2.0", "density = 2.0\nrho = 1.0"),
+        changed("key-in-another-language", "group = \"body\"", "grupo = \"body\""),
+        changed(
+            "key-of-the-output-in-another-section",
+            "scheme = \"AS(2)\"",
+            "scheme = \"AS(2)\"\nevery = 2",
+        ),
+        changed("newton-tolerance-cut-short", "tolerance = 1e-10", "tol = 1e-10"),
+        changed("thickness-misspelt", "density = 2.0", "density = 2.0\nthikness = 1"),
+        changed("parameter-misspelt", "mu = 500.0", "mv = 500.0"),
+        changed("material-by-half-its-name", MATERIAL, "material.mooney = { mu = 1 }"),
+        changed("material-of-nothing", MATERIAL, "material = {}"),
+        changed("material-missing", &format!("{MATERIAL}\n"), ""),
+        changed("scheme-missing", "scheme = \"AS(2)\"\n", ""),
+        changed("kind-of-solver-missing", "kind = \"auto\"\n", ""),
+        changed("name-of-a-probe-missing", "name = \"tip\", ", ""),
+        changed("mesh-missing", &format!("[mesh]\n{MESH}\n"), ""),
+        changed("three-faults-at-once", "density", "densty").and("y-max", "y-mux").and("AS(2)", "AS(0)"),
+        whole("no-regions", "region = []\n"),
     ]
 }

@@ -1,8 +1,6 @@
 //! Meshes, built in and from files.
 
-use super::{Mistake, changed};
-
-const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
+use super::{FIX, MESH, Mistake, changed};
 
 /// A change of the built-in mesh.
 fn built_in(name: &str, to: &str) -> Mistake {
@@ -15,8 +13,13 @@ fn file(name: &str, file: &'static str, text: impl Into<Vec<u8>>) -> Mistake {
 }
 
 const NODES: &str = "*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, -1\n";
+const LOAD: &str =
+    "[[load]]\ngroup = \"y-max\"\ntraction = [0.0, 0.0, 10.0]\nhistory = [[0.0, 0.0], [0.5, 1.0]]\n\n";
 const GMSH: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
 const GMSH_NODES: &str = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n";
+
+/// A tetrahedron with the group `slope` of its oblique face.
+const SLOPE: &str = "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n*Surface, name=slope\n1, S3\n";
 
 fn abaqus(name: &str, elements: &str) -> Mistake {
     file(name, "part.inp", format!("{NODES}{elements}"))
@@ -49,6 +52,17 @@ fn built_ins() -> Vec<Mistake> {
             .unseen(),
         built_in("box-in-the-plane", "box = { size = [1, 2], cells = [1, 2] }"),
         built_in("cells-that-do-not-fit", "l-block = { cell_size = 0.3 }").unseen(),
+        built_in("rectangle-in-space", "rectangle = { size = [1, 2, 1], cells = [1, 2] }"),
+        built_in("rectangle-without-height", "rectangle = { size = [1, 0], cells = [1, 2] }"),
+        built_in("rectangle-without-cells", "rectangle = { size = [1, 1], cells = [1, 0] }"),
+        built_in("rectangle-misspelt", "rectangel = { size = [1, 1], cells = [1, 1] }"),
+        built_in("key-of-a-rectangle-misspelt", "rectangle = { siez = [1, 1], cells = [1, 1] }"),
+        built_in("cells-misspelt", &MESH.replacen("cells", "cels", 1)),
+        built_in("l-block-of-more-cells-than-memory", "l-block = { cell_size = 1e-9 }").unseen(),
+        built_in("mesh-built-in-and-from-a-file", "l-block.cell_size = 1\nfile = \"a.msh\""),
+        built_in("mesh-file-missing-and-none-like-it", "file = \"none.msh\"").unseen(),
+        changed("no-source-of-a-mesh", &format!("{MESH}\n"), ""),
+        changed("scale-of-zero", "[[region]]", "scale = 0.0\n[[region]]"),
         built_in("scale-of-nothing", &format!("{MESH}\nscale = 0")),
         network("link-to-nowhere", "[[0, 1]]", "[[0, 2]]").unseen(),
         network("link-to-itself", "[[0, 1]]", "[[1, 1]]").unseen(),
@@ -92,6 +106,16 @@ fn contents() -> Vec<Mistake> {
     let tet = "$Elements\n1\n1 4 2 1 1 1 2 3 9\n$EndElements\n";
     vec![
         abaqus("cell-inverted", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 5\n"),
+        abaqus(
+            "cell-inverted-without-loads",
+            "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 5\n",
+        )
+        .and("y-min", "body")
+        .and(LOAD, ""),
+        abaqus("oblique-plane-of-symmetry", SLOPE)
+            .and(FIX, "symmetry = true")
+            .and("y-min", "slope")
+            .and(LOAD, ""),
         abaqus("cell-twice", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n2, 1, 2, 3, 4\n"),
         abaqus("element-number-twice", "*Element, type=C3D4, elset=body\n1, 1, 2, 3, 4\n1, 1, 3, 2, 5\n"),
         abaqus("element-with-too-few-nodes", "*Element, type=C3D4, elset=body\n1, 1, 2, 3\n"),

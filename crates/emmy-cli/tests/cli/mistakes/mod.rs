@@ -3,6 +3,7 @@
 mod files;
 mod flags;
 mod keys;
+mod materials;
 mod meshes;
 mod names;
 mod plans;
@@ -11,9 +12,18 @@ mod schema;
 mod supports_and_loads;
 mod types;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{BOX, Place};
+
+// Parts of [`BOX`] that are changed.
+const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
+const MATERIAL: &str = "material.neo-hooke = { lambda = 1000.0, mu = 500.0 }";
+const TRACTION: &str = "traction = [0.0, 0.0, 10.0]";
+const HISTORY: &str = "history = [[0.0, 0.0], [0.5, 1.0]]";
+const FIX: &str = "fix = [\"x\", \"y\", \"z\"]";
+const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
 
 /// An input that is wrong in one way.
 struct Mistake {
@@ -34,14 +44,20 @@ fn whole(name: &str, input: impl Into<Vec<u8>>) -> Mistake {
 
 /// A mistake in [`BOX`].
 fn changed(name: &str, from: &str, to: &str) -> Mistake {
-    assert!(BOX.contains(from), "{name}: {from}");
-    whole(name, BOX.replacen(from, to, 1))
+    whole(name, BOX).and(from, to)
 }
 
 impl Mistake {
     /// The same as one that a schema cannot see: it is in the sense of the values, in a mesh, or in a flag.
     fn unseen(self) -> Self {
         Mistake { seen: false, ..self }
+    }
+
+    /// The same with one more change.
+    fn and(self, from: &str, to: &str) -> Self {
+        let input = String::from_utf8(self.input).unwrap();
+        assert!(input.contains(from), "{}: {from}", self.name);
+        Mistake { input: input.replacen(from, to, 1).into(), ..self }
     }
 
     /// The same with a file beside the input.
@@ -61,7 +77,7 @@ impl Mistake {
         serde_json::to_value(table).ok()
     }
 
-    /// The whole message of `emmy run`, which must change nothing.
+    /// The whole message of `emmy run`, which must change nothing. Without flags, `emmy check` says the same.
     fn message(&self) -> String {
         let place = Place::new();
         std::fs::write(place.path("box.toml"), &self.input).unwrap();
@@ -70,6 +86,14 @@ impl Mistake {
         let outcome = place.emmy(&[&["run", "box.toml"], self.flags].concat());
         let Mistake { name, .. } = self;
         assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{name}\n{}", outcome.stderr);
+        if self.flags.is_empty() {
+            let check = place.emmy(&["check", "box.toml"]);
+            match check.code {
+                // The directory of the results is no fault of the input.
+                0 => assert!(check.stderr.starts_with("note: `emmy run` will reject this: "), "{name}"),
+                code => assert_eq!((code, &check.stderr), (2, &outcome.stderr), "{name}"),
+            }
+        }
         assert_eq!(place.names("."), before, "{name}");
         let own = place.path("").canonicalize().unwrap().display().to_string();
         outcome.stderr.replace(own.trim_end_matches('/'), "DIRECTORY").replace('\0', "␀")
@@ -82,6 +106,7 @@ fn all() -> Vec<Mistake> {
         keys::all(),
         types::all(),
         ranges::all(),
+        materials::all(),
         names::all(),
         meshes::all(),
         supports_and_loads::all(),
@@ -94,8 +119,8 @@ fn all() -> Vec<Mistake> {
 
 #[test]
 fn every_mistake_has_its_message() {
-    let (mistakes, mut names) = (all(), BTreeSet::new());
-    assert!(mistakes.len() >= 120, "{} mistakes", mistakes.len());
+    let (mistakes, mut names, mut inputs) = (all(), BTreeSet::new(), BTreeMap::new());
+    assert!(mistakes.len() >= 400, "{} mistakes", mistakes.len());
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path("snapshots");
     settings.set_prepend_module_to_snapshot(false);
@@ -103,6 +128,9 @@ fn every_mistake_has_its_message() {
     settings.bind(|| {
         for mistake in mistakes {
             assert!(names.insert(mistake.name.clone()), "{} is there twice", mistake.name);
+            let same = inputs
+                .insert((mistake.input.clone(), mistake.files.clone(), mistake.flags), mistake.name.clone());
+            assert_eq!(same, None, "{} is the same", mistake.name);
             insta::assert_snapshot!(mistake.name.clone(), mistake.message());
         }
     });

@@ -1,8 +1,7 @@
 //! Groups, probes and directories.
 
-use super::{Mistake, changed};
+use super::{Mistake, PROBES, changed};
 
-const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
 const SECOND: &str = "density = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
 
 pub(super) fn all() -> Vec<Mistake> {
@@ -44,5 +43,27 @@ pub(super) fn all() -> Vec<Mistake> {
             .beside("notes.txt", "mine")
             .unseen(),
         changed("directory-of-somebody-else", "\"out\"", "\".\"").beside("notes.txt", "mine").unseen(),
+        changed("group-of-nodes-misspelt", "group = \"y-max\"\ntraction", "group = \"y-mx\"\nnodal_force")
+            .unseen(),
+        changed("group-of-a-support-that-is-nowhere", "y-min", "floor").unseen(),
+        changed("group-of-a-region-misspelt", "\"body\"", "\"bdy\"").unseen(),
+        changed("group-of-the-initial-state-that-is-nowhere", "velocity = [0, 0, 0]", "group = \"tip\"")
+            .unseen(),
+        changed(
+            "first-of-two-regions-without-a-group",
+            "[[load]]",
+            &format!("[[region]]\ngroup = \"body\"\n{SECOND}"),
+        )
+        .and("group = \"body\"\n", "")
+        .unseen(),
+        changed(
+            "probe-named-like-a-column",
+            PROBES,
+            "probes = [{ name = \"linear_momentum\", point = [0, 0, 0] }]",
+        ),
+        changed("format-of-an-older-program", "every = 2", "every = 2\nformat = \"vtk\""),
+        changed("precision-of-c", "every = 2", "every = 2\nprecision = \"float\""),
+        changed("field-misspelt-by-a-letter", "every = 2", "every = 2\nfields = [\"cauchy_stres\"]"),
+        changed("directory-of-an-empty-name", "directory = \"out\"", "directory = \"\""),
     ]
 }

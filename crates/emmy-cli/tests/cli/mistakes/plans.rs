@@ -1,8 +1,6 @@
 //! Schemes and steps.
 
-use super::{Mistake, changed};
-
-const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+use super::{Mistake, STEPS, changed};
 
 fn scheme(name: &str, to: &str) -> Mistake {
     changed(name, "\"AS(2)\"", &format!("\"{to}\""))
@@ -86,5 +84,20 @@ pub(super) fn all() -> Vec<Mistake> {
             .with(&["--set", "time.smallest_step=0.1"])
             .unseen(),
         changed("end-of-a-plan-with-ends", STEPS, &format!("{STEPS}\nuntil = 1.0")).unseen(),
+        changed("plan-without-an-end", STEPS, "steps = [{ until = 1e300, size = 0.1 }]").unseen(),
+        changed("end-without-steps", STEPS, "until = 0.5"),
+        adaptive("adaptive-tolerance-below-nothing", "tolerance = -1e-3"),
+        changed(
+            "adaptive-steps-that-end-before-the-start",
+            STEPS,
+            "adaptive = { tolerance = 1e-4 }\nuntil = -0.5",
+        )
+        .unseen(),
+        adaptive("adaptive-steps-beside-a-smallest-step", "tolerance = 1e-4")
+            .and("until = 0.5", "until = 0.5\nsmallest_step = 0.1")
+            .unseen(),
+        adaptive("adaptive-steps-and-a-plan", "tolerance = 1e-4")
+            .and("until = 0.5", &format!("until = 0.5\n{STEPS}"))
+            .unseen(),
     ]
 }

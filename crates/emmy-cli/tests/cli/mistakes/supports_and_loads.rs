@@ -1,17 +1,32 @@
 //! What acts on the body and what holds it.
 
-use super::{Mistake, changed};
-
-const FIX: &str = "fix = [\"x\", \"y\", \"z\"]";
-const TRACTION: &str = "traction = [0.0, 0.0, 10.0]";
-const HISTORY: &str = "history = [[0.0, 0.0], [0.5, 1.0]]";
+use super::{FIX, HISTORY, MESH, Mistake, TRACTION, changed};
 
 pub(super) fn all() -> Vec<Mistake> {
+    [loads(), histories(), supports(), motions()].into_iter().flatten().collect()
+}
+
+fn load(name: &str, to: &str) -> Mistake {
+    changed(name, TRACTION, to)
+}
+
+fn history(name: &str, history: &str) -> Mistake {
+    changed(name, HISTORY, &format!("history = {history}"))
+}
+
+fn support(name: &str, to: &str) -> Mistake {
+    changed(name, FIX, to)
+}
+
+fn loads() -> Vec<Mistake> {
     vec![
-        changed("two-kinds-of-load", TRACTION, "force = [1, 0, 0]\ntraction = [0, 0, 10]"),
+        load("two-kinds-of-load", "force = [1, 0, 0]\ntraction = [0, 0, 10]"),
+        load("traction-and-force", "traction = [0, 0, 1]\nforce = [0, 0, 1]"),
+        load("pressure-and-traction", "pressure = 10\ntraction = [0, 0, 1]"),
+        load("pressure-misspelt", "presure = 10"),
+        load("load-by-another-name", "point_force = [0, 0, 10]"),
         changed("no-kind-of-load", &format!("{TRACTION}\n"), ""),
-        changed("attraction-with-a-history", TRACTION, "attraction = { centre = [0, 9, 0], strength = 1 }")
-            .unseen(),
+        load("attraction-with-a-history", "attraction = { centre = [0, 9, 0], strength = 1 }").unseen(),
         changed(
             "attraction-without-strength",
             &format!("{TRACTION}\n{HISTORY}"),
@@ -22,34 +37,75 @@ pub(super) fn all() -> Vec<Mistake> {
             &format!("{TRACTION}\n{HISTORY}"),
             "attraction = { strength = 1 }",
         ),
-        changed("drag-on-a-group", TRACTION, "drag = 0.5").unseen(),
+        load("drag-on-a-group", "drag = 0.5").unseen(),
         changed("drag-that-pushes", &format!("group = \"y-max\"\n{TRACTION}\n{HISTORY}"), "drag = -0.5"),
-        changed("history-that-goes-back", HISTORY, "history = [[0.5, 0.0], [0.0, 1.0]]").unseen(),
-        changed("history-without-entries", HISTORY, "history = []"),
-        changed("history-of-an-unknown-function", HISTORY, "history = \"2*sine(t)\"").unseen(),
-        changed("history-of-an-unknown-variable", HISTORY, "history = \"2*x\"").unseen(),
-        changed("history-with-an-open-bracket", HISTORY, "history = \"sin(2*pi*t\"").unseen(),
-        changed("history-as-in-python", HISTORY, "history = \"t**2\"").unseen(),
-        changed("history-with-a-product-left-out", HISTORY, "history = \"2 pi t\"").unseen(),
-        changed("history-with-a-kink", HISTORY, "history = \"min(t, 1)\"").unseen(),
-        changed("history-with-a-pole", HISTORY, "history = \"1/(t - 0.25)\"").unseen(),
+    ]
+}
+
+fn histories() -> Vec<Mistake> {
+    vec![
+        history("history-that-goes-back", "[[0.5, 0.0], [0.0, 1.0]]").unseen(),
+        history("history-without-entries", "[]"),
+        history("history-of-an-unknown-function", "\"2*sine(t)\"").unseen(),
+        history("history-of-an-unknown-function-after-spaces", "\"2 * sine(t)\"").unseen(),
+        history("history-of-an-unknown-variable", "\"2*x\"").unseen(),
+        history("history-with-an-open-bracket", "\"sin(2*pi*t\"").unseen(),
+        history("history-of-a-function-left-open", "\"sin(t\"").unseen(),
+        history("history-as-in-python", "\"t**2\"").unseen(),
+        history("history-with-a-product-left-out", "\"2 pi t\"").unseen(),
+        history("history-with-a-kink", "\"min(t, 1)\"").unseen(),
+        history("history-with-a-ramp", "'max(t, 1)'").unseen(),
+        history("history-with-a-pole", "\"1/(t - 0.25)\"").unseen(),
+        history("history-with-an-infinite-rate", "\"sqrt(t)\"").unseen(),
+    ]
+}
+
+fn supports() -> Vec<Mistake> {
+    let second = "[[support]]\ngroup = \"x-min\"\nfix = [\"x\"]\n\n[initial]";
+    vec![
         changed("support-without-a-kind", &format!("{FIX}\n"), ""),
-        changed("component-that-is-none", FIX, "fix = [\"x\", \"w\"]"),
-        changed("components-by-number", FIX, "fix = [1, 2, 3]"),
-        changed("components-as-flags", FIX, "fix = [true, true, false]"),
-        changed("nothing-fixed", FIX, "fix = []"),
-        changed("moved-by-a-number", FIX, "move = { x = 0.1 }"),
-        changed("moved-by-a-jump", FIX, "move = { y = [[0, 0], [1, 0], [1, 2]] }").unseen(),
-        changed("moved-from-elsewhere", FIX, "move = { x = \"cos(t)\" }").unseen(),
-        changed("fixed-and-moved", FIX, "fix = [\"x\"]\nmove = { x = \"t\" }").unseen(),
-        changed("fixed-and-turned", FIX, "fix = [\"x\"]\nrotate = { axis = [0, 0, 1], angle = \"t\" }")
+        support("component-that-is-none", "fix = [\"x\", \"w\"]"),
+        support("components-by-number", "fix = [1, 2, 3]"),
+        support("components-as-flags", "fix = [true, true, false]"),
+        support("nothing-fixed", "fix = []"),
+        support("fix-by-another-name", "fixed = [\"x\"]"),
+        support("fixed-until-the-start", "fix = [\"x\"]\nuntil = 0.0"),
+        support("until-misspelt", "fix = [\"x\"]\nuntill = 1.0"),
+        support("fixed-and-moved", "fix = [\"x\"]\nmove = { x = \"t\" }").unseen(),
+        support("fixed-here-and-moved-there", "move = { x = \"t\" }").and("[initial]", second).unseen(),
+        support("spring-that-is-released", "spring = 1.0\nuntil = 0.2").unseen(),
+        support("spring-that-is-released-after-the-end", "spring = 1.0\nuntil = 1.0").unseen(),
+        support("symmetry-of-a-body", "symmetry = true").with(&["--set", "support.0.group=body"]).unseen(),
+        support("no-symmetry", "symmetry = false"),
+        support("symmetry-misspelt", "symetry = true"),
+    ]
+}
+
+/// Supports that move.
+fn motions() -> Vec<Mistake> {
+    let plane = "rectangle = { size = [1, 2], cells = [1, 2] }";
+    vec![
+        support("moved-by-a-number", "move = { x = 0.1 }"),
+        support("moved-by-one", "move = { x = 1.0 }"),
+        support("moved-by-nothing", "move = {}"),
+        support("moved-along-no-component", "move = { u = \"t\" }"),
+        support("moved-by-another-name", "displacement = { x = \"t\" }"),
+        support("moved-by-half-an-expression", "move = { x = \"t*\" }").unseen(),
+        support("moved-by-a-jump", "move = { y = [[0, 0], [1, 0], [1, 2]] }").unseen(),
+        support("moved-at-an-infinite-rate", "move = { y = \"t*ln(t)\" }").unseen(),
+        support("moved-from-elsewhere", "move = { x = \"cos(t)\" }").unseen(),
+        support("moved-from-one", "move = { x = \"1 + t\" }").unseen(),
+        support("moved-by-a-scheme-that-cannot", "move = { x = \"t\" }").and("AS(2)", "Bathe").unseen(),
+        support("fixed-and-turned", "fix = [\"x\"]\nrotate = { axis = [0, 0, 1], angle = \"t\" }").unseen(),
+        support("fixed-along-y-and-turned", "fix = [\"y\"]\nrotate = { axis = [0, 0, 1], angle = \"t\" }")
             .unseen(),
-        changed("turned-about-no-axis", FIX, "rotate = { axis = [0, 0, 0], angle = \"t\" }").unseen(),
-        changed("turned-by-no-angle", FIX, "rotate = { axis = [0, 0, 1] }"),
-        changed("spring-that-is-released", FIX, "spring = 1.0\nuntil = 0.2").unseen(),
-        changed("symmetry-of-a-body", FIX, "symmetry = true")
-            .with(&["--set", "support.0.group=body"])
+        support("turned-about-no-axis", "rotate = { axis = [0, 0, 0], angle = \"t\" }").unseen(),
+        support("turned-without-an-axis", "rotate = { angle = \"t\" }"),
+        support("turned-by-no-angle", "rotate = { axis = [0, 0, 1] }"),
+        support("turned-from-elsewhere", "rotate = { axis = [0, 0, 1], angle = \"cos(t)\" }").unseen(),
+        support("turned-about-a-centre", "rotate = { axis = [0, 0, 1], center = [0, 0, 0], angle = \"t\" }"),
+        support("turned-out-of-the-plane", "rotate = { axis = [0, 1, 0], angle = \"t\" }")
+            .and(MESH, plane)
             .unseen(),
-        changed("no-symmetry", FIX, "symmetry = false"),
     ]
 }

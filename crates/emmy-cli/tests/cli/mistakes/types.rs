@@ -1,10 +1,6 @@
 //! Values of the wrong kind.
 
-use super::{Mistake, changed};
-
-const TRACTION: &str = "traction = [0.0, 0.0, 10.0]";
-const MATERIAL: &str = "material.neo-hooke = { lambda = 1000.0, mu = 500.0 }";
-const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
+use super::{FIX, HISTORY, MATERIAL, Mistake, STEPS, TRACTION, changed};
 
 pub(super) fn all() -> Vec<Mistake> {
     vec![
@@ -38,11 +34,23 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("text-for-a-table", MATERIAL, "material = \"neo-hooke\""),
         changed("table-for-a-list", STEPS, "steps = { until = 0.5, size = 0.1 }"),
         changed("number-for-a-list", STEPS, "steps = 0.1"),
-        changed("text-for-a-list", "fix = [\"x\", \"y\", \"z\"]", "fix = \"xyz\""),
+        changed("text-for-a-list", FIX, "fix = \"xyz\""),
         changed("list-for-a-section", "[mesh]", "[[mesh]]"),
         changed("number-for-a-section", "title = \"box\"", "title = \"box\"\nmass = 5.0"),
-        changed("text-for-yes", "fix = [\"x\", \"y\", \"z\"]", "symmetry = \"yes\""),
-        changed("number-for-a-history", "history = [[0.0, 0.0], [0.5, 1.0]]", "history = 1.0"),
+        changed("text-for-yes", FIX, "symmetry = \"yes\""),
+        changed("number-for-a-history", HISTORY, "history = 1.0"),
         changed("three-numbers-in-a-history", "[0.5, 1.0]]", "[0.5, 1.0, 2.0]]"),
+        changed("number-with-two-points", "density = 2.0", "density = 2.0.1"),
+        changed("number-for-a-traction", TRACTION, "traction = 1.0"),
+        changed("number-for-a-nodal-force", TRACTION, "nodal_force = 10.0"),
+        changed("list-for-a-pressure", TRACTION, "pressure = [0, 0, 10]"),
+        changed("traction-in-the-plane", TRACTION, "traction = [0.0, 1.0]"),
+        changed("nan-in-a-vector", TRACTION, "traction = [0.0, nan, 1.0]"),
+        changed("nan-for-a-pressure", TRACTION, "pressure = nan"),
+        changed("word-for-a-component", "velocity = [0, 0, 0]", "velocity = [0, 0, \"fast\"]"),
+        changed("half-a-checkpoint", "every = 2", "every = 2\ncheckpoint_every = 0.5"),
+        changed("number-for-yes", FIX, "symmetry = 1"),
+        changed("entry-of-three-numbers-in-a-history", HISTORY, "history = [[0.5, 0.0, 1.0]]"),
+        changed("history-of-an-empty-text", HISTORY, "history = \"\""),
     ]
 }

@@ -86,6 +86,9 @@ pub(super) enum Rule {
     Density,
 }
 
+/// Most materials that a message names as homes of a key.
+const MOST_MODELS: usize = 3;
+
 /// A number.
 pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
 
@@ -212,16 +215,20 @@ impl Section {
             .or_else(|| first.and_then(|key| self.elsewhere(key)))
     }
 
-    /// The table that has a key: the one around this table, if it has it.
+    /// The table that has a key: the one around this table, if it has it; all of them where a few materials have it.
     fn elsewhere(&self, word: &str) -> Option<String> {
         let own = self.name.trim_matches('`');
         let all = all();
         let mut tables = all.iter().filter(|table| table.has(word));
         let around = tables.clone().find(|table| table.has(own));
-        let models = material::sections().filter(|table| table.has(word)).count();
+        let models: Vec<&str> =
+            material::sections().filter(|table| table.has(word)).map(|table| table.name).collect();
         let table = around.or_else(|| tables.next())?;
-        let is_of_models = models > 1 && material::sections().any(|model| model.name == table.name);
-        let name = if is_of_models { "a material" } else { table.name };
+        let name = match models.len() {
+            _ if !models.contains(&table.name) => table.name.to_string(),
+            0..=MOST_MODELS => models.join(" or "),
+            _ => "a material".to_string(),
+        };
         Some(format!("`{word}` belongs in {name}"))
     }
 }

@@ -30,7 +30,7 @@ pub(super) fn supported() -> &'static str {
         };
         let links = types(CellKind::Line2).join(", ");
         format!(
-            "{} and their variants (R, H, I, ...), in a plane {}, links {links}",
+            "{} or their variants (R, H, I, ...), or in a plane of {}, or links of {links}",
             plainest(3),
             plainest(2)
         )
