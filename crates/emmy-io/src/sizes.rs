@@ -45,7 +45,7 @@ impl Sizes {
             logged_step: if output.log_every == 0 { 0.0 } else { LOGGED_STEP / output.log_every as f64 },
             frame: frame(problem),
             // The state and the memory of a stepper of degree k.
-            checkpoint: CHECKPOINT_NUMBER * (5 + problem.scheme.degree()) as f64 * n_dofs
+            checkpoint: CHECKPOINT_NUMBER * (6 + problem.scheme.degree()) as f64 * n_dofs
                 + problem.resolved.len() as f64,
         }
     }

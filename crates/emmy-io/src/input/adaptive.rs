@@ -28,8 +28,8 @@ pub(super) static ADAPTIVE: Described = Described::new(|| {
             "",
             "Estimator of the error; `emmy list estimators` explains them",
         )
-        .absent("`difference` for degree 1, else `sampled`")
-        .may("min_degree", whole(1), "", "Lowest degree to choose from, by the work that it takes")
+        .absent("`difference` for degree 1 without dissipation, else `sampled`")
+        .may("min_degree", whole(1), "", "Lowest degree of the automatic choice, which minimises the work")
         .absent("1")
         .may("max_degree", whole(1), "", "Highest degree to choose from; `degree` is the first one")
         .absent("`degree` stays")

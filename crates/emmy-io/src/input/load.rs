@@ -59,7 +59,8 @@ const ROWS: [Row; 7] = [
     },
     Row {
         key: || {
-            let doc = "Force at each node of a group of nodes, facets or cells: n nodes, n times the force";
+            let doc =
+                "Force at each node of a group of nodes, facets or cells: n nodes carry n times the force";
             Key::new("nodal_force", vector(), "force", doc)
         },
         needs_group: true,
@@ -93,7 +94,7 @@ const ROWS: [Row; 7] = [
     },
     Row {
         key: || {
-            let doc = "Attraction of every mass of a group of nodes, facets or cells (left out: all) to a point of space, with \
+            let doc = "Attraction of every mass of a group of nodes, facets or cells (default: all) to a point of space, with \
                        the potential -g m/distance";
             Key::new("attraction", Kind::Table(&ATTRACTION), "", doc)
         },

@@ -49,13 +49,13 @@ fn keys(section: &Section) -> String {
         };
         vec![code(key.name), value(&key.kind, key.unit), absent, key.doc.clone()]
     };
-    table(&["key", "value", "left out", "meaning"], section.keys.iter().map(row))
+    table(&["key", "value", "default", "meaning"], section.keys.iter().map(row))
 }
 
 fn chosen(section: &Section) -> &'static str {
     match section.rule {
-        Rule::AtLeastOne(_) => "one of them at least",
-        Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of them",
+        Rule::AtLeastOne(_) => "at least one of these",
+        Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of these",
         Rule::Free | Rule::Density => "",
     }
 }
@@ -136,7 +136,7 @@ fn parameters() -> String {
         let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
         vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
     };
-    table(&["model", "parameter", "value", "left out", "meaning"], rows.into_iter().map(row))
+    table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(row))
 }
 
 fn cells() -> String {

@@ -14,7 +14,7 @@ pub(super) static REGION: Described = Described::new(|| {
         .may("group", Kind::Text, "", "Group of cells; with several regions each cell must be in exactly one")
         .absent("with one region every cell")
         .may("density", POSITIVE, "mass/length³", "Mass per reference volume")
-        .absent("of springs and attractions alone, which have none")
+        .absent("none: for springs and attractions only")
         .may(
             "thickness",
             POSITIVE,

@@ -60,7 +60,7 @@ pub(super) static NEWTON: Described = Described::new(|| {
     Section::new("[newton]", "When the iteration of a step ends")
         .may("tolerance", BELOW_ONE, "", "Relative size of the residual at which a step counts as solved")
         .default("1e-10")
-        .may("max_iterations", whole(1), "", "Iterations before a step is given up, and cut")
+        .may("max_iterations", whole(1), "", "Iterations after which a step fails and is cut")
         .default("20")
 });
 
@@ -75,7 +75,7 @@ pub(super) static SOLVER: Described = Described::new(|| {
         Kind::Word(kinds),
         "",
         "`iterative`: conjugate gradients with an incomplete Cholesky factor; `direct`: sparse Cholesky factorisation; \
-         `auto`: the cheaper of both; `emmy list solvers` explains them",
+         `auto`: the cheaper of the two; `emmy list solvers` explains them",
     )
 });
 
@@ -86,7 +86,7 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "directory",
             Kind::Text,
             "",
-            "Directory of the results, relative to the working directory; `--output` wins",
+            "Directory of the results, relative to the working directory; `--output` overrides it",
         )
         .absent("the name of the input file without `.toml`")
         .may("every", whole(0), "", "Steps between frames, beside the first and the last state; 0: no frames")

@@ -34,8 +34,8 @@ pub(super) static SUPPORT: Described = Described::new(|| {
             "Stiffness of springs from each node to the ground, alike in all directions and at rest at the start; on a group \
              of facets per reference area [force/length³]",
         )
-        .may("until", POSITIVE, "time", "Time from which on the support no longer holds; not with `spring`")
-        .absent("it holds to the end")
+        .may("until", POSITIVE, "time", "Time of release; not with `spring`")
+        .absent("never")
         .at_least_one(&["fix", "move", "rotate", "symmetry", "spring"])
 });
 

@@ -21,13 +21,18 @@ pub(super) static TIME: Described = Described::new(|| {
         )
         .default("1")
         .may("steps", list(1, Kind::Table(&PHASE)), "", "Phases of steps, from t = 0 on")
-        .may("adaptive", Kind::Table(&adaptive::ADAPTIVE), "", "Sizes chosen by the error of each step, in place of `steps`")
+        .may(
+            "adaptive",
+            Kind::Table(&adaptive::ADAPTIVE),
+            "",
+            "Sizes chosen by the error of each step, in place of `steps`",
+        )
         .may("until", NUMBER, "time", "End of a run with adaptive steps")
         .may(
             "smallest_step",
             POSITIVE,
             "time",
-            "Size down to which a step that fails is cut by two; one above the planned sizes: steps are not cut",
+            "Size down to which a failing step is halved; if it exceeds the planned sizes, steps are not cut",
         )
         .absent("1/1024 of the planned size")
         .at_least_one(&["steps", "adaptive"])

@@ -155,7 +155,7 @@ pub struct Support {
     pub rotation: Option<Rotation>,
     /// Whether the facets of the group lie in a plane of symmetry, normal to a coordinate axis, which they do not leave.
     pub symmetry: bool,
-    /// Time from which on the support no longer holds. The momentum goes on as it is then; a step should end there.
+    /// Time of release. The momentum is continuous there; a step should end at this time.
     pub until: Option<f64>,
 }
 
@@ -339,7 +339,7 @@ pub enum LoadKind {
         /// Body force.
         field: Field,
     },
-    /// Force \[force\] at each node of a group: n nodes are loaded by n times the force.
+    /// Force \[force\] at each node of a group: n nodes carry n times the force.
     NodalForce {
         /// Group of nodes, facets or cells.
         group: String,

@@ -54,7 +54,7 @@ impl Modelled for Gent {
         purpose: "rubber with a limit of its stretch",
         parameters: &[&[
             Parameter::positive("mu", "stress", "Shear modulus at small strain"),
-            Parameter::positive("jm", "", "Limit of I1bar - 3; steps that reach it are not solved"),
+            Parameter::positive("jm", "", "Limit of I1bar - 3; steps that reach it fail"),
             BULK_MODULUS,
             VOLUMETRIC,
         ]],

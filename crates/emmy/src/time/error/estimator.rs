@@ -22,7 +22,7 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
     (
         "sampled",
         Estimator::Sampled,
-        "the residual in one of up to 17 steps, carried on by how sizes and rates change; costs little",
+        "the residual in one of up to 17 steps, extrapolated by the change of sizes and rates; costs little",
     ),
     (
         "residual",

@@ -74,7 +74,7 @@ pub const SCHEMES: [SchemeRow; 12] = [
     ),
     row(
         "AS(n)",
-        "assumed strain in time, n inner Gauss points (n >= degree); conserves momentum, energy up to the inner rule",
+        "assumed strain in time, n inner Gauss points (n >= degree); conserves the momenta, and energy up to the error of the inner rule",
         |a| element(AveragingRule::AssumedStrain(a[0] as usize), None),
     ),
     row("DGM", "discrete gradient method; conserves momentum and energy for every material", |_| {
@@ -82,12 +82,12 @@ pub const SCHEMES: [SchemeRow; 12] = [
     }),
     row(
         "AS(n,rho)",
-        "AS(n) that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+        "AS(n) with numerical dissipation of unresolved motions, rho from 1 (none) to 0 (most); order 2 degree - 1",
         |a| element(AveragingRule::AssumedStrain(a[0] as usize), Some(a[1])),
     ),
     row(
         "DGM(rho)",
-        "DGM that damps what a step does not resolve, rho from 1 (nothing) to 0; order 2 degree - 1",
+        "DGM with numerical dissipation of unresolved motions, rho from 1 (none) to 0 (most); order 2 degree - 1",
         |a| element(AveragingRule::DiscreteGradient, Some(a[0])),
     ),
     row("trapezoidal", "trapezoidal rule (degree 1): the average acceleration method", |_| {
@@ -106,7 +106,7 @@ pub const SCHEMES: [SchemeRow; 12] = [
     }),
     row(
         "generalized-alpha(rho)",
-        "Chung and Hulbert (degree 1), rho from 1 (no dissipation) to 0: high modes decay by it",
+        "Chung and Hulbert (degree 1), spectral radius rho at high frequencies from 1 (no dissipation) to 0",
         |a| Scheme::Newmark(NewmarkFamily::GeneralizedAlpha { spectral_radius: a[0] }),
     ),
     row("Bathe", "trapezoidal rule and three-point backward Euler (degree 1); high modes vanish", |_| {
