@@ -113,7 +113,7 @@ impl Body {
     /// Fill-reducing order of the nodes, `order[new] = old`, found when it is first asked for: explicit methods need none.
     ///
     /// # Errors
-    /// [`Error::Linear`] if there is not enough memory for it.
+    /// [`crate::Error::Linear`] if there is not enough memory for it.
     pub fn node_order(&self) -> Result<&[usize]> {
         match self.node_order.get_or_init(|| nested_dissection(&self.pattern)) {
             Ok(order) => Ok(order),
@@ -137,7 +137,7 @@ impl Body {
     /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
     ///
     /// # Errors
-    /// [`Error::Inverted`] if a cell is inverted.
+    /// [`crate::Error::Inverted`] if a cell is inverted.
     pub fn assemble(
         &self,
         step: &StepInput<'_>,
