@@ -312,6 +312,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "a timing: by name, on a quiet machine"]
     fn the_time_for_regions_grows_with_their_number_alone() {
         // Sixteen times as many take sixteen times as long, and would take 256 times as long if each looked at all cells.
         let ratio = seconds(16_000) / seconds(1_000);
