@@ -114,19 +114,18 @@ fn models() -> String {
 
 /// Parameters of all models, those that several models share once.
 fn parameters() -> String {
-    let mut rows: Vec<(Parameter, Vec<&str>)> = Vec::new();
+    let mut rows: Vec<(Parameter, bool, Vec<&str>)> = Vec::new();
     for model in MODELS.iter().map(|model| &model.model) {
+        let is_choice = model.parameters.len() > 1;
         for parameter in model.every_parameter() {
-            match rows.iter_mut().find(|(other, _)| other == parameter) {
-                Some((_, names)) => names.push(model.name),
-                None => rows.push((*parameter, vec![model.name])),
+            match rows.iter_mut().find(|row| (&row.0, row.1) == (parameter, is_choice)) {
+                Some((_, _, names)) => names.push(model.name),
+                None => rows.push((*parameter, is_choice, vec![model.name])),
             }
         }
     }
-    let row = |(parameter, models): (Parameter, Vec<&str>)| {
+    let row = |(parameter, is_choice, models): (Parameter, bool, Vec<&str>)| {
         let key = Key::from(&parameter);
-        let is_choice =
-            MODELS.iter().any(|model| model.model.parameters.len() > 1 && model.model.name == models[0]);
         let absent = match key.if_absent {
             IfAbsent::Required if is_choice => "one of the pairs".to_string(),
             IfAbsent::Required => "required".to_string(),
