@@ -75,6 +75,7 @@ fn material_of(name: &str) -> Option<&'static str> {
         "neo-hooke" => "neo-hooke = { lambda = 80.0, mu = 40.0 }",
         "ciarlet-geymonat" => "ciarlet-geymonat = { lambda = 80.0, mu = 40.0 }",
         "hencky" => "hencky = { lambda = 80.0, mu = 40.0 }",
+        "neo-hooke-isochoric" => "neo-hooke-isochoric = { mu = 40.0, bulk_modulus = 90.0 }",
         "mooney-rivlin" => "mooney-rivlin = { c10 = 15.0, c01 = 5.0, bulk_modulus = 90.0 }",
         "yeoh" => "yeoh = { c10 = 20.0, c20 = 1.0, c30 = 0.1, bulk_modulus = 90.0 }",
         "gent" => "gent = { mu = 40.0, jm = 20.0, bulk_modulus = 90.0 }",
