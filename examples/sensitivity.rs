@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use emmy::adjoint::{Goal, Parameter, Trajectory};
-use emmy::body::{Body, Field, History, Load, LoadKind, Region, Support};
+use emmy::body::{Body, Field, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 use emmy::time::TimeElement;
@@ -19,8 +19,10 @@ fn beam(lambda: f64, mu: f64, density: f64) -> emmy::Result<Body> {
     // Without kinks: they would wake modes that no step resolves.
     let strength = |t: f64| if t < 2.0 { (0.5 * PI * t).sin().powi(4) } else { 0.0 };
     let field = Field::new(move |_, t| [0.0, 8.0 * strength(t), 3.0 * strength(t)]);
-    let push =
-        Load { kind: LoadKind::TractionField { group: "x-max".into(), field }, history: History::constant() };
+    let push = Load {
+        kind: LoadKind::TractionField { group: "x-max".into(), field },
+        time_function: TimeFunction::constant(),
+    };
     let held = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
     let mesh = emmy::mesh::block([4.0, 1.0, 1.0], [4, 1, 1])?;
     Body::builder(mesh)

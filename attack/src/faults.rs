@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::emmy::Outcome;
 
 /// Largest length of a message in bytes.
-const LONGEST_MESSAGE: usize = 20_000;
+const MAX_MESSAGE: usize = 20_000;
 
 /// Documented exit codes.
 const CODES: [i32; 6] = [0, 1, 2, 3, 4, 130];
@@ -33,7 +33,7 @@ pub fn check(outcome: &Outcome) -> Result<(), String> {
     if code != 0 && outcome.stderr.trim().is_empty() {
         return fault(format!("exit code {code} without a message"));
     }
-    if outcome.stderr.len() > LONGEST_MESSAGE {
+    if outcome.stderr.len() > MAX_MESSAGE {
         return fault(format!("a message of {} bytes", outcome.stderr.len()));
     }
     is_printable(&outcome.stderr).or_else(fault)

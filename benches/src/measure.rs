@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use emmy::average::{Rule, Want};
+use emmy::average::{Request, Rule};
 use emmy::body::{Body, StepDamping, StepInput};
 use emmy::motion::{Motion, Observer, Record, State, View};
 use emmy::sparse::{BlockCholesky, inverse};
@@ -136,7 +136,7 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
         rates: &rates,
     };
     let mut assembly = body.assembly(k);
-    let seconds = timed(count, || body.assemble(&step, Want::Tangent, &inverse, &mut assembly))?;
+    let seconds = timed(count, || body.assemble(&step, Request::Tangent, &inverse, &mut assembly))?;
     Ok(Some(body.mesh().n_cells() as f64 / seconds))
 }
 

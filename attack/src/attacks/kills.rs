@@ -18,7 +18,7 @@ pub const ATTACK: Attack = Attack {
 };
 
 /// Largest number of kills of a run.
-const MOST_KILLS: usize = 5;
+const MAX_KILLS: usize = 5;
 
 /// Time limit of a run that is killed and resumed.
 const LONGEST: Duration = Duration::from_secs(3);
@@ -45,7 +45,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
             || place.path("parts/run/checkpoint/b.checkpoint").exists();
         let arguments = if has_checkpoint { ["resume", "run", "--quiet"] } else { RUN };
         let call = emmy.call(place.path("parts"), arguments);
-        if kills == MOST_KILLS {
+        if kills == MAX_KILLS {
             break call.run();
         }
         let outcome = call.killed_after(duration.mul_f64(trial.rng.f64())).run();

@@ -23,10 +23,10 @@ pub const ATTACK: Attack = Attack {
 };
 
 /// Time after which a run of a damaged input is killed, as it may have a million steps.
-const LONGEST_RUN: Duration = Duration::from_millis(700);
+const MAX_RUN: Duration = Duration::from_millis(700);
 
 /// Cells and steps beyond which an input takes too long for this attack.
-const MOST_CELLS: f64 = 2000.0;
+const MAX_CELLS: f64 = 2000.0;
 
 fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     match trial.rng.usize(..8) {
@@ -78,7 +78,7 @@ fn check_and_run(trial: &Trial<'_>) -> Result<(), String> {
     faults::is_printable(&checked.stdout).map_err(|fault| format!("{fault}: {}", checked.call))?;
     let is_valid = checked.code == Some(0);
     let call = trial.emmy.call(trial.place.path(""), ["run", "input.toml", "--quiet", "--output", "run"]);
-    let outcome = call.killed_after(LONGEST_RUN).run();
+    let outcome = call.killed_after(MAX_RUN).run();
     if outcome.signal != Some(9) {
         faults::check(&outcome)?;
         if (outcome.code == Some(2)) == is_valid {
@@ -100,7 +100,7 @@ fn is_large(bytes: &[u8]) -> bool {
         let lists = text.match_indices(after).map(|(at, key)| &text[at + key.len()..]);
         lists.filter_map(|list| list.split([']', '}', '\n']).next()).map(product).fold(1.0, f64::max)
     };
-    numbers("cells") > MOST_CELLS
+    numbers("cells") > MAX_CELLS
         || text.split("cell_size").skip(1).any(|rest| product(rest.split('}').next().unwrap_or("")) < 0.5)
 }
 
@@ -151,7 +151,7 @@ fn checkpoint(trial: &mut Trial<'_>) -> Result<(), String> {
         trial.place.write(&path, new);
     }
     let call = emmy.call(trial.place.path(""), ["resume", "run", "--quiet", "--until", "0.7"]);
-    let outcome = call.killed_after(LONGEST_RUN).run();
+    let outcome = call.killed_after(MAX_RUN).run();
     if outcome.signal == Some(9) { Ok(()) } else { faults::check(&outcome) }
 }
 

@@ -1,7 +1,9 @@
 //! The motions.
 
 use emmy::Result;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Viscosity};
+use emmy::body::{
+    Body, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, TimeFunction, Viscosity,
+};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{self, CellKind, MeshBuilder};
 use emmy::motion::State;
@@ -104,13 +106,13 @@ fn orbit() -> Result<Case> {
 /// The paper's block: at rest, a load until t = 1, free flight.
 fn block() -> Result<Case> {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5);
-    let hat = History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
+    let hat = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
     let load = |group: &str, sign: f64| Load {
         kind: LoadKind::Traction {
             group: group.into(),
             traction: [256.0, 512.0, 768.0].map(|t| sign * t / 9.0),
         },
-        history: hat.clone(),
+        time_function: hat.clone(),
     };
     let body = Body::builder(mesh::l_block(1.0)?)
         .region(rubber)
@@ -174,13 +176,13 @@ fn rubber() -> Result<Region> {
 fn beam(region: Region, duration: f64, drag: f64) -> Result<Body> {
     // A table, not a smooth function: its kinks are met by adaptive steps and integrated exactly by large ones, so that neither passes over it.
     let width = 1e-3 * duration;
-    let history = History::new(vec![(0.0, 0.0), (0.5 * width, 1.0), (width, 0.0)])?;
+    let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5 * width, 1.0), (width, 0.0)])?;
     // The same impulse, whatever its duration.
     let traction = [1.2 / width, 0.4 / width, 0.0];
     let kind = LoadKind::Traction { group: "z-max".into(), traction };
     Body::builder(mesh::block([1.0, 1.0, 3.0], [2, 1, 6])?)
         .region(region)
-        .load(Load { kind, history })
+        .load(Load { kind, time_function })
         .drag(drag)
         .build()
 }

@@ -16,7 +16,7 @@ use crate::picture::{self, Area, Drawn, INK, stroke, text, units, writing};
 // Sizes in points.
 const WIDTH: f64 = 960.0;
 /// Largest height of a row of configurations.
-const MOST_HEIGHT: f64 = 480.0;
+const MAX_HEIGHT: f64 = 480.0;
 const LABEL: f64 = 11.5;
 /// Height of a row of labels.
 const ROW: f64 = 26.0;
@@ -149,7 +149,7 @@ impl<'a> Scene<'a> {
         let largest =
             |i: usize| frames.iter().map(|[low, high]: &[[f64; 2]; 2]| high[i] - low[i]).fold(0.0, f64::max);
         // With a margin between neighbours.
-        let scale = (0.92 * WIDTH / columns as f64 / largest(0)).min(MOST_HEIGHT / largest(1));
+        let scale = (0.92 * WIDTH / columns as f64 / largest(0)).min(MAX_HEIGHT / largest(1));
         Scene { drawing, seen, frames, scale: if scale.is_finite() { scale } else { 1.0 }, columns }
     }
 

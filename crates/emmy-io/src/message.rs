@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Longest word of a message in characters; paths are words.
-const LONGEST_WORD: usize = 400;
+const MAX_WORD: usize = 400;
 
 /// Longest message in characters.
-const LONGEST_TEXT: usize = 4000;
+const MAX_TEXT: usize = 4000;
 
 /// A message for a terminal. Control characters other than line feeds and tabs are escaped. A word of more than 400 characters and
 /// text of more than 4000 keep only their beginning and end.
@@ -19,14 +19,14 @@ const LONGEST_TEXT: usize = 4000;
 /// ```
 pub fn shown(text: &str) -> Cow<'_, str> {
     let is_short =
-        text.len() <= LONGEST_TEXT && text.split(char::is_whitespace).all(|word| word.len() <= LONGEST_WORD);
+        text.len() <= MAX_TEXT && text.split(char::is_whitespace).all(|word| word.len() <= MAX_WORD);
     if is_short && !text.contains(is_escaped) {
         return Cow::Borrowed(text);
     }
     let escaped = escaped(text);
     let words: String =
-        escaped.split_inclusive(char::is_whitespace).map(|word| cut(word, LONGEST_WORD)).collect();
-    Cow::Owned(cut(&words, LONGEST_TEXT).into_owned())
+        escaped.split_inclusive(char::is_whitespace).map(|word| cut(word, MAX_WORD)).collect();
+    Cow::Owned(cut(&words, MAX_TEXT).into_owned())
 }
 
 /// Text with control characters, other than line feeds and tabs, escaped as `\u{1b}`.

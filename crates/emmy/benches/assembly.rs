@@ -24,7 +24,7 @@
 //! So 5300 for a residual and 36600 for both. The peak is that of `peak` below, its items being operations.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use emmy::average::{Rule, Want};
+use emmy::average::{Request, Rule};
 use emmy::body::{Body, Region, StepDamping, StepInput};
 use emmy::material::NeoHooke;
 use emmy::mesh::CellKind;
@@ -83,13 +83,13 @@ impl Step {
         Step { body, displacement, rates }
     }
 
-    fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, want: Want) {
+    fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, request: Request) {
         let mut assembly = self.body.assembly(1);
         let Step { body, displacement, rates } = self;
         let step =
             StepInput { rule, tangent_factor: 1e-4, displacement, rates, damping: StepDamping::default() };
         let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
-        counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
+        counted.bench_local(|| body.assemble(&step, request, &[2.0], &mut assembly).unwrap());
     }
 }
 
@@ -102,19 +102,19 @@ fn cases() -> impl Iterator<Item = String> {
     KINDS.into_iter().flat_map(|kind| RULES.map(|rule| format!("{kind} {rule}")))
 }
 
-fn measure(bencher: Bencher<'_, '_>, case: &str, want: Want) {
+fn measure(bencher: Bencher<'_, '_>, case: &str, request: Request) {
     let (kind, name) = case.split_once(' ').unwrap();
-    Step::new(kind, neo_hooke()).measure(bencher, &rule(name), want);
+    Step::new(kind, neo_hooke()).measure(bencher, &rule(name), request);
 }
 
 #[divan::bench(args = cases())]
 fn residual(bencher: Bencher<'_, '_>, case: &str) {
-    measure(bencher, case, Want::Stress);
+    measure(bencher, case, Request::Stress);
 }
 
 #[divan::bench(args = cases())]
 fn residual_and_tangent(bencher: Bencher<'_, '_>, case: &str) {
-    measure(bencher, case, Want::Tangent);
+    measure(bencher, case, Request::Tangent);
 }
 
 #[divan::bench(args = KINDS)]

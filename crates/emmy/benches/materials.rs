@@ -5,7 +5,7 @@
 //! ```
 
 use divan::{Bencher, counter::ItemsCount};
-use emmy::average::{Rule, Want};
+use emmy::average::{Request, Rule};
 use emmy::body::{Body, Region, StepDamping, StepInput};
 use emmy::material::{Hencky, NeoHooke, Ogden, SaintVenantKirchhoff, Volumetric};
 use emmy::quadrature::gauss;
@@ -28,7 +28,7 @@ fn region(material: &str) -> Region {
     }
 }
 
-fn measure(bencher: Bencher<'_, '_>, material: &str, want: Want) {
+fn measure(bencher: Bencher<'_, '_>, material: &str, request: Request) {
     let mesh = emmy::mesh::block([1.0; 3], [16; 3]).unwrap();
     // One thread has one part.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -47,15 +47,15 @@ fn measure(bencher: Bencher<'_, '_>, material: &str, want: Want) {
         damping: StepDamping::default(),
     };
     let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
-    counted.bench_local(|| body.assemble(&step, want, &[2.0], &mut assembly).unwrap());
+    counted.bench_local(|| body.assemble(&step, request, &[2.0], &mut assembly).unwrap());
 }
 
 #[divan::bench(args = MATERIALS)]
 fn residual(bencher: Bencher<'_, '_>, material: &str) {
-    measure(bencher, material, Want::Stress);
+    measure(bencher, material, Request::Stress);
 }
 
 #[divan::bench(args = MATERIALS)]
 fn residual_and_tangent(bencher: Bencher<'_, '_>, material: &str) {
-    measure(bencher, material, Want::Tangent);
+    measure(bencher, material, Request::Tangent);
 }

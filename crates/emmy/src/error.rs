@@ -170,9 +170,9 @@ pub enum Error {
         /// What it must fulfil.
         requirement: &'static str,
     },
-    /// A history whose times go back, or with an entry that is not finite.
-    #[error("history: {reason} (entry {entry})")]
-    History {
+    /// A time function whose times go back, or with an entry that is not finite.
+    #[error("time function: {reason} (entry {entry})")]
+    TimeFunction {
         /// Index of the entry.
         entry: usize,
         /// What is wrong.
@@ -350,7 +350,7 @@ pub enum Error {
     },
     /// A step in which something is not a number.
     #[error(
-        "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the histories of the \
+        "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the time functions of the \
          loads and at the material there",
         short(.time),
         short_vector(.position)

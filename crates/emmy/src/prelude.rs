@@ -4,7 +4,9 @@
 //! use emmy::prelude::*;
 //! ```
 
-pub use crate::body::{Body, History, InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support};
+pub use crate::body::{
+    Body, InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, TimeFunction,
+};
 pub use crate::material::{
     ArrudaBoyce, CiarletGeymonat, Gent, Hencky, Link, Material, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
     Ogden, SaintVenantKirchhoff, Yeoh,

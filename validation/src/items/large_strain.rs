@@ -16,7 +16,7 @@ pub fn figure_3(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     );
     let case = Case::new("figure-3");
     let problem = case.problem()?;
-    let points = problem.loads[0].history.entries().to_vec();
+    let points = problem.loads[0].time_function.entries().to_vec();
     let hat = Series::line("f(t)", points.into_iter().chain([(4.0, 0.0)]).collect());
     item.pictures.push(pictures.linear("figure-3", "Load history", ["t", "f"], vec![hat])?);
     let run = Run::of(&problem)?;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use clap::Args;
 use emmy::body::{
-    Body, History, InitialVelocity, Load, LoadKind, LoadResultant, PointTerms, RegionSummary, Support,
+    Body, InitialVelocity, Load, LoadKind, LoadResultant, PointTerms, RegionSummary, Support, TimeFunction,
     Viscosity,
 };
 use emmy::mesh::{Mesh, Worst, quality};
@@ -220,7 +220,7 @@ impl Report {
         };
         let (force, torque) = (vector(resultant.force), vector(resultant.torque));
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
-        self.line("", &format!("at factor 1; history: {}", summary(&load.history)));
+        self.line("", &format!("at factor 1; history: {}", summary(&load.time_function)));
     }
 
     fn support(&mut self, support: &Support, mesh: &Mesh) {
@@ -236,9 +236,9 @@ impl Report {
         let parts: Vec<String> =
             parts.map(|(components, how)| format!("{} {how}", components.join(", "))).collect();
         self.line("support", &format!("{}: {}, {dofs} degrees of freedom", support.group, parts.join(", ")));
-        for (component, history) in ["x", "y", "z"].iter().zip(&support.displacement) {
-            if let Some(history) = history {
-                self.line("", &format!("{component} moves: {}", summary(history)));
+        for (component, time_function) in ["x", "y", "z"].iter().zip(&support.displacement) {
+            if let Some(time_function) = time_function {
+                self.line("", &format!("{component} moves: {}", summary(time_function)));
             }
         }
         if support.symmetry {
@@ -316,10 +316,10 @@ impl Report {
     }
 }
 
-/// A history in short.
-fn summary(history: &History) -> String {
-    let entries = history.entries();
-    match (history.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
+/// A time function in short.
+fn summary(time_function: &TimeFunction) -> String {
+    let entries = time_function.entries();
+    match (time_function.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
         (Some(text), _) => text.to_string(),
         (None, 1.0) if entries.len() == 1 => "constant".to_string(),
         (None, peak) => format!("{} times, largest factor {}", entries.len(), number(peak)),

@@ -30,7 +30,7 @@ const ROW: f64 = 18.0;
 /// Length of the line before a name in the legend.
 const SAMPLE: f64 = 26.0;
 /// A series with more points is thinned.
-const MOST_POINTS: usize = 4000;
+const MAX_POINTS: usize = 4000;
 
 /// A point of the canvas.
 type CanvasPoint = (i32, i32);
@@ -218,7 +218,7 @@ fn stairs(points: Vec<CanvasPoint>) -> Vec<CanvasPoint> {
 
 /// First, lowest, highest and last point of each of many groups, if there are more points than can be distinguished.
 fn thinned(points: &[CanvasPoint]) -> Vec<CanvasPoint> {
-    if points.len() <= MOST_POINTS {
+    if points.len() <= MAX_POINTS {
         return points.to_vec();
     }
     let group = |group: &[CanvasPoint]| {
@@ -229,5 +229,5 @@ fn thinned(points: &[CanvasPoint]) -> Vec<CanvasPoint> {
         kept.dedup();
         kept.into_iter().map(|i| group[i]).collect::<Vec<_>>()
     };
-    points.chunks(points.len().div_ceil(MOST_POINTS / 4)).flat_map(group).collect()
+    points.chunks(points.len().div_ceil(MAX_POINTS / 4)).flat_map(group).collect()
 }

@@ -25,7 +25,7 @@ const DAMAGED: &str = "is damaged";
 const LARGEST_COUNT: u64 = 1 << 40;
 
 /// Steps are not halved more often: the number of parts would overflow.
-const MOST_HALVINGS: u32 = 60;
+const MAX_HALVINGS: u32 = 60;
 
 /// The bytes of the file.
 ///
@@ -79,7 +79,7 @@ fn check(checkpoint: &Checkpoint) -> Result<(), String> {
     if !is_finite(&snapshot.state) {
         return Err("has a state that is not finite".into());
     }
-    if snapshot.subdivision.halvings > MOST_HALVINGS {
+    if snapshot.subdivision.halvings > MAX_HALVINGS {
         return Err("has a step that is halved too often".into());
     }
     let counts = json!([

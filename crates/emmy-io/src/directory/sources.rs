@@ -28,12 +28,12 @@ pub fn check(directory: &Path, files: &[PathBuf]) -> Result<(), DirectoryError> 
 }
 
 /// Links followed at most.
-const MOST_LINKS: usize = 40;
+const MAX_LINKS: usize = 40;
 
 /// Place of a file, and of the links that lead to it.
 fn places(file: &Path) -> Vec<PathBuf> {
     let (mut places, mut next) = (Vec::new(), Some(file.to_path_buf()));
-    while let Some(path) = next.take().filter(|_| places.len() < MOST_LINKS) {
+    while let Some(path) = next.take().filter(|_| places.len() < MAX_LINKS) {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let (Ok(folder), Some(name)) = (folder.canonicalize(), path.file_name()) else { break };
         next = fs::read_link(&path).ok().map(|target| folder.join(target));

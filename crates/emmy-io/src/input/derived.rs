@@ -126,8 +126,11 @@ impl Places {
             }
         }
         for ((place, load), resultant) in self.loads.iter().zip(loads).zip(body.load_resultants()) {
-            let peak =
-                load.history.entries().iter().fold(1.0, |peak: f64, (_, factor)| peak.max(factor.abs()));
+            let peak = load
+                .time_function
+                .entries()
+                .iter()
+                .fold(1.0, |peak: f64, (_, factor)| peak.max(factor.abs()));
             let force = resultant.force.map(|x| x * peak);
             check_vector(place, "resultant of this load", &force)?;
             check_vector(place, "torque of this load about the origin", &resultant.torque)?;

@@ -11,13 +11,13 @@ use super::fault::{Fault, Place};
 use crate::message::{push_escaped, shown};
 
 /// Longest line that is shown whole, in bytes.
-const LONGEST_LINE: usize = 200;
+const MAX_LINE: usize = 200;
 
 /// Bytes shown before and after the ends of a mark in a longer line.
 const AROUND: usize = 50;
 
 /// Most lines of one mark; of a longer one the first line is marked.
-const MOST_LINES: usize = 10;
+const MAX_LINES: usize = 10;
 
 /// Lines shown before and after those with marks.
 const CONTEXT: usize = 1;
@@ -63,7 +63,7 @@ impl Excerpt {
 fn first_lines(place: &Place) -> Range<usize> {
     let Range { start, end } = place.span();
     let marked = place.text().get(start..end).unwrap_or_default();
-    match marked.match_indices('\n').nth(MOST_LINES) {
+    match marked.match_indices('\n').nth(MAX_LINES) {
         Some(_) => start..start + marked.find('\n').unwrap_or(marked.len()),
         None => start..end,
     }
@@ -109,7 +109,7 @@ fn push_line(text: &mut String, line: &str, begin: usize, marks: &[Range<usize>]
         .map(|at| at - begin)
         .collect();
     let near = |at: usize| ends.iter().any(|&end| at < end + AROUND && end < at + AROUND);
-    let is_kept = |at: usize| line.len() <= LONGEST_LINE || near(at) || ends.is_empty() && at < LONGEST_LINE;
+    let is_kept = |at: usize| line.len() <= MAX_LINE || near(at) || ends.is_empty() && at < MAX_LINE;
     let mut note = |at: usize, to: usize| {
         for (mark, moved) in marks.iter().zip(moved.iter_mut()) {
             for (end, moved) in [mark.start, mark.end].into_iter().zip(moved) {

@@ -1,6 +1,6 @@
 //! Histories: tables of the time, or expressions.
 
-use emmy::body::History;
+use emmy::body::TimeFunction;
 use emmy::motion::StepPlan;
 use emmy::number::short;
 
@@ -11,17 +11,17 @@ use super::table::Item;
 use super::tree::{Node, Value};
 
 /// Reads a history: a list of `[time, value]`, or the text of an expression.
-pub(super) fn read(item: Item<'_>) -> Result<History, Fault> {
+pub(super) fn read(item: Item<'_>) -> Result<TimeFunction, Fault> {
     if let Some(text) = item.text() {
         let text = item.string().map(|_| text)?;
         let expression = expression::parse(text).map_err(|mistake| fault(&item, text, mistake))?;
-        return Ok(expression.history(text.trim()));
+        return Ok(expression.time_function(text.trim()));
     }
     let items = item.list_or("a list of [time, value] or an expression such as \"sin(2*pi*t)\"")?;
     let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
     let entries = items.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
-    History::new(entries).map_err(|error| match error {
-        emmy::Error::History { entry, reason } => {
+    TimeFunction::new(entries).map_err(|error| match error {
+        emmy::Error::TimeFunction { entry, reason } => {
             items.get(entry).unwrap_or(&item).fault(format!("`{}`: {reason}", item.key()), reason)
         }
         other => item.fault(other.to_string(), "here"),
@@ -37,7 +37,7 @@ fn fault(item: &Item<'_>, text: &str, Mistake { reason, place }: Mistake) -> Fau
 /// Whether the value of a key may be an expression.
 fn is_history(key: &str) -> bool {
     let of = |section: &Section| {
-        section.keys.iter().any(|own| own.name == key && matches!(own.kind, Kind::History))
+        section.keys.iter().any(|own| own.name == key && matches!(own.kind, Kind::TimeFunction))
     };
     description::all().into_iter().any(of)
 }
@@ -66,11 +66,11 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
 fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
     // What cannot be read has a fault of its own.
     let Ok(expression) = expression::parse(text) else { return Ok(()) };
-    let history = expression.history(text);
+    let time_function = expression.time_function(text);
     let (start, end) = (plan.start(), plan.end());
     let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);
     for time in times {
-        for (what, value) in [("", history.value(time)), ("the rate of ", history.rate(time))] {
+        for (what, value) in [("", time_function.value(time)), ("the rate of ", time_function.rate(time))] {
             if !value.is_finite() {
                 let message =
                     format!("`{key}`: {what}`{text}` is not a finite number at t = {}", short(time));

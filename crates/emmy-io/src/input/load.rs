@@ -1,6 +1,6 @@
 //! `[[load]]`: one row a kind of load.
 
-use emmy::body::{GroundAttraction, History, Load, LoadKind};
+use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::material::{Bounds, IfAbsent};
 
 use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, vector};
@@ -125,7 +125,7 @@ pub(super) static LOAD: Described = Described::new(|| {
         |section: Section, row: &Row| section.key(Key { if_absent: IfAbsent::Means(""), ..(row.key)() });
     let section = ROWS.iter().fold(section, add);
     let section = section
-        .may("history", Kind::History, "", "Factor over time, by which the load is multiplied")
+        .may("history", Kind::TimeFunction, "", "Factor over time, by which the load is multiplied")
         .absent("1");
     Section { rule: Rule::ExactlyOne(ROWS.iter().map(needs).collect()), ..section }
 });
@@ -155,8 +155,8 @@ impl Given<'_> {
     /// The load of a kind with its factor over time.
     fn load(self, members: Members, kind: impl FnOnce(String) -> LoadKind) -> Result<Acting, Fault> {
         let history = self.table.get("history").map(history::read).transpose()?;
-        let history = history.unwrap_or_else(History::constant);
-        Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), history }, members))
+        let time_function = history.unwrap_or_else(TimeFunction::constant);
+        Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), time_function }, members))
     }
 }
 

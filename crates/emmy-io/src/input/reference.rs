@@ -98,7 +98,7 @@ fn of(kind: &Kind) -> String {
             entry => format!("{length} times {}", of(entry)),
         },
         Kind::Groups => "table of lists of whole numbers".to_string(),
-        Kind::History => "[history](#loadhistory)".to_string(),
+        Kind::TimeFunction => "[history](#loadhistory)".to_string(),
         Kind::Table(_) => "table".to_string(),
         Kind::Tables(_) => "table, or list of tables".to_string(),
     }

@@ -137,7 +137,7 @@ fn of(kind: &Kind) -> Value {
             json!({ "type": "array", "items": of(entry), "minItems": length, "maxItems": length })
         }
         Kind::Groups => json!({ "type": "object", "additionalProperties": of(&list(0, whole(0))) }),
-        Kind::History => history(),
+        Kind::TimeFunction => history(),
         Kind::Table(section) => table(section),
         Kind::Tables(section) => tables(section),
     }

@@ -4,7 +4,7 @@
 const SHORTEST_BEGINNING: usize = 3;
 
 /// Most words of a list in a message.
-const MOST_WORDS: usize = 60;
+const MAX_WORDS: usize = 60;
 
 /// The nearest of the known words, if one is near enough to be meant; else the first that begins with the word.
 pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -27,7 +27,7 @@ pub(super) fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a s
 /// Words in one line, each in back-quotes; of very many the first.
 pub(super) fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let mut words = words.into_iter();
-    let first: Vec<String> = words.by_ref().take(MOST_WORDS).map(|word| format!("`{word}`")).collect();
+    let first: Vec<String> = words.by_ref().take(MAX_WORDS).map(|word| format!("`{word}`")).collect();
     match (first.is_empty(), words.count()) {
         (true, _) => "none".to_string(),
         (false, 0) => first.join(", "),

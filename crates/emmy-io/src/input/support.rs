@@ -1,6 +1,6 @@
 //! `[[support]]`: what is held, moved or turned.
 
-use emmy::body::{History, Rotation, Support};
+use emmy::body::{Rotation, Support, TimeFunction};
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
 use emmy::number::{short, short_vector};
@@ -41,11 +41,11 @@ pub(super) static SUPPORT: Described = Described::new(|| {
 
 static MOVE: Described = Described::new(|| {
     Section::new("move", "Displacement of components over time, from 0 on")
-        .may("x", Kind::History, "length", "Displacement along x")
+        .may("x", Kind::TimeFunction, "length", "Displacement along x")
         .absent("free")
-        .may("y", Kind::History, "length", "Displacement along y")
+        .may("y", Kind::TimeFunction, "length", "Displacement along y")
         .absent("free")
-        .may("z", Kind::History, "length", "Displacement along z")
+        .may("z", Kind::TimeFunction, "length", "Displacement along z")
         .absent("free")
         .at_least_one(&COMPONENTS)
 });
@@ -55,7 +55,7 @@ static ROTATE: Described = Described::new(|| {
         .must("axis", vector(), "", "Direction of the axis, of any length")
         .may("about", vector(), "length", "A point of the axis")
         .absent("the origin")
-        .must("angle", Kind::History, "radian", "Angle over time, from 0 on")
+        .must("angle", Kind::TimeFunction, "radian", "Angle over time, from 0 on")
 });
 
 /// Reads one support.
@@ -97,7 +97,7 @@ fn symmetry(item: Item<'_>) -> Result<bool, Fault> {
     }
 }
 
-fn displacement(item: Item<'_>) -> Result<[Option<History>; 3], Fault> {
+fn displacement(item: Item<'_>) -> Result<[Option<TimeFunction>; 3], Fault> {
     let table = item.table(&MOVE)?;
     let mut displacement = [const { None }; 3];
     for (history, component) in displacement.iter_mut().zip(COMPONENTS) {
@@ -123,7 +123,7 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
 }
 
 /// A history that nodes can follow: from zero, without jumps.
-fn motion(item: Item<'_>) -> Result<History, Fault> {
+fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
     let (history, key) = (history::read(item)?, item.key());
     if let Some(time) = history.first_jump() {
         let message =

@@ -46,7 +46,7 @@ pub const MAX_ROWS: usize = 12_000;
 pub const MAX_FRAME_BYTES: usize = 5_000_000;
 
 /// Rows of each run, even if many share the page.
-const FEWEST_ROWS: usize = 2_000;
+const MIN_ROWS: usize = 2_000;
 
 /// Largest number of nodes of a surface; a larger one is coarsened.
 pub const MAX_NODES: usize = 20_000;
@@ -116,7 +116,7 @@ struct Room {
 impl Room {
     fn shared_by(n_runs: usize) -> Room {
         let n = n_runs.max(1);
-        Room { rows: (MAX_ROWS / n).max(FEWEST_ROWS), frame_bytes: MAX_FRAME_BYTES / n }
+        Room { rows: (MAX_ROWS / n).max(MIN_ROWS), frame_bytes: MAX_FRAME_BYTES / n }
     }
 }
 

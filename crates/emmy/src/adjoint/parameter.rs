@@ -1,7 +1,7 @@
 //! Parameters of a body: whatever a body can be made with.
 
 use super::step::{StepData, check_body, combine};
-use crate::average::Want;
+use crate::average::Request;
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
@@ -133,7 +133,7 @@ impl Residual {
         let StepData { rule, inverse, size: h, displacement, velocity, rates, .. } = *step;
         let damping = StepDamping::default();
         let input = StepInput { rule, tangent_factor: 0.0, displacement, rates, damping };
-        body.assemble(&input, Want::Stress, &[], &mut self.assembly)?;
+        body.assemble(&input, Request::Stress, &[], &mut self.assembly)?;
         self.assembly.matrix.copy_force(&mut self.force);
         body.stage_loads(rule, step.time, h, &mut self.averages, &mut self.load);
         let mut sum = h * h * (dot(mu, &self.force) - dot(mu, &self.load));

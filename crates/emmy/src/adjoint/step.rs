@@ -1,6 +1,6 @@
 //! The adjoint of one step.
 
-use crate::average::{Rule, Want};
+use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
@@ -157,7 +157,7 @@ impl<'a> AdjointStep<'a> {
 
     /// Solves with the transposed tangent.
     fn solve(&mut self, step: &StepData<'_>) -> Result<()> {
-        self.body.assemble(&input(step), Want::Tangent, step.inverse, &mut self.assembly)?;
+        self.body.assemble(&input(step), Request::Tangent, step.inverse, &mut self.assembly)?;
         self.assembly.matrix.transpose(self.body.pattern());
         if !self.is_direct && self.solve_iteratively(step)? {
             return Ok(());

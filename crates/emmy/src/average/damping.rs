@@ -1,6 +1,6 @@
 //! Dissipative stress of a viscosity, and of a dissipative scheme.
 
-use super::{Average, Rule, Want};
+use super::{Average, Request, Rule};
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, add_scaled, double_dot, identity_plus_times_sym, inlined, sym_add_scaled,
     sym_transposed_product,
@@ -38,19 +38,19 @@ impl Rule {
         damping: &Damping,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let zero = start[0][0].splat(0.0);
         self.set_strain_rates(start, rates, average);
         average.stresses.fill([zero; 6]);
         average.stiffness.fill([[zero; 6]; 6]);
-        self.add_damping_stress(damping, want, average);
+        self.add_damping_stress(damping, request, average);
         for i in 0..self.degree() {
             let P = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
             average.stress[i] = add_scaled(&average.stress[i], 1.0, &P);
         }
-        if want == Want::Tangent {
+        if request == Request::Tangent {
             self.energy_momentum_tangent(rates, false, average);
         }
     }
@@ -60,7 +60,7 @@ impl Rule {
     pub(super) fn add_damping_stress<L: Lane>(
         &self,
         damping: &Damping,
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let k = self.degree();
@@ -70,7 +70,7 @@ impl Rule {
             let sum = sym_add_scaled(&average.stresses[i], stress[0].splat(self.highest_mode[i]), &stress);
             average.stresses[i] = sym_add_scaled(&sum, stress[0].splat(1.0), &viscous);
         }
-        if want == Want::Stress {
+        if request == Request::Stress {
             return;
         }
         for i in 0..k {
@@ -100,7 +100,7 @@ impl Rule {
         let zero = start[0][0].splat(0.0);
         self.set_strain_rates(start, rates, average);
         average.stresses.fill([zero; 6]);
-        self.add_damping_stress(damping, Want::Stress, average);
+        self.add_damping_stress(damping, Request::Stress, average);
         let mut sum = zero;
         for i in 0..self.degree() {
             sum += double_dot(&average.stresses[i], &average.strain_rates[i]) * self.b[i];
@@ -168,9 +168,9 @@ mod tests {
         [Rule::standard(k, &gauss(k)), Rule::assumed_strain(k, k + 1), Rule::discrete_gradient(k)]
     }
 
-    fn averaged(rule: &Rule, damping: &Damping, rates: &[Mat3<f64>], want: Want) -> Average<f64> {
+    fn averaged(rule: &Rule, damping: &Damping, rates: &[Mat3<f64>], request: Request) -> Average<f64> {
         let mut average = Average::new(rule.degree(), 0.0);
-        rule.add_damping(damping, &START, rates, want, &mut average);
+        rule.add_damping(damping, &START, rates, request, &mut average);
         average
     }
 
@@ -180,7 +180,7 @@ mod tests {
         for k in 1..=4 {
             for rule in rules(k) {
                 let rates = rates(k);
-                let stress = averaged(&rule, &damping, &rates, Want::Stress).stress;
+                let stress = averaged(&rule, &damping, &rates, Request::Stress).stress;
                 let (mut work, mut moment) = (0.0, [[0.0; 3]; 3]);
                 for i in 0..k {
                     let G = Rule::gradient_at(&START, &rule.a[i * k..(i + 1) * k], &rates);
@@ -230,12 +230,12 @@ mod tests {
         let damping = Damping { viscous: tensor(0.3), dissipative: tensor(1.1) };
         for k in 1..=3 {
             for rule in rules(k) {
-                let tangent = averaged(&rule, &damping, &rates(k), Want::Tangent).tangent;
+                let tangent = averaged(&rule, &damping, &rates(k), Request::Tangent).tangent;
                 for (j, r, c) in (0..9 * k).map(|n| (n / 9, n / 3 % 3, n % 3)) {
                     let at = |shift: f64| {
                         let mut rates = rates(k);
                         rates[j][r][c] += shift;
-                        averaged(&rule, &damping, &rates, Want::Stress).stress
+                        averaged(&rule, &damping, &rates, Request::Stress).stress
                     };
                     let (plus, minus) = (at(1e-5), at(-1e-5));
                     for (i, n) in (0..9 * k).map(|n| (n / 9, n % 9)) {

@@ -4,7 +4,7 @@
 //! `E~(alpha) = E_1 + sum_j L_j(alpha) E'_j`, and return `P_i = F(c_i) S_i`.
 
 use super::standard::{add_geometric, first_from_second, strain_response, with_identity};
-use super::{Average, Kind, Rule, StressKind, Want};
+use super::{Average, Kind, Request, Rule, StressKind};
 use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, Sym, det_of_identity_plus, double_dot, green_lagrange, identity_plus_times_sym,
@@ -22,7 +22,7 @@ impl Rule {
         material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let k = self.degree();
@@ -38,16 +38,16 @@ impl Rule {
         let E_1 = green_lagrange(start);
         match kind {
             StressKind::AssumedStrain | StressKind::StrainingRates => {
-                self.assumed_strain_stress(material, &E_1, want, average)
+                self.assumed_strain_stress(material, &E_1, request, average)
             }
             StressKind::DiscreteGradient => {
-                self.discrete_gradient_stress(material, &E_1, &end, want, average)
+                self.discrete_gradient_stress(material, &E_1, &end, request, average)
             }
         }
         for i in 0..k {
             average.stress[i] = identity_plus_times_sym(&average.gradients[i], &average.stresses[i]);
         }
-        if want == Want::Tangent {
+        if request == Request::Tangent {
             self.energy_momentum_tangent(rates, true, average);
         }
     }
@@ -79,7 +79,7 @@ impl Rule {
         &self,
         material: &dyn Response<L>,
         E_1: &Sym<L>,
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), E_1[0].splat(0.0));
@@ -88,7 +88,7 @@ impl Rule {
         if is_straight {
             material.stress_along(E_1, &average.strain_rates[0], &self.path, &mut average.stresses[0]);
         }
-        if want == Want::Tangent {
+        if request == Request::Tangent {
             average.stiffness.fill([[zero; 6]; 6]);
         } else if is_straight {
             return;
@@ -96,9 +96,9 @@ impl Rule {
         let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, average);
-            match want {
-                Want::Stress => material.stress(&E, &mut S),
-                Want::Tangent => material.stress_and_elasticity(&E, &mut S, &mut D),
+            match request {
+                Request::Stress => material.stress(&E, &mut S),
+                Request::Tangent => material.stress_and_elasticity(&E, &mut S, &mut D),
             }
             if !is_straight {
                 for i in 0..k {
@@ -106,7 +106,7 @@ impl Rule {
                         sym_add_scaled(&average.stresses[i], zero.splat(point.stage_weights[i]), &S);
                 }
             }
-            if want == Want::Stress {
+            if request == Request::Stress {
                 continue;
             }
             for i in 0..k {
@@ -129,7 +129,7 @@ impl Rule {
         material: &dyn Response<L>,
         E_1: &Sym<L>,
         end: &Mat3<L>,
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), E_1[0].splat(0.0));
@@ -139,9 +139,9 @@ impl Rule {
             let rate = average.strain_rates[i];
             change = sym_add_scaled(&change, zero.splat(self.b[i]), &rate);
             let (stress, elasticity) = (&mut average.stresses[i], &mut average.elasticities[i]);
-            match want {
-                Want::Stress => material.stress(&E, stress),
-                Want::Tangent => material.stress_and_elasticity(&E, stress, elasticity),
+            match request {
+                Request::Stress => material.stress(&E, stress),
+                Request::Tangent => material.stress_and_elasticity(&E, stress, elasticity),
             }
             work += double_dot(&average.stresses[i], &rate) * self.b[i];
             square += double_dot(&rate, &rate) * self.b[i];
@@ -158,7 +158,7 @@ impl Rule {
         let resting = strain_square * 1e-36 + zero.splat(1e-300);
         let inverse = (square * square).select_below(resting, zero, zero.splat(1.0) / square);
         let r = numerator * inverse;
-        if want == Want::Tangent {
+        if request == Request::Tangent {
             let mut S_2 = [zero; 6];
             material.stress(&green_lagrange(end), &mut S_2);
             self.discrete_gradient_stiffness(&S_2, r, inverse, material.is_link(), average);

@@ -164,7 +164,7 @@ struct TimePoint {
 
 /// Wanted results of [`Rule::average`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Want {
+pub enum Request {
     /// Stage averages of the stress.
     Stress,
     /// Stage averages of the stress and their derivatives.
@@ -370,13 +370,13 @@ impl Rule {
         material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         match self.kind {
-            Kind::Standard => self.average_standard(material, start, rates, want, average),
+            Kind::Standard => self.average_standard(material, start, rates, request, average),
             Kind::EnergyMomentum(kind) => {
-                self.average_energy_momentum(kind, material, start, rates, want, average);
+                self.average_energy_momentum(kind, material, start, rates, request, average);
             }
         }
     }

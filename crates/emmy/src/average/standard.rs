@@ -1,6 +1,6 @@
 //! Standard rules: one quadrature for everything (section 4.4.1).
 
-use super::{Average, Rule, Want};
+use super::{Average, Request, Rule};
 use crate::material::Response;
 use crate::tensor::{
     Elasticity, Lane, Mat3, SYM_INDEX, Sym, Tangent, add_scaled, det_of_identity_plus, dot3, green_lagrange,
@@ -17,7 +17,7 @@ impl Rule {
         material: &dyn Response<L>,
         start: &Mat3<L>,
         rates: &[Mat3<L>],
-        want: Want,
+        request: Request,
         average: &mut Average<L>,
     ) {
         let (k, zero) = (self.degree(), start[0][0].splat(0.0));
@@ -28,7 +28,7 @@ impl Rule {
             let G = Rule::gradient_at(start, &point.integrals, rates);
             average.min_det = average.min_det.min(det_of_identity_plus(&G));
             let E = green_lagrange(&G);
-            if want == Want::Stress {
+            if request == Request::Stress {
                 material.stress(&E, &mut S);
                 add_stress(&mut average.stress, &point.stage_weights, is_first, &G, &S);
                 continue;

@@ -2,7 +2,7 @@
 
 use super::energy_momentum::times_doubled;
 use super::standard::{add_geometric, first_elasticity, first_from_second, strain_response, with_identity};
-use super::{Average, Kind, Rule, StressKind, Want};
+use super::{Average, Kind, Request, Rule, StressKind};
 use crate::material::Response;
 use crate::tensor::{Elasticity, Mat3, Sym, Tangent, double_dot, green_lagrange, sym_add_scaled, sym_scaled};
 
@@ -45,12 +45,12 @@ impl Rule {
         match self.kind {
             Kind::Standard => self.standard_start_tangent(material, start, rates, result),
             Kind::EnergyMomentum(StressKind::AssumedStrain | StressKind::StrainingRates) => {
-                self.average(material, start, rates, Want::Tangent, &mut result.average);
+                self.average(material, start, rates, Request::Tangent, &mut result.average);
                 self.assumed_strain_start_stiffness(material, &green_lagrange(start), result);
                 self.energy_momentum_start_tangent(start, rates, result);
             }
             Kind::EnergyMomentum(StressKind::DiscreteGradient) => {
-                self.average(material, start, rates, Want::Tangent, &mut result.average);
+                self.average(material, start, rates, Request::Tangent, &mut result.average);
                 self.discrete_gradient_start_stiffness(material, start, rates, result);
                 self.energy_momentum_start_tangent(start, rates, result);
             }

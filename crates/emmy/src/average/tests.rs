@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 use proptest::prelude::*;
 
-use super::{Average, Rule, StartTangent, Want};
+use super::{Average, Request, Rule, StartTangent};
 use crate::material::{Link, Material, NeoHooke, SaintVenantKirchhoff, Volumetric, Yeoh};
 use crate::quadrature::{gauss, lobatto};
 use crate::tensor::{Mat3, add_scaled, green_lagrange};
@@ -43,9 +43,9 @@ fn rotation(w: [f64; 3]) -> Mat3<f64> {
     add_scaled(&add_scaled(&IDENTITY, angle.sin(), &N), 1.0 - angle.cos(), &product(&N, &N))
 }
 
-fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, want: Want) -> Average<f64> {
+fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, request: Request) -> Average<f64> {
     let mut average = Average::new(rule.degree(), 0.0);
-    rule.average(material, &step.start, &step.rates, want, &mut average);
+    rule.average(material, &step.start, &step.rates, request, &mut average);
     average
 }
 
@@ -53,7 +53,7 @@ fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, want: Want) -> 
 /// both relative to the sizes of their terms.
 fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
     let k = rule.degree();
-    let average = averaged(rule, material, step, Want::Stress);
+    let average = averaged(rule, material, step, Request::Stress);
     let (mut work, mut size, mut moment) = (0.0, 0.0, [[0.0; 3]; 3]);
     for i in 0..k {
         let b = rule.weights()[i];
@@ -160,8 +160,8 @@ proptest! {
         let size = 10f64.powi(-exponent);
         let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(|x| x * size))).collect();
         let tiny = Step { start: step.start, rates: rates.clone() };
-        let average = averaged(&Rule::discrete_gradient(k), &rubber, &tiny, Want::Stress);
-        let reference = averaged(&Rule::assumed_strain(k, MANY), &rubber, &tiny, Want::Stress);
+        let average = averaged(&Rule::discrete_gradient(k), &rubber, &tiny, Request::Stress);
+        let reference = averaged(&Rule::assumed_strain(k, MANY), &rubber, &tiny, Request::Stress);
         for (P, Q) in average.stress.iter().zip(&reference.stress) {
             for (p, q) in P.iter().flatten().zip(Q.iter().flatten()) {
                 // Both are consistent averages: they differ by the square of the step, and by no noise.
@@ -193,7 +193,7 @@ fn rest_and_rigid_motion_are_free_of_stress() {
     for k in 1..=3 {
         let rule = Rule::discrete_gradient(k);
         let rest = Step { start: turned(1.0), rates: vec![[[0.0; 3]; 3]; k] };
-        let average = averaged(&rule, &rubber, &rest, Want::Tangent);
+        let average = averaged(&rule, &rubber, &rest, Request::Tangent);
         assert!(average.stress.iter().flatten().flatten().all(|p| p.abs() < 1e-11));
         assert!(average.tangent.iter().flatten().flatten().all(|t| t.is_finite()));
     }
@@ -203,7 +203,7 @@ fn rest_and_rigid_motion_are_free_of_stress() {
         &Rule::discrete_gradient(1),
         &rubber,
         &Step { start: turned(1.0), rates: vec![rate] },
-        Want::Tangent,
+        Request::Tangent,
     );
     assert!(average.stress[0].iter().flatten().all(|p| p.abs() < 1e-11));
     assert!(average.tangent[0].iter().flatten().all(|t| t.abs() < 1e4));
@@ -212,8 +212,8 @@ fn rest_and_rigid_motion_are_free_of_stress() {
 /// Largest difference between the tangent and central differences of the stress, relative to the largest entry.
 fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
     let k = rule.degree();
-    let average = averaged(rule, material, step, Want::Tangent);
-    let stress = averaged(rule, material, step, Want::Stress);
+    let average = averaged(rule, material, step, Request::Tangent);
+    let stress = averaged(rule, material, step, Request::Stress);
     assert_eq!(average.stress, stress.stress, "the stress must not depend on what is wanted");
     let h = 1e-5;
     let (mut error, mut size) = (0f64, 0f64);
@@ -222,7 +222,7 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
             let shifted = |sign: f64| {
                 let mut step = step.clone();
                 step.rates[j][r][c] += sign * h;
-                averaged(rule, material, &step, Want::Stress).stress
+                averaged(rule, material, &step, Request::Stress).stress
             };
             let (plus, minus) = (shifted(1.0), shifted(-1.0));
             for i in 0..k {
@@ -250,7 +250,7 @@ fn start_tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f
         start[column / 3][column % 3].eps = 1.0;
         let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(Dual64::from_re))).collect();
         let mut average = Average::new(k, Dual64::from_re(0.0));
-        rule.average(material, &start, &rates, Want::Stress, &mut average);
+        rule.average(material, &start, &rates, Request::Stress, &mut average);
         for (i, row) in (0..9 * k).map(|at| (at / 9, at % 9)) {
             let exact = average.stress[i][row / 3][row % 3].eps;
             error = error.max((result.tangent[i][row][column] - exact).abs());
@@ -275,8 +275,8 @@ fn straining_rates_are_those_of_assumed_strain_in_a_turning_body() {
     let angle = (0.3f64 * 0.3 + 0.5 * 0.5 + 0.9 * 0.9).sqrt();
     let w = [0.3, -0.5, 0.9].map(|x| x * (0.5 * angle).tan() / (0.5 * angle));
     let W = [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]];
-    let assumed = averaged(&Rule::assumed_strain(1, 1), &material, &step, Want::Tangent);
-    let straining = averaged(&Rule::straining_rates(), &material, &step, Want::Tangent);
+    let assumed = averaged(&Rule::assumed_strain(1, 1), &material, &step, Request::Tangent);
+    let straining = averaged(&Rule::straining_rates(), &material, &step, Request::Tangent);
     let size = applied(&straining.tangent[0], &IDENTITY).iter().map(|x| x.abs()).fold(0.0, f64::max);
     for at in 0..9 {
         let mut dF = [[0.0; 3]; 3];

@@ -7,7 +7,7 @@ use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::regions::{self, RegionOfCell};
-use super::supports::Given;
+use super::supports::Constraints;
 use super::{Body, Load, PointTerms, Region, Support, nodal, term};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -140,8 +140,8 @@ impl Body {
             fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
             pressures.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
-        let given = Given::new(&mesh, supports.iter())?;
-        nodal::check_masses(&mesh, &lumped_mass, &given.fixed)?;
+        let constraints = Constraints::new(&mesh, supports.iter())?;
+        nodal::check_masses(&mesh, &lumped_mass, &constraints.fixed)?;
         let body = Body {
             loads: Arc::new(vectors),
             fields: Arc::new(fields),
@@ -149,8 +149,8 @@ impl Body {
             release: None,
             drag,
             viscous_time: term::viscous_time(&terms),
-            fixed: given.fixed,
-            drives: given.drives,
+            fixed: constraints.fixed,
+            drives: constraints.drives,
             mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
             lumped_mass,
             regions: regions_and_masses,
@@ -174,7 +174,7 @@ impl Body {
         let mut release = None;
         for &time in times.iter().rev() {
             let holds = |support: &&Support| support.until.is_none_or(|until| until > time);
-            let Given { fixed, drives } = Given::new(&self.mesh, supports.iter().filter(holds))?;
+            let Constraints { fixed, drives } = Constraints::new(&self.mesh, supports.iter().filter(holds))?;
             nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
             release = Some((time, Box::new(Body { fixed, drives, release, ..self.clone() })));
         }

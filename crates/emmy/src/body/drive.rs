@@ -1,6 +1,6 @@
 //! Prescribed motion: nodes of a group whose displacement is a function of time.
 
-use super::{History, Rotation};
+use super::{Rotation, TimeFunction};
 use crate::average::Rule;
 use crate::quadrature::Quadrature;
 
@@ -14,7 +14,7 @@ pub(super) type Map = [[f64; 4]; 3];
 /// ```
 #[derive(Debug, Clone)]
 pub struct Drive {
-    displacement: [Option<History>; 3],
+    displacement: [Option<TimeFunction>; 3],
     /// Rotation with an axis of unit length.
     rotation: Option<Rotation>,
     /// Driven components.
@@ -29,7 +29,7 @@ pub struct Drive {
 impl Drive {
     /// The motion of some nodes. `rotation` has an axis of unit length.
     pub(super) fn new(
-        displacement: [Option<History>; 3],
+        displacement: [Option<TimeFunction>; 3],
         rotation: Option<Rotation>,
         until: Option<f64>,
         nodes: Vec<u32>,
@@ -62,13 +62,13 @@ impl Drive {
         })
     }
 
-    pub(super) fn histories(&self) -> impl Iterator<Item = &History> + '_ {
+    pub(super) fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> + '_ {
         self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
     }
 
-    /// The histories, each with the largest displacement per unit of it.
-    pub(super) fn arms(&self) -> impl Iterator<Item = (&History, f64)> + '_ {
-        let shifts = self.displacement.iter().flatten().map(|history| (history, 1.0));
+    /// The time functions, each with the largest displacement per unit of it.
+    pub(super) fn arms(&self) -> impl Iterator<Item = (&TimeFunction, f64)> + '_ {
+        let shifts = self.displacement.iter().flatten().map(|time_function| (time_function, 1.0));
         let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
         let radius = self.offsets.iter().map(length).fold(0.0, f64::max);
         shifts.chain(self.rotation.as_ref().map(move |rotation| (&rotation.angle, radius)))
@@ -77,7 +77,7 @@ impl Drive {
     /// The displacement at a time.
     pub(super) fn map(&self, time: f64) -> Map {
         self.map_of(
-            |history| history.value(time),
+            |time_function| time_function.value(time),
             |angle| {
                 // 1 - cos without cancellation.
                 (angle.sin(), 2.0 * (0.5 * angle).sin().powi(2))
@@ -87,9 +87,9 @@ impl Drive {
 
     /// Rate of the displacement at a time; at a kink, on the side given by the sign of `shift`.
     pub(super) fn rate(&self, time: f64, shift: f64) -> Map {
-        let side = |history: &History| match history.text() {
-            Some(_) => history.rate(time),
-            None => history.rate(time + shift),
+        let side = |time_function: &TimeFunction| match time_function.text() {
+            Some(_) => time_function.rate(time),
+            None => time_function.rate(time + shift),
         };
         let spin = self.rotation.as_ref().map_or(0.0, |rotation| side(&rotation.angle));
         self.map_of(side, |_| {
@@ -99,10 +99,10 @@ impl Drive {
     }
 
     /// `[s A + c A^2 | d]` with the cross product A of the axis; `part` gives d, `turn` gives (s, c) of the angle.
-    fn map_of(&self, part: impl Fn(&History) -> f64, turn: impl Fn(f64) -> (f64, f64)) -> Map {
+    fn map_of(&self, part: impl Fn(&TimeFunction) -> f64, turn: impl Fn(f64) -> (f64, f64)) -> Map {
         let mut map = [[0.0; 4]; 3];
-        for (row, history) in map.iter_mut().zip(&self.displacement) {
-            row[3] = history.as_ref().map_or(0.0, &part);
+        for (row, time_function) in map.iter_mut().zip(&self.displacement) {
+            row[3] = time_function.as_ref().map_or(0.0, &part);
         }
         let Some(rotation) = &self.rotation else { return map };
         let (a, (s, c)) = (rotation.axis, turn(part(&rotation.angle)));
@@ -136,7 +136,7 @@ impl Drive {
     fn for_each_segment(&self, time: f64, h: f64, mut visit: impl FnMut([f64; 2])) {
         let (mut from, mut after) = (0.0, time);
         while from < 1.0 {
-            let kinks = self.histories().filter_map(|history| history.next_kink(after));
+            let kinks = self.time_functions().filter_map(|time_function| time_function.next_kink(after));
             after = kinks.fold(f64::INFINITY, f64::min);
             let to = ((after - time) / h).min(1.0);
             if to > from {
@@ -168,10 +168,10 @@ pub(super) fn apply(row: &[f64; 4], offset: &[f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    fn turning(angle: History) -> Drive {
+    fn turning(angle: TimeFunction) -> Drive {
         let rotation = Rotation { axis: [0.6, 0.0, 0.8], about: [1.0, 2.0, 3.0], angle };
         let displacement =
-            [None, Some(History::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()), None];
+            [None, Some(TimeFunction::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()), None];
         Drive::new(displacement, Some(rotation), None, vec![0], &[[2.0, 1.0, 5.0]])
     }
 
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn rotations_keep_lengths_and_rates_are_those_of_differences() {
-        let drive = turning(History::smooth("t + t^2", |t| [t + t * t, 1.0 + 2.0 * t, 2.0]));
+        let drive = turning(TimeFunction::smooth("t + t^2", |t| [t + t * t, 1.0 + 2.0 * t, 2.0]));
         let at = |t: f64| displacement(&drive, &drive.map(t));
         let (t, d) = (0.2, 1e-5);
         let (r, mut q) = (drive.offsets[0], at(t));
@@ -199,7 +199,7 @@ mod tests {
     /// displacement of the step.
     #[test]
     fn stage_rates_have_the_moments_of_the_motion() {
-        let drive = turning(History::smooth("3 t", |t| [3.0 * t, 3.0, 0.0]));
+        let drive = turning(TimeFunction::smooth("3 t", |t| [3.0 * t, 3.0, 0.0]));
         let (time, h) = (0.1, 0.15);
         for degree in 1..=4 {
             let rule = Rule::discrete_gradient(degree);

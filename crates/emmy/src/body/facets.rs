@@ -7,13 +7,13 @@ use crate::sparse::Pattern;
 use crate::tensor::cross;
 
 /// The most nodes that a facet has.
-const MOST_NODES: usize = 9;
+const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
-pub type NodalVectors = [[f64; 3]; MOST_NODES];
+pub type NodalVectors = [[f64; 3]; MAX_NODES];
 
 /// A vector for each pair A, B of a facet's nodes.
-pub type PairVectors = [NodalVectors; MOST_NODES];
+pub type PairVectors = [NodalVectors; MAX_NODES];
 
 /// Facets of one kind.
 #[derive(Debug, Clone)]
@@ -84,7 +84,7 @@ impl FacetTable {
     /// The quadrature is exact for every kind of facet (see [`crate::element`]), so that on a closed surface
     /// `F_A = - dV/dq_A` with the enclosed volume V.
     pub fn force(&self, q: &NodalVectors) -> NodalVectors {
-        let mut force = [[0.0; 3]; MOST_NODES];
+        let mut force = [[0.0; 3]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let [a, b] = self.tangents(q, point);
             let normal = cross(a, b).map(|n| -self.reference.weights[point] * n);
@@ -101,7 +101,7 @@ impl FacetTable {
     /// c_AB = integral N_A (N_B,xi q_,eta - N_B,eta q_,xi) dxi deta
     /// ```
     pub fn derivative(&self, q: &NodalVectors) -> PairVectors {
-        let mut c = [[[0.0; 3]; MOST_NODES]; MOST_NODES];
+        let mut c = [[[0.0; 3]; MAX_NODES]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let ([a, b], weight) = (self.tangents(q, point), self.reference.weights[point]);
             for (row, N) in c.iter_mut().zip(self.reference.shapes_at(point)) {
@@ -144,7 +144,7 @@ mod tests {
 
     /// A facet of a kind in the plane z = 0, moved by a quadratic field with `bend`.
     fn facet(kind: FacetKind, bend: f64) -> NodalVectors {
-        let mut q = [[0.0; 3]; MOST_NODES];
+        let mut q = [[0.0; 3]; MAX_NODES];
         for (q, &[x, y]) in q.iter_mut().zip(facet_element(kind).nodes()) {
             *q = [x + bend * x * y, y - bend * x * x, bend * (x * x - 2.0 * x * y + 0.5 * y)];
         }

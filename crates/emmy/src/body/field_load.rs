@@ -3,7 +3,7 @@
 use super::field::Field;
 use super::geometry::{for_each_facet_point, for_each_volume_point};
 use super::load_vector::cells_of;
-use super::{History, Load, LoadKind};
+use super::{Load, LoadKind, TimeFunction};
 use crate::average::Rule;
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -14,7 +14,7 @@ pub struct FieldLoad {
     /// Number of the load.
     pub(super) load: usize,
     field: Field,
-    pub(super) history: History,
+    pub(super) time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
     /// End of each point's part of `node_weights`.
@@ -37,7 +37,7 @@ impl FieldLoad {
             FieldLoad {
                 load: index,
                 field: field.clone(),
-                history: load.history.clone(),
+                time_function: load.time_function.clone(),
                 points,
                 ends,
                 node_weights,
@@ -74,8 +74,8 @@ impl FieldLoad {
         let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
         self.points.iter().step_by(every).flat_map(move |&X| {
             (0..3).map(move |component| {
-                let (field, history) = (self.field.clone(), self.history.clone());
-                move |time| history.value(time) * field.at(X, time)[component]
+                let (field, time_function) = (self.field.clone(), self.time_function.clone());
+                move |time| time_function.value(time) * field.at(X, time)[component]
             })
         })
     }
@@ -113,7 +113,8 @@ impl FieldLoad {
 
     /// Adds the nodal forces at a time to every stage, times its weight.
     fn add(&self, time: f64, stage_weights: &[f64], force: &mut [f64]) -> bool {
-        let (factor, n_dofs, mut begin) = (self.history.value(time), force.len() / stage_weights.len(), 0);
+        let (factor, n_dofs, mut begin) =
+            (self.time_function.value(time), force.len() / stage_weights.len(), 0);
         if factor == 0.0 {
             return false;
         }

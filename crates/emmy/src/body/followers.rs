@@ -9,7 +9,7 @@ impl Body {
         self.pressures.len()
     }
 
-    /// Factors p_m of the loads that follow, over a step, exact for every kink of the histories (see [`FollowerRule`]).
+    /// Factors p_m of the loads that follow, over a step, exact for every kink of the time functions (see [`FollowerRule`]).
     ///
     /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
     pub fn follower_averages(
@@ -21,7 +21,7 @@ impl Body {
         factors: &mut [f64],
     ) {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
-            pressure.history.averages(time, step_size, rule.fine(), averages);
+            pressure.time_function.averages(time, step_size, rule.fine(), averages);
             rule.factors(averages, factors);
         }
     }
@@ -32,7 +32,7 @@ impl Body {
     pub fn follower_values(&self, rule: &FollowerRule, time: f64, step_size: f64, factors: &mut [f64]) {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
             for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
-                *factor = pressure.history.value(time + alpha * step_size);
+                *factor = pressure.time_function.value(time + alpha * step_size);
             }
         }
     }
@@ -68,7 +68,7 @@ impl Body {
     /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
     pub fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
         for pressure in self.pressures.iter() {
-            pressure.add_force(&self.mesh, displacement, pressure.history.value(time), force);
+            pressure.add_force(&self.mesh, displacement, pressure.time_function.value(time), force);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
-use super::{Field, History, Viscosity, solid::RegionMaterial};
+use super::{Field, TimeFunction, Viscosity, solid::RegionMaterial};
 use crate::error::Result;
 use crate::material::{Link, Material};
 use crate::mesh::Mesh;
@@ -138,8 +138,8 @@ pub struct GroundAttraction {
 /// Components of a group whose motion is given: at rest, or driven.
 ///
 /// ```
-/// use emmy::body::{History, Support};
-/// let rate = History::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0]);
+/// use emmy::body::{TimeFunction, Support};
+/// let rate = TimeFunction::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0]);
 /// let support = Support { group: "x-max".into(), displacement: [Some(rate), None, None], ..Default::default() };
 /// assert!(support.is_driven());
 /// ```
@@ -150,7 +150,7 @@ pub struct Support {
     /// Components x, y, z at rest.
     pub fix: [bool; 3],
     /// Displacement of driven components over time \[length\]: without jumps, and zero at the start.
-    pub displacement: [Option<History>; 3],
+    pub displacement: [Option<TimeFunction>; 3],
     /// Rotation that drives all components.
     pub rotation: Option<Rotation>,
     /// Whether the facets of the group lie in a plane of symmetry, normal to a coordinate axis, which they do not leave.
@@ -181,7 +181,7 @@ impl Support {
     }
 
     /// A support that moves the nodes of a group by a displacement over time, in the components that are given.
-    pub fn driven(group: impl Into<String>, displacement: [Option<History>; 3]) -> Self {
+    pub fn driven(group: impl Into<String>, displacement: [Option<TimeFunction>; 3]) -> Self {
         Support { group: group.into(), displacement, ..Default::default() }
     }
 
@@ -204,7 +204,7 @@ impl Support {
 
     /// Whether the support gives a motion.
     pub fn is_driven(&self) -> bool {
-        self.histories().next().is_some()
+        self.time_functions().next().is_some()
     }
 
     /// Whether the support gives the motion of a component.
@@ -218,8 +218,8 @@ impl Support {
         self.displacement[2].is_some() || self.rotation.as_ref().is_some_and(|rotation| !about_z(rotation))
     }
 
-    /// The histories of the given motion.
-    pub fn histories(&self) -> impl Iterator<Item = &History> + '_ {
+    /// The time functions of the given motion.
+    pub fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> + '_ {
         self.displacement.iter().flatten().chain(self.rotation.as_ref().map(|rotation| &rotation.angle))
     }
 }
@@ -232,7 +232,7 @@ pub struct Rotation {
     /// A point of the axis \[length\].
     pub about: [f64; 3],
     /// Angle over time \[radian\]: without jumps, and zero at the start.
-    pub angle: History,
+    pub angle: TimeFunction,
 }
 
 /// A load: where it acts and how, with a factor over time.
@@ -241,13 +241,13 @@ pub struct Load {
     /// Kind of the load.
     pub kind: LoadKind,
     /// Factor over time.
-    pub history: History,
+    pub time_function: TimeFunction,
 }
 
 impl Load {
     /// A load of constant size.
     pub fn new(kind: LoadKind) -> Self {
-        Load { kind, history: History::constant() }
+        Load { kind, time_function: TimeFunction::constant() }
     }
 
     /// A force \[force\] at each node of a group.
@@ -280,19 +280,19 @@ impl Load {
     /// ```
     /// use emmy::prelude::*;
     /// let pull = Load::nodal_force("right", [0.0, 0.0, -2.0]).over([(0.0, 0.0), (0.1, 1.0), (0.2, 0.0)])?;
-    /// assert_eq!(pull.history.value(0.05), 0.5);
+    /// assert_eq!(pull.time_function.value(0.05), 0.5);
     /// # Ok::<(), emmy::Error>(())
     /// ```
     ///
     /// # Errors
-    /// Those of [`History::new`].
+    /// Those of [`TimeFunction::new`].
     pub fn over(self, table: impl Into<Vec<(f64, f64)>>) -> Result<Self> {
-        Ok(self.with_history(History::new(table.into())?))
+        Ok(self.with_time_function(TimeFunction::new(table.into())?))
     }
 
     /// The same load with a factor over time.
-    pub fn with_history(self, history: History) -> Self {
-        Load { history, ..self }
+    pub fn with_time_function(self, time_function: TimeFunction) -> Self {
+        Load { time_function, ..self }
     }
 }
 

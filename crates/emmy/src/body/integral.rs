@@ -7,7 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
 use super::step::StepInput;
-use crate::average::{Average, Damping, Want};
+use crate::average::{Average, Damping, Request};
 use crate::material::Response;
 use crate::tensor::{
     Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
@@ -207,7 +207,7 @@ pub fn integrate<R: Register>(
     cells: RegisterCells<'_, R>,
     n_fields: usize,
     (material, damping): (&dyn Response<R>, Option<&Damping>),
-    (step, want): (&StepInput<'_>, Want),
+    (step, request): (&StepInput<'_>, Request),
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
 ) {
     let (n, k, n_points) = (cells.cells.n_nodes, step.rule.degree(), cells.cells.n_points);
@@ -217,9 +217,9 @@ pub fn integrate<R: Register>(
     for point in 0..n_points {
         cells.set_field_gradients(point, &memory.nodal[..n_fields * n], &mut gradients[..n_fields]);
         let (start, rates) = (&gradients[0], &gradients[1..n_fields]);
-        step.rule.average(material, start, rates, want, average);
+        step.rule.average(material, start, rates, request, average);
         if let Some(damping) = damping {
-            step.rule.add_damping(damping, start, rates, want, average);
+            step.rule.add_damping(damping, start, rates, request, average);
         }
         min_det = min_det.min(average.min_det);
         let (inverse, weight) = (cells.inverse_jacobian(point), cells.weight(point));
@@ -231,7 +231,7 @@ pub fn integrate<R: Register>(
                 }
             }
         }
-        if want == Want::Tangent {
+        if request == Request::Tangent {
             let factor = weight * step.tangent_factor;
             cells.set_shape_gradients(point, &mut memory.gradients[..n]);
             let blocks = memory.stiffness.chunks_exact_mut(n * n);

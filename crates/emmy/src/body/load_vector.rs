@@ -1,7 +1,7 @@
 //! Dead loads: nodal vectors with a factor over time.
 
 use super::geometry::{add_facet_areas, for_each_volume_point};
-use super::{History, Load, LoadKind};
+use super::{Load, LoadKind, TimeFunction};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
@@ -11,7 +11,7 @@ pub struct LoadVector {
     /// Number of the load.
     pub(super) load: usize,
     pub(super) force: Vec<f64>,
-    pub(super) history: History,
+    pub(super) time_function: TimeFunction,
 }
 
 impl LoadVector {
@@ -51,7 +51,7 @@ impl LoadVector {
             return Err(Error::NotFinite { what: "load".into(), value });
         }
         let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
-        Ok(Some(LoadVector { load: index, force, history: load.history.clone() }))
+        Ok(Some(LoadVector { load: index, force, time_function: load.time_function.clone() }))
     }
 }
 

@@ -13,7 +13,7 @@ pub struct LoadResultant {
 }
 
 impl Body {
-    /// Stage averages of the dead loads over a step, exact for every kink of the histories; fields are integrated by
+    /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated by
     /// [`Rule::smooth_quadrature`].
     ///
     /// ```math
@@ -32,7 +32,7 @@ impl Body {
         force.fill(0.0);
         let mut acts = false;
         for load in self.loads.iter() {
-            load.history.averages(time, step_size, rule, averages);
+            load.time_function.averages(time, step_size, rule, averages);
             for (&factor, force) in averages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
                 if factor != 0.0 {
                     acts = true;
@@ -46,23 +46,23 @@ impl Body {
         acts
     }
 
-    /// The first time after another at which the history of a load or of a support that moves has a kink or a jump.
+    /// The first time after another at which the time function of a load or of a support that moves has a kink or a jump.
     pub fn next_kink(&self, after: f64) -> Option<f64> {
-        let loads = self.loads.iter().map(|load| &load.history);
-        let fields = self.fields.iter().map(|field| &field.history);
-        let pressures = self.pressures.iter().map(|pressure| &pressure.history);
-        let drives = self.drives.iter().flat_map(|drive| drive.histories());
+        let loads = self.loads.iter().map(|load| &load.time_function);
+        let fields = self.fields.iter().map(|field| &field.time_function);
+        let pressures = self.pressures.iter().map(|pressure| &pressure.time_function);
+        let drives = self.drives.iter().flat_map(|drive| drive.time_functions());
         let all = loads.chain(fields).chain(pressures).chain(drives);
-        all.filter_map(|history| history.next_kink(after)).min_by(f64::total_cmp)
+        all.filter_map(|time_function| time_function.next_kink(after)).min_by(f64::total_cmp)
     }
 
-    /// Dead loads at a time (after a jump of a history that falls on it), `force: [n_nodes][3]`. Returns whether any
+    /// Dead loads at a time (after a jump of a time function that falls on it), `force: [n_nodes][3]`. Returns whether any
     /// load acts.
     pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {
         force.fill(0.0);
         let mut acts = false;
         for load in self.loads.iter() {
-            let factor = load.history.value(time);
+            let factor = load.time_function.value(time);
             if factor != 0.0 {
                 acts = true;
                 force.iter_mut().zip(&load.force).for_each(|(sum, f)| *sum += factor * f);
@@ -74,7 +74,7 @@ impl Body {
         acts
     }
 
-    /// Resultant of every load at factor 1 in the reference configuration; of a field, with its history, at t = 0.
+    /// Resultant of every load at factor 1 in the reference configuration; of a field, with its time function, at t = 0.
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];
         let resultant =

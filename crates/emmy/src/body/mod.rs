@@ -12,7 +12,6 @@ mod field_load;
 pub mod fields;
 mod followers;
 mod geometry;
-mod history;
 mod input;
 mod integral;
 mod invariants;
@@ -31,12 +30,12 @@ mod supports;
 mod symmetry;
 mod system;
 mod term;
+mod time_function;
 mod viscosity;
 
 pub use builder::BodyBuilder;
 pub use field::Field;
 pub use geometry::CellTable;
-pub use history::History;
 pub use input::{
     GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Rotation,
     Support,
@@ -52,4 +51,5 @@ pub use step::{StepDamping, StepInput};
 pub use symmetry::symmetry_axis;
 pub use system::{Assembly, Body};
 pub use term::{StrainState, Term};
+pub use time_function::TimeFunction;
 pub use viscosity::Viscosity;

@@ -9,7 +9,7 @@ use super::regions::RegionSummary;
 use super::solid::SolidTerm;
 use super::step::StepInput;
 use super::term::{StrainState, Term};
-use crate::average::Want;
+use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::material::Link;
 use crate::mesh::Mesh;
@@ -105,7 +105,7 @@ impl Term for GroundSprings {
     fn assemble(
         &self,
         step: &StepInput<'_>,
-        want: Want,
+        request: Request,
         _: usize,
         _: &mut Scratch,
         sink: &mut RowPart,
@@ -124,7 +124,7 @@ impl Term for GroundSprings {
                 });
                 sink.add_force(i, node, force);
             }
-            if want == Want::Stress {
+            if request == Request::Stress {
                 continue;
             }
             for (stages, rate) in mean.rates.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Follower pressures: loads that turn and grow with the surface on which they act.
 
 use super::facets::{FacetTable, NodalVectors};
-use super::{History, Load, LoadKind, StepInput};
+use super::{Load, LoadKind, StepInput, TimeFunction};
 use crate::average::FollowerRule;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -13,7 +13,7 @@ pub struct Pressure {
     /// Number of the load.
     pub(super) load: usize,
     pressure: f64,
-    pub(super) history: History,
+    pub(super) time_function: TimeFunction,
     tables: Vec<FacetTable>,
 }
 
@@ -30,12 +30,12 @@ impl Pressure {
         section: &[f64],
     ) -> Result<Option<Self>> {
         let LoadKind::Pressure { group, pressure } = &load.kind else { return Ok(None) };
-        let (pressure, history) = (*pressure, load.history.clone());
+        let (pressure, time_function) = (*pressure, load.time_function.clone());
         if !pressure.is_finite() {
             return Err(Error::NotFinite { what: "pressure".into(), value: pressure });
         }
         let tables = FacetTable::of(mesh, pattern, mesh.groups().facets(group)?, section);
-        Ok(Some(Pressure { load: index, pressure, history, tables }))
+        Ok(Some(Pressure { load: index, pressure, time_function, tables }))
     }
 
     /// Adds the force of a factor at a displacement, `force: [n_nodes][3]`.

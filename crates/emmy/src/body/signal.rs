@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::field_load::FieldLoad;
-use super::{Body, History};
+use super::{Body, TimeFunction};
 
 /// The load or support that a function of time drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ type Function = dyn Fn(f64) -> f64 + Send + Sync;
 pub struct Signal {
     /// The load or support.
     pub target: SignalTarget,
-    /// Its text, [`History::text`]; empty for a field.
+    /// Its text, [`TimeFunction::text`]; empty for a field.
     pub text: Arc<str>,
     /// When it ends, for a support that is released.
     pub until: Option<f64>,
@@ -51,11 +51,11 @@ impl Signal {
         (self.function)(time)
     }
 
-    /// The signal of a smooth history; `None` for a table, which is integrated exactly.
-    fn of(history: &History, target: SignalTarget, until: Option<f64>, arm: f64) -> Option<Self> {
-        let text = history.text()?.into();
-        let history = history.clone();
-        Some(Signal { target, text, until, arm, function: Arc::new(move |time| history.value(time)) })
+    /// The signal of a smooth time function; `None` for a table, which is integrated exactly.
+    fn of(time_function: &TimeFunction, target: SignalTarget, until: Option<f64>, arm: f64) -> Option<Self> {
+        let text = time_function.text()?.into();
+        let time_function = time_function.clone();
+        Some(Signal { target, text, until, arm, function: Arc::new(move |time| time_function.value(time)) })
     }
 }
 
@@ -70,14 +70,16 @@ impl Body {
     ///
     /// A field stands for itself with its components at some of its points.
     pub fn signals(&self) -> Vec<Signal> {
-        let loads = self.loads.iter().map(|load| (load.load, &load.history));
-        let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.history));
-        let of_loads = loads
-            .chain(pressures)
-            .filter_map(|(load, history)| Signal::of(history, SignalTarget::Load(load), None, 0.0));
+        let loads = self.loads.iter().map(|load| (load.load, &load.time_function));
+        let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.time_function));
+        let of_loads = loads.chain(pressures).filter_map(|(load, time_function)| {
+            Signal::of(time_function, SignalTarget::Load(load), None, 0.0)
+        });
         let of_supports = self.drives.iter().enumerate().flat_map(|(number, drive)| {
             let target = SignalTarget::Support(number);
-            drive.arms().filter_map(move |(history, arm)| Signal::of(history, target, drive.until, arm))
+            drive
+                .arms()
+                .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
         });
         let mut known = HashSet::new();
         let is_new = |signal: &Signal| {

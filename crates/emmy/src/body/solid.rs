@@ -16,7 +16,7 @@ use super::integral::{self, BatchMemory, PointMemory, RegisterCells, Scratch};
 use super::step::StepInput;
 use super::term::{StrainState, Term};
 use super::viscosity::Viscosity;
-use crate::average::{Damping, Want};
+use crate::average::{Damping, Request};
 use crate::error::{Error, Result};
 use crate::material::{CompiledMaterial, LinkEnergy, Response};
 use crate::sparse::{Pattern, RowPart};
@@ -142,14 +142,14 @@ impl SolidTerm {
     fn integrate<R: Register>(
         &self,
         (zero, batch): (R, usize),
-        (step, want): (&StepInput<'_>, Want),
+        (step, request): (&StepInput<'_>, Request),
         (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
     ) -> Result<()> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), &mut memory.nodal);
         for (cells, cell) in self.registers(zero, batch) {
             let (material, damping) = (self.materials.response(cell), self.damping(cell, step));
             let law = (material, damping.as_ref());
-            integral::integrate(cells, n_fields, law, (step, want), (memory, point_memory));
+            integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory));
         }
         if !self.materials.is_links() {
             let mut dets = memory.min_det.0.into_iter().zip(self.cells.cells_of(batch));
@@ -236,7 +236,7 @@ impl SolidTerm {
 struct PartAssembly<'a> {
     term: &'a SolidTerm,
     step: &'a StepInput<'a>,
-    want: Want,
+    request: Request,
     batches: &'a [u32],
     scratch: &'a mut Scratch,
     sink: &'a mut RowPart,
@@ -246,14 +246,14 @@ impl WithSimd for PartAssembly<'_> {
     type Output = Result<()>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<()> {
-        let PartAssembly { term, step, want, batches, scratch, sink } = self;
+        let PartAssembly { term, step, request, batches, scratch, sink } = self;
         let (memory, point_memory) = scratch.of::<Batch<S>>();
         for batch in batches.iter().map(|batch| *batch as usize) {
-            if want == Want::Tangent {
+            if request == Request::Tangent {
                 term.touch(batch, sink);
             }
-            term.integrate((Batch::new(simd, 0.0), batch), (step, want), (memory, point_memory))?;
-            term.scatter(batch, step, want, memory, sink);
+            term.integrate((Batch::new(simd, 0.0), batch), (step, request), (memory, point_memory))?;
+            term.scatter(batch, step, request, memory, sink);
         }
         Ok(())
     }
@@ -321,13 +321,13 @@ impl Term for SolidTerm {
     fn assemble(
         &self,
         step: &StepInput<'_>,
-        want: Want,
+        request: Request,
         part: usize,
         scratch: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
         let batches = &self.parts[part];
-        self.materials.arch().dispatch(PartAssembly { term: self, step, want, batches, scratch, sink })
+        self.materials.arch().dispatch(PartAssembly { term: self, step, request, batches, scratch, sink })
     }
 
     fn set_viscosity(&mut self, viscosity: &Viscosity) {

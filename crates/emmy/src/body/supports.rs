@@ -8,32 +8,32 @@ use crate::number::{short, short_vector};
 
 /// Degrees of freedom whose motion is given, and the motions.
 #[derive(Debug, Clone, Default)]
-pub struct Given {
+pub struct Constraints {
     /// Which are given, at rest or driven, `[n_nodes][3]`.
     pub fixed: Vec<bool>,
     /// The motions of the driven ones.
     pub drives: Vec<Drive>,
 }
 
-impl Given {
+impl Constraints {
     /// The given motion of the supports of a mesh.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports give one
     /// degree of freedom different things to do.
     pub fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
-        let mut given = Given { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
+        let mut constraints = Constraints { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
         for support in supports.clone() {
             if let Some(time) = support.until.filter(|time| !time.is_finite()) {
                 return Err(Error::NotFinite { what: "time of a release".into(), value: time });
             }
-            given.fix(mesh, support)?;
+            constraints.fix(mesh, support)?;
         }
         for support in supports.filter(|support| support.is_driven()) {
-            given.drive(mesh, support)?;
+            constraints.drive(mesh, support)?;
         }
-        given.fix_planes(mesh);
-        Ok(given)
+        constraints.fix_planes(mesh);
+        Ok(constraints)
     }
 
     fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
@@ -53,7 +53,7 @@ impl Given {
 
     fn drive(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
         let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
-        if let Some(time) = support.histories().find_map(|history| history.first_jump()) {
+        if let Some(time) = support.time_functions().find_map(|time_function| time_function.first_jump()) {
             return Err(fail(format!("its motion jumps at t = {}; nothing moves so fast", short(time))));
         }
         let rotation = support.rotation.as_ref().map(normalised).transpose().map_err(fail)?;

@@ -10,7 +10,7 @@ use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
-use crate::average::Want;
+use crate::average::Request;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
@@ -133,7 +133,7 @@ impl Body {
         }
     }
 
-    /// Stage averages of the internal force; with [`Want::Tangent`] also the stage matrix
+    /// Stage averages of the internal force; with [`Request::Tangent`] also the stage matrix
     /// `mass_coefficients_ij M + tangent_factor df_i/dx_j`.
     ///
     /// # Errors
@@ -141,7 +141,7 @@ impl Body {
     pub fn assemble(
         &self,
         step: &StepInput<'_>,
-        want: Want,
+        request: Request,
         mass_coefficients: &[f64],
         assembly: &mut Assembly,
     ) -> Result<()> {
@@ -150,13 +150,13 @@ impl Body {
         let ground = StepInput { damping: StepDamping::default(), ..*step };
         let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
             sink.clear_force();
-            if want == Want::Tangent {
+            if request == Request::Tangent {
                 sink.set_blocks(&self.mass, mass_coefficients);
             }
             let terms = self.terms.iter().map(|term| (term, step));
             let mut terms = terms.chain(self.ground.iter().map(|term| (term, &ground)));
-            part.outcome =
-                terms.try_for_each(|(term, step)| term.assemble(step, want, index, &mut part.scratch, sink));
+            part.outcome = terms
+                .try_for_each(|(term, step)| term.assemble(step, request, index, &mut part.scratch, sink));
         };
         if rows.len() == 1 {
             rows.iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
@@ -234,7 +234,8 @@ impl Body {
             sink.clear_force();
             let mut terms = self.ground.iter();
             let step = &StepInput { damping: StepDamping::default(), ..*step };
-            terms.try_for_each(|term| term.assemble(step, Want::Stress, index, &mut part.scratch, sink))?;
+            terms
+                .try_for_each(|term| term.assemble(step, Request::Stress, index, &mut part.scratch, sink))?;
         }
         assembly.matrix.copy_force(force);
         Ok(())

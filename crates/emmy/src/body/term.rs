@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::integral::Scratch;
 use super::step::StepInput;
 use super::viscosity::Viscosity;
-use crate::average::Want;
+use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::sparse::{Pattern, RowPart};
 
@@ -65,7 +65,7 @@ pub trait Term: fmt::Debug + Send + Sync {
     fn assemble(
         &self,
         step: &StepInput<'_>,
-        want: Want,
+        request: Request,
         part: usize,
         scratch: &mut Scratch,
         sink: &mut RowPart,

@@ -57,20 +57,20 @@ impl Motion<'_> {
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), MarchError> {
         loop {
-            let (size, end) = self.subdivision.next(step);
-            if let Err(error) = self.step_with_end(size, end) {
+            let (size, until) = self.subdivision.next(step);
+            if let Err(error) = self.step_with_end(size, until) {
                 let cut = self.cut(step, size, error);
                 self.tell(observers)?;
                 cut?;
                 continue;
             }
-            let passed = self.subdivision.pass();
-            if passed.has_grown {
+            let end = self.subdivision.pass();
+            if end.has_grown {
                 self.note(EventKind::Grown, self.state.step, format!("step size back to {}", 2.0 * size));
             }
             self.notify(observers)?;
             self.check_digits()?;
-            if passed.is_done {
+            if end.is_done {
                 return Ok(());
             }
         }

@@ -46,12 +46,12 @@ impl fmt::Display for Unresolved {
 /// shorter may be missed. No element is evaluated.
 ///
 /// ```
-/// use emmy::{body::{Body, History, Load, LoadKind, Region}, material::NeoHooke, mesh};
+/// use emmy::{body::{Body, TimeFunction, Load, LoadKind, Region}, material::NeoHooke, mesh};
 /// use emmy::{motion::{Phase, Resolution, StepPlan}, time::TimeElement};
-/// let pulse = History::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
+/// let pulse = TimeFunction::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
 /// let kind = LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] };
 /// let region = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
-/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(region).load(Load { kind, history: pulse }).build()?;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(region).load(Load { kind, time_function: pulse }).build()?;
 /// let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 2.0 }])?;
 /// let resolution = Resolution::new(&body, TimeElement::discrete_gradient(1)?, &plan).unwrap();
 /// let missed = resolution.unresolved(4.0, 2.0).unwrap();
@@ -94,7 +94,7 @@ struct Comparison {
 
 /// Panels of a plan, for all functions together, and the fewest of each.
 const PANELS: usize = 1 << 14;
-const FEWEST_PANELS: usize = 1 << 8;
+const MIN_PANELS: usize = 1 << 8;
 
 /// Times at which the largest size of a function is looked for, in each panel.
 const SAMPLES: usize = 4;
@@ -110,7 +110,7 @@ const TIGHTEST: f64 = 1e-8;
 const LOOSEST: f64 = 1e-3;
 
 /// Steps of a plan that are looked at before a run.
-const MOST_STEPS: usize = 100_000;
+const MAX_STEPS: usize = 100_000;
 
 impl Resolution {
     /// The check of a plan; `None` if no smooth function of time acts on the body.
@@ -121,7 +121,7 @@ impl Resolution {
             return None;
         }
         let (start, duration) = (plan.start(), plan.end() - plan.start());
-        let panels = (PANELS / signals.len()).max(FEWEST_PANELS);
+        let panels = (PANELS / signals.len()).max(MIN_PANELS);
         let n_samples = SAMPLES * panels;
         let largest = |signal: &Signal| {
             let times = (0..=n_samples).map(|i| start + duration * i as f64 / n_samples as f64);
@@ -152,7 +152,7 @@ impl Resolution {
             return (0, None);
         }
         let mut missed =
-            plan.steps().take(MOST_STEPS).filter_map(|step| self.unresolved(step.start, step.size));
+            plan.steps().take(MAX_STEPS).filter_map(|step| self.unresolved(step.start, step.size));
         let first = missed.next();
         (usize::from(first.is_some()) + missed.count(), first)
     }
@@ -285,7 +285,7 @@ fn rule_and_points(scheme: Scheme, degree: usize) -> (Rule, Quadrature<1>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{History, Load, LoadKind, Region, Support};
+    use crate::body::{Load, LoadKind, Region, Support, TimeFunction};
     use crate::material::NeoHooke;
     use crate::mesh;
     use crate::motion::Phase;
@@ -294,14 +294,16 @@ mod tests {
     const DGM: TimeElement =
         TimeElement { rule: AveragingRule::DiscreteGradient, degree: 1, spectral_radius: None };
 
-    fn body(history: History, moves: Option<History>) -> Body {
+    fn body(time_function: TimeFunction, moves: Option<TimeFunction>) -> Body {
         let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         let mesh = mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-        let load =
-            Load { kind: LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] }, history };
-        let driven = moves.map(|history| Support {
+        let load = Load {
+            kind: LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] },
+            time_function,
+        };
+        let driven = moves.map(|time_function| Support {
             group: "y-min".to_string(),
-            displacement: [Some(history), None, None],
+            displacement: [Some(time_function), None, None],
             ..Default::default()
         });
         Body::builder(mesh)
@@ -312,8 +314,8 @@ mod tests {
             .unwrap()
     }
 
-    fn pulse(at: f64, width: f64) -> History {
-        History::smooth(&format!("pulse {at} {width}"), move |t| {
+    fn pulse(at: f64, width: f64) -> TimeFunction {
+        TimeFunction::smooth(&format!("pulse {at} {width}"), move |t| {
             [(-((t - at) / width).powi(2)).exp(), 0.0, 0.0]
         })
     }
@@ -326,7 +328,7 @@ mod tests {
     #[test]
     fn tables_need_no_check() {
         let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
-        let body = body(History::new(vec![(4.99, 0.0), (5.0, 1.0), (5.01, 0.0)]).unwrap(), None);
+        let body = body(TimeFunction::new(vec![(4.99, 0.0), (5.0, 1.0), (5.01, 0.0)]).unwrap(), None);
         assert!(Resolution::new(&body, DGM, &plan).is_none());
     }
 
@@ -356,7 +358,7 @@ mod tests {
     #[test]
     fn a_resolved_oscillation_is_none_that_is_missed() {
         let omega = 2.0 * std::f64::consts::PI;
-        let sine = History::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);
+        let sine = TimeFunction::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);
         for scheme in [DGM.into(), Scheme::CentralDifferences] {
             let resolution = resolution(&body(sine.clone(), Some(sine.clone())), scheme);
             for step in 0..20 {
@@ -367,7 +369,7 @@ mod tests {
 
     #[test]
     fn adaptive_steps_shrink_until_they_resolve_loads_and_given_motions() {
-        let at_rest = History::smooth("zero", |_| [0.0; 3]);
+        let at_rest = TimeFunction::smooth("zero", |_| [0.0; 3]);
         for (body, degree) in [
             (body(pulse(5.0, 0.01), None), 1),
             (body(at_rest.clone(), Some(pulse(5.0, 0.01))), 1),

@@ -24,7 +24,7 @@ pub const GOOD_STEPS: u32 = 4;
 
 /// State of the subdivision after a substep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Passed {
+pub struct SubstepEnd {
     /// Whether the planned step is done.
     pub is_done: bool,
     /// Whether the next steps are larger.
@@ -53,7 +53,7 @@ impl Subdivision {
     }
 
     /// Notes that a substep is done.
-    pub fn pass(&mut self) -> Passed {
+    pub fn pass(&mut self) -> SubstepEnd {
         self.substep += 1;
         self.successes += 1;
         let has_grown = self.halvings > 0 && self.successes >= GOOD_STEPS && self.substep.is_multiple_of(2);
@@ -64,7 +64,7 @@ impl Subdivision {
         if is_done {
             self.substep = 0;
         }
-        Passed { is_done, has_grown }
+        SubstepEnd { is_done, has_grown }
     }
 
     fn n_substeps(&self) -> u64 {

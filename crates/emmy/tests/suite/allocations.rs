@@ -1,7 +1,7 @@
 //! Nothing is allocated inside a step once the first ones are done.
 
 use allocation_counter::measure;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support, Viscosity};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::{Estimator, LocalError, Scheme};
@@ -11,8 +11,8 @@ use crate::shared::schemes::{DGM, at, element};
 /// With driven nodes: a table and an expression, by time elements.
 #[test]
 fn a_step_with_supports_that_move_allocates_nothing() {
-    let table = History::new(vec![(0.0, 0.0), (0.105, 0.01), (1.13, 0.02), (2.0, 0.0)]).unwrap();
-    let angle = History::smooth("0.1 sin(9 t)", |t| [0.1 * (9.0 * t).sin(), 0.9 * (9.0 * t).cos(), 0.0]);
+    let table = TimeFunction::new(vec![(0.0, 0.0), (0.105, 0.01), (1.13, 0.02), (2.0, 0.0)]).unwrap();
+    let angle = TimeFunction::smooth("0.1 sin(9 t)", |t| [0.1 * (9.0 * t).sin(), 0.9 * (9.0 * t).cos(), 0.0]);
     let rotation = Some(Rotation { axis: [0.0, 1.0, 0.0], about: [0.5; 3], angle });
     let supports = [
         Support { group: "y-min".into(), rotation, ..Default::default() },
@@ -68,11 +68,11 @@ fn an_estimate_of_the_error_allocates_nothing() {
 fn a_step_allocates_nothing() {
     let load = Load {
         kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
-        history: History::new(vec![(0.0, 0.0), (0.105, 1.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (0.105, 1.0)]).unwrap(),
     };
     let pressure = Load {
         kind: LoadKind::Pressure { group: "y-max".into(), pressure: 2.0 },
-        history: History::new(vec![(0.0, 0.0), (0.107, 1.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (0.107, 1.0)]).unwrap(),
     };
     // One part: the thread pool would allocate for its own queues.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -1,7 +1,7 @@
 //! Balances of energy and momentum under loads and supports (section 6 of the method): identities of the schemes that
-//! conserve, at round-off in every step, whatever the steps have to do with the kinks of the histories.
+//! conserve, at round-off in every step, whatever the steps have to do with the kinks of the time functions.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
@@ -12,8 +12,8 @@ fn rubber() -> Region {
     Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7)
 }
 
-fn history(entries: &[(f64, f64)]) -> History {
-    History::new(entries.to_vec()).unwrap()
+fn time_function(entries: &[(f64, f64)]) -> TimeFunction {
+    TimeFunction::new(entries.to_vec()).unwrap()
 }
 
 /// A traction with a kink and a jump, a force, and gravity that is switched on: none of it where a step ends.
@@ -24,10 +24,10 @@ fn loads() -> Vec<Load> {
     vec![
         Load {
             kind: traction,
-            history: history(&[(0.0, 0.0), (0.13, 1.0), (0.21, 1.0), (0.21, -0.5), (0.33, 0.0)]),
+            time_function: time_function(&[(0.0, 0.0), (0.13, 1.0), (0.21, 1.0), (0.21, -0.5), (0.33, 0.0)]),
         },
-        Load { kind: force, history: history(&[(0.05, 0.0), (0.3, 1.0)]) },
-        Load { kind: gravity, history: History::constant() },
+        Load { kind: force, time_function: time_function(&[(0.05, 0.0), (0.3, 1.0)]) },
+        Load { kind: gravity, time_function: TimeFunction::constant() },
     ]
 }
 
@@ -101,19 +101,19 @@ fn defects_of_standard_rules_are_seen() {
 #[test]
 fn forces_at_nodes_add_up() {
     let kind = LoadKind::NodalForce { group: "y-max".into(), force: [0.0, 2.0, -1.0] };
-    let records = records(&[], &[Load { kind, history: History::constant() }], DGM, 1);
+    let records = records(&[], &[Load { kind, time_function: TimeFunction::constant() }], DGM, 1);
     assert_closed(&records, "forces at nodes");
     let change = |d: usize| records[records.len() - 1].linear_momentum[d] - records[0].linear_momentum[d];
     let duration = records[records.len() - 1].time - records[0].time;
     assert!((change(1) - 4.0 * 2.0 * duration).abs() < 1e-12 && (change(2) + 4.0 * duration).abs() < 1e-12);
 }
 
-/// The impulse of a load is the integral of its history; a free body's momentum is exactly that.
+/// The impulse of a load is the integral of its time function; a free body's momentum is exactly that.
 #[test]
 fn momentum_is_the_integral_of_the_load() {
     let load = Load {
         kind: LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
-        history: history(&[(0.02, 0.0), (0.1, 1.0), (0.15, 1.0), (0.15, 0.0)]),
+        time_function: time_function(&[(0.02, 0.0), (0.1, 1.0), (0.15, 1.0), (0.15, 0.0)]),
     };
     let records = records(&[], &[load], assumed_strain(2), 2);
     let before = records[0].linear_momentum[0] - 3.0 * (0.01 * 0.01 / 0.08 / 2.0);
@@ -127,7 +127,7 @@ fn momentum_is_the_integral_of_the_load() {
 fn free_fall() {
     let gravity = Load {
         kind: LoadKind::Acceleration { group: Some("body".into()), acceleration: [0.0, 0.0, -10.0] },
-        history: History::constant(),
+        time_function: TimeFunction::constant(),
     };
     for degree in 1..=2 {
         let body = Body::builder(emmy::mesh::block([1.0; 3], [2; 3]).unwrap())

@@ -1,7 +1,7 @@
 //! Steppers that are not time elements, in large rotation and under loads: what they conserve, what they do not.
 
 use emmy::Error;
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::element::element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, MeshBuilder};
@@ -26,10 +26,10 @@ fn spin() -> InitialVelocity {
 }
 
 fn tractions() -> Vec<Load> {
-    let ramp = || History::new(vec![(0.0, 0.0), (0.11, 1.0), (0.29, -0.5)]).unwrap();
+    let ramp = || TimeFunction::new(vec![(0.0, 0.0), (0.11, 1.0), (0.29, -0.5)]).unwrap();
     let traction = |group: &str, traction| Load {
         kind: LoadKind::Traction { group: group.into(), traction },
-        history: ramp(),
+        time_function: ramp(),
     };
     vec![traction("face-a", [256.0, 512.0, 768.0]), traction("face-b", [-200.0, 100.0, 300.0])]
 }
@@ -124,7 +124,7 @@ fn average_acceleration_is_the_time_element_with_the_trapezoidal_rule() {
 fn free_fall_is_exact() {
     let gravity = Load {
         kind: LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -10.0] },
-        history: History::constant(),
+        time_function: TimeFunction::constant(),
     };
     let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(mesh).region(rubber()).load(gravity).build().unwrap();
@@ -204,7 +204,7 @@ fn lumped_masses_are_positive() {
 fn the_critical_step_follows_the_deformation() {
     let press = Load {
         kind: LoadKind::Traction { group: "x-max".into(), traction: [-3000.0, 0.0, 0.0] },
-        history: History::new(vec![(0.0, 0.0), (10.0, 1.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (10.0, 1.0)]).unwrap(),
     };
     let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
     let wall = Support { group: "x-min".into(), fix: [true, false, false], ..Default::default() };

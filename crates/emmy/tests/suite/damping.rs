@@ -1,6 +1,8 @@
 //! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, PointTerms, Region, Support, Viscosity};
+use emmy::body::{
+    Body, InitialVelocity, Load, LoadKind, PointTerms, Region, Support, TimeFunction, Viscosity,
+};
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
@@ -114,7 +116,7 @@ fn a_viscous_spring_and_a_braked_mass_decay_as_in_theory() {
 
 /// A unit cube of one cell whose face x = 1 moves with a velocity, while the rest is held: F = I + t velocity x e_x.
 fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
-    let along = |v: f64| (v != 0.0).then(|| History::smooth("v*t", move |t| [v * t, v, 0.0]));
+    let along = |v: f64| (v != 0.0).then(|| TimeFunction::smooth("v*t", move |t| [v * t, v, 0.0]));
     let held = Support { group: "x-min".into(), fix: [true; 3], ..Support::default() };
     let moved = Support {
         group: "x-max".into(),
@@ -228,7 +230,7 @@ fn balances_close_with_viscosity_drag_loads_and_supports() {
     let viscosity = Viscosity { time: 0.01, shear: 0.2, bulk: 0.1 };
     let pull = Load {
         kind: LoadKind::Traction { group: "z-max".into(), traction: [0.5, -0.3, 0.4] },
-        history: History::new(vec![(0.0, 0.0), (0.33, 1.0), (0.7, 0.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (0.33, 1.0), (0.7, 0.0)]).unwrap(),
     };
     let held = Support { group: "z-min".into(), fix: [true; 3], ..Support::default() };
     for supports in [vec![], vec![held]] {
@@ -253,7 +255,7 @@ fn balances_close_with_viscosity_drag_loads_and_supports() {
 
 #[test]
 fn balances_close_where_a_support_moves_a_damped_body() {
-    let rate = History::smooth("0.3*sin(2*t)", |t| {
+    let rate = TimeFunction::smooth("0.3*sin(2*t)", |t| {
         let (sin, cos) = (2.0 * t).sin_cos();
         [0.3 * sin, 0.6 * cos, -1.2 * sin]
     });
@@ -521,7 +523,7 @@ fn what_does_not_go_together_is_refused() {
     }
     let driven = Support {
         group: "z-max".into(),
-        displacement: [Some(History::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0])), None, None],
+        displacement: [Some(TimeFunction::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0])), None, None],
         ..Support::default()
     };
     let body = block(Viscosity::default(), &[driven], &[]);

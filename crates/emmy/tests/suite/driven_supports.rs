@@ -1,6 +1,6 @@
 //! Supports that move: against solutions in closed form, balances at round-off, order of accuracy.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Rotation, Support};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};
 use emmy::time::Scheme;
@@ -8,22 +8,22 @@ use emmy::{Error, mesh};
 
 use crate::shared::schemes::{DGM, assumed_strain, at};
 
-fn table(entries: &[(f64, f64)]) -> History {
-    History::new(entries.to_vec()).unwrap()
+fn table(entries: &[(f64, f64)]) -> TimeFunction {
+    TimeFunction::new(entries.to_vec()).unwrap()
 }
 
 /// A sin(w t).
-fn sine(amplitude: f64, w: f64) -> History {
-    History::smooth(&format!("{amplitude} sin({w} t)"), move |t| {
+fn sine(amplitude: f64, w: f64) -> TimeFunction {
+    TimeFunction::smooth(&format!("{amplitude} sin({w} t)"), move |t| {
         [amplitude * (w * t).sin(), amplitude * w * (w * t).cos(), -amplitude * w * w * (w * t).sin()]
     })
 }
 
-fn moved(group: &str, displacement: [Option<History>; 3]) -> Support {
+fn moved(group: &str, displacement: [Option<TimeFunction>; 3]) -> Support {
     Support { group: group.into(), displacement, ..Default::default() }
 }
 
-fn turned(group: &str, axis: [f64; 3], about: [f64; 3], angle: History) -> Support {
+fn turned(group: &str, axis: [f64; 3], about: [f64; 3], angle: TimeFunction) -> Support {
     let rotation = Some(Rotation { axis, about, angle });
     Support { group: group.into(), rotation, ..Default::default() }
 }
@@ -47,7 +47,7 @@ fn march(
 #[test]
 fn a_block_that_is_carried_along() {
     let parabola =
-        |a: f64| Some(History::smooth(&format!("{a} t^2/2"), move |t| [a * t * t / 2.0, a * t, a]));
+        |a: f64| Some(TimeFunction::smooth(&format!("{a} t^2/2"), move |t| [a * t * t / 2.0, a * t, a]));
     let supports = [moved("body", [parabola(3.0), None, parabola(4.0)])];
     let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
     let body = Body::builder(mesh::block([1.0; 3], [2; 3]).unwrap())
@@ -111,8 +111,8 @@ fn balances_close_under_loads_with_kinks_inside_steps() {
     let force = LoadKind::Force { group: "x-max".into(), force: [0.0, 30.0, 40.0] };
     let gravity = LoadKind::Acceleration { group: None, acceleration: [1.0, -9.81, 2.0] };
     let loads = [
-        Load { kind: force, history: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) },
-        Load { kind: gravity, history: sine(1.0, 20.0) },
+        Load { kind: force, time_function: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) },
+        Load { kind: gravity, time_function: sine(1.0, 20.0) },
     ];
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7);
     let mesh = mesh::block([1.0, 3.0, 1.0], [1, 4, 1]).unwrap();
@@ -139,7 +139,7 @@ fn balances_close_under_loads_with_kinks_inside_steps() {
 #[test]
 fn a_driven_face_keeps_a_spin() {
     let (omega, about) = (2.0, [0.5, 0.5, 0.0]);
-    let angle = History::smooth("2 t", |t| [2.0 * t, 2.0, 0.0]);
+    let angle = TimeFunction::smooth("2 t", |t| [2.0 * t, 2.0, 0.0]);
     let supports = [turned("z-min", [0.0, 0.0, 3.0], about, angle)];
     let stiff = Region::new(SaintVenantKirchhoff::new(1e5, 1e5).unwrap(), 1.5);
     let body = Body::builder(mesh::block([1.0, 1.0, 2.0], [2, 2, 3]).unwrap())
@@ -169,7 +169,7 @@ fn a_driven_face_keeps_a_spin() {
 fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
     let (axis, about) = ([2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], [0.3, -0.4, 0.2]);
     let turns = [
-        History::smooth("0.7 t + sin(2 t)", |t| {
+        TimeFunction::smooth("0.7 t + sin(2 t)", |t| {
             let (sin, cos) = (2.0 * t).sin_cos();
             [0.7 * t + sin, 0.7 + 2.0 * cos, -4.0 * sin]
         }),
@@ -261,7 +261,7 @@ fn what_cannot_be_driven_is_refused() {
         let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
         Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).supports(supports).build()
     };
-    let along = |history: History| moved("x-min", [Some(history), None, None]);
+    let along = |time_function: TimeFunction| moved("x-min", [Some(time_function), None, None]);
     let jump = body(&[along(table(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]))]);
     assert!(matches!(jump, Err(Error::Support { .. })));
     let twice = body(&[along(sine(1.0, 1.0)), moved("y-min", [Some(sine(1.0, 1.0)), None, None])]);
@@ -283,7 +283,7 @@ fn what_cannot_be_driven_is_refused() {
 /// t = 0.7. Momenta go on as they are, and in free flight energy and momenta stay.
 #[test]
 fn a_swing_that_is_released() {
-    let angle = History::smooth("3 t^2", |t| [3.0 * t * t, 6.0 * t, 6.0]);
+    let angle = TimeFunction::smooth("3 t^2", |t| [3.0 * t * t, 6.0 * t, 6.0]);
     let plane = Support { group: "z-min".into(), symmetry: true, until: Some(0.7), ..Default::default() };
     let mut swing = turned("y-min", [0.0, 0.0, 1.0], [0.5, -2.0, 0.0], angle);
     (swing.rotation, swing.until) = (swing.rotation.take(), Some(0.5));
@@ -321,7 +321,7 @@ fn a_swing_that_is_released() {
 fn every_scheme_releases() {
     let held = Support { group: "z-max".into(), fix: [true; 3], until: Some(0.2), ..Default::default() };
     let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -10.0] };
-    let gravity = Load { kind, history: History::constant() };
+    let gravity = Load { kind, time_function: TimeFunction::constant() };
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap())
         .region(rubber)

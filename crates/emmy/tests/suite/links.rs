@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use emmy::body::{Body, GroundAttraction, GroundSpring, History, InitialVelocity, Load, LoadKind};
+use emmy::body::{Body, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, TimeFunction};
 use emmy::body::{PointMass, PointTerms, Region, Support};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
@@ -185,7 +185,7 @@ fn point_masses_fall() {
     let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
     let nodal = PointTerms { masses: masses(&[0.5, 2.0]), ..Default::default() };
     let kind = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -9.81] };
-    let gravity = Load { kind, history: History::constant() };
+    let gravity = Load { kind, time_function: TimeFunction::constant() };
     let spring = vec![Region::links(Link::spring(8.0, None).unwrap(), 0.0)];
     let body = Body::builder(mesh).regions(spring).point_terms(nodal.clone()).load(gravity).build().unwrap();
     let mut motion = motion(&body, "DGM", 1, State::initial(&body, 0.0, &[]).unwrap());

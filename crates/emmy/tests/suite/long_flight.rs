@@ -3,7 +3,7 @@
 //!
 //! The quick form runs with the other tests; the full one, 10,000 steps, by `.ci/run` and `just validate`.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, TimeFunction};
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 
@@ -14,7 +14,7 @@ fn drift_of_block(scheme: &str, steps: usize) -> (f64, f64) {
     let traction = [256.0, 512.0, 768.0].map(|t| t / 9.0);
     let loads = [("face-a", 1.0), ("face-b", -1.0)].map(|(group, sign)| Load {
         kind: LoadKind::Traction { group: group.into(), traction: traction.map(|t| sign * t) },
-        history: History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap(),
     });
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5);
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber).loads(&loads).build().unwrap();

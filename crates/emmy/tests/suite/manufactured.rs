@@ -10,7 +10,7 @@
 use crate::shared::patch::Patch;
 use crate::shared::plane_patch::plane_patch;
 use crate::shared::schemes::{DGM, at};
-use emmy::body::{Body, Field, History, Load, LoadKind, Region, Support};
+use emmy::body::{Body, Field, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::element::{element, jacobian};
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh};
@@ -96,7 +96,7 @@ fn body(mesh: Mesh, given: Given) -> Body {
         kinds.push(LoadKind::TractionField { group: group.into(), field });
     }
     let loads: Vec<Load> =
-        kinds.into_iter().map(|kind| Load { kind, history: History::constant() }).collect();
+        kinds.into_iter().map(|kind| Load { kind, time_function: TimeFunction::constant() }).collect();
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
     let rubber = Region::new(NeoHooke::new(LAMBDA, MU).unwrap(), DENSITY);
     Body::builder(mesh).region(rubber).support(clamp).loads(&loads).build().unwrap()

@@ -5,8 +5,10 @@
 use crate::shared::flight::every_kind_flies;
 use crate::shared::plane_patch::plane_patch;
 use crate::shared::schemes::{DGM, at};
-use emmy::average::{Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
+use emmy::average::{Request, Rule};
+use emmy::body::{
+    Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support, TimeFunction,
+};
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, block, rectangle};
 use emmy::motion::{Motion, NewtonSettings, State};
@@ -38,7 +40,7 @@ fn tractions(P: [[f64; 2]; 2]) -> Vec<Load> {
         for (side, sign) in [("min", -1.0), ("max", 1.0)] {
             let traction = [sign * P[0][axis], sign * P[1][axis], 0.0];
             let kind = LoadKind::Traction { group: format!("{name}-{side}"), traction };
-            loads.push(Load { kind, history: History::constant() });
+            loads.push(Load { kind, time_function: TimeFunction::constant() });
         }
     }
     loads
@@ -54,7 +56,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         damping: StepDamping::default(),
     };
     let mut assembly = body.assembly(1);
-    body.assemble(&step, Want::Stress, &[0.0], &mut assembly).unwrap();
+    body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();
     let mut force = vec![0.0; body.n_dofs()];
     assembly.matrix.copy_force(&mut force);
     force
@@ -94,11 +96,11 @@ fn every_kind_flies_free_with_three_materials() {
     every_kind_flies(&CellKind::PLANES, |kind| plane_patch(kind, 3), &field);
 }
 
-/// History of a cantilever that is loaded at its end: energies and the position of a corner.
+/// TimeFunction of a cantilever that is loaded at its end: energies and the position of a corner.
 fn cantilever(mesh: Mesh, thickness: f64, supports: &[Support]) -> Vec<[f64; 4]> {
     let region = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(thickness);
     let kind = LoadKind::Traction { group: "y-max".into(), traction: [20.0, 5.0, 0.0] };
-    let load = Load { kind, history: History::new(vec![(0.0, 0.0), (0.1, 1.0)]).unwrap() };
+    let load = Load { kind, time_function: TimeFunction::new(vec![(0.0, 0.0), (0.1, 1.0)]).unwrap() };
     let corner = mesh.nearest_node([0.0, 4.0, 0.0]);
     let body = Body::builder(mesh).region(region).supports(supports).load(load).build().unwrap();
     let state = State::initial(&body, 0.0, &[]).unwrap();

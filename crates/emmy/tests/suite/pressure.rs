@@ -6,8 +6,10 @@ use std::collections::HashMap;
 
 use crate::shared::patch::Patch;
 use crate::shared::schemes::{DGM, at};
-use emmy::average::{FollowerRule, Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support};
+use emmy::average::{FollowerRule, Request, Rule};
+use emmy::body::{
+    Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support, TimeFunction,
+};
 use emmy::element::facet_element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
@@ -16,8 +18,8 @@ use emmy::time::Scheme;
 
 const PRESSURE: f64 = 80.0;
 
-fn pressure(group: &str, history: History) -> Load {
-    Load { kind: LoadKind::Pressure { group: group.into(), pressure: PRESSURE }, history }
+fn pressure(group: &str, time_function: TimeFunction) -> Load {
+    Load { kind: LoadKind::Pressure { group: group.into(), pressure: PRESSURE }, time_function }
 }
 
 fn body(mesh: Mesh, supports: &[Support], load: Load) -> Body {
@@ -135,7 +137,7 @@ fn keeps_the_sum(body: &Body, group: &str, scheme: &str, k: usize) {
 #[test]
 fn pressure_around_a_body_has_a_potential_for_every_kind_of_facet() {
     for kind in CellKind::SOLIDS {
-        let body = body(cube(kind), &[], pressure("surface", History::constant()));
+        let body = body(cube(kind), &[], pressure("surface", TimeFunction::constant()));
         (1..=2).for_each(|k| keeps_the_sum(&body, "surface", "DGM", k));
     }
 }
@@ -143,7 +145,7 @@ fn pressure_around_a_body_has_a_potential_for_every_kind_of_facet() {
 /// For the neo-Hookean material many inner points make AS exact up to round-off.
 #[test]
 fn pressure_in_a_cavity_has_a_potential() {
-    let body = body(hollow(), &[], pressure("cavity", History::constant()));
+    let body = body(hollow(), &[], pressure("cavity", TimeFunction::constant()));
     for (scheme, k) in [("DGM", 1), ("DGM", 2), ("DGM", 3), ("AS(12)", 1), ("AS(12)", 2)] {
         keeps_the_sum(&body, "cavity", scheme, k);
     }
@@ -159,7 +161,7 @@ fn drift(body: &Body, scheme: &str, k: usize, n: usize) -> f64 {
 /// FE(k) evaluates the pressure at the k Gauss points, where a closed surface has no moment whatever its shape.
 #[test]
 fn closed_surfaces_have_no_moment_with_fe_k() {
-    let body = body(cube(CellKind::Hex20), &[], pressure("surface", History::constant()));
+    let body = body(cube(CellKind::Hex20), &[], pressure("surface", TimeFunction::constant()));
     for k in 1..=3 {
         assert!(drift(&body, &format!("FE({k})"), k, 10) < 1e-12, "k = {k}");
     }
@@ -168,7 +170,7 @@ fn closed_surfaces_have_no_moment_with_fe_k() {
 /// With the averages that have the exact work the moment of a closed surface is of order 2k in the step.
 #[test]
 fn moments_of_closed_surfaces_are_of_order_2k_with_dgm() {
-    let body = body(cube(CellKind::Hex8), &[], pressure("surface", History::constant()));
+    let body = body(cube(CellKind::Hex8), &[], pressure("surface", TimeFunction::constant()));
     for (k, n) in [(1, 10), (2, 5)] {
         let (coarse, fine) = (drift(&body, "DGM", k, n), drift(&body, "DGM", k, 2 * n));
         let order = (coarse / fine).log2();
@@ -176,14 +178,14 @@ fn moments_of_closed_surfaces_are_of_order_2k_with_dgm() {
     }
 }
 
-/// A history with a kink and a jump inside steps, one face, a clamped one: work and reactions close the balances.
+/// A time function with a kink and a jump inside steps, one face, a clamped one: work and reactions close the balances.
 #[test]
-fn balances_close_with_histories_and_supports() {
-    let history =
-        History::new(vec![(0.0, 0.0), (0.033, 1.0), (0.071, 1.0), (0.071, -0.5), (0.2, 0.3)]).unwrap();
+fn balances_close_with_time_functions_and_supports() {
+    let time_function =
+        TimeFunction::new(vec![(0.0, 0.0), (0.033, 1.0), (0.071, 1.0), (0.071, -0.5), (0.2, 0.3)]).unwrap();
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
     for kind in [CellKind::Hex8, CellKind::Tet10] {
-        let body = body(cube(kind), std::slice::from_ref(&clamp), pressure("x-max", history.clone()));
+        let body = body(cube(kind), std::slice::from_ref(&clamp), pressure("x-max", time_function.clone()));
         for (scheme, k) in [("DGM", 1), ("DGM", 2), ("AS(12)", 2)] {
             for (record, _) in flight(&body, "surface", scheme, k, (15, 0.01)) {
                 assert!(record.energy_residual.abs() < 1e-11, "{kind} {scheme} {k}: {record:?}");
@@ -199,7 +201,7 @@ fn balances_close_with_histories_and_supports() {
 #[test]
 fn tangent_is_consistent() {
     let kind = CellKind::Wedge15;
-    let body = body(cube(kind), &[], pressure("surface", History::constant()));
+    let body = body(cube(kind), &[], pressure("surface", TimeFunction::constant()));
     let (n, h2) = (body.n_dofs(), 0.04);
     let noise = |i: usize, seed: f64| 0.1 * ((i as f64 + seed) * 0.618_034).fract();
     for rule in [Rule::discrete_gradient(1), Rule::discrete_gradient(2)] {
@@ -230,7 +232,7 @@ fn tangent_is_consistent() {
             damping: StepDamping::default(),
         };
         let mut assembly = body.assembly(k);
-        body.assemble(&step, Want::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
+        body.assemble(&step, Request::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();
         let mut product = |add: bool| {
             if add {
                 body.add_follower_tangent(&step, &follower, &factors, &mut assembly);
@@ -251,7 +253,7 @@ fn tangent_is_consistent() {
 #[test]
 fn newton_converges_quadratically() {
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
-    let body = body(cube(CellKind::Hex8), &[clamp], pressure("x-max", History::constant()));
+    let body = body(cube(CellKind::Hex8), &[clamp], pressure("x-max", TimeFunction::constant()));
     for (scheme, k) in [("DGM", 1), ("DGM", 2), ("FE(1)", 1), ("Newmark(0.25, 0.5)", 1), ("HHT(0.1)", 1)] {
         let settings = NewtonSettings { exact_tangent: true, ..Default::default() };
         let flight = flight_with(settings, &body, "surface", (scheme, k), (15, 0.01));
@@ -263,9 +265,10 @@ fn newton_converges_quadratically() {
 /// Every scheme keeps its order with a pressure that changes in time, on one face only.
 #[test]
 fn orders_in_time() {
-    let history =
-        History::smooth("cos(8 t)", |t| [(8.0 * t).cos(), -8.0 * (8.0 * t).sin(), -64.0 * (8.0 * t).cos()]);
-    let body = body(emmy::mesh::block([1.0; 3], [1; 3]).unwrap(), &[], pressure("z-max", history));
+    let time_function = TimeFunction::smooth("cos(8 t)", |t| {
+        [(8.0 * t).cos(), -8.0 * (8.0 * t).sin(), -64.0 * (8.0 * t).cos()]
+    });
+    let body = body(emmy::mesh::block([1.0; 3], [1; 3]).unwrap(), &[], pressure("z-max", time_function));
     let orders = [
         ("DGM", 1, 8, 2.0),
         ("DGM", 2, 6, 4.0),
@@ -304,7 +307,7 @@ fn orders_in_time() {
 #[test]
 fn pressure_around_a_plane_body_has_a_potential() {
     let sides = ["x-min", "x-max", "y-min", "y-max"];
-    let loads = sides.map(|group| pressure(group, History::constant()));
+    let loads = sides.map(|group| pressure(group, TimeFunction::constant()));
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(0.5);
     let mesh = emmy::mesh::rectangle([1.0, 1.0], [2, 2]).unwrap();
     let body = Body::builder(mesh).region(rubber).loads(&loads).build().unwrap();

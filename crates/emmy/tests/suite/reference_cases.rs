@@ -1,6 +1,6 @@
 //! The L-shaped block of Betsch and Steinmann (2001), Section 5, against an independent implementation, to nine digits.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, TimeFunction};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 
@@ -28,7 +28,7 @@ fn hat_loads() -> [Load; 2] {
             group: group.to_string(),
             traction: [256.0, 512.0, 768.0].map(|t| sign * t / 9.0),
         },
-        history: History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap(),
+        time_function: TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap(),
     })
 }
 

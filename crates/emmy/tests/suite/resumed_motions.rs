@@ -1,6 +1,6 @@
 //! A motion that goes on from a snapshot is the motion itself, in every bit; steps that fail are cut and grow back.
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support, Viscosity};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, State, StepPlan};
 use emmy::sparse::Solver;
@@ -65,13 +65,13 @@ fn rubber() -> Region {
     Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.7)
 }
 
-fn table(entries: &[(f64, f64)]) -> History {
-    History::new(entries.to_vec()).unwrap()
+fn table(entries: &[(f64, f64)]) -> TimeFunction {
+    TimeFunction::new(entries.to_vec()).unwrap()
 }
 
 fn force() -> Load {
     let kind = LoadKind::Force { group: "y-max".into(), force: [0.0, 30.0, 40.0] };
-    Load { kind, history: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) }
+    Load { kind, time_function: table(&[(0.05, 0.0), (0.21, 1.0), (0.21, 0.3)]) }
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn families() -> Vec<(Scheme, usize, Solver)> {
 
 fn pressure() -> Load {
     let kind = LoadKind::Pressure { group: "x-max".into(), pressure: 40.0 };
-    Load { kind, history: table(&[(0.0, 1.0), (0.3, 0.6), (0.4, 0.0)]) }
+    Load { kind, time_function: table(&[(0.0, 1.0), (0.3, 0.6), (0.4, 0.0)]) }
 }
 
 #[test]

@@ -5,8 +5,8 @@
 
 use crate::shared::flight::every_kind_flies;
 use crate::shared::patch::Patch;
-use emmy::average::{Rule, Want};
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput};
+use emmy::average::{Request, Rule};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, TimeFunction};
 use emmy::element::element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
@@ -43,7 +43,7 @@ fn tractions(P: [[f64; 3]; 3]) -> Vec<Load> {
         for (side, sign) in [("min", -1.0), ("max", 1.0)] {
             let traction = [0, 1, 2].map(|i| sign * P[i][axis]);
             let kind = LoadKind::Traction { group: format!("{name}-{side}"), traction };
-            loads.push(Load { kind, history: History::constant() });
+            loads.push(Load { kind, time_function: TimeFunction::constant() });
         }
     }
     loads
@@ -64,7 +64,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         damping: StepDamping::default(),
     };
     let mut assembly = body.assembly(1);
-    body.assemble(&step, Want::Stress, &[0.0], &mut assembly).unwrap();
+    body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();
     let mut force = vec![0.0; body.n_dofs()];
     assembly.matrix.copy_force(&mut force);
     force
@@ -132,7 +132,7 @@ fn stiffness(kind: CellKind) -> Vec<Vec<f64>> {
         damping: StepDamping::default(),
     };
     let mut assembly = body.assembly(1);
-    body.assemble(&step, Want::Tangent, &[0.0], &mut assembly).unwrap();
+    body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();
     let column = |dof: usize| {
         let (mut x, mut y) = (zeros.clone(), zeros.clone());
         x[dof] = 1.0;

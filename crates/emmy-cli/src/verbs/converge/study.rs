@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::print::number;
 
 /// Largest memory of the samples of the reference \[bytes\].
-const MOST_MEMORY: f64 = 1.6e10;
+const MAX_MEMORY: f64 = 1.6e10;
 
 /// The study, checked.
 pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> {
@@ -148,7 +148,7 @@ fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
         }
     }
     let memory = 8.0 * n_times * n_dofs as f64;
-    if memory > MOST_MEMORY {
+    if memory > MAX_MEMORY {
         let what =
             format!("the reference would be kept at {n_times} times, which takes {:.0} GB", 1e-9 * memory);
         return Err(fault("--sizes", what, "use larger sizes or a shorter --window"));

@@ -64,7 +64,7 @@ pub(super) enum Kind {
     /// Lists of whole numbers by name.
     Groups,
     /// A table of the time or an expression.
-    History,
+    TimeFunction,
     /// A table.
     Table(&'static Section),
     /// One table or a list of them.
@@ -87,7 +87,7 @@ pub(super) enum Rule {
 }
 
 /// Most materials that a message names as homes of a key.
-const MOST_MODELS: usize = 3;
+const MAX_MODELS: usize = 3;
 
 /// A number.
 pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
@@ -226,7 +226,7 @@ impl Section {
         let table = around.or_else(|| tables.next())?;
         let name = match models.len() {
             _ if !models.contains(&table.name) => table.name.to_string(),
-            0..=MOST_MODELS => models.join(" or "),
+            0..=MAX_MODELS => models.join(" or "),
             _ => "a material".to_string(),
         };
         Some(format!("`{word}` belongs in {name}"))

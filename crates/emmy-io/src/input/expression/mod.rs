@@ -6,7 +6,7 @@
 mod jet;
 mod parse;
 
-use emmy::body::History;
+use emmy::body::TimeFunction;
 
 pub(super) use parse::{Mistake, parse};
 
@@ -103,8 +103,8 @@ impl Expression {
     }
 
     /// The history of the expression; `text` is what it was read from.
-    pub(super) fn history(self, text: &str) -> History {
-        History::smooth(text, move |time| self.at(time).0)
+    pub(super) fn time_function(self, text: &str) -> TimeFunction {
+        TimeFunction::smooth(text, move |time| self.at(time).0)
     }
 }
 
@@ -112,8 +112,8 @@ impl Expression {
 mod tests {
     use super::*;
 
-    fn history(text: &str) -> History {
-        parse(text).unwrap().history(text)
+    fn time_function(text: &str) -> TimeFunction {
+        parse(text).unwrap().time_function(text)
     }
 
     #[test]
@@ -132,7 +132,11 @@ mod tests {
             (" ( t ) ", t),
             ("log10(100) + ln(e)", 3.0),
         ] {
-            assert!((history(text).value(t) - value).abs() < 1e-14, "{text}: {}", history(text).value(t));
+            assert!(
+                (time_function(text).value(t) - value).abs() < 1e-14,
+                "{text}: {}",
+                time_function(text).value(t)
+            );
         }
     }
 

@@ -14,7 +14,7 @@ use crate::vtk::{FACETS, GROUP};
 const GMSH: &str = "gmsh:physical";
 
 /// Most values of an array that make groups of it.
-const MOST_VALUES: usize = 64;
+const MAX_VALUES: usize = 64;
 
 /// Adds the groups that the arrays stand for; `cells`: which cell of the body each cell of the file is.
 pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>]) -> Result<()> {
@@ -121,7 +121,7 @@ impl Draft {
             }
         }
         let is_numbering = members.len() > 1 && members.values().all(|members| members.len() == 1);
-        if is_numbering || members.len() > MOST_VALUES {
+        if is_numbering || members.len() > MAX_VALUES {
             return;
         }
         for (value, members) in members {

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use super::SolidTerm;
-use crate::average::Want;
+use crate::average::Request;
 use crate::body::StepInput;
 use crate::body::integral::BatchMemory;
 use crate::sparse::RowPart;
@@ -32,7 +32,7 @@ impl SolidTerm {
         &self,
         batch: usize,
         step: &StepInput<'_>,
-        want: Want,
+        request: Request,
         memory: &BatchMemory,
         sink: &mut RowPart,
     ) {
@@ -48,7 +48,7 @@ impl SolidTerm {
                     let force = &memory.force[stage * n + A];
                     sink.add_force(stage, node, [force[0].0[lane], force[1].0[lane], force[2].0[lane]]);
                 }
-                if want == Want::Tangent {
+                if request == Request::Tangent {
                     self.scatter_row((cell, A, lane), step, &memory.stiffness, sink);
                 }
             }

@@ -1,7 +1,7 @@
 //! Central differences: explicit, with lumped mass.
 
 use super::forces::{Forces, TimePoint};
-use crate::average::Want;
+use crate::average::Request;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::Outcome;
@@ -183,7 +183,7 @@ impl StabilityLimit {
 
     /// Sets the critical step at a displacement: `omega_max^2` is the largest eigenvalue of `M^-1 K`.
     fn estimate(&mut self, forces: &mut Forces<'_>, displacement: &[f64]) -> Result<()> {
-        forces.assemble(displacement, Want::Tangent)?;
+        forces.assemble(displacement, Request::Tangent)?;
         let mut square = 0.0;
         for _ in 0..MAX_ITERATIONS {
             let before = square;

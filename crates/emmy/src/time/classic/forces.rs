@@ -1,7 +1,7 @@
 //! Forces at one configuration and time: internal, external, reactions.
 
 use super::configurations;
-use crate::average::{Rule, Want};
+use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, MassSolver, StepDamping, StepInput};
 use crate::error::Result;
 use crate::quadrature::gauss;
@@ -30,11 +30,11 @@ impl<'a> Forces<'a> {
         }
     }
 
-    /// Assembles the internal force of a displacement; with [`Want::Tangent`] also its derivative K.
+    /// Assembles the internal force of a displacement; with [`Request::Tangent`] also its derivative K.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub fn assemble(&mut self, displacement: &[f64], want: Want) -> Result<()> {
+    pub fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
         let step = StepInput {
             rule: &self.rule,
             tangent_factor: 1.0,
@@ -42,7 +42,7 @@ impl<'a> Forces<'a> {
             rates: &self.rest,
             damping: StepDamping::default(),
         };
-        self.body.assemble(&step, want, &[0.0], &mut self.assembly)
+        self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
     /// The force with which the body pulls at the ground at a displacement; an empty one without ground.
@@ -81,7 +81,7 @@ impl<'a> Forces<'a> {
         net: &mut [f64],
     ) -> Result<()> {
         self.external(displacement, time, external);
-        self.assemble(displacement, Want::Stress)?;
+        self.assemble(displacement, Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
@@ -105,7 +105,7 @@ impl Forces<'_> {
                 rates: &state.velocity,
                 damping,
             };
-            self.body.assemble(&step, Want::Stress, &[0.0], &mut self.assembly)?;
+            self.body.assemble(&step, Request::Stress, &[0.0], &mut self.assembly)?;
             self.assembly.matrix.copy_force(&mut self.internal);
             let forces = external.iter().zip(&self.internal);
             net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);

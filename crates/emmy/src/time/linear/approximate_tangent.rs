@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::mode_solvers::ModeSolvers;
 use super::strain_rates::StrainRateTransform;
-use crate::average::{Rule, Want};
+use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::Result;
 use crate::polynomial::lagrange_integral;
@@ -193,7 +193,7 @@ impl ApproximateTangent {
             rates: &self.rates,
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
         };
-        body.assemble(&step, Want::Tangent, &[0.0], &mut self.assembly)
+        body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
     }
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {

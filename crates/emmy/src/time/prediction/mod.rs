@@ -81,7 +81,7 @@ impl Free {
 /// Passes of a balance, at the most and at the fewest: each leaves the part of the one before that the deformation within the step is of
 /// the body.
 const BALANCES: usize = 4;
-const FEWEST_BALANCES: usize = 2;
+const MIN_BALANCES: usize = 2;
 
 /// A pass that leaves more than this part of the one before has come to rounding.
 const ROUNDING: f64 = 0.25;
@@ -231,7 +231,7 @@ impl Prediction {
             system.unbalanced(rates, residual);
             self.set_resultants(system.coefficients.rule.coefficients(), rates, residual);
             let left = self.resultant_size();
-            if left == 0.0 || pass >= FEWEST_BALANCES && left > ROUNDING * last {
+            if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
                 return;
             }
             last = left;

@@ -10,7 +10,7 @@ use super::followers::Followers;
 use super::linear::ApproximateTangent;
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
-use crate::average::Want;
+use crate::average::Request;
 use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
@@ -122,7 +122,7 @@ impl<'a> StageSystem<'a> {
     /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of its
     /// three parts over the free ones.
     pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
-        self.assemble(x, Want::Stress)?;
+        self.assemble(x, Request::Stress)?;
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
         let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
@@ -276,10 +276,10 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    fn assemble(&mut self, x: &[f64], want: Want) -> Result<()> {
+    fn assemble(&mut self, x: &[f64], request: Request) -> Result<()> {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
-        self.body.assemble(&step, want, &self.dragged_mass, &mut self.assembly)?;
-        if want == Want::Tangent {
+        self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
+        if request == Request::Tangent {
             self.followers.add_tangent(self.body, &step, &mut self.assembly);
         }
         Ok(())

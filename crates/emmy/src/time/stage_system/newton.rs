@@ -1,7 +1,7 @@
 //! The stage equations as Newton's iteration sees them.
 
 use super::StageSystem;
-use crate::average::Want;
+use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::norm;
@@ -89,7 +89,7 @@ impl System for StageSystem<'_> {
         match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
-                self.assemble(x, Want::Tangent)?;
+                self.assemble(x, Request::Tangent)?;
                 self.solve_exactly(tolerance, dx)
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),

@@ -1,7 +1,7 @@
 //! Estimate over true local error.
 
 use emmy::Error;
-use emmy::body::{Body, History, Load, LoadKind, PointMass, PointTerms, Region, Support};
+use emmy::body::{Body, Load, LoadKind, PointMass, PointTerms, Region, Support, TimeFunction};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh;
 use emmy::motion::{Motion, NewtonSettings, State};
@@ -61,13 +61,13 @@ fn range(ratios: &[[f64; 2]], i: usize) -> [f64; 2] {
 fn loaded_block() -> (Body, State) {
     let (_, start) = soft_block();
     let kind = LoadKind::Traction { group: "z-max".into(), traction: [2.0, 1.0, -3.0] };
-    let history = History::new(vec![(0.0, 0.2), (10.0, 3.0)]).unwrap();
-    (soft_block_under(&[Load { kind, history }]), start)
+    let time_function = TimeFunction::new(vec![(0.0, 0.2), (10.0, 3.0)]).unwrap();
+    (soft_block_under(&[Load { kind, time_function }]), start)
 }
 
 /// The soft block, held and moved at one end.
 fn driven_block() -> (Body, State) {
-    let shake = History::smooth("0.2 sin(3 t)", |t| {
+    let shake = TimeFunction::smooth("0.2 sin(3 t)", |t| {
         [0.2 * (3.0 * t).sin(), 0.6 * (3.0 * t).cos(), -1.8 * (3.0 * t).sin()]
     });
     let displacement = [Some(shake), None, None];

@@ -5,7 +5,7 @@ mod estimates;
 mod problems;
 mod pulses;
 
-use emmy::body::{Body, History, InitialVelocity, Load, LoadKind, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Adaptivity, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
 use emmy::motion::{Phase, State, StepPlan};
@@ -244,10 +244,10 @@ fn carried_errors_choose_the_sizes_that_estimated_ones_do() {
 fn loaded_block() -> Body {
     let rubber = Region::new(NeoHooke::new(300.0, 150.0).unwrap(), 1.0);
     let held = Support { group: "z-min".into(), until: Some(0.31), ..Support::default() };
-    let history = History::new(vec![(0.0, 0.0), (0.1234, 1.0), (0.2, 1.0), (0.2, 0.0)]).unwrap();
+    let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.1234, 1.0), (0.2, 1.0), (0.2, 0.0)]).unwrap();
     let kind = LoadKind::Traction { group: "z-max".into(), traction: [4.0, 0.0, 0.0] };
     let mesh = mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
-    Body::builder(mesh).region(rubber).support(held).load(Load { kind, history }).build().unwrap()
+    Body::builder(mesh).region(rubber).support(held).load(Load { kind, time_function }).build().unwrap()
 }
 
 #[test]

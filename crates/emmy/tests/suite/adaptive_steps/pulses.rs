@@ -8,8 +8,8 @@ use crate::shared::schemes::{DGM, at};
 const WIDTH: f64 = 0.01;
 
 /// A Gaussian pulse of a height at t = 5.
-fn pulse(height: f64) -> History {
-    History::smooth(&format!("pulse {height}"), move |t| {
+fn pulse(height: f64) -> TimeFunction {
+    TimeFunction::smooth(&format!("pulse {height}"), move |t| {
         let s = (t - 5.0) / WIDTH;
         let value = height * (-s * s).exp();
         [value, -2.0 * s / WIDTH * value, (4.0 * s * s - 2.0) / (WIDTH * WIDTH) * value]
@@ -28,7 +28,7 @@ fn block(supports: &[Support], loads: &[Load]) -> Body {
 
 fn loaded() -> Body {
     let kind = LoadKind::Traction { group: "y-max".into(), traction: [1.0, 0.0, 0.0] };
-    block(&[], &[Load { kind, history: pulse(1000.0) }])
+    block(&[], &[Load { kind, time_function: pulse(1000.0) }])
 }
 
 fn at_rest(body: &Body) -> State {

@@ -3,7 +3,7 @@
 use emmy::Error;
 use emmy::adjoint::{Goal, Gradient, Trajectory};
 use emmy::body::{
-    Body, GroundAttraction, GroundSpring, History, Load, LoadKind, PointTerms, Region, Support,
+    Body, GroundAttraction, GroundSpring, Load, LoadKind, PointTerms, Region, Support, TimeFunction,
 };
 use emmy::material::{Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh;
@@ -43,10 +43,10 @@ pub fn held_block([lambda, mu]: [f64; 2], density: f64, traction: f64, rubber: b
         false => Region::new(SaintVenantKirchhoff::new(lambda, mu)?, density),
     };
     let kind = LoadKind::Traction { group: "z-max".into(), traction: [traction, 0.3 * traction, -0.2] };
-    let load = Load { kind, history: History::new(vec![(0.0, 0.2), (0.25, 1.0), (0.6, 0.4)])? };
+    let load = Load { kind, time_function: TimeFunction::new(vec![(0.0, 0.2), (0.25, 1.0), (0.6, 0.4)])? };
     let gravity = LoadKind::Acceleration { group: None, acceleration: [0.0, 0.5, -2.0] };
     let support = Support { group: "z-min".into(), fix: [true; 3], ..Default::default() };
-    let loads = [load, Load { kind: gravity, history: History::constant() }];
+    let loads = [load, Load { kind: gravity, time_function: TimeFunction::constant() }];
     Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?)
         .region(region)
         .support(support)

@@ -2,7 +2,7 @@
 
 use emmy::Error;
 use emmy::adjoint::{Goal, Parameter, Trajectory};
-use emmy::body::{Body, History, Load, LoadKind, Region, Support};
+use emmy::body::{Body, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::material::NeoHooke;
 use emmy::mesh;
 use emmy::motion::{MarchError, Motion, Phase, State, StepPlan};
@@ -16,10 +16,10 @@ fn what_is_not_covered_is_refused() {
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
     let rubber = || vec![Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0)];
     let held = |until| Support { group: "z-min".into(), fix: [true; 3], until, ..Default::default() };
-    let rate = History::smooth("0.1*t^2", |t| [0.1 * t * t, 0.2 * t, 0.2]);
+    let rate = TimeFunction::smooth("0.1*t^2", |t| [0.1 * t * t, 0.2 * t, 0.2]);
     let driven = Support { displacement: [Some(rate), None, None], fix: [false; 3], ..held(None) };
     let kind = LoadKind::Pressure { group: "z-max".into(), pressure: 1.0 };
-    let pressure = Load { kind, history: History::constant() };
+    let pressure = Load { kind, time_function: TimeFunction::constant() };
     let refused = |supports: &[Support], loads: &[Load], scheme: Scheme| {
         let body = Body::builder(block()).regions(rubber()).supports(supports).loads(loads).build().unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
@@ -60,7 +60,7 @@ fn a_trajectory_with_gaps_is_refused() {
     let pressed = Parameter::linear(1.0, 1.0, |pressure| {
         let kind = LoadKind::Pressure { group: "z-max".into(), pressure };
         let rubber = Region::new(NeoHooke::new(30.0, 15.0)?, 1.0);
-        let load = Load { kind, history: History::constant() };
+        let load = Load { kind, time_function: TimeFunction::constant() };
         Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2])?).region(rubber).load(load).build()
     });
     has(trajectory.gradient(&goal, &[pressed.unwrap()]).unwrap_err(), "pressures that follow");

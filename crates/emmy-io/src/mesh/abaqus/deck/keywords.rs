@@ -198,9 +198,9 @@ impl Deck {
 }
 
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST_NAMES: usize = 60;
+    const MAX_NAMES: usize = 60;
     let mut names = names;
-    let first = names.by_ref().take(MOST_NAMES).collect::<Vec<_>>().join(", ");
+    let first = names.by_ref().take(MAX_NAMES).collect::<Vec<_>>().join(", ");
     match (first.is_empty(), names.count()) {
         (true, _) => "none".to_string(),
         (false, 0) => first,

@@ -11,15 +11,15 @@ use crate::quadrature::Quadrature;
 /// smooth function.
 ///
 /// ```
-/// use emmy::body::History;
-/// let hat = History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
+/// use emmy::body::TimeFunction;
+/// let hat = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
 /// assert_eq!([hat.value(0.25), hat.value(0.75), hat.value(7.0)], [0.5, 0.5, 0.0]);
-/// let parabola = History::smooth("t^2", |t| [t * t, 2.0 * t, 2.0]);
+/// let parabola = TimeFunction::smooth("t^2", |t| [t * t, 2.0 * t, 2.0]);
 /// assert_eq!((parabola.value(3.0), parabola.rate(3.0)), (9.0, 6.0));
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct History {
+pub struct TimeFunction {
     law: Law,
 }
 
@@ -48,35 +48,35 @@ impl PartialEq for Smooth {
     }
 }
 
-impl History {
+impl TimeFunction {
     /// The factor 1 at all times.
     pub fn constant() -> Self {
-        History { law: Law::Table(vec![(0.0, 1.0)]) }
+        TimeFunction { law: Law::Table(vec![(0.0, 1.0)]) }
     }
 
-    /// The history with entries (time, factor).
+    /// The time function with entries (time, factor).
     ///
     /// # Errors
-    /// [`Error::History`] if it is empty, an entry is not finite, or a time lies before its predecessor.
+    /// [`Error::TimeFunction`] if it is empty, an entry is not finite, or a time lies before its predecessor.
     pub fn new(entries: Vec<(f64, f64)>) -> Result<Self> {
         if entries.is_empty() {
-            return Err(Error::History { entry: 0, reason: "it has no entries" });
+            return Err(Error::TimeFunction { entry: 0, reason: "it has no entries" });
         }
         for (entry, &(time, factor)) in entries.iter().enumerate() {
             if !(time.is_finite() && factor.is_finite()) {
-                return Err(Error::History { entry, reason: "time and factor must be finite numbers" });
+                return Err(Error::TimeFunction { entry, reason: "time and factor must be finite numbers" });
             }
             if entry > 0 && time < entries[entry - 1].0 {
-                return Err(Error::History { entry, reason: "times must not go back" });
+                return Err(Error::TimeFunction { entry, reason: "times must not go back" });
             }
         }
-        Ok(History { law: Law::Table(entries) })
+        Ok(TimeFunction { law: Law::Table(entries) })
     }
 
-    /// The history of a smooth function that gives factor, first and second derivative by the time. `text` stands for it:
-    /// histories of equal text are taken as equal.
+    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text` names it;
+    /// time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
-        History { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
+        TimeFunction { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
     }
 
     /// Entries (time, factor) of a table; a smooth function has none.
@@ -190,11 +190,11 @@ mod tests {
     #[test]
     fn averages_are_exact_across_kinks_and_jumps() {
         // f = 0 before t = 1, jumps to 2, falls to 0 at t = 2. Step from 0.5 to 3 (h = 2.5).
-        let history = History::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
+        let time_function = TimeFunction::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
         let rule = Rule::discrete_gradient(2);
         let (b, c) = (rule.weights(), rule.nodes());
         let mut averages = [0.0; 2];
-        history.averages(0.5, 2.5, &rule, &mut averages);
+        time_function.averages(0.5, 2.5, &rule, &mut averages);
         // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t - 0.5)/h f dt
         let zeroth: f64 = (0..2).map(|i| b[i] * averages[i]).sum();
         let first: f64 = (0..2).map(|i| b[i] * c[i] * averages[i]).sum();
@@ -205,10 +205,11 @@ mod tests {
     #[test]
     fn averages_of_a_smooth_function_are_those_of_its_integrals() {
         // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3, whatever the degree.
-        let history = History::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
+        let time_function =
+            TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
         for degree in 1..=4 {
             let (rule, mut averages) = (Rule::discrete_gradient(degree), [0.0; 4]);
-            history.averages(0.0, 0.1, &rule, &mut averages[..degree]);
+            time_function.averages(0.0, 0.1, &rule, &mut averages[..degree]);
             let sum: f64 = (0..degree).map(|i| rule.weights()[i] * averages[i]).sum();
             assert!((sum - (0.3f64.exp() - 1.0) / 0.3).abs() < 1e-15, "{degree}");
         }
@@ -216,20 +217,23 @@ mod tests {
 
     #[test]
     fn rates_and_kinks_are_those_of_a_table() {
-        let history = History::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (1.0, 2.0)]).unwrap();
-        assert_eq!([-1.0, 0.0, 0.5, 0.7, 1.0].map(|t| history.rate(t)), [0.0, 2.0, -2.0, -2.0, 0.0]);
+        let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (1.0, 2.0)]).unwrap();
+        assert_eq!([-1.0, 0.0, 0.5, 0.7, 1.0].map(|t| time_function.rate(t)), [0.0, 2.0, -2.0, -2.0, 0.0]);
         assert_eq!(
-            [-1.0, 0.0, 0.6, 1.0].map(|t| history.next_kink(t)),
+            [-1.0, 0.0, 0.6, 1.0].map(|t| time_function.next_kink(t)),
             [Some(0.0), Some(0.5), Some(1.0), None]
         );
-        assert_eq!((history.first_jump(), History::constant().first_jump()), (Some(1.0), None));
-        assert!(History::smooth("t", |t| [t, 1.0, 0.0]) == History::smooth("t", |_| [0.0; 3]));
+        assert_eq!((time_function.first_jump(), TimeFunction::constant().first_jump()), (Some(1.0), None));
+        assert!(TimeFunction::smooth("t", |t| [t, 1.0, 0.0]) == TimeFunction::smooth("t", |_| [0.0; 3]));
     }
 
     #[test]
-    fn histories_must_go_forward() {
-        assert!(matches!(History::new(vec![(1.0, 0.0), (0.5, 0.0)]), Err(Error::History { entry: 1, .. })));
-        assert!(History::new(vec![]).is_err());
-        assert!(History::new(vec![(0.0, f64::NAN)]).is_err());
+    fn times_must_go_forward() {
+        assert!(matches!(
+            TimeFunction::new(vec![(1.0, 0.0), (0.5, 0.0)]),
+            Err(Error::TimeFunction { entry: 1, .. })
+        ));
+        assert!(TimeFunction::new(vec![]).is_err());
+        assert!(TimeFunction::new(vec![(0.0, f64::NAN)]).is_err());
     }
 }
