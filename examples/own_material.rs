@@ -6,8 +6,8 @@
 
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::Material;
+use emmy::material::{Elasticity, Lane, Sym, double_dot, sym_scaled};
 use emmy::motion::{Motion, Record, State};
-use emmy::tensor::{Elasticity, Lane, Sym, double_dot, sym_scaled};
 use emmy::time::TimeElement;
 
 // ANCHOR: material

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use emmy::average::{Request, Rule};
-use emmy::body::{Body, StepDamping, StepInput};
+use emmy::body::Body;
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::sparse::{BlockCholesky, inverse};
 use emmy::motion::{Motion, Observer, Record, State, View};
-use emmy::sparse::{BlockCholesky, inverse};
 use emmy::time::Scheme;
 use emmy_io::input::{self, Overrides, Problem};
 

@@ -9,7 +9,7 @@ use emmy::body::{Body, Region};
 use emmy::material::NeoHooke;
 use emmy::mesh;
 use emmy::motion::Motion;
-use emmy::newton::NewtonSettings;
+use emmy::internals::newton::NewtonSettings;
 use emmy::time::{NewmarkFamily, Scheme, TimeElement};
 use libfuzzer_sys::fuzz_target;
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-pub use emmy::number::{short as number, short_vector as vector};
+pub use emmy::internals::number::{short as number, short_vector as vector};
 use emmy_io::message::escaped;
 
 use crate::failure::Failure;

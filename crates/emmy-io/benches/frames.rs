@@ -5,8 +5,8 @@
 #![allow(non_snake_case)]
 
 use divan::{Bencher, black_box};
-use emmy::body::fields::{FieldName, FieldValues, Fields};
 use emmy::body::{Body, Region};
+use emmy::body::{FieldName, FieldValues, Fields};
 use emmy::material::NeoHooke;
 use emmy::mesh::block;
 use emmy_io::vtk::{Format, FrameWriter, Precision};

@@ -1,7 +1,7 @@
 //! `[limits]`: bounds on the accumulated residuals of a run.
 
+use emmy::internals::number::short;
 use emmy::motion::RunStatistics;
-use emmy::number::short;
 
 use crate::input::Limits;
 

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use emmy::internals::number::short;
+use emmy::internals::sparse::SolverChoice;
 use emmy::motion::{Event, Record};
-use emmy::number::short;
-use emmy::sparse::SolverChoice;
 
 use crate::input::Problem;
 use crate::whole_file::named;

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use emmy::body::fields::{FieldName, Fields};
+use emmy::body::{FieldName, Fields};
 use emmy::motion::State;
 
 use crate::checkpoint::Checkpoint;

@@ -1,6 +1,6 @@
 //! Estimated sizes of the files of a run.
 
-use emmy::body::fields::{Fields, Place};
+use emmy::body::{Fields, Place};
 
 use crate::history::HistoryColumns;
 use crate::input::Problem;

@@ -24,11 +24,12 @@
 //! So 5300 for a residual and 36600 for both. The peak is that of `peak` below, its items being operations.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use emmy::average::{Request, Rule};
-use emmy::body::{Body, Region, StepDamping, StepInput};
+use emmy::body::{Body, Region};
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::quadrature::gauss;
 use emmy::material::NeoHooke;
 use emmy::mesh::CellKind;
-use emmy::quadrature::gauss;
 use pulp::{Arch, Simd, WithSimd};
 
 #[path = "../tests/suite/shared/patch.rs"]

@@ -5,10 +5,11 @@
 //! ```
 
 use divan::{Bencher, counter::ItemsCount};
-use emmy::average::{Request, Rule};
-use emmy::body::{Body, Region, StepDamping, StepInput};
+use emmy::body::{Body, Region};
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::quadrature::gauss;
 use emmy::material::{Hencky, NeoHooke, Ogden, SaintVenantKirchhoff, Volumetric};
-use emmy::quadrature::gauss;
 
 fn main() {
     divan::main();

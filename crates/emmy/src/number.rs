@@ -5,7 +5,7 @@ use std::borrow::Borrow;
 /// A number with at most six significant digits and without trailing zeros; with an exponent outside of 1e-4 to 1e6.
 ///
 /// ```
-/// use emmy::number::short;
+/// use emmy::internals::number::short;
 /// assert_eq!(short(0.00045000000000000004), "0.00045");
 /// assert_eq!(short(9.497169926235665e-8), "9.49717e-8");
 /// assert_eq!(short(-1234567.0), "-1.23457e6");

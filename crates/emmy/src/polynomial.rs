@@ -7,7 +7,7 @@
 /// ```
 ///
 /// ```
-/// assert_eq!(emmy::polynomial::lagrange(&[0.0, 1.0], 1, 0.25), 0.25);
+/// assert_eq!(emmy::internals::polynomial::lagrange(&[0.0, 1.0], 1, 0.25), 0.25);
 /// ```
 pub fn lagrange(nodes: &[f64], i: usize, alpha: f64) -> f64 {
     let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
@@ -21,7 +21,7 @@ pub fn lagrange(nodes: &[f64], i: usize, alpha: f64) -> f64 {
 /// ```
 ///
 /// ```
-/// assert_eq!(emmy::polynomial::lagrange_rate(&[0.0, 1.0], 0, 0.25), -1.0);
+/// assert_eq!(emmy::internals::polynomial::lagrange_rate(&[0.0, 1.0], 0, 0.25), -1.0);
 /// ```
 pub fn lagrange_rate(nodes: &[f64], i: usize, alpha: f64) -> f64 {
     let others = |m: usize| (0..nodes.len()).filter(move |&j| j != i && j != m);
@@ -37,7 +37,7 @@ pub fn lagrange_rate(nodes: &[f64], i: usize, alpha: f64) -> f64 {
 /// ```
 ///
 /// ```
-/// assert!((emmy::polynomial::lagrange_integral(&[0.0, 1.0], 1, 0.5) - 0.125).abs() < 1e-16);
+/// assert!((emmy::internals::polynomial::lagrange_integral(&[0.0, 1.0], 1, 0.5) - 0.125).abs() < 1e-16);
 /// ```
 pub fn lagrange_integral(nodes: &[f64], i: usize, alpha: f64) -> f64 {
     let rule = crate::quadrature::gauss(nodes.len().div_ceil(2).max(1));
@@ -52,7 +52,7 @@ pub fn lagrange_integral(nodes: &[f64], i: usize, alpha: f64) -> f64 {
 /// ```
 ///
 /// ```
-/// assert_eq!(emmy::polynomial::legendre(1, 1.0), f64::sqrt(3.0));
+/// assert_eq!(emmy::internals::polynomial::legendre(1, 1.0), f64::sqrt(3.0));
 /// ```
 pub fn legendre(degree: usize, alpha: f64) -> f64 {
     let x = 2.0 * alpha - 1.0;

@@ -5,11 +5,11 @@
 //! ```
 
 pub use crate::body::{
-    Body, InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, TimeFunction,
+    Body, InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, TimeFunction, Viscosity,
 };
 pub use crate::material::{
     ArrudaBoyce, CiarletGeymonat, Gent, Hencky, Link, Material, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
-    Ogden, SaintVenantKirchhoff, Yeoh,
+    Ogden, SaintVenantKirchhoff, Volumetric, Yeoh,
 };
 pub use crate::mesh::{self, CellKind, Mesh, MeshBuilder};
 pub use crate::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};

@@ -57,7 +57,7 @@ pub trait Lane:
     /// ```
     ///
     /// ```
-    /// use emmy::tensor::Lane;
+    /// use emmy::internals::tensor::Lane;
     /// let z = 1e-9;
     /// assert!((z.minus_ln_1p() - 0.5e-18 * (1.0 - 2e-9 / 3.0)).abs() < 1e-33);
     /// ```
@@ -229,7 +229,7 @@ pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
 /// Bilinear part of the cofactor of a sum, `cof(A + B) - cof A - cof B`.
 ///
 /// ```
-/// use emmy::tensor::{mixed_cofactor, sym_cofactor};
+/// use emmy::internals::tensor::{mixed_cofactor, sym_cofactor};
 /// let A = [1.0, 2.0, 3.0, 0.5, -0.5, 0.25];
 /// assert_eq!(mixed_cofactor(&A, &A), sym_cofactor(&A).map(|a| 2.0 * a));
 /// ```
@@ -323,7 +323,7 @@ pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
 ///
 /// ```
 /// let x = 1e-9;
-/// assert!((emmy::tensor::exp_m1_minus(x) - 0.5e-18 * (1.0 + 1e-9 / 3.0)).abs() < 1e-33);
+/// assert!((emmy::internals::tensor::exp_m1_minus(x) - 0.5e-18 * (1.0 + 1e-9 / 3.0)).abs() < 1e-33);
 /// ```
 #[inline(always)]
 pub fn exp_m1_minus<L: Lane>(x: L) -> L {
@@ -339,8 +339,8 @@ pub fn exp_m1_minus<L: Lane>(x: L) -> L {
 /// `(e^x - 1) / x`, 1 at zero.
 ///
 /// ```
-/// assert_eq!(emmy::tensor::exp_m1_over(0.0), 1.0);
-/// assert!((emmy::tensor::exp_m1_over(1e-9) - (1.0 + 0.5e-9)).abs() < 1e-16);
+/// assert_eq!(emmy::internals::tensor::exp_m1_over(0.0), 1.0);
+/// assert!((emmy::internals::tensor::exp_m1_over(1e-9) - (1.0 + 0.5e-9)).abs() < 1e-16);
 /// ```
 #[inline(always)]
 pub fn exp_m1_over<L: Lane>(x: L) -> L {
@@ -351,8 +351,8 @@ pub fn exp_m1_over<L: Lane>(x: L) -> L {
 /// `ln(1 + x) / x`, 1 at zero.
 ///
 /// ```
-/// assert_eq!(emmy::tensor::ln_1p_over(0.0), 1.0);
-/// assert!((emmy::tensor::ln_1p_over(1e-9) - (1.0 - 0.5e-9)).abs() < 1e-16);
+/// assert_eq!(emmy::internals::tensor::ln_1p_over(0.0), 1.0);
+/// assert!((emmy::internals::tensor::ln_1p_over(1e-9) - (1.0 - 0.5e-9)).abs() < 1e-16);
 /// ```
 #[inline(always)]
 pub fn ln_1p_over<L: Lane>(x: L) -> L {

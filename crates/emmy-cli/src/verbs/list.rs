@@ -2,10 +2,10 @@
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use emmy::body::fields::FieldName;
+use emmy::body::FieldName;
+use emmy::internals::sparse::SOLVERS;
+use emmy::internals::time::{ESTIMATORS, SCHEMES};
 use emmy::mesh::CellKind;
-use emmy::sparse::SOLVERS;
-use emmy::time::{ESTIMATORS, SCHEMES};
 use emmy_io::input::{materials, meshes};
 use serde_json::json;
 

@@ -15,8 +15,10 @@ mod sizes;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use emmy::motion::{Resolution, State};
-use emmy::time::{CentralDifferences, Scheme};
+use emmy::internals::motion::Resolution;
+use emmy::internals::time::CentralDifferences;
+use emmy::motion::State;
+use emmy::time::Scheme;
 use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;

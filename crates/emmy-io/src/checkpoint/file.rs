@@ -114,8 +114,8 @@ fn largest_count(value: &Value) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use emmy::internals::time::Memory;
     use emmy::motion::{Extreme, Snapshot};
-    use emmy::time::Memory;
 
     use super::*;
     use crate::checkpoint::Identity;

@@ -1,8 +1,9 @@
 //! `time.adaptive`: steps whose sizes are chosen by the error.
 
 use emmy::body::Body;
+use emmy::internals::time::ESTIMATORS;
 use emmy::motion::{Adaptivity, StepPlan};
-use emmy::time::{ESTIMATORS, MAX_DEGREE, Scheme};
+use emmy::time::{MAX_DEGREE, Scheme};
 
 use super::description::{Described, Kind, POSITIVE, Section, whole};
 use super::fault::{Fault, Place};

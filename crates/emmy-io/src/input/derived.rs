@@ -1,9 +1,9 @@
 //! What follows from the values of an input must be numbers too, and so must its squares: masses, volumes, resultants, energies.
 
 use emmy::body::{Body, InitialVelocity, Load, Region, Support};
+use emmy::internals::number::short;
 use emmy::mesh::Mesh;
 use emmy::motion::State;
-use emmy::number::short;
 
 use super::fault::{Fault, Place};
 use super::groups::Members;
@@ -145,7 +145,7 @@ impl Places {
         };
         let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
         check_vector(place, "kinetic energy at the start", &[products.sum::<f64>() / 2.0])?;
-        check_vector(place, "momentum at the start", &emmy::body::sum(&state.momentum))?;
+        check_vector(place, "momentum at the start", &emmy::internals::body::sum(&state.momentum))?;
         let angular = body.moment(&state.displacement, &state.momentum);
         check_vector(place, "angular momentum at the start", &angular)
     }

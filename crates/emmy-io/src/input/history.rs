@@ -1,8 +1,8 @@
 //! Histories: tables of the time, or expressions.
 
 use emmy::body::TimeFunction;
+use emmy::internals::number::short;
 use emmy::motion::StepPlan;
-use emmy::number::short;
 
 use super::description::{self, Kind, Section};
 use super::expression::{self, Mistake};

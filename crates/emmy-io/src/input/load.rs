@@ -1,7 +1,7 @@
 //! `[[load]]`: one row a kind of load.
 
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
-use emmy::material::{Bounds, IfAbsent};
+use emmy::internals::material::{Bounds, IfAbsent};
 
 use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, vector};
 use super::fault::Fault;

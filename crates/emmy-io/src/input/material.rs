@@ -2,8 +2,10 @@
 
 use std::sync::LazyLock;
 
-use emmy::body::{MODELS, Region, RegionModel};
-use emmy::material::{IfAbsent, Model, Parameter, ParameterKind, Value, Values, Volumetric};
+use emmy::body::Region;
+use emmy::internals::body::{MODELS, RegionModel};
+use emmy::internals::material::{IfAbsent, Model, Parameter, ParameterKind, Value, Values};
+use emmy::material::Volumetric;
 
 use super::derived;
 use super::description::{Described, Key, Kind, Rule, Section};

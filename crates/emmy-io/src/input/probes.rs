@@ -1,7 +1,7 @@
 //! Probes: the nodes that are nearest to their points.
 
+use emmy::internals::number::{short, short_vector};
 use emmy::mesh::Mesh;
-use emmy::number::{short, short_vector};
 
 use super::settings::Probe;
 

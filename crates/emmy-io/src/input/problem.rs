@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use emmy::body::{Body, InitialVelocity, Load, PointTerms, Region, Support};
+use emmy::motion::Solver;
 use emmy::motion::{NewtonSettings, StepPlan};
-use emmy::sparse::Solver;
 use emmy::time::Scheme;
 
 use super::description::{Described, Kind, Section};

@@ -3,12 +3,12 @@
 //! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is that of a table of the input, or one of
 //! [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
 
-use emmy::body::MODELS;
-use emmy::body::fields::FieldName;
-use emmy::element::element;
-use emmy::material::{IfAbsent, Parameter};
+use emmy::body::FieldName;
+use emmy::internals::body::MODELS;
+use emmy::internals::element::element;
+use emmy::internals::material::{IfAbsent, Parameter};
+use emmy::internals::time::SCHEMES;
 use emmy::mesh::CellKind;
-use emmy::time::SCHEMES;
 
 use super::description::{self, Key, Kind, Rule, Section};
 use super::material;
@@ -105,7 +105,7 @@ fn of(kind: &Kind) -> String {
 }
 
 fn models() -> String {
-    let row = |model: &emmy::body::RegionModel| {
+    let row = |model: &emmy::internals::body::RegionModel| {
         let model = &model.model;
         vec![code(model.name), code(model.energy), model.purpose.to_string()]
     };
@@ -157,8 +157,8 @@ fn schemes() -> String {
 fn fields() -> String {
     let row = |field: FieldName| {
         let place = match field.place() {
-            emmy::body::fields::Place::Nodes => "nodes",
-            emmy::body::fields::Place::Cells => "cells",
+            emmy::body::Place::Nodes => "nodes",
+            emmy::body::Place::Cells => "cells",
         };
         let n = field.components().len();
         vec![

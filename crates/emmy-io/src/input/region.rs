@@ -1,7 +1,7 @@
 //! `[[region]]`: cells with a density and a material.
 
 use emmy::body::{Region, Viscosity};
-use emmy::material::ModelCells;
+use emmy::internals::material::ModelCells;
 
 use super::description::{Described, Kind, POSITIVE, Rule, Section};
 use super::fault::{Fault, Place};

@@ -2,7 +2,7 @@
 //!
 //! It is made of the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that go across tables.
 
-use emmy::material::{Bounds, IfAbsent, ModelCells};
+use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
 use super::description::{Key, Kind, Rule, Section, list, whole};
@@ -79,7 +79,7 @@ fn rules(section: &Section) -> Map<String, Value> {
             json!({ "anyOf": keys.iter().map(|key| required(&[key])).collect::<Vec<_>>() })
         }
         Rule::Density => {
-            let massless = emmy::body::MODELS.iter().map(|model| &model.model);
+            let massless = emmy::internals::body::MODELS.iter().map(|model| &model.model);
             let massless = massless.filter(|model| model.cells == ModelCells::MasslessLinks);
             let massless: Vec<Value> = massless.map(|model| required(&[model.name])).collect();
             let without_mass = json!({ "properties": { "material": { "anyOf": massless } } });

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use emmy::body::fields::FieldName;
-use emmy::material::Bounds;
+use emmy::body::FieldName;
+use emmy::internals::material::Bounds;
+use emmy::internals::sparse::{SOLVERS, Solver};
 use emmy::motion::{NewtonSettings, StepPlan};
-use emmy::sparse::{SOLVERS, Solver};
 
 use super::description::{Described, Kind, POSITIVE, Section, list, vector, whole};
 use super::fault::{Fault, Place};

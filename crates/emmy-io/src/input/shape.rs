@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use emmy::material::IfAbsent;
+use emmy::internals::material::IfAbsent;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 
 use super::derived;

@@ -1,10 +1,10 @@
 //! `[[support]]`: what is held, moved or turned.
 
 use emmy::body::{Rotation, Support, TimeFunction};
+use emmy::internals::number::{short, short_vector};
+use emmy::internals::time::BodyFeature;
 use emmy::mesh::Mesh;
 use emmy::motion::StepPlan;
-use emmy::number::{short, short_vector};
-use emmy::time::BodyFeature;
 
 use super::description::{Described, Kind, POSITIVE, Section, list, vector};
 use super::fault::{Fault, Place};
@@ -192,7 +192,7 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
 
 /// Checks that the group of a support is a plane of symmetry.
 fn symmetry_axis(mesh: &Mesh, support: &Placed<Support>) -> Result<(), Fault> {
-    let error = match emmy::body::symmetry_axis(mesh, &support.value.group) {
+    let error = match emmy::internals::body::symmetry_axis(mesh, &support.value.group) {
         Ok(_) => return Ok(()),
         Err(error) => error,
     };

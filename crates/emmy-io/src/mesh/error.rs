@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::number::short;
+use emmy::internals::number::short;
 
 /// Position inside a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,8 +9,8 @@ pub(crate) mod vtu;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use emmy::internals::number::short_vector;
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
-use emmy::number::short_vector;
 
 pub use error::{MeshError, Place, Position};
 

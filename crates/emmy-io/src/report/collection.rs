@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use emmy::body::fields::{FieldName, Place};
+use emmy::body::{FieldName, Place};
 use roxmltree::Document;
 
 use super::ReportError;

@@ -100,7 +100,7 @@ fn sorted(corners: &[u32; 4]) -> [u32; 4] {
 
 #[cfg(test)]
 mod tests {
-    use emmy::element::element;
+    use emmy::internals::element::element;
     use emmy::mesh::l_block;
 
     use super::*;

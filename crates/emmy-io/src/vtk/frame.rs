@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use emmy::body::fields::{FieldName, FieldValues, Place};
+use emmy::body::{FieldName, FieldValues, Place};
 use emmy::mesh::Mesh;
 use rayon::prelude::*;
 

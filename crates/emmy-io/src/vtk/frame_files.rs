@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use emmy::body::fields::FieldValues;
+use emmy::body::FieldValues;
 use emmy::mesh::Mesh;
 
 use super::frame::Frame;

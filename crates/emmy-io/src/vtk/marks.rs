@@ -1,6 +1,6 @@
 //! Groups as arrays, with a number for every node or cell.
 
-use emmy::body::fields::Place;
+use emmy::body::Place;
 use emmy::mesh::{Facet, Mesh};
 
 use super::{FACETS, GROUP};

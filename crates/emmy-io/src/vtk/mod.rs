@@ -9,7 +9,7 @@ mod series;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::body::fields::{FieldValues, Place};
+use emmy::body::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
 use serde::{Deserialize, Serialize};
 

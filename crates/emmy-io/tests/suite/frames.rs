@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use emmy::body::fields::{FieldName, FieldValues, Fields, Place};
+use emmy::body::{FieldName, FieldValues, Fields, Place};
 use emmy::motion::{Motion, State};
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;

@@ -1,7 +1,7 @@
 //! Meshes without solid cells: bodies in plane strain, from every format.
 
 use crate::meshes::parse_text;
-use emmy::body::fields::{FieldName, FieldValues};
+use emmy::body::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
 use emmy_io::mesh::MeshFile;
 use emmy_io::vtk::{FrameFiles, Precision};

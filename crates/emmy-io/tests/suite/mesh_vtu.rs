@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::meshes::{assert_plane, assert_straight, parse_text, path, read, volume};
-use emmy::body::fields::{FieldName, FieldValues};
+use emmy::body::{FieldName, FieldValues};
 use emmy::mesh::{CellKind, Facet, Mesh};
 use emmy_io::vtk::{FrameFiles, Precision};
 

@@ -13,7 +13,8 @@ use crate::time::State;
 /// For a function that is not linear, give its gradients at the state that the motion ends in.
 ///
 /// ```
-/// use emmy::{adjoint::Goal, body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh, time::State};
+/// use emmy::prelude::*;
+/// use emmy::adjoint::Goal;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [3.0, 4.0, 0.0], ..Default::default() }])?;

@@ -20,7 +20,8 @@ use crate::sparse::reduce::dot;
 /// ([`Parameter::smooth`]). Either way the difference of motions, which would lose the digits that Newton's tolerance takes, does not enter.
 ///
 /// ```
-/// use emmy::{adjoint::Parameter, body::{Body, Region}, material::NeoHooke, mesh};
+/// use emmy::prelude::*;
+/// use emmy::adjoint::Parameter;
 /// let mesh = mesh::block([1.0; 3], [1; 3])?;
 /// let mu = Parameter::linear(500.0, 500.0, |mu| {
 ///     Body::builder(mesh.clone()).region(Region::new(NeoHooke::new(1000.0, mu)?, 1.0)).build()

@@ -16,9 +16,8 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 /// them was rejected or cut, they are bit-identical, and the gradient does not depend on where the checkpoints are.
 ///
 /// ```
+/// use emmy::prelude::*;
 /// use emmy::adjoint::{Goal, Trajectory};
-/// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
-/// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;

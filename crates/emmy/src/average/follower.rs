@@ -18,9 +18,9 @@ use crate::quadrature::gauss;
 /// points where they evaluate the stress.
 ///
 /// ```
-/// use emmy::average::{FollowerRule, Rule};
+/// use emmy::internals::average::{FollowerRule, Rule};
 /// assert_eq!(FollowerRule::new(&Rule::discrete_gradient(2)).n_points(), 6);
-/// assert_eq!(FollowerRule::new(&Rule::standard(1, &emmy::quadrature::gauss(1))).n_points(), 1);
+/// assert_eq!(FollowerRule::new(&Rule::standard(1, &emmy::internals::quadrature::gauss(1))).n_points(), 1);
 /// ```
 #[derive(Debug, Clone)]
 pub struct FollowerRule {

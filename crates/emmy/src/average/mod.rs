@@ -33,8 +33,8 @@ use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
 /// An averaging rule: the quadrature that makes a scheme out of a time element.
 ///
 /// ```
-/// use emmy::average::Rule;
-/// let mid_point = Rule::standard(1, &emmy::quadrature::gauss(1));
+/// use emmy::internals::average::Rule;
+/// let mid_point = Rule::standard(1, &emmy::internals::quadrature::gauss(1));
 /// assert_eq!((mid_point.degree(), mid_point.nodes()), (1, &[0.5][..]));
 /// ```
 #[derive(Debug, Clone)]
@@ -57,7 +57,7 @@ pub struct Rule {
 }
 
 /// An averaging rule as a value. A new one has its file in this folder, a variant here and a row in the table of
-/// [`crate::time::SCHEMES`].
+/// [`crate::time::scheme::SCHEMES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AveragingRule {
     /// `FE(n)`: stress at n Gauss points (section 4.4.1).
@@ -90,7 +90,7 @@ impl AveragingRule {
     /// The rule with at least as many points as a degree needs.
     ///
     /// ```
-    /// use emmy::average::AveragingRule;
+    /// use emmy::time::AveragingRule;
     /// assert_eq!(AveragingRule::Standard(1).for_degree(2), AveragingRule::Standard(2));
     /// assert_eq!(AveragingRule::Trapezoidal.for_degree(2), AveragingRule::Lobatto(3));
     /// ```

@@ -14,7 +14,7 @@ impl Body {
     }
 
     /// Degrees of freedom with a given motion; [`Body::fixed`] counts them too.
-    pub fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn driven_dofs(&self) -> impl Iterator<Item = usize> + '_ {
         self.drives.iter().flat_map(Drive::dofs)
     }
 
@@ -24,7 +24,14 @@ impl Body {
     /// ```math
     /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
     /// ```
-    pub fn driven_rates(&self, rule: &Rule, time: f64, h: f64, displacement: &[f64], rates: &mut [f64]) {
+    pub(crate) fn driven_rates(
+        &self,
+        rule: &Rule,
+        time: f64,
+        h: f64,
+        displacement: &[f64],
+        rates: &mut [f64],
+    ) {
         let n = self.n_dofs();
         for drive in &self.drives {
             let start = drive.map(time);
@@ -42,7 +49,7 @@ impl Body {
     /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the rate after it,
     /// at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`: of the step that ends or
     /// starts here.
-    pub fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
+    pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
         for drive in &self.drives {
             let same = SAME_TIME * step_size;
@@ -55,7 +62,7 @@ impl Body {
     }
 
     /// Largest displacement that the given motion has at a time \[length\].
-    pub fn driven_distance(&self, time: f64) -> f64 {
+    pub(crate) fn driven_distance(&self, time: f64) -> f64 {
         let of_drive = |drive: &Drive| {
             let map = drive.map(time);
             drive.entries().map(|(_, i, offset)| apply(&map[i], offset).abs()).fold(0.0, f64::max)

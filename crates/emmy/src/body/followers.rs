@@ -5,14 +5,14 @@ use crate::average::FollowerRule;
 
 impl Body {
     /// Number of loads that follow the motion.
-    pub fn n_followers(&self) -> usize {
+    pub(crate) fn n_followers(&self) -> usize {
         self.pressures.len()
     }
 
     /// Factors p_m of the loads that follow, over a step, exact for every kink of the time functions (see [`FollowerRule`]).
     ///
     /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
-    pub fn follower_averages(
+    pub(crate) fn follower_averages(
         &self,
         rule: &FollowerRule,
         time: f64,
@@ -29,7 +29,13 @@ impl Body {
     /// Factors of the loads that follow, at the points of a step: `p_m = p(t + alpha_m h)`.
     ///
     /// `factors: [n_followers][n_points]`.
-    pub fn follower_values(&self, rule: &FollowerRule, time: f64, step_size: f64, factors: &mut [f64]) {
+    pub(crate) fn follower_values(
+        &self,
+        rule: &FollowerRule,
+        time: f64,
+        step_size: f64,
+        factors: &mut [f64],
+    ) {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
             for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
                 *factor = pressure.time_function.value(time + alpha * step_size);
@@ -38,6 +44,7 @@ impl Body {
     }
 
     /// Stage averages of the loads that follow, `force: [k][n_nodes][3]`.
+    #[doc(hidden)]
     pub fn stage_followers(
         &self,
         step: &StepInput<'_>,
@@ -53,6 +60,7 @@ impl Body {
 
     /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: as external forces they stand on
     /// the other side of the equations.
+    #[doc(hidden)]
     pub fn add_follower_tangent(
         &self,
         step: &StepInput<'_>,
@@ -66,7 +74,7 @@ impl Body {
     }
 
     /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
-    pub fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
+    pub(crate) fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
         for pressure in self.pressures.iter() {
             pressure.add_force(&self.mesh, displacement, pressure.time_function.value(time), force);
         }

@@ -58,7 +58,7 @@ impl Region {
     /// The same region with another thickness of its plane cells.
     ///
     /// ```
-    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// use emmy::prelude::*;
     /// let plate = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_thickness(0.1);
     /// let body = Body::builder(mesh::rectangle([3.0, 4.0], [3, 4])?).region(plate).build()?;
     /// assert!((body.regions()[0].mass - 2.4).abs() < 1e-14);
@@ -71,7 +71,7 @@ impl Region {
     /// The same region with a viscosity.
     ///
     /// ```
-    /// use emmy::{body::{Body, Region, Viscosity}, material::NeoHooke, mesh};
+    /// use emmy::prelude::*;
     /// let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
     /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_viscosity(viscosity);
     /// assert!(Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?.is_viscous());
@@ -138,7 +138,7 @@ pub struct GroundAttraction {
 /// Components of a group whose motion is given: at rest, or driven.
 ///
 /// ```
-/// use emmy::body::{TimeFunction, Support};
+/// use emmy::prelude::*;
 /// let rate = TimeFunction::smooth("0.1*t", |t| [0.1 * t, 0.1, 0.0]);
 /// let support = Support { group: "x-max".into(), displacement: [Some(rate), None, None], ..Default::default() };
 /// assert!(support.is_driven());
@@ -193,11 +193,11 @@ impl Support {
     /// Components at rest: those of `fix`, and that across the plane of symmetry.
     ///
     /// # Errors
-    /// Those of [`super::symmetry_axis`].
+    /// Those of [`super::symmetry::symmetry_axis`].
     pub fn fixed_components(&self, mesh: &Mesh) -> Result<[bool; 3]> {
         let mut fixed = self.fix;
         if self.symmetry {
-            fixed[super::symmetry_axis(mesh, &self.group)?] = true;
+            fixed[super::symmetry::symmetry_axis(mesh, &self.group)?] = true;
         }
         Ok(fixed)
     }

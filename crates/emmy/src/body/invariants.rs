@@ -28,7 +28,7 @@ impl Body {
     /// ([`Body::mass_weighted_rms`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
     ///
     /// ```
-    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// use emmy::prelude::*;
     /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
     /// let body = Body::builder(mesh::block([1.0, 2.0, 2.0], [1; 3])?).region(rubber).build()?;
     /// assert!((body.radius_of_gyration() - 1.5).abs() < 1e-14); // all mass in the corners
@@ -66,13 +66,14 @@ impl Body {
     /// Strain energy and smallest det F of a displacement; the latter is infinite for a body of links.
     ///
     /// ```
-    /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
+    /// use emmy::prelude::*;
     /// let rubber = NeoHooke::new(1000.0, 500.0)?;
     /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
     /// let squeezed: Vec<f64> = body.mesh().points().iter().flat_map(|X| [0.0, 0.0, -0.2 * X[2]]).collect();
     /// assert!((body.strain_state(&squeezed).smallest_determinant - 0.8).abs() < 1e-14);
     /// # Ok::<(), emmy::Error>(())
     /// ```
+    #[doc(hidden)]
     pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
         let terms = self.terms.iter().chain(self.ground.iter());
         terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)))

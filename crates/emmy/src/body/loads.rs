@@ -21,7 +21,7 @@ impl Body {
     /// ```
     ///
     /// `force: [k][n_nodes][3]`; `averages`: memory for k numbers. Returns whether any load acts.
-    pub fn stage_loads(
+    pub(crate) fn stage_loads(
         &self,
         rule: &Rule,
         time: f64,
@@ -47,7 +47,7 @@ impl Body {
     }
 
     /// The first time after another at which the time function of a load or of a support that moves has a kink or a jump.
-    pub fn next_kink(&self, after: f64) -> Option<f64> {
+    pub(crate) fn next_kink(&self, after: f64) -> Option<f64> {
         let loads = self.loads.iter().map(|load| &load.time_function);
         let fields = self.fields.iter().map(|field| &field.time_function);
         let pressures = self.pressures.iter().map(|pressure| &pressure.time_function);

@@ -46,8 +46,8 @@ impl RegionModel {
     /// The model with a name.
     ///
     /// ```
-    /// use emmy::body::RegionModel;
-    /// use emmy::material::{Value, Values};
+    /// use emmy::internals::body::RegionModel;
+    /// use emmy::internals::material::{Value, Values};
     /// let model = RegionModel::named("neo-hooke").unwrap();
     /// let values = Values::from_iter([("lambda", Value::Number(1000.0)), ("mu", Value::Number(500.0))]);
     /// assert_eq!(model.region(2.0, &values)?.density, 2.0);

@@ -32,7 +32,8 @@ impl RegionSummary {
     /// ```
     ///
     /// ```
-    /// use emmy::{body::{Body, Region, RegionSummary}, material::NeoHooke, mesh};
+    /// use emmy::prelude::*;
+    /// use emmy::body::RegionSummary;
     /// let rubber = NeoHooke::new(1000.0, 500.0)?;
     /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 6.0)).build()?;
     /// let whole = RegionSummary::combined(body.regions());

@@ -69,7 +69,7 @@ impl Body {
     /// The smooth functions of time that act on the body, each once.
     ///
     /// A field stands for itself with its components at some of its points.
-    pub fn signals(&self) -> Vec<Signal> {
+    pub(crate) fn signals(&self) -> Vec<Signal> {
         let loads = self.loads.iter().map(|load| (load.load, &load.time_function));
         let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.time_function));
         let of_loads = loads.chain(pressures).filter_map(|(load, time_function)| {

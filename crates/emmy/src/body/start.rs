@@ -9,7 +9,11 @@ impl Body {
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::DrivenStart`] if a driven node is displaced then.
-    pub fn initial_motion(&self, time: f64, fields: &[InitialVelocity]) -> Result<(Vec<f64>, Vec<f64>)> {
+    pub(crate) fn initial_motion(
+        &self,
+        time: f64,
+        fields: &[InitialVelocity],
+    ) -> Result<(Vec<f64>, Vec<f64>)> {
         self.check_start(time)?;
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {

@@ -13,7 +13,7 @@ const FLAT: f64 = 1e-9;
 ///
 /// ```
 /// let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1])?;
-/// assert_eq!(emmy::body::symmetry_axis(&mesh, "y-min")?, 1);
+/// assert_eq!(emmy::internals::body::symmetry_axis(&mesh, "y-min")?, 1);
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {

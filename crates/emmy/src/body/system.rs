@@ -89,6 +89,7 @@ impl Body {
     }
 
     /// Couplings between nodes.
+    #[doc(hidden)]
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
@@ -114,6 +115,7 @@ impl Body {
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if there is not enough memory for it.
+    #[doc(hidden)]
     pub fn node_order(&self) -> Result<&[usize]> {
         match self.node_order.get_or_init(|| nested_dissection(&self.pattern)) {
             Ok(order) => Ok(order),
@@ -122,6 +124,7 @@ impl Body {
     }
 
     /// Memory for the assembly with time elements of a degree.
+    #[doc(hidden)]
     pub fn assembly(&self, degree: usize) -> Assembly {
         let n_nodes = self.mesh.cells().map(|cell| cell.nodes.len()).max().unwrap_or(0);
         let terms = self.terms.iter().chain(self.ground.iter());
@@ -138,6 +141,7 @@ impl Body {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`] if a cell is inverted.
+    #[doc(hidden)]
     pub fn assemble(
         &self,
         step: &StepInput<'_>,
@@ -177,7 +181,7 @@ impl Body {
     }
 
     /// Equivalent stiffness-proportional damping time, averaged over the cells \[time\].
-    pub fn viscous_time(&self) -> f64 {
+    pub(crate) fn viscous_time(&self) -> f64 {
         self.viscous_time
     }
 
@@ -191,7 +195,7 @@ impl Body {
     /// ```math
     /// sum_i b_i integral S_i : E'_i dV
     /// ```
-    pub fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
+    pub(crate) fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
         let scratch = &mut assembly.parts[0].scratch;
         self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
     }
@@ -202,19 +206,19 @@ impl Body {
     /// ```math
     /// sum_i (df_i/du_1)^T mu_i
     /// ```
-    pub fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
+    pub(crate) fn start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         let terms = self.terms.iter().chain(self.ground.iter());
         terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
     }
 
     /// Whether springs or attractions pull the body towards the ground.
-    pub fn has_ground(&self) -> bool {
+    pub(crate) fn has_ground(&self) -> bool {
         !self.ground.is_empty()
     }
 
     /// Whether nothing holds the body: neither supports nor springs and attractions to the ground.
-    pub fn is_free(&self) -> bool {
+    pub(crate) fn is_free(&self) -> bool {
         self.ground.is_empty() && !self.fixed.contains(&true)
     }
 
@@ -223,7 +227,7 @@ impl Body {
     ///
     /// # Errors
     /// Those of [`Body::assemble`].
-    pub fn ground_force(
+    pub(crate) fn ground_force(
         &self,
         step: &StepInput<'_>,
         assembly: &mut Assembly,

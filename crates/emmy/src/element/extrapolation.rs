@@ -17,7 +17,8 @@ use super::{CellKind, CellShape, element};
 /// Source: Hinton and Campbell (1974), IJNME 8, 461-480.
 ///
 /// ```
-/// use emmy::{element::extrapolation, mesh::CellKind};
+/// use emmy::internals::element::extrapolation;
+/// use emmy::mesh::CellKind;
 /// let row: f64 = extrapolation(CellKind::Hex8)[..8].iter().sum();
 /// assert!((row - 1.0).abs() < 1e-14);
 /// assert!(extrapolation(CellKind::Tet4).iter().all(|x| (x - 1.0).abs() < 1e-14));

@@ -15,7 +15,7 @@ use crate::quadrature::{Quadrature, cube};
 /// Source: Zienkiewicz and Taylor (2000), The Finite Element Method, volume 1, section 8.11.
 ///
 /// ```
-/// use emmy::element::{Hex20, ReferenceElement};
+/// use emmy::internals::element::{Hex20, ReferenceElement};
 /// let mut N = [0.0; 20];
 /// Hex20.shape([0.0; 3], &mut N);
 /// assert_eq!((N[0], N[8]), (-0.25, 0.25));

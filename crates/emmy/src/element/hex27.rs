@@ -15,7 +15,7 @@ use crate::quadrature::{Quadrature, cube};
 /// y-max, z-min, z-max.
 ///
 /// ```
-/// use emmy::element::{Hex27, ReferenceElement};
+/// use emmy::internals::element::{Hex27, ReferenceElement};
 /// assert_eq!(Hex27.nodes()[21], [1.0, 0.0, 0.0]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use crate::quadrature::{Quadrature, cube};
 /// Source: Hughes (1987), The Finite Element Method, section 3.5.
 ///
 /// ```
-/// use emmy::element::{Hex8, ReferenceElement};
+/// use emmy::internals::element::{Hex8, ReferenceElement};
 /// let mut dN = [[0.0; 3]; 8];
 /// Hex8.gradient([0.0; 3], &mut dN);
 /// assert_eq!(dN[6], [0.125; 3]);

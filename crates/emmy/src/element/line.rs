@@ -16,7 +16,7 @@ pub(super) const LINE_NODES: [[f64; 1]; 3] = [[-1.0], [1.0], [0.0]];
 /// ```
 ///
 /// ```
-/// use emmy::element::{Line2, ReferenceElement};
+/// use emmy::internals::element::{Line2, ReferenceElement};
 /// let mut N = [0.0; 2];
 /// Line2.shape([0.5], &mut N);
 /// assert_eq!(N, [0.25, 0.75]);
@@ -59,7 +59,7 @@ impl ReferenceElement<1> for Line2 {
 /// ```
 ///
 /// ```
-/// use emmy::element::{Line3, ReferenceElement};
+/// use emmy::internals::element::{Line3, ReferenceElement};
 /// let mut N = [0.0; 3];
 /// Line3.shape([0.5], &mut N);
 /// assert_eq!(N, [-0.125, 0.375, 0.75]);

@@ -99,7 +99,8 @@ pub trait ReferenceElement<const D: usize>: Send + Sync {
 /// Reference element of a kind of cell, in three coordinates: nothing depends on those that the cell does not have.
 ///
 /// ```
-/// use emmy::{element::element, mesh::CellKind};
+/// use emmy::internals::element::element;
+/// use emmy::mesh::CellKind;
 /// let mut N = [0.0; 8];
 /// element(CellKind::Hex8).shape([0.0; 3], &mut N);
 /// assert_eq!(N, [0.125; 8]);
@@ -111,7 +112,8 @@ pub fn element(kind: CellKind) -> &'static dyn ReferenceElement<3> {
 /// Reference element of a kind of facet, in two coordinates: nothing depends on the second one of an edge.
 ///
 /// ```
-/// use emmy::{element::facet_element, mesh::FacetKind};
+/// use emmy::internals::element::facet_element;
+/// use emmy::mesh::FacetKind;
 /// let area: f64 = facet_element(FacetKind::Tri6).quadrature().weights.iter().sum();
 /// assert!((area - 0.5).abs() < 1e-15);
 /// ```
@@ -174,7 +176,8 @@ fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
 /// product is the outward normal times the area by area. The second one of an edge is the unit vector along z.
 ///
 /// ```
-/// use emmy::{element::facet_tangents, mesh::FacetKind};
+/// use emmy::internals::element::facet_tangents;
+/// use emmy::mesh::FacetKind;
 /// let along_x = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]]; // the cell lies above
 /// let tangents = facet_tangents(FacetKind::Line2, &along_x, &[[-0.5, 0.0], [0.5, 0.0]]);
 /// assert_eq!(tangents, [[2.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);

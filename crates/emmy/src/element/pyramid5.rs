@@ -21,7 +21,7 @@ use crate::quadrature::{Quadrature, pyramid};
 /// quadrature point lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
 ///
 /// ```
-/// use emmy::element::{Pyramid5, ReferenceElement};
+/// use emmy::internals::element::{Pyramid5, ReferenceElement};
 /// let mut N = [0.0; 5];
 /// Pyramid5.shape([0.0, 0.0, 0.5], &mut N);
 /// assert_eq!(N, [0.125, 0.125, 0.125, 0.125, 0.5]);

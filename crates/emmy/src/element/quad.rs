@@ -19,7 +19,7 @@ use crate::quadrature::{Quadrature, square};
 /// ```
 ///
 /// ```
-/// use emmy::element::{Quad4, ReferenceElement};
+/// use emmy::internals::element::{Quad4, ReferenceElement};
 /// let mut N = [0.0; 4];
 /// Quad4.shape([0.5, 0.0], &mut N);
 /// assert_eq!(N, [0.125, 0.375, 0.375, 0.125]);
@@ -63,7 +63,7 @@ impl ReferenceElement<2> for Quad4 {
 /// ```
 ///
 /// ```
-/// use emmy::element::{Quad8, ReferenceElement};
+/// use emmy::internals::element::{Quad8, ReferenceElement};
 /// let mut N = [0.0; 8];
 /// Quad8.shape([0.0, 0.0], &mut N);
 /// assert_eq!((N[0], N[4]), (-0.25, 0.5));
@@ -108,7 +108,7 @@ impl ReferenceElement<2> for Quad8 {
 /// ```
 ///
 /// ```
-/// use emmy::element::{Quad9, ReferenceElement};
+/// use emmy::internals::element::{Quad9, ReferenceElement};
 /// let mut N = [0.0; 9];
 /// Quad9.shape([0.5, 0.0], &mut N);
 /// assert_eq!((N[1], N[5], N[8]), (0.0, 0.375, 0.75));

@@ -15,7 +15,7 @@ use crate::quadrature::{Quadrature, tetrahedron};
 /// Source: Hughes (1987), The Finite Element Method, appendix 3.I. The edges come in the order 01, 12, 20, 03, 13, 23.
 ///
 /// ```
-/// use emmy::element::{ReferenceElement, Tet10};
+/// use emmy::internals::element::{ReferenceElement, Tet10};
 /// let mut N = [0.0; 10];
 /// Tet10.shape([0.25; 3], &mut N);
 /// assert_eq!((N[0], N[9]), (-0.125, 0.25));

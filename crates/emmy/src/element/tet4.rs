@@ -14,7 +14,7 @@ use crate::quadrature::{Quadrature, tetrahedron};
 /// Source: Hughes (1987), The Finite Element Method, appendix 3.I.
 ///
 /// ```
-/// use emmy::element::{ReferenceElement, Tet4};
+/// use emmy::internals::element::{ReferenceElement, Tet4};
 /// assert_eq!(Tet4.quadrature().points, [[0.25; 3]]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

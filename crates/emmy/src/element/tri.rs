@@ -15,7 +15,7 @@ use crate::quadrature::{Quadrature, triangle};
 /// ```
 ///
 /// ```
-/// use emmy::element::{Tri3, ReferenceElement};
+/// use emmy::internals::element::{ReferenceElement, Tri3};
 /// let mut N = [0.0; 3];
 /// Tri3.shape([0.5, 0.25], &mut N);
 /// assert_eq!(N, [0.25, 0.5, 0.25]);
@@ -61,7 +61,7 @@ impl ReferenceElement<2> for Tri3 {
 /// ```
 ///
 /// ```
-/// use emmy::element::{Tri6, ReferenceElement};
+/// use emmy::internals::element::{ReferenceElement, Tri6};
 /// let mut N = [0.0; 6];
 /// Tri6.shape([0.25, 0.25], &mut N);
 /// assert_eq!((N[0], N[4]), (0.0, 0.25));

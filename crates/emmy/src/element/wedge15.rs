@@ -20,7 +20,7 @@ use crate::quadrature::{Quadrature, wedge};
 /// Element Method, volume 1, chapter 8.
 ///
 /// ```
-/// use emmy::element::{ReferenceElement, Wedge15};
+/// use emmy::internals::element::{ReferenceElement, Wedge15};
 /// let mut N = [0.0; 15];
 /// Wedge15.shape([0.5, 0.0, 0.0], &mut N);
 /// assert_eq!((N[0], N[6], N[12]), (-0.25, 0.5, 0.5));

@@ -15,7 +15,7 @@ use crate::quadrature::{Quadrature, wedge};
 /// Source: Hughes (1987), The Finite Element Method, chapter 3.
 ///
 /// ```
-/// use emmy::element::{ReferenceElement, Wedge6};
+/// use emmy::internals::element::{ReferenceElement, Wedge6};
 /// let mut N = [0.0; 6];
 /// Wedge6.shape([0.25, 0.25, 0.0], &mut N);
 /// assert_eq!(N, [0.25, 0.125, 0.125, 0.25, 0.125, 0.125]);

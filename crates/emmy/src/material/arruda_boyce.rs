@@ -20,7 +20,7 @@ use crate::tensor::Lane;
 /// stretch of a chain, has no dimension.
 ///
 /// ```
-/// use emmy::material::{ArrudaBoyce, Material, Volumetric};
+/// use emmy::prelude::*;
 /// let rubber = ArrudaBoyce::new(3.0, 2.8, 100.0, Volumetric::default())?;
 /// // Nearly neo-Hooke at a shear by 0.01: W = mu/2 0.01^2.
 /// let energy = rubber.strain_energy(&[0.0, 0.5e-4, 0.0, 0.5e-2, 0.0, 0.0]);

@@ -23,7 +23,7 @@ use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 /// Source: Ciarlet and Geymonat (1982), C. R. Acad. Sci. Paris II 295, without the term in tr cof C. Parameters in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{CiarletGeymonat, Material};
+/// use emmy::prelude::*;
 /// let rubber = CiarletGeymonat::new(1000.0, 500.0)?;
 /// let energy = rubber.strain_energy(&[1.5, 0.0, 0.0, 0.0, 0.0, 0.0]); // stretched to twice its length
 /// assert!((energy - (750.0 + 750.0 - 1000.0 * std::f64::consts::LN_2)).abs() < 1e-10);

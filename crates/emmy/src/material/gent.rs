@@ -19,7 +19,7 @@ use crate::tensor::Lane;
 /// dimension.
 ///
 /// ```
-/// use emmy::material::{Gent, Material, Volumetric};
+/// use emmy::prelude::*;
 /// let rubber = Gent::new(3.0, 0.32, 100.0, Volumetric::default())?;
 /// // Simple shear by 0.4: I1 = 3 + 0.4^2, half of the limit, J = 1.
 /// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);

@@ -18,7 +18,7 @@ use crate::tensor::Lane;
 /// Source: Hencky (1928), Z. Tech. Phys. 9; Anand (1979), J. Appl. Mech. 46. Parameters in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{Hencky, Material};
+/// use emmy::prelude::*;
 /// let metal = Hencky::new(1.0, 2.0)?;
 /// let energy = metal.strain_energy(&[1.5, 0.0, 0.0, 0.0, 0.0, 0.0]); // stretched to twice its length
 /// let ln_2 = std::f64::consts::LN_2;

@@ -17,7 +17,7 @@ use crate::tensor::{Elasticity, Lane, Sym, trace};
 /// area times length. The attraction with g = G m_1 m_2 is Newton's law of gravitation.
 ///
 /// ```
-/// use emmy::material::{Link, Material};
+/// use emmy::prelude::*;
 /// let spring = Link::spring(2.0, Some(0.5))?.with_length(1.0);
 /// assert_eq!(spring.strain_energy(&[0.0; 6]), 0.25); // k/2 (1 - 1/2)^2
 /// # Ok::<(), emmy::Error>(())

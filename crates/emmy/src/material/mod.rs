@@ -16,14 +16,14 @@ mod holzapfel_gasser_ogden;
 mod invariants;
 mod isochoric;
 mod link;
-mod model;
+pub(crate) mod model;
 mod mooney_rivlin;
 mod neo_hooke;
 mod neo_hooke_isochoric;
 mod ogden;
 mod orthotropic;
 mod polynomial;
-mod response;
+pub(crate) mod response;
 mod saint_venant_kirchhoff;
 mod spectral;
 mod volumetric;
@@ -35,21 +35,26 @@ pub use gent::Gent;
 pub use hencky::Hencky;
 pub use holzapfel_gasser_ogden::HolzapfelGasserOgden;
 pub use link::{Link, LinkEnergy};
-pub use model::{Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, ParameterKind, Value, Values};
+pub(crate) use model::{Model, Modelled, Values};
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use neo_hooke_isochoric::NeoHookeIsochoric;
 pub use ogden::Ogden;
 pub use orthotropic::{EngineeringConstants, Orthotropic};
-pub use response::{CompiledMaterial, Response};
+pub use response::CompiledMaterial;
+pub(crate) use response::Response;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;
 
+// Tensors for materials of your own.
+pub use crate::tensor::{
+    Elasticity, Lane, Mat3, Sym, double_dot, sym_add_scaled, sym_cofactor, sym_det, sym_scaled, trace,
+};
+
 use response::compiled_with_this_crate;
 
 use crate::error::{Error, Result};
-use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
 
 /// Hands the names of all materials for solid and plane cells to a macro. A new material has its line here.
 macro_rules! each_material {
@@ -82,7 +87,7 @@ pub(crate) use each_material;
 /// from 1e-8 to 1. Components are ordered as in [`Sym`]; see [`Elasticity`] for the shears of `D`.
 ///
 /// ```
-/// use emmy::material::{Material, SaintVenantKirchhoff};
+/// use emmy::prelude::*;
 /// let steel = SaintVenantKirchhoff::from_engineering(2.1e5, 0.3)?;
 /// let stress = steel.stress(&[1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]);
 /// assert!((stress[0] - 282.6923076923077).abs() < 1e-10);

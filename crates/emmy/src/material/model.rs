@@ -5,10 +5,11 @@ use std::fmt;
 use super::{Material, Volumetric};
 use crate::error::Result;
 
-/// A material model: its name, its energy, its parameters. [`crate::body::MODELS`] lists all of them.
+/// A material model: its name, its energy, its parameters. [`crate::body::models::MODELS`] lists all of them.
 ///
 /// ```
-/// use emmy::material::{Gent, Modelled};
+/// use emmy::internals::material::Modelled;
+/// use emmy::material::Gent;
 /// let names: Vec<&str> = Gent::MODEL.every_parameter().map(|parameter| parameter.name).collect();
 /// assert_eq!(names, ["mu", "jm", "bulk_modulus", "volumetric"]);
 /// ```
@@ -219,7 +220,8 @@ pub enum Value {
 /// empty, which the materials reject; only the law of volume has its default.
 ///
 /// ```
-/// use emmy::material::{Modelled, NeoHooke, Value, Values};
+/// use emmy::internals::material::{Modelled, Value, Values};
+/// use emmy::material::NeoHooke;
 /// let values = Values::from_iter([("lambda", Value::Number(1000.0)), ("mu", Value::Number(500.0))]);
 /// assert_eq!(NeoHooke::from_values(&values), NeoHooke::new(1000.0, 500.0));
 /// assert!(NeoHooke::from_values(&Values::default()).is_err());

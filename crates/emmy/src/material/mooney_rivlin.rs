@@ -18,7 +18,7 @@ use crate::tensor::Lane;
 /// material is not elliptic at large strain then.
 ///
 /// ```
-/// use emmy::material::{Material, MooneyRivlin, Volumetric};
+/// use emmy::prelude::*;
 /// let rubber = MooneyRivlin::new(3.0, 1.0, 100.0, Volumetric::default())?;
 /// // Simple shear by 0.4: I1 = I2 = 3 + 0.4^2, J = 1.
 /// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);

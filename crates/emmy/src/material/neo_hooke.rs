@@ -22,7 +22,7 @@ use crate::tensor::{
 /// Source: Betsch and Steinmann (2001), equation (81). Parameters in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{Material, NeoHooke};
+/// use emmy::prelude::*;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let energy = rubber.strain_energy(&[1.5, 0.0, 0.0, 0.0, 0.0, 0.0]); // stretched to twice its length
 /// let ln_2 = std::f64::consts::LN_2;

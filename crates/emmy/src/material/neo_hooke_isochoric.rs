@@ -17,7 +17,7 @@ use crate::tensor::Lane;
 /// bulk modulus in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{Material, NeoHookeIsochoric, Volumetric};
+/// use emmy::prelude::*;
 /// let rubber = NeoHookeIsochoric::new(8.0, 1000.0, Volumetric::default())?;
 /// // Simple shear by 0.4: I1 = 3 + 0.4^2, J = 1.
 /// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);

@@ -19,7 +19,7 @@ use crate::tensor::{Lane, exp_m1_minus, exp_m1_over, inlined};
 /// 2 mu_p / alpha_p^2 where mu_p / alpha_p stands here.
 ///
 /// ```
-/// use emmy::material::{Material, Ogden, Volumetric};
+/// use emmy::prelude::*;
 /// let rubber = Ogden::new(&[(3.0, 2.0), (-1.0, -2.0)], 100.0, Volumetric::default())?;
 /// // With these exponents, Mooney-Rivlin: c10 = 3/2, c01 = 1/2. Simple shear by 0.4: I1 = I2 = 3 + 0.4^2, J = 1.
 /// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);

@@ -58,7 +58,8 @@ impl<M: Material, L: Lane> Response<L> for M {
 /// A material with the tables of its functions for single points and for the registers of this machine.
 ///
 /// ```
-/// use emmy::material::{CompiledMaterial, Material, NeoHooke};
+/// use emmy::prelude::*;
+/// use emmy::material::CompiledMaterial;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?.compiled();
 /// let stretched = [1.5, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// assert!(rubber.response::<f64>().strain_energy(&stretched) > 0.0);

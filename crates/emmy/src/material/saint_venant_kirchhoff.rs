@@ -16,7 +16,7 @@ use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, 
 /// Source: Betsch and Steinmann (2001), equation (59). Parameters in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{Material, SaintVenantKirchhoff};
+/// use emmy::prelude::*;
 /// let material = SaintVenantKirchhoff::new(1.0, 2.0)?;
 /// assert_eq!(material.strain_energy(&[0.5, 0.0, 0.0, 0.0, 0.0, 0.0]), 0.125 + 0.5);
 /// # Ok::<(), emmy::Error>(())

@@ -17,7 +17,7 @@ use crate::tensor::Lane;
 /// Source: Yeoh (1993), Rubber Chem. Technol. 66. Parameters in \[force/length^2\].
 ///
 /// ```
-/// use emmy::material::{Material, Volumetric, Yeoh};
+/// use emmy::prelude::*;
 /// let rubber = Yeoh::new([3.0, -0.5, 2.0], 100.0, Volumetric::default())?;
 /// // Simple shear by 0.4: I1 = 3 + 0.4^2, J = 1.
 /// let energy = rubber.strain_energy(&[0.0, 0.08, 0.0, 0.2, 0.0, 0.0]);

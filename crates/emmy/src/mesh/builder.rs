@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 /// Collects nodes, cells and groups and checks them once, in [`MeshBuilder::build`].
 ///
 /// ```
-/// use emmy::mesh::{CellKind, MeshBuilder};
+/// use emmy::prelude::*;
 /// let mut builder = MeshBuilder::new();
 /// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
 ///     builder.point(point);
@@ -79,7 +79,7 @@ impl MeshBuilder {
     /// Turns plane cells whose corners go round clockwise over, and says how many; facets stay where they are.
     ///
     /// ```
-    /// use emmy::mesh::{CellKind, MeshBuilder};
+    /// use emmy::prelude::*;
     /// let mut builder = MeshBuilder::new();
     /// for point in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
     ///     builder.point(point);

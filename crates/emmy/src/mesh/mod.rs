@@ -12,7 +12,7 @@ pub use groups::{Facet, Groups};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{block, l_block, rectangle};
 
-pub use crate::element::{CellInfo, CellKind, CellShape, FacetKind, LocalFacet};
+pub use crate::element::{CellKind, FacetKind};
 
 use crate::error::{Error, Result};
 

@@ -19,8 +19,8 @@ use crate::time::{Scheme, State, Stepper};
 /// step.
 ///
 /// ```
-/// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
-/// use emmy::{motion::{GlobalError, Motion, NewtonSettings, Phase, State, StepPlan}, time::TimeElement};
+/// use emmy::prelude::*;
+/// use emmy::motion::GlobalError;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 1.0], about: [0.5; 3], ..Default::default() };

@@ -30,7 +30,7 @@ pub struct PlannedStep {
 /// to end on `until`.
 ///
 /// ```
-/// use emmy::motion::{Phase, StepPlan};
+/// use emmy::prelude::*;
 /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.3 }, Phase { until: 2.0, size: 0.5 }])?;
 /// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
 /// assert_eq!(ends, [0.3, 0.6, 0.8999999999999999, 1.0, 1.5, 2.0]);
@@ -135,7 +135,7 @@ impl StepPlan {
     /// The plan with a step that ends at a time: the phase around it becomes two. A time outside the plan changes nothing.
     ///
     /// ```
-    /// use emmy::motion::{Phase, StepPlan};
+    /// use emmy::prelude::*;
     /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.4 }])?.with_end_at(0.5);
     /// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
     /// assert_eq!(ends, [0.4, 0.5, 0.9, 1.0]);
@@ -190,7 +190,7 @@ impl StepPlan {
     /// The steps that remain at a time: from the one that starts there, or in which it lies.
     ///
     /// ```
-    /// use emmy::motion::{Phase, StepPlan};
+    /// use emmy::prelude::*;
     /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }])?;
     /// let starts = |time| plan.steps_from(time).map(|step| step.start).collect::<Vec<f64>>();
     /// assert_eq!((starts(0.5), starts(0.7), starts(1.0)), (vec![0.5, 0.75], vec![0.5, 0.75], vec![]));
@@ -213,7 +213,7 @@ impl StepPlan {
     /// The plan with steps of another size from a time on. What lies before stays, and so do the ends of the phases.
     ///
     /// ```
-    /// use emmy::motion::{Phase, StepPlan};
+    /// use emmy::prelude::*;
     /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }])?.with_size_from(0.5, 0.3)?;
     /// let ends: Vec<f64> = plan.steps().map(|step| step.end).collect();
     /// assert_eq!(ends, [0.25, 0.5, 0.8, 1.0]);
@@ -245,7 +245,7 @@ impl StepPlan {
     /// The plan with a time between outputs: steps end on every multiple of it, counted from the start, see [`StepPlan::is_output`].
     ///
     /// ```
-    /// use emmy::motion::{Phase, StepPlan};
+    /// use emmy::prelude::*;
     /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.1 }])?;
     /// assert!(plan.clone().with_interval(0.2)?.is_output(0.4));
     /// assert!(plan.with_interval(0.25).is_err());

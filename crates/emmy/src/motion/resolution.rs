@@ -46,8 +46,8 @@ impl fmt::Display for Unresolved {
 /// shorter may be missed. No element is evaluated.
 ///
 /// ```
-/// use emmy::{body::{Body, TimeFunction, Load, LoadKind, Region}, material::NeoHooke, mesh};
-/// use emmy::{motion::{Phase, Resolution, StepPlan}, time::TimeElement};
+/// use emmy::prelude::*;
+/// use emmy::internals::motion::Resolution;
 /// let pulse = TimeFunction::smooth("exp(-((t - 5)/0.01)^2)", |t| [(-((t - 5.0) / 0.01f64).powi(2)).exp(), 0.0, 0.0]);
 /// let kind = LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] };
 /// let region = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);

@@ -14,8 +14,7 @@ use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
 /// A body in motion: its state, and the stepper that advances it.
 ///
 /// ```
-/// use emmy::{body::{Body, Region, InitialVelocity}, material::NeoHooke, mesh};
-/// use emmy::{motion::{Motion, Phase, State, StepPlan}, time::TimeElement};
+/// use emmy::prelude::*;
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 6.0], about: [0.5; 3], ..Default::default() };
@@ -241,7 +240,7 @@ impl<'a> Motion<'a> {
     /// Statistics of all steps so far, those before a resumption included.
     ///
     /// ```
-    /// # use emmy::{body::{Body, Region}, material::NeoHooke, mesh, motion::Motion, time::TimeElement};
+    /// # use emmy::prelude::*;
     /// # let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
     /// # let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
     /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;

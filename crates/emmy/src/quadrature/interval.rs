@@ -15,7 +15,7 @@ use super::Quadrature;
 /// If n = 0.
 ///
 /// ```
-/// let rule = emmy::quadrature::gauss(2);
+/// let rule = emmy::internals::quadrature::gauss(2);
 /// assert!((rule.points[0][0] - 0.21132486540518712).abs() < 1e-16);
 /// assert_eq!(rule.weights, [0.5, 0.5]);
 /// ```
@@ -36,7 +36,7 @@ pub fn gauss(n: usize) -> Quadrature<1> {
 /// If n < 2.
 ///
 /// ```
-/// assert_eq!(emmy::quadrature::lobatto(3).points, [[0.0], [0.5], [1.0]]);
+/// assert_eq!(emmy::internals::quadrature::lobatto(3).points, [[0.0], [0.5], [1.0]]);
 /// ```
 pub fn lobatto(n: usize) -> Quadrature<1> {
     assert!(n >= 2, "a Lobatto rule has at least two points");

@@ -15,7 +15,7 @@ pub use wedge::wedge;
 /// Points and weights on a reference domain of dimension `D`.
 ///
 /// ```
-/// let rule = emmy::quadrature::gauss(2);
+/// let rule = emmy::internals::quadrature::gauss(2);
 /// let integral: f64 = rule.points.iter().zip(&rule.weights).map(|([x], w)| w * x.powi(3)).sum();
 /// assert!((integral - 0.25).abs() < 1e-15);
 /// ```

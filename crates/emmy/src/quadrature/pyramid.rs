@@ -18,7 +18,7 @@ use super::{Quadrature, square};
 /// If n = 0, or m is neither 1 nor 2.
 ///
 /// ```
-/// let rule = emmy::quadrature::pyramid(1, 1);
+/// let rule = emmy::internals::quadrature::pyramid(1, 1);
 /// assert_eq!(rule.points, [[0.0, 0.0, 0.25]]);
 /// assert!((rule.weights[0] - 4.0 / 3.0).abs() < 1e-15);
 /// ```

@@ -16,7 +16,7 @@ use super::Quadrature;
 /// If the degree exceeds 5.
 ///
 /// ```
-/// let rule = emmy::quadrature::triangle(2);
+/// let rule = emmy::internals::quadrature::triangle(2);
 /// assert_eq!(rule.n_points(), 3);
 /// assert!((rule.weights.iter().sum::<f64>() - 0.5).abs() < 1e-16);
 /// ```
@@ -54,7 +54,7 @@ pub fn triangle(degree: usize) -> Quadrature<2> {
 /// If the degree exceeds 5.
 ///
 /// ```
-/// let rule = emmy::quadrature::tetrahedron(5);
+/// let rule = emmy::internals::quadrature::tetrahedron(5);
 /// assert_eq!(rule.n_points(), 14);
 /// assert!((rule.weights.iter().sum::<f64>() - 1.0 / 6.0).abs() < 1e-16);
 /// ```

@@ -5,7 +5,7 @@ use super::{Quadrature, gauss};
 /// Product of n-point Gauss rules on the square `[-1, 1]^2`: exact to degree 2n - 1 in each coordinate.
 ///
 /// ```
-/// assert_eq!(emmy::quadrature::square(2).weights, [1.0; 4]);
+/// assert_eq!(emmy::internals::quadrature::square(2).weights, [1.0; 4]);
 /// ```
 pub fn square(n: usize) -> Quadrature<2> {
     product(n)
@@ -14,8 +14,8 @@ pub fn square(n: usize) -> Quadrature<2> {
 /// Product of n-point Gauss rules on the cube `[-1, 1]^3`: exact to degree 2n - 1 in each coordinate.
 ///
 /// ```
-/// assert_eq!(emmy::quadrature::cube(1).points, [[0.0; 3]]);
-/// assert_eq!(emmy::quadrature::cube(2).weights, [1.0; 8]);
+/// assert_eq!(emmy::internals::quadrature::cube(1).points, [[0.0; 3]]);
+/// assert_eq!(emmy::internals::quadrature::cube(2).weights, [1.0; 8]);
 /// ```
 pub fn cube(n: usize) -> Quadrature<3> {
     product(n)

@@ -9,7 +9,7 @@ use super::{Quadrature, gauss, triangle};
 /// If the degree exceeds 5 or n = 0.
 ///
 /// ```
-/// let rule = emmy::quadrature::wedge(2, 2);
+/// let rule = emmy::internals::quadrature::wedge(2, 2);
 /// assert_eq!(rule.n_points(), 6);
 /// assert!((rule.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
 /// ```

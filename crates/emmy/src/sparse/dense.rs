@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 /// Inverse of a small matrix given row by row, `[n n]`.
 ///
 /// ```
-/// let inverse = emmy::sparse::inverse(&[2.0, 0.0, 0.0, 4.0]);
+/// let inverse = emmy::internals::sparse::inverse(&[2.0, 0.0, 0.0, 4.0]);
 /// assert_eq!(inverse, [0.5, 0.0, 0.0, 0.25]);
 /// ```
 pub fn inverse(matrix: &[f64]) -> Vec<f64> {
@@ -53,7 +53,7 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
 /// ```
 /// let mut matrix = [0.0, 2.0, 4.0, 1.0];
 /// let mut x = [2.0, 9.0];
-/// assert!(emmy::sparse::eliminate(&mut matrix, &mut x, 1));
+/// assert!(emmy::internals::sparse::eliminate(&mut matrix, &mut x, 1));
 /// assert_eq!(x, [2.0, 1.0]);
 /// ```
 pub fn eliminate(matrix: &mut [f64], x: &mut [f64], columns: usize) -> bool {

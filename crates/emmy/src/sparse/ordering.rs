@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 /// [`Error::Linear`] if METIS runs out of memory or the pattern is too large for its 32-bit indices.
 ///
 /// ```
-/// use emmy::sparse::{Pattern, nested_dissection};
+/// use emmy::internals::sparse::{Pattern, nested_dissection};
 /// let pattern = Pattern::new(3, [&[0u32, 1][..], &[1, 2]].into_iter());
 /// let mut order = nested_dissection(&pattern)?;
 /// order.sort();

@@ -3,7 +3,7 @@
 /// Which nodes are coupled: compressed rows, columns ascending, the diagonal included, structurally symmetric.
 ///
 /// ```
-/// use emmy::sparse::Pattern;
+/// use emmy::internals::sparse::Pattern;
 /// let pattern = Pattern::new(3, [&[0u32, 1][..], &[1, 2]].into_iter());
 /// assert_eq!(pattern.row(1), [0, 1, 2]);
 /// assert_eq!(pattern.position(1, 2), Some(4));

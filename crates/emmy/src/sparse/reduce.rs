@@ -7,7 +7,7 @@ const CHUNK: usize = 1024;
 /// Dot product.
 ///
 /// ```
-/// assert_eq!(emmy::sparse::reduce::dot(&[1.0, 2.0], &[3.0, 4.0]), 11.0);
+/// assert_eq!(emmy::internals::sparse::reduce::dot(&[1.0, 2.0], &[3.0, 4.0]), 11.0);
 /// ```
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     let chunks = x.chunks(CHUNK).zip(y.chunks(CHUNK));

@@ -69,7 +69,7 @@ impl Solver {
     /// The solver of a name; `None` if there is none.
     ///
     /// ```
-    /// use emmy::sparse::Solver;
+    /// use emmy::motion::Solver;
     /// assert_eq!(Solver::named("direct"), Some(Solver::Direct));
     /// ```
     pub fn named(name: &str) -> Option<Solver> {

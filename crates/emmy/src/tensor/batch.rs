@@ -44,7 +44,7 @@ impl Register for f64 {
 /// instruction set.
 ///
 /// ```
-/// use emmy::tensor::{Batch, Lane, Packed, Register};
+/// use emmy::internals::tensor::{Batch, Lane, Packed, Register};
 /// struct Halves;
 /// impl pulp::WithSimd for Halves {
 ///     type Output = f64;

@@ -17,7 +17,7 @@ const SWEEPS: usize = 30;
 /// (2013), Matrix Computations, section 8.5.
 ///
 /// ```
-/// let (values, Q) = emmy::tensor::eigen(&[1.0, 1.0, 5.0, 2.0, 0.0, 0.0]);
+/// let (values, Q) = emmy::internals::tensor::eigen(&[1.0, 1.0, 5.0, 2.0, 0.0, 0.0]);
 /// assert!((values[0] + 1.0).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15 && values[2] == 5.0);
 /// assert!((Q[0][0].abs() - 0.5f64.sqrt()).abs() < 1e-15);
 /// ```

@@ -11,8 +11,9 @@ use crate::sparse::reduce::dot;
 /// Stepper of a time element.
 ///
 /// ```
-/// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh};
-/// use emmy::{newton::NewtonSettings, time::{State, Stepper, TimeElement, TimeElementStepper}};
+/// use emmy::prelude::*;
+/// use emmy::internals::newton::NewtonSettings;
+/// use emmy::internals::time::{Stepper, TimeElementStepper};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let mut state = State::initial(&body, 0.0, &[InitialVelocity { velocity: [2.0, 0.0, 0.0], ..Default::default() }])?;

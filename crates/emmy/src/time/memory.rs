@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// from it, such as a factorisation, is not kept.
 ///
 /// ```
-/// let mut memory = emmy::time::Memory::default();
+/// let mut memory = emmy::internals::time::Memory::default();
 /// memory.keep("acceleration", &[0.5, -0.5]);
 /// memory.keep_number("step_size", 0.1);
 /// memory.keep_word("solver", "direct");

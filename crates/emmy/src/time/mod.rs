@@ -3,34 +3,35 @@
 
 #![allow(non_snake_case)]
 
-mod classic;
+pub(crate) mod classic;
 mod dissipation;
-mod element_stepper;
-mod error;
+pub(crate) mod element_stepper;
+pub(crate) mod error;
 mod followers;
 mod iteration;
 mod linear;
-mod memory;
+pub(crate) mod memory;
 mod prediction;
 mod rigid_step;
-mod scheme;
+pub(crate) mod scheme;
 mod stage_coefficients;
 mod stage_system;
 mod state;
-mod stepper;
+pub(crate) mod stepper;
 #[cfg(test)]
 mod tests;
 mod time_element;
 
 pub use crate::average::AveragingRule;
-pub use classic::{BatheStepper, CentralDifferences, NewmarkFamily, NewmarkParameters, NewmarkStepper};
-pub use element_stepper::TimeElementStepper;
-pub use error::{ESTIMATORS, Estimator, LocalError, Reconstruction};
+pub use classic::{NewmarkFamily, NewmarkParameters};
+pub(crate) use element_stepper::TimeElementStepper;
+pub use error::Estimator;
+pub(crate) use error::LocalError;
 pub(crate) use iteration::LARGEST_ROUNDING;
 pub(crate) use linear::ApproximateTangent;
-pub use memory::Memory;
-pub use scheme::{BodyFeature, SCHEMES, Scheme, SchemeRow};
+pub(crate) use memory::Memory;
+pub use scheme::Scheme;
 pub(crate) use stage_coefficients::StageCoefficients;
 pub use state::State;
-pub use stepper::{Impulses, StepOutcome, Stepper};
+pub(crate) use stepper::{Impulses, StepOutcome, Stepper};
 pub use time_element::{MAX_DEGREE, TimeElement};

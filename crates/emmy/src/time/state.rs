@@ -83,7 +83,7 @@ impl State {
     /// Angular momentum about the origin of space, the low part of the displacement included \[mass length^2/time\].
     ///
     /// ```
-    /// use emmy::{body::{Body, InitialVelocity, Region}, material::NeoHooke, mesh, time::State};
+    /// use emmy::prelude::*;
     /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
     /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
     /// let flies = InitialVelocity { velocity: [0.0, 3.0, 0.0], ..Default::default() };

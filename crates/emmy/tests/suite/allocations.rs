@@ -2,9 +2,10 @@
 
 use allocation_counter::measure;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity};
+use emmy::internals::time::LocalError;
 use emmy::material::NeoHooke;
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::time::{Estimator, LocalError, Scheme};
+use emmy::time::{Estimator, Scheme};
 
 use crate::shared::schemes::{DGM, at, element};
 

@@ -53,7 +53,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
         "body",
         &[
             "viscosity",
-            "history",
+            "time_function",
             "field",
             "symmetry",
             "geometry",
@@ -180,7 +180,9 @@ fn modules_use_only_what_stands_before_them() {
         let names = ["tests.rs", "conformance.rs", "conformance"];
         path.components().any(|part| names.iter().any(|name| part.as_os_str() == *name))
     };
-    for (module, path) in files().into_iter().filter(|(module, path)| module != "lib" && !is_test(path)) {
+    // They name the modules, and no module names them.
+    let is_face = |module: &str| module == "lib" || module == "internals";
+    for (module, path) in files().into_iter().filter(|(module, path)| !is_face(module) && !is_test(path)) {
         let own = rank(&module).unwrap_or(ORDER.len());
         assert!(own < ORDER.len(), "{module} has no place in the order");
         for used in code(&path).split("crate::").skip(1) {
@@ -365,4 +367,22 @@ fn assert_names_its_modules(folder: &Path, root: &str) {
             assert_names_its_modules(&path, "mod.rs");
         }
     }
+}
+
+#[test]
+fn the_library_begins_with_the_first_program() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/first_program.rs");
+    let example = fs::read_to_string(example).unwrap();
+    let (_, program) = example.split_once("\n\n").unwrap();
+    let library = fs::read_to_string(source().join("lib.rs")).unwrap();
+    let docs: Vec<&str> = library
+        .lines()
+        .filter_map(|line| line.strip_prefix("//!"))
+        .map(|line| line.trim_start_matches(' '))
+        .collect();
+    let program: Vec<&str> = program.lines().map(str::trim_start).collect();
+    assert!(
+        docs.windows(program.len()).any(|lines| lines == program),
+        "the listing in lib.rs is not the example"
+    );
 }

@@ -2,11 +2,12 @@
 
 use emmy::Error;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
-use emmy::element::element;
+use emmy::internals::element::element;
+use emmy::internals::time::CentralDifferences;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, MeshBuilder};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
-use emmy::time::{CentralDifferences, Scheme};
+use emmy::time::Scheme;
 
 use crate::shared::schemes::at;
 

@@ -3,11 +3,13 @@
 use emmy::body::{
     Body, InitialVelocity, Load, LoadKind, PointTerms, Region, Support, TimeFunction, Viscosity,
 };
+use emmy::internals::polynomial;
+use emmy::internals::quadrature;
+use emmy::internals::time::LocalError;
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{self};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
-use emmy::time::{LocalError, Scheme};
-use emmy::{polynomial, quadrature};
+use emmy::time::Scheme;
 
 use crate::shared::points::{masses, moving, network};
 use crate::shared::schemes::{DGM, at, dgm, element, fe};

@@ -343,10 +343,11 @@ fn every_scheme_releases() {
 
 #[test]
 fn planes_of_symmetry_are_normal_to_an_axis() {
-    let axis =
-        |group: &str| emmy::body::symmetry_axis(&mesh::block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap(), group);
+    let axis = |group: &str| {
+        emmy::internals::body::symmetry_axis(&mesh::block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap(), group)
+    };
     assert_eq!(["x-max", "y-min", "z-max"].map(|group| axis(group).unwrap()), [0, 1, 2]);
     assert!(matches!(axis("body"), Err(Error::UnknownGroup { .. })));
     let l_block = mesh::l_block(1.0).unwrap();
-    assert_eq!(emmy::body::symmetry_axis(&l_block, "face-a"), Ok(1));
+    assert_eq!(emmy::internals::body::symmetry_axis(&l_block, "face-a"), Ok(1));
 }

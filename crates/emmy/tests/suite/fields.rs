@@ -5,12 +5,12 @@
 
 use crate::shared::patch::Patch;
 use crate::shared::plane_patch::plane_patch;
-use emmy::body::fields::{FieldName, Fields, Place};
 use emmy::body::{Body, PointMass, PointTerms, Region};
-use emmy::element::{element, jacobian};
+use emmy::body::{FieldName, Fields, Place};
+use emmy::internals::element::{element, jacobian};
+use emmy::internals::tensor::{Mat3, det};
 use emmy::material::{HolzapfelGasserOgden, Link, NeoHooke, SaintVenantKirchhoff, Volumetric};
 use emmy::mesh::{CellKind, Mesh, MeshBuilder, block};
-use emmy::tensor::{Mat3, det};
 
 const LAMBDA: f64 = 1000.0;
 const MU: f64 = 500.0;

@@ -11,7 +11,7 @@ use crate::shared::patch::Patch;
 use crate::shared::plane_patch::plane_patch;
 use crate::shared::schemes::{DGM, at};
 use emmy::body::{Body, Field, Load, LoadKind, Region, Support, TimeFunction};
-use emmy::element::{element, jacobian};
+use emmy::internals::element::{element, jacobian};
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh};
 use emmy::motion::{Motion, NewtonSettings, State};
@@ -137,7 +137,7 @@ fn error(body: &Body, given: Given, state: &State) -> f64 {
         for (&xi, weight) in element.mass_quadrature().iter() {
             element.shape(xi, &mut N);
             element.gradient(xi, &mut dN);
-            let det = emmy::tensor::det(&jacobian(cell.kind, &positions, &dN));
+            let det = emmy::internals::tensor::det(&jacobian(cell.kind, &positions, &dN));
             let X = [0, 1, 2].map(|i| (0..n).map(|A| N[A] * positions[A][i]).sum::<f64>());
             let exact = u(given, X, state.time);
             for i in 0..3 {

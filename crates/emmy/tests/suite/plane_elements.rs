@@ -5,14 +5,13 @@
 use crate::shared::flight::every_kind_flies;
 use crate::shared::plane_patch::plane_patch;
 use crate::shared::schemes::{DGM, at};
-use emmy::average::{Request, Rule};
-use emmy::body::{
-    Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support, TimeFunction,
-};
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::quadrature::gauss;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, block, rectangle};
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::quadrature::gauss;
 
 const THICKNESS: f64 = 0.4;
 

@@ -6,11 +6,10 @@ use std::collections::HashMap;
 
 use crate::shared::patch::Patch;
 use crate::shared::schemes::{DGM, at};
-use emmy::average::{FollowerRule, Request, Rule};
-use emmy::body::{
-    Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, Support, TimeFunction,
-};
-use emmy::element::facet_element;
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
+use emmy::internals::average::{FollowerRule, Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::element::facet_element;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
@@ -35,7 +34,7 @@ fn cube(kind: CellKind) -> Mesh {
 /// A cube of 3 x 3 x 3 bricks without the one in the middle; the facets around the hole are the group `cavity`.
 fn hollow() -> Mesh {
     let (mut builder, mut nodes) = (MeshBuilder::new(), HashMap::new());
-    let reference = emmy::element::element(CellKind::Hex8).nodes();
+    let reference = emmy::internals::element::element(CellKind::Hex8).nodes();
     for at in (0..27).map(|at| [at / 9, at / 3 % 3, at % 3]).filter(|&at| at != [1, 1, 1]) {
         let corners: Vec<u32> = reference
             .iter()

@@ -2,8 +2,8 @@
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
+use emmy::motion::Solver;
 use emmy::motion::{EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, State, StepPlan};
-use emmy::sparse::Solver;
 use emmy::time::Scheme;
 use emmy::{Error, mesh};
 

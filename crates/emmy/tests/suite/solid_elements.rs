@@ -5,12 +5,13 @@
 
 use crate::shared::flight::every_kind_flies;
 use crate::shared::patch::Patch;
-use emmy::average::{Request, Rule};
-use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, StepDamping, StepInput, TimeFunction};
-use emmy::element::element;
+use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, TimeFunction};
+use emmy::internals::average::{Request, Rule};
+use emmy::internals::body::{StepDamping, StepInput};
+use emmy::internals::element::element;
+use emmy::internals::quadrature::gauss;
 use emmy::material::NeoHooke;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
-use emmy::quadrature::gauss;
 
 /// The distorted patch of 2 x 2 x 2 bricks.
 fn patch(kind: CellKind, curved: bool) -> Mesh {

@@ -1,9 +1,9 @@
 //! The linear solvers: all lead to the same motion, on any number of threads, and the stiffness that they keep turns with the body.
 
 use emmy::body::{Body, InitialVelocity, Region};
+use emmy::internals::sparse::{Solver, SolverKind};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Motion, NewtonSettings, Record, State};
-use emmy::sparse::{Solver, SolverKind};
 use emmy::time::Scheme;
 
 use crate::shared::schemes::at;

@@ -7,7 +7,8 @@ mod synonyms;
 
 use std::sync::LazyLock;
 
-use emmy::material::{Bounds, IfAbsent, Parameter, ParameterKind, Volumetric};
+use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
+use emmy::material::Volumetric;
 
 use super::suggest::did_you_mean;
 use super::{material, problem};

@@ -3,7 +3,8 @@
 
 use std::sync::LazyLock;
 
-use emmy::mesh::{CellKind, CellShape};
+use emmy::internals::element::CellShape;
+use emmy::mesh::CellKind;
 
 /// Types that are read, by the kind of cell that they become; the plainest first.
 const TYPES: [(CellKind, &[&str]); 12] = [

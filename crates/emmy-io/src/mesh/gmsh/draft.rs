@@ -1,6 +1,6 @@
 //! What an MSH file holds, until all of it is read and can be checked.
 
-use emmy::number::short;
+use emmy::internals::number::short;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use emmy::mesh::MeshBuilder;

@@ -1,8 +1,8 @@
 //! Cell types of VTK (`vtkCellType.h`) and their node order.
 
-use emmy::element::{element, jacobian};
+use emmy::internals::element::{element, jacobian};
+use emmy::internals::tensor::det;
 use emmy::mesh::CellKind;
-use emmy::tensor::det;
 
 /// A cell type of VTK. Corners come first in the node order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use emmy::body::fields::{FieldName, FieldValues};
+use emmy::body::{FieldName, FieldValues};
 use serde::{Deserialize, Serialize};
 
 use crate::stored;

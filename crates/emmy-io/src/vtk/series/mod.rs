@@ -21,7 +21,7 @@ mod writer;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::body::fields::{FieldName, Place};
+use emmy::body::{FieldName, Place};
 use rust_hdf5::H5File;
 
 pub use reader::SeriesReader;

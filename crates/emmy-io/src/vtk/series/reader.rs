@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
-use emmy::body::fields::{FieldName, FieldValues, Place};
+use emmy::body::{FieldName, FieldValues, Place};
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 use rust_hdf5::H5File;
 

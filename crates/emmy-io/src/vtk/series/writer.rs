@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use std::{fmt, fs, io};
 
-use emmy::body::fields::{FieldName, FieldValues};
+use emmy::body::{FieldName, FieldValues};
 use emmy::mesh::Mesh;
 use rayon::prelude::*;
 use rust_hdf5::types::H5Type;

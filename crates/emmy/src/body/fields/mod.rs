@@ -32,7 +32,8 @@ use recovery::Recovery;
 /// A node without solid or plane cells has no stress and stretches of 1.
 ///
 /// ```
-/// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
+/// use emmy::prelude::*;
+/// use emmy::body::{FieldName, Fields};
 /// let rubber = NeoHooke::new(0.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [2; 3])?).region(Region::new(rubber, 1.0)).build()?;
 /// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();

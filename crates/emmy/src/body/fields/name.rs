@@ -5,7 +5,7 @@ use std::fmt;
 /// A field that is written.
 ///
 /// ```
-/// use emmy::body::fields::FieldName;
+/// use emmy::body::FieldName;
 /// let stress = FieldName::CauchyStress;
 /// assert_eq!((stress.name(), stress.components()[3]), ("cauchy_stress", "xy"));
 /// assert_eq!(FieldName::from_name("cauchy_stress"), Some(stress));

@@ -4,8 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::element::CellShape;
 use crate::element::{ReferenceElement, element, jacobian};
-use crate::mesh::{CellKind, CellShape};
+use crate::mesh::CellKind;
 use crate::tensor::det;
 
 /// Measures of one cell.

@@ -30,7 +30,7 @@ use crate::newton::NewtonSettings;
 /// A text without a degree has degree 1.
 ///
 /// ```
-/// use emmy::time::{Scheme, TimeElement};
+/// use emmy::prelude::*;
 /// let scheme: Scheme = "AS(5), degree 2".parse()?;
 /// assert_eq!(scheme, TimeElement::assumed_strain(5, 2)?.into());
 /// assert_eq!("AS(5)".parse::<Scheme>()?.with_degree(2)?, scheme);

@@ -2,11 +2,12 @@
 
 use emmy::Error;
 use emmy::body::{Body, Load, LoadKind, PointMass, PointTerms, Region, Support, TimeFunction};
+use emmy::internals::time::{ESTIMATORS, LocalError, TimeElementStepper};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh;
+use emmy::motion::Solver;
 use emmy::motion::{Motion, NewtonSettings, State};
-use emmy::sparse::Solver;
-use emmy::time::{ESTIMATORS, Estimator, LocalError, Scheme, TimeElementStepper};
+use emmy::time::{Estimator, Scheme};
 
 use super::problems::*;
 use crate::shared::schemes::{DGM, at, element, fe};
@@ -311,7 +312,7 @@ fn the_reconstruction_is_a_good_start() {
                 let mut motion = Motion::starting(body, at(DGM, degree), settings(), start.clone()).unwrap();
                 let next = element(DGM, degree + 1);
                 let mut next = TimeElementStepper::new(body, next, settings()).unwrap();
-                let mut reconstruction = emmy::time::Reconstruction::new(degree, body.n_dofs());
+                let mut reconstruction = emmy::internals::time::Reconstruction::new(degree, body.n_dofs());
                 let mut count = 0;
                 for _ in 1..=20 {
                     let mut state = motion.state().clone();

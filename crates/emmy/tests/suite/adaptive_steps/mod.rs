@@ -6,11 +6,12 @@ mod problems;
 mod pulses;
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
+use emmy::internals::sparse::Solver;
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Adaptivity, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
 use emmy::motion::{Phase, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
-use emmy::{Error, mesh, sparse::Solver};
+use emmy::{Error, mesh};
 
 use crate::shared::schemes::{DGM, at, fe};
 use crate::shared::watch::Watch;

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use emmy::element::element;
+use emmy::internals::element::element;
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// A division of the unit cube.
@@ -98,7 +98,7 @@ fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
             of(&[&[0, 1, 2, 6], &[0, 2, 3, 6], &[0, 3, 7, 6], &[0, 7, 4, 6], &[0, 4, 5, 6], &[0, 5, 1, 6]])
         }
         _ => {
-            let pyramid = |face: &emmy::mesh::LocalFacet| {
+            let pyramid = |face: &emmy::internals::element::LocalFacet| {
                 // The face is seen anticlockwise from outside, the base of a pyramid from its apex.
                 face.nodes.iter().rev().map(|&c| cube[c]).chain([[0.5; 3]]).collect()
             };

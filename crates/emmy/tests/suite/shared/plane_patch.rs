@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use emmy::element::element;
+use emmy::internals::element::element;
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// The unit square in the plane z = 0.7, n x n quadrilaterals or twice as many triangles, its inner corners moved. Groups of

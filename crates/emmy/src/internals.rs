@@ -1,0 +1,75 @@
+//! Parts of the implementation for the programs, tests and benches of this repository. No promise of stability: any of these
+//! names may change in any release.
+
+/// Averaging rules at a material point.
+pub mod average {
+    pub use crate::average::*;
+}
+
+/// Assembly, and the table of models.
+pub mod body {
+    pub use crate::body::invariants::sum;
+    pub use crate::body::models::{MODELS, RegionModel};
+    pub use crate::body::step::{StepDamping, StepInput};
+    pub use crate::body::symmetry::symmetry_axis;
+    pub use crate::body::system::Assembly;
+}
+
+/// Reference elements.
+pub mod element {
+    pub use crate::element::*;
+}
+
+/// Descriptions of materials and their parameters, from which inputs are checked and documented.
+pub mod material {
+    pub use crate::material::model::{
+        Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, ParameterKind, Value, Values,
+    };
+    pub use crate::material::response::Response;
+}
+
+/// Resolution of time functions by the steps.
+pub mod motion {
+    pub use crate::motion::resolution::{Resolution, Unresolved};
+    pub use crate::motion::subdivision::{GOOD_STEPS, Subdivision};
+}
+
+/// Newton's method.
+pub mod newton {
+    pub use crate::newton::*;
+}
+
+/// Numbers in messages.
+pub mod number {
+    pub use crate::number::*;
+}
+
+/// Polynomials.
+pub mod polynomial {
+    pub use crate::polynomial::*;
+}
+
+/// Quadrature rules.
+pub mod quadrature {
+    pub use crate::quadrature::*;
+}
+
+/// Linear algebra.
+pub mod sparse {
+    pub use crate::sparse::*;
+}
+
+/// Tensor algebra, one number or one register a component.
+pub mod tensor {
+    pub use crate::tensor::*;
+}
+
+/// Tables of schemes and estimators, and the steppers behind [`Motion`](crate::motion::Motion).
+pub mod time {
+    pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper};
+    pub use crate::time::element_stepper::TimeElementStepper;
+    pub use crate::time::error::{ESTIMATORS, LocalError, Reconstruction};
+    pub use crate::time::memory::Memory;
+    pub use crate::time::scheme::{BodyFeature, SCHEMES, SchemeRow};
+    pub use crate::time::stepper::{Impulses, StepOutcome, Stepper};
+}
