@@ -4,9 +4,23 @@ use crate::mesh::CellKind;
 use crate::number::{short, short_vector};
 
 /// Result of the library.
+///
+/// ```
+/// use emmy::prelude::*;
+/// fn mass() -> emmy::Result<f64> {
+///     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+///     Ok(Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?.regions()[0].mass)
+/// }
+/// assert_eq!(mass(), Ok(2.0));
+/// ```
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// An error of the library. Every message says what, where, and what to try.
+///
+/// ```
+/// let error = emmy::material::NeoHooke::from_engineering(1000.0, 0.5).unwrap_err();
+/// assert!(matches!(error, emmy::Error::MaterialParameter { parameter: "poissons_ratio", .. }));
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -124,13 +124,33 @@ impl Lane for f64 {
 }
 
 /// Second-order tensor, `[row][column]`.
+///
+/// ```
+/// let F: emmy::material::Mat3<f64> = [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// assert_eq!(F[0][1], 0.5); // simple shear
+/// ```
 pub type Mat3<L> = [[L; 3]; 3];
 
 /// Symmetric second-order tensor: components 11, 22, 33, 12, 23, 13 (plain tensor components, nothing doubled).
+///
+/// ```
+/// use emmy::material::{Sym, trace};
+/// let strain: Sym<f64> = [0.1, 0.2, 0.3, 0.0, 0.0, 0.05];
+/// assert!((trace(&strain) - 0.6).abs() < 1e-15);
+/// ```
 pub type Sym<L> = [L; 6];
 
 /// Derivative of a stress by a strain, `[stress component][strain component]`, in the order of [`Sym`]. As a shear
 /// strain stands for two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::material::Elasticity;
+/// let (_, D): (_, Elasticity<f64>) = SaintVenantKirchhoff::new(3.0, 2.0)?.stress_and_elasticity(&[0.0; 6]);
+/// // dS_12 = 2 mu dE_12 = mu times the doubled shear.
+/// assert_eq!((D[0][0], D[0][1], D[3][3]), (7.0, 3.0, 2.0));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 pub type Elasticity<L> = [[L; 6]; 6];
 
 /// Derivative of a tensor by a tensor, `[3 i + J][3 k + L]`.
@@ -176,6 +196,10 @@ pub fn sym<L>(entry: impl Fn(usize, usize) -> L) -> Sym<L> {
 }
 
 /// Symmetric tensor times a number.
+///
+/// ```
+/// assert_eq!(emmy::material::sym_scaled(2.0, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), [2.0, 4.0, 6.0, 8.0, 10.0, 12.0]);
+/// ```
 #[inline(always)]
 pub fn sym_scaled<L: Lane>(s: L, A: &Sym<L>) -> Sym<L> {
     [s * A[0], s * A[1], s * A[2], s * A[3], s * A[4], s * A[5]]
@@ -206,6 +230,10 @@ pub fn det_of_identity_plus<L: Lane>(G: &Mat3<L>) -> L {
 }
 
 /// Determinant of a symmetric tensor.
+///
+/// ```
+/// assert_eq!(emmy::material::sym_det(&[2.0, 3.0, 4.0, 1.0, 0.0, 0.0]), 20.0); // (2*3 - 1)*4
+/// ```
 #[inline(always)]
 pub fn sym_det<L: Lane>(A: &Sym<L>) -> L {
     let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
@@ -213,6 +241,10 @@ pub fn sym_det<L: Lane>(A: &Sym<L>) -> L {
 }
 
 /// Cofactor of a symmetric tensor: its determinant times its inverse.
+///
+/// ```
+/// assert_eq!(emmy::material::sym_cofactor(&[2.0, 3.0, 4.0, 0.0, 0.0, 0.0]), [12.0, 8.0, 6.0, 0.0, 0.0, 0.0]);
+/// ```
 #[inline(always)]
 pub fn sym_cofactor<L: Lane>(A: &Sym<L>) -> Sym<L> {
     let minor = inlined!(|a: usize, b: usize, c: usize, d: usize| A[a].mul_add(A[b], -(A[c] * A[d])));
@@ -250,12 +282,21 @@ pub fn mixed_cofactor<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> Sym<L> {
 }
 
 /// Trace.
+///
+/// ```
+/// assert_eq!(emmy::material::trace(&[1.0, 2.0, 3.0, 9.0, 9.0, 9.0]), 6.0);
+/// ```
 #[inline(always)]
 pub fn trace<L: Lane>(A: &Sym<L>) -> L {
     A[0] + A[1] + A[2]
 }
 
 /// Double contraction `A : B` of symmetric tensors.
+///
+/// ```
+/// let A = [1.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+/// assert_eq!(emmy::material::double_dot(&A, &A), 9.0); // 1 + 2 * 2^2
+/// ```
 #[inline(always)]
 pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
     let shears = dot3([A[3], A[4], A[5]], [B[3], B[4], B[5]]);
@@ -263,6 +304,11 @@ pub fn double_dot<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> L {
 }
 
 /// Sum `A + s B` of symmetric tensors.
+///
+/// ```
+/// let identity = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+/// assert_eq!(emmy::material::sym_add_scaled(&[0.0; 6], 3.0, &identity), [3.0, 3.0, 3.0, 0.0, 0.0, 0.0]);
+/// ```
 #[inline(always)]
 pub fn sym_add_scaled<L: Lane>(A: &Sym<L>, s: L, B: &Sym<L>) -> Sym<L> {
     sym(

@@ -1,6 +1,21 @@
 //! Results of an adjoint motion.
 
 /// Derivatives of a goal.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::adjoint::{Goal, Trajectory};
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
+/// let mut trajectory = Trajectory::new(&motion)?;
+/// motion.march(&StepPlan::new(0.0, vec![Phase { until: 0.3, size: 0.1 }])?, &mut [&mut trajectory])?;
+/// // The displacement of a node at the end grows by the time with the velocity of all nodes.
+/// let gradient = trajectory.gradient(&Goal::displacement_at(&body, 0, [1.0, 0.0, 0.0]), &[])?;
+/// let shift: f64 = gradient.velocity.iter().step_by(3).sum();
+/// assert!((shift - 0.3).abs() < 1e-12);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gradient {
     /// By the displacement at the start, `[n_nodes][3]` \[goal/length\]; zero at fixed degrees of freedom, as the others.

@@ -83,6 +83,23 @@ impl Region {
 }
 
 /// Masses and forces at single nodes.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::body::{GroundSpring, PointTerms};
+/// let points = PointTerms {
+///     masses: vec![PointMass { group: "tip".into(), mass: 2.0 }],
+///     springs: vec![GroundSpring { group: "tip".into(), stiffness: 50.0 }],
+///     ..PointTerms::default()
+/// };
+/// let spring = Region::links(Link::spring(1.0, None)?, 0.0);
+/// let mesh = Mesh::from_cells(CellKind::Line2, &[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]])?
+///     .with_node_group("left", [0])?
+///     .with_node_group("tip", [1])?;
+/// let body = Body::builder(mesh).region(spring).point_terms(points).support(Support::fixed("left")).build()?;
+/// assert_eq!(body.lumped_mass(), [0.0, 2.0]);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PointTerms {
     /// Point masses.
@@ -94,6 +111,11 @@ pub struct PointTerms {
 }
 
 /// A mass at every node of a group.
+///
+/// ```
+/// use emmy::body::PointMass;
+/// assert_eq!(PointMass { group: "tip".into(), mass: 2.0 }.mass, 2.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointMass {
     /// Group of nodes, facets or cells.
@@ -110,6 +132,12 @@ pub struct PointMass {
 ///
 /// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k for each
 /// node \[force/length\].
+///
+/// ```
+/// use emmy::body::GroundSpring;
+/// let bedding = GroundSpring { group: "z-min".into(), stiffness: 200.0 };
+/// assert_eq!(bedding.stiffness, 200.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundSpring {
     /// Group of nodes, facets or cells.
@@ -125,6 +153,12 @@ pub struct GroundSpring {
 /// ```
 ///
 /// with the lumped masses m_A ([`super::Body::lumped_mass`]).
+///
+/// ```
+/// use emmy::body::GroundAttraction;
+/// let star = GroundAttraction { group: None, centre: [0.0; 3], strength: 4.0 };
+/// assert_eq!(star.strength, 4.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundAttraction {
     /// Group of nodes, facets or cells; `None`: all nodes.
@@ -225,6 +259,13 @@ impl Support {
 }
 
 /// Rotation of a group, `q = about + R(angle) (X - about)`, with the displacement of the support added to it.
+///
+/// ```
+/// use emmy::prelude::*;
+/// // A turn about z by t radian.
+/// let turn = Rotation { axis: [0.0, 0.0, 1.0], about: [0.0; 3], angle: TimeFunction::smooth("t", |t| [t, 1.0, 0.0]) };
+/// assert_eq!((turn.angle.value(0.5), turn.angle.rate(0.5)), (0.5, 1.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotation {
     /// Direction of the axis, of any length.
@@ -297,6 +338,12 @@ impl Load {
 }
 
 /// Kind of a load. All but the pressure are dead: they keep their direction while the body turns.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let weight = Load::new(LoadKind::Acceleration { group: None, acceleration: [0.0, 0.0, -9.81] });
+/// assert_eq!(weight, Load::acceleration([0.0, 0.0, -9.81]));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadKind {
     /// Traction per reference area \[force/length^2\] on a facet group.
@@ -360,6 +407,12 @@ pub enum LoadKind {
 ///
 /// ```math
 /// v(X) = velocity + angular_velocity x (X - about) + gradient X
+/// ```
+///
+/// ```
+/// use emmy::prelude::*;
+/// let spin = InitialVelocity { angular_velocity: [0.0, 0.0, 2.0], ..InitialVelocity::default() };
+/// assert_eq!(spin.at([3.0, 0.0, 0.0]), [0.0, 6.0, 0.0]);
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct InitialVelocity {

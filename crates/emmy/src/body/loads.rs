@@ -4,6 +4,17 @@ use super::{Body, sum};
 use crate::average::Rule;
 
 /// Resultant of a load at factor 1 in the reference configuration.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let body = Body::builder(mesh::block([2.0, 1.0, 1.0], [1; 3])?)
+///     .region(Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0))
+///     .load(Load::traction("x-max", [0.0, 0.0, 3.0]))
+///     .build()?;
+/// let resultant = body.load_resultants()[0];
+/// assert!((resultant.force[2] - 3.0).abs() < 1e-14 && (resultant.torque[1] + 6.0).abs() < 1e-14);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadResultant {
     /// Force \[force\].

@@ -175,6 +175,11 @@ impl fmt::Display for CellKind {
 }
 
 /// Kind of a facet: a face of a solid cell, an edge of a plane one. Node order is that of VTK for every kind.
+///
+/// ```
+/// use emmy::mesh::{CellKind, FacetKind};
+/// assert_eq!(CellKind::Hex20.facets()[0].kind, FacetKind::Quad8);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FacetKind {
     /// Linear edge.

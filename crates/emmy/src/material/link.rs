@@ -154,6 +154,14 @@ impl Link {
 /// ```math
 /// tr E = (l^2/L^2 - 1)/2,    x = l/L:    W = E A L (tr E)^2/2,    k L^2 (x - l_0/L)^2/2,    -(g/L)/x
 /// ```
+///
+/// ```
+/// use emmy::prelude::*;
+/// let bar = Link::bar(1000.0, 0.1)?.with_length(2.0);
+/// let energy = bar.strain_energy(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// assert!((energy - 1.0).abs() < 1e-15); // 1000 * 0.1 * 2 * 0.1^2 / 2
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkEnergy {
     law: Law,

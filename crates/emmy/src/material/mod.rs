@@ -144,6 +144,12 @@ pub trait Material: Clone + Send + Sync + 'static {
 /// lambda = E nu / ((1 + nu) (1 - 2 nu)),      mu = E / (2 (1 + nu))
 /// ```
 ///
+/// ```
+/// let (lambda, mu) = emmy::material::lame("rubber", 2.5, 0.25)?;
+/// assert!((lambda - 1.0).abs() < 1e-15 && (mu - 1.0).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2 and both parameters are finite.
 pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) -> Result<(f64, f64)> {

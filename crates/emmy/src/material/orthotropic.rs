@@ -11,6 +11,16 @@ use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 ///
 /// The index pairs of Poisson's ratios and shear moduli are 12, 23, 13. `nu_ij` is the contraction along axis j over the
 /// extension along axis i, under tension along i: `nu_ij / E_i = nu_ji / E_j`.
+///
+/// ```
+/// use emmy::material::{EngineeringConstants, Material, Orthotropic};
+/// let isotropic =
+///     EngineeringConstants { youngs_moduli: [2.5; 3], poissons_ratios: [0.25; 3], shear_moduli: [1.0; 3] };
+/// let material = Orthotropic::new(isotropic, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])?;
+/// // lambda = mu = 1: S_11 = (lambda + 2 mu) E_11.
+/// assert!((material.stress(&[0.1, 0.0, 0.0, 0.0, 0.0, 0.0])[0] - 0.3).abs() < 1e-15);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineeringConstants {
     /// Young's moduli E_1, E_2, E_3 \[force/length^2\].

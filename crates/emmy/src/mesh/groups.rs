@@ -5,6 +5,13 @@ use std::collections::BTreeMap;
 use crate::error::{Error, Result};
 
 /// A face of a cell of the mesh.
+///
+/// ```
+/// let mesh = emmy::mesh::block([1.0; 3], [1; 3])?;
+/// let facet = mesh.groups().facets("z-max")?[0];
+/// assert_eq!((facet.cell, mesh.cell(0).kind.facets()[facet.local as usize].nodes.len()), (0, 4));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Facet {
     /// Index of the cell.
@@ -14,6 +21,13 @@ pub struct Facet {
 }
 
 /// Named groups. An entity may be in several groups, and one name may stand for cells, facets and nodes at once.
+///
+/// ```
+/// let mesh = emmy::mesh::rectangle([2.0, 1.0], [2, 1])?;
+/// assert_eq!(mesh.groups().names(), ["body", "x-max", "x-min", "y-max", "y-min"]);
+/// assert!(mesh.groups().facets("z-max").is_err());
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Groups {
     /// Cells by name, ascending, without repetition.

@@ -17,6 +17,12 @@ pub use crate::element::{CellKind, FacetKind};
 use crate::error::{Error, Result};
 
 /// A cell as it stands in the mesh.
+///
+/// ```
+/// let mesh = emmy::mesh::block([1.0; 3], [1; 3])?;
+/// assert_eq!(mesh.cell(0).nodes.len(), mesh.cell(0).kind.n_nodes());
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cell<'a> {
     /// Kind of the cell.

@@ -68,6 +68,11 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2]) -> Result<Mesh> {
 ///
 /// Groups: `body`, `face-a` (y = 10), `face-b` (x = 6). The edges 3, 10 and 6 ask for a cell size of 1/n.
 ///
+/// ```
+/// assert_eq!(emmy::mesh::l_block(0.5)?.n_cells(), 8 * 117);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::NotPositive`], or [`Error::CellSize`] if the cell size is not 1/n for a whole number n.
 pub fn l_block(cell_size: f64) -> Result<Mesh> {

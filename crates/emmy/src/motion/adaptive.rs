@@ -1,9 +1,10 @@
 //! Marching with step sizes that are chosen by the error.
 
+use super::adaptivity::Controller;
 use super::control::Control;
 use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
 use super::failure::placed;
-use super::{Adaptivity, Controller, EventKind, MarchError, Motion, Observer, StepPlan};
+use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::time::{LocalError, Scheme, State, StepOutcome, TimeElement};

@@ -1,7 +1,8 @@
 //! Control of the step sizes by the error.
 
+use super::Adaptivity;
+use super::adaptivity::Controller;
 use super::degree_choice::DegreeChoice;
-use super::{Adaptivity, Controller};
 use crate::body::Body;
 use crate::error::Result;
 use crate::time::{LocalError, Memory, State};

@@ -1,6 +1,12 @@
 //! Events of a march.
 
 /// An event of a march, such as a cut or a rejection.
+///
+/// ```
+/// use emmy::motion::{Event, EventKind};
+/// let event = Event { step: 3, time: 0.3, kind: EventKind::Cut, message: "step size 0.05".into() };
+/// assert_eq!(event.kind.name(), "cut");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Number of the step that it belongs to.
@@ -14,6 +20,10 @@ pub struct Event {
 }
 
 /// Kinds of events.
+///
+/// ```
+/// assert_eq!(emmy::motion::EventKind::RoundingFloor.name(), "rounding-floor");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
     /// A step failed and is cut by two.

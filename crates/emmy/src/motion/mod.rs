@@ -22,7 +22,7 @@ pub(crate) mod subdivision;
 pub use crate::newton::NewtonSettings;
 pub use crate::sparse::Solver;
 pub use crate::time::State;
-pub use adaptivity::{Adaptivity, Controller};
+pub use adaptivity::Adaptivity;
 pub use error_norm::ErrorNorm;
 pub use event::{Event, EventKind};
 pub use global_error::GlobalError;

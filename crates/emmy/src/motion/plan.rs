@@ -5,6 +5,13 @@ use crate::error::{Error, Result};
 use crate::number::short;
 
 /// Phase of a plan: steps of one size until a time.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.25 }])?;
+/// assert_eq!(plan.steps().count(), 4);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
     /// Time at which the phase ends \[time\].
@@ -14,6 +21,14 @@ pub struct Phase {
 }
 
 /// One step of a plan.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.75 }])?;
+/// let last = plan.steps().last().unwrap();
+/// assert_eq!((last.start, last.end, last.size), (0.75, 1.0, 0.25));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlannedStep {
     /// Time at the start of the step.

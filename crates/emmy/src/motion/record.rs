@@ -10,6 +10,19 @@ use crate::time::{State, StepOutcome};
 /// Energies, momenta and balances after a step. At the start, step size and residuals are zero.
 ///
 /// Checkpoints and [`super::RunStatistics`] use the names of the fields.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let flight = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
+/// let state = State::initial(&body, 0.0, &[flight])?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
+/// let record = motion.step(0.1)?;
+/// assert!((record.total_energy - 9.0).abs() < 1e-13); // 1/2 m v^2
+/// assert!((record.linear_momentum[0] - 6.0).abs() < 1e-13);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Record {
     /// Number of the step; 0 at the start.

@@ -7,6 +7,20 @@ use crate::time::{Memory, State};
 
 /// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, with the same bits as the motion
 /// itself.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let flight = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
+/// let state = State::initial(&body, 0.0, &[flight])?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
+/// motion.step(0.1)?;
+/// let (scheme, settings) = (motion.scheme(), motion.settings());
+/// let mut resumed = Motion::resumed(&body, scheme, settings, motion.snapshot())?;
+/// assert_eq!(resumed.step(0.1)?, motion.step(0.1)?); // bit for bit
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
     /// The state.

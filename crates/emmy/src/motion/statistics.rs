@@ -7,6 +7,19 @@ use crate::body::{Body, RegionSummary};
 use crate::sparse::SolverChoice;
 
 /// The largest absolute value of a quantity, and the step in which it occurred.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let flight = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
+/// let state = State::initial(&body, 0.0, &[flight])?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
+/// motion.step(0.1)?;
+/// // Largest residual of the energy, in units of energy: round-off of the kinetic energy 9.
+/// assert!(motion.statistics().worst_energy_residual.value < 1e-13);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Extreme {
     /// The absolute value; NaN exceeds every number.
@@ -24,6 +37,18 @@ impl Extreme {
 }
 
 /// The largest displacement of a node.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let flight = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
+/// let state = State::initial(&body, 0.0, &[flight])?;
+/// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
+/// motion.step(0.1)?;
+/// assert!((motion.statistics().largest_displacement.value - 0.3).abs() < 1e-14);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct LargestDisplacement {
     /// Norm of the displacement \[length\].

@@ -59,6 +59,12 @@ pub struct Sizes {
 }
 
 /// When to stop.
+///
+/// ```
+/// use emmy::motion::{NewtonSettings, Solver};
+/// let strict = NewtonSettings { tolerance: 1e-12, ..NewtonSettings::default() };
+/// assert_eq!((strict.max_iterations, strict.solver), (20, Solver::Auto));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonSettings {
     /// Tolerance on the residual, relative to [`Sizes::scale`].

@@ -9,6 +9,11 @@ use crate::error::{Error, Result};
 use crate::sparse::inverse;
 
 /// Highest degree of a time element: beyond, the stage equations are too ill-conditioned to gain anything.
+///
+/// ```
+/// use emmy::time::{MAX_DEGREE, TimeElement};
+/// assert!(TimeElement::discrete_gradient(MAX_DEGREE).is_ok() && TimeElement::discrete_gradient(MAX_DEGREE + 1).is_err());
+/// ```
 pub const MAX_DEGREE: usize = 8;
 
 /// Time finite element: an averaging rule, a degree, and dissipation if wanted.

@@ -9,6 +9,14 @@ use crate::mesh::{Cell, Mesh};
 use sample::{Measures, samples};
 
 /// The worst value of a measure and the cell that has it.
+///
+/// ```
+/// // The second cell is the flat one.
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [4.0, 1.0, 0.0]];
+/// let mesh = emmy::mesh::Mesh::from_cells(emmy::mesh::CellKind::Quad4, &points, &[[0, 1, 4, 3], [1, 2, 5, 4]])?;
+/// assert_eq!(emmy::mesh::quality(&mesh).aspect_ratio, emmy::mesh::Worst { value: 3.0, cell: 1 });
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worst {
     /// The value.
@@ -45,6 +53,12 @@ pub struct Quality {
 }
 
 /// Quality of the cells of a mesh, inverted ones included.
+///
+/// ```
+/// let quality = emmy::mesh::quality(&emmy::mesh::l_block(1.0)?);
+/// assert_eq!((quality.volume, quality.inverted.len()), (117.0, 0));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 pub fn quality(mesh: &Mesh) -> Quality {
     let samples = samples();
     let measures: Vec<Measures> =

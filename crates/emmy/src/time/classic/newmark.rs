@@ -108,6 +108,13 @@ impl NewmarkFamily {
 /// ```
 ///
 /// (Chung and Hulbert 1993; the internal force is averaged, not evaluated at an averaged displacement.)
+///
+/// ```
+/// use emmy::time::NewmarkParameters;
+/// // The average acceleration method.
+/// let newmark = NewmarkParameters { alpha_m: 0.0, alpha_f: 0.0, beta: 0.25, gamma: 0.5 };
+/// assert_eq!(newmark.beta, 0.25 * (newmark.gamma + 0.5f64).powi(2));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewmarkParameters {
     /// Part of the old inertia.

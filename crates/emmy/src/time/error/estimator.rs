@@ -4,6 +4,14 @@ use crate::error::{Error, Result};
 use crate::time::TimeElement;
 
 /// How the local error is estimated.
+///
+/// ```
+/// use emmy::time::Estimator;
+/// use emmy::time::TimeElement;
+/// assert_eq!(Estimator::of(TimeElement::discrete_gradient(1)?), Estimator::Difference);
+/// assert_eq!(Estimator::of(TimeElement::discrete_gradient(2)?), Estimator::Sampled);
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Estimator {
     /// By differences of velocities, for degree 1.
