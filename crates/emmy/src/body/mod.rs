@@ -37,8 +37,8 @@ pub use builder::BodyBuilder;
 pub use field::Field;
 pub use geometry::CellTable;
 pub use input::{
-    GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Rotation,
-    Support,
+    FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
+    Region, Rotation, Support,
 };
 pub use integral::Scratch;
 pub use invariants::sum;
