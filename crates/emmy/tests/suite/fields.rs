@@ -166,7 +166,7 @@ fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
 /// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the surface too.
 #[test]
 fn fields_that_vary_are_exact_where_the_cells_have_them() {
-    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15] {
+    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15, CellKind::Pyramid13] {
         let body = body(Patch { bricks: 2, curved: false, distortion: 0.0 }.mesh(kind));
         let displacement = displacement(body.mesh(), |X| bent(X).0);
         let found = fields(&body, &displacement, &[FieldName::CauchyStress]);
@@ -221,6 +221,7 @@ fn recovered_stresses_converge() {
         (CellKind::Hex20, [3, 6], [1.7, 1.7]),
         (CellKind::Tet10, [3, 6], [1.7, 1.7]),
         (CellKind::Wedge15, [3, 6], [1.7, 1.7]),
+        (CellKind::Pyramid13, [3, 6], [1.7, 1.7]),
     ] {
         let [coarse, fine] = bricks.map(|bricks| errors(kind, bricks));
         for place in 0..2 {
