@@ -188,6 +188,16 @@ fields! {
         needs: Needs::Volume,
         formula: Formula::Number(|state| state.energy),
     }
+    /// Mean of det F in a cell, its current volume over its reference volume; 1 in springs and attractions. It is a number even in
+    /// an inverted cell.
+    CellVolumeRatio {
+        name: "cell_volume_ratio",
+        description: "mean of J = det F in each cell: current volume over reference volume",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Volume,
+        formula: Formula::Number(|state| state.volume_ratio),
+    }
     /// Force in a link, positive in tension; 0 in other cells \[force\].
     AxialForce {
         name: "axial_force",
