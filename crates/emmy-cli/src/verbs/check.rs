@@ -212,15 +212,19 @@ impl Report {
             LoadKind::Force { group, .. } => ("force", group.as_str()),
             LoadKind::Pressure { group, .. } => ("pressure", group.as_str()),
             LoadKind::TractionField { group, .. } => ("traction field", group.as_str()),
-            LoadKind::BodyForceField { group, .. } => {
-                ("body force field", group.as_deref().unwrap_or("all cells"))
-            }
+            LoadKind::BodyForceField { group, .. } => ("body force", group.as_deref().unwrap_or("all cells")),
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
         let (force, torque) = (vector(resultant.force), vector(resultant.torque));
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
-        self.line("", &format!("at factor 1; history: {}", summary(&load.time_function)));
+        let history = summary(&load.time_function);
+        match load.kind.field() {
+            Some((field, _)) => {
+                self.line("", &format!("at t = 0, of [{}]; history: {history}", field.text()))
+            }
+            None => self.line("", &format!("at factor 1; history: {history}")),
+        }
     }
 
     fn support(&mut self, support: &Support, mesh: &Mesh) {

@@ -70,6 +70,18 @@ fn a_run_in_two_parts_is_the_run_in_one() {
 }
 
 #[test]
+fn a_body_force_by_expression_goes_on() {
+    let force = "group = \"body\"\nbody_force = [\"3*sin(4*t)\", 0, \"x*y*cos(t)\"]";
+    let place =
+        Place::with(&even_box(1.0, 0.05).replace("group = \"y-max\"\ntraction = [0.0, 0.0, 10.0]", force));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.3"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "1.0"]);
+    assert_same_rows(&place, "parts", "whole");
+    assert_eq!(frames(&place, "parts"), frames(&place, "whole"));
+}
+
+#[test]
 fn a_series_of_frames_goes_on() {
     let place = Place::with(&even_box(0.4, 0.05).replace("every = 2", "every = 2\nformat = \"vtkhdf\""));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);

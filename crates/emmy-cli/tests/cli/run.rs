@@ -127,6 +127,20 @@ fn directories_of_others_are_left_alone() {
     );
 }
 
+/// A pulse of 0.01 in steps of 0.05, at a time between their points.
+#[test]
+fn a_body_force_that_no_step_resolves_is_told() {
+    let force = "body_force = [0, 0, \"x*exp(-((t - 0.33)/0.002)^2)\"]";
+    let place = Place::with(&BOX.replace("group = \"y-max\"\ntraction = [0.0, 0.0, 10.0]", force));
+    let outcome = place.emmy(&["run", "box.toml", "--quiet"]);
+    assert!(outcome.code == 0 && outcome.stderr.contains("resolve"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("x*exp(-((t - 0.33)"), "{}", outcome.stderr);
+    assert!(place.summary("out")["unresolved_loads"].as_u64().unwrap() > 0);
+    let check = place.emmy(&["check", "box.toml"]);
+    assert!(check.stdout.contains("body force on all cells: force [0, 0, 0]"), "{}", check.stdout);
+    assert!(check.stdout.contains("at t = 0, of [0, 0, x*exp(-((t - 0.33)/0.002)^2)]"), "{}", check.stdout);
+}
+
 #[test]
 fn notes_are_shown_once() {
     let place = Place::with(BOX);

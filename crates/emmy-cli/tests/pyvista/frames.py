@@ -50,7 +50,7 @@ COMPONENTS = {
     "principal_stretches": 3,
     "strain_energy_density": 1,
 }
-CELLS = ["cell_cauchy_stress", "cell_strain_energy_density"]
+CELLS = ["cell_cauchy_stress", "cell_strain_energy_density", "cell_volume_ratio"]
 # VTK's order of symmetric tensors.
 PAIRS = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
 
@@ -77,6 +77,7 @@ def expected(t, points):
         "strain_energy_density": energy,
         "cell_cauchy_stress": cauchy[PAIRS],
         "cell_strain_energy_density": energy,
+        "cell_volume_ratio": J,
     }
 
 

@@ -3,7 +3,7 @@
 use emmy::body::{Body, InitialVelocity, Load, Region, Support};
 use emmy::internals::number::short;
 use emmy::mesh::Mesh;
-use emmy::motion::State;
+use emmy::motion::{State, StepPlan};
 
 use super::fault::{Fault, Place};
 use super::groups::Members;
@@ -111,7 +111,7 @@ impl Places {
         body: &Body,
         loads: &[Load],
         initial: &[InitialVelocity],
-        start: f64,
+        plan: &StepPlan,
     ) -> Result<(), Fault> {
         for ((place, has_mass), region) in self.masses.iter().zip(body.regions()) {
             let is_volume = *has_mass && region.n_cells > 0;
@@ -125,6 +125,11 @@ impl Places {
                 }
             }
         }
+        if let Some((load, point, time)) = body.field_not_finite(plan.start(), plan.end()) {
+            let [x, y, z] = point.map(short);
+            let message = format!("this load is not a finite number at [{x}, {y}, {z}], t = {}", short(time));
+            return Err(Fault::at(&self.loads[load], message, "not finite there"));
+        }
         for ((place, load), resultant) in self.loads.iter().zip(loads).zip(body.load_resultants()) {
             let peak = load
                 .time_function
@@ -135,7 +140,7 @@ impl Places {
             check_vector(place, "resultant of this load", &force)?;
             check_vector(place, "torque of this load about the origin", &resultant.torque)?;
         }
-        self.check_start(body, initial, start)
+        self.check_start(body, initial, plan.start())
     }
 
     fn check_start(&self, body: &Body, initial: &[InitialVelocity], start: f64) -> Result<(), Fault> {

@@ -5,7 +5,7 @@ use emmy::internals::number::short;
 use emmy::motion::StepPlan;
 
 use super::description::{self, Kind, Section};
-use super::expression::{self, Mistake};
+use super::expression;
 use super::fault::{Fault, Faults};
 use super::table::Item;
 use super::tree::{Node, Value};
@@ -13,9 +13,7 @@ use super::tree::{Node, Value};
 /// Reads a history: a list of `[time, value]`, or the text of an expression.
 pub(super) fn read(item: Item<'_>) -> Result<TimeFunction, Fault> {
     if let Some(text) = item.text() {
-        let text = item.string().map(|_| text)?;
-        let expression = expression::parse(text).map_err(|mistake| fault(&item, text, mistake))?;
-        return Ok(expression.time_function(text.trim()));
+        return Ok(expression::read(&item, expression::TIME)?.time_function(text.trim()));
     }
     let items = item.list_or("a list of [time, value] or an expression such as \"sin(2*pi*t)\"")?;
     let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
@@ -26,12 +24,6 @@ pub(super) fn read(item: Item<'_>) -> Result<TimeFunction, Fault> {
         }
         other => item.fault(other.to_string(), "here"),
     })
-}
-
-/// The fault of a mistake, at the part of the text where it is.
-fn fault(item: &Item<'_>, text: &str, Mistake { reason, place }: Mistake) -> Fault {
-    let message = format!("`{}`: {reason}", item.key());
-    Fault::at(&item.place().inside(text, place), message, "here")
 }
 
 /// Whether the value of a key may be an expression.
@@ -65,7 +57,7 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
 
 fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
     // What cannot be read has a fault of its own.
-    let Ok(expression) = expression::parse(text) else { return Ok(()) };
+    let Ok(expression) = expression::parse(text, expression::TIME) else { return Ok(()) };
     let time_function = expression.time_function(text);
     let (start, end) = (plan.start(), plan.end());
     let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);

@@ -3,12 +3,12 @@
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::internals::material::{Bounds, IfAbsent};
 
-use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, vector};
+use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
 use super::fault::Fault;
 use super::groups::Members;
-use super::history;
 use super::region::{Placed, group};
 use super::table::{Item, Table};
+use super::{expression, history};
 
 /// A kind of load.
 struct Row {
@@ -37,7 +37,7 @@ pub(super) enum Acting {
 }
 
 /// Every kind of load.
-const ROWS: [Row; 7] = [
+const ROWS: [Row; 8] = [
     Row {
         key: || Key::new("traction", vector(), "stress", "Force per reference area of a group of facets"),
         needs_group: true,
@@ -94,6 +94,18 @@ const ROWS: [Row; 7] = [
     },
     Row {
         key: || {
+            let doc = "Force per reference volume of a group of cells, by reference position and time; without a group, of all \
+                       cells";
+            Key::new("body_force", exactly(3, Kind::Expression), "force/length³", doc)
+        },
+        needs_group: false,
+        read: |given| {
+            let (field, group) = (expression::read_field(&given.value)?, given.group.clone());
+            given.load(Members::Cells, |_| LoadKind::BodyForceField { group, field })
+        },
+    },
+    Row {
+        key: || {
             let doc = "Attraction of every mass of a group of nodes, facets or cells (default: all) to a point of space, with \
                        the potential -g m/distance";
             Key::new("attraction", Kind::Table(&ATTRACTION), "", doc)
@@ -120,7 +132,7 @@ pub(super) static LOAD: Described = Described::new(|| {
     };
     let section = Section::new("[[load]]", "A load on the body: exactly one kind")
         .may("group", Kind::Text, "", "Group on which the load acts")
-        .absent("with `acceleration` and `attraction` the whole body");
+        .absent("with `acceleration`, `body_force` and `attraction` the whole body");
     let add =
         |section: Section, row: &Row| section.key(Key { if_absent: IfAbsent::Means(""), ..(row.key)() });
     let section = ROWS.iter().fold(section, add);

@@ -243,7 +243,7 @@ impl Parts {
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;
         let initial = values(self.initial);
-        places.check(&body, &loads, &initial, self.time.plan.start())?;
+        places.check(&body, &loads, &initial, &self.time.plan)?;
         if !is_moved && nodal.attractions.is_empty() {
             notes.push(derived::NOTHING_MOVES.to_string());
         }

@@ -94,11 +94,13 @@ fn of(kind: &Kind) -> String {
         Kind::Exactly(length, entry) => match &**entry {
             Kind::Number(bounds) => format!("{length} numbers {bounds}").trim_end().to_string(),
             Kind::Whole(least, _) => format!("{length} whole numbers ≥ {least}"),
+            Kind::Expression => format!("{length} numbers or [expressions](#loadbody_force)"),
             Kind::Exactly(inner, _) => format!("{length} × {inner} numbers"),
             entry => format!("{length} times {}", of(entry)),
         },
         Kind::Groups => "table of lists of whole numbers".to_string(),
         Kind::TimeFunction => "[history](#loadhistory)".to_string(),
+        Kind::Expression => "number or [expression](#loadbody_force)".to_string(),
         Kind::Table(_) => "table".to_string(),
         Kind::Tables(_) => "table, or list of tables".to_string(),
     }

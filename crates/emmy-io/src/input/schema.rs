@@ -138,6 +138,7 @@ fn of(kind: &Kind) -> Value {
         }
         Kind::Groups => json!({ "type": "object", "additionalProperties": of(&list(0, whole(0))) }),
         Kind::TimeFunction => history(),
+        Kind::Expression => json!({ "type": ["number", "string"], "pattern": "\\S" }),
         Kind::Table(section) => table(section),
         Kind::Tables(section) => tables(section),
     }

@@ -261,7 +261,7 @@ impl<'a> Item<'a> {
     }
 
     /// As many values as there should be.
-    fn exactly<const N: usize>(&self, what: &str) -> Result<[Item<'a>; N], Fault> {
+    pub(super) fn exactly<const N: usize>(&self, what: &str) -> Result<[Item<'a>; N], Fault> {
         let Value::Array(nodes) = &self.node.value else {
             return Err(self.mismatch(&format!("a list of {N} {what}")));
         };

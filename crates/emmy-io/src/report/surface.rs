@@ -143,6 +143,7 @@ mod tests {
             (CellKind::Hex27, 6 * 8, 24.0),
             (CellKind::Tet10, 4 * 4, tetrahedron),
             (CellKind::Wedge15, 2 * 4 + 3 * 6, 1.0 + 2.0 * (2.0 + root2)),
+            (CellKind::Pyramid13, 6 + 4 * 4, 4.0 * (1.0 + root2)),
             (CellKind::Quad8, 6, 4.0),
             (CellKind::Quad9, 8, 4.0),
             (CellKind::Tri6, 4, 0.5),

@@ -5,14 +5,14 @@ Physical groups: volumes "left part", "right part" and "whole" (both, so every c
 (x = 0), "tip" (x = 2), "skin" (x = 2 and z = 1) and one without a name, number 7 (the inner one at x = 1); curve
 "edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
 but with all elements (all-VERSION.msh). mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
-pyramids and tetrahedra in the right one. gmsh-solid.inp and gmsh-solid-quadratic.inp are a box [0, 1] x [0, 1] x [0, 2] as
+pyramids and tetrahedra in the right one, quadratic-mixed-VERSION-ENCODING.msh the same with quadratic cells. gmsh-solid.inp and gmsh-solid-quadratic.inp are a box [0, 1] x [0, 1] x [0, 2] as
 Gmsh writes it for Abaqus, with its faces; surfaces-alone.msh has its ends without its volume. wedge18.msh and version-40.msh are for the errors.
 """
 
 import gmsh
 
 KINDS = {"tet4": (1, 0), "tet10": (2, 0), "hex8": (1, 0), "hex20": (2, 1), "hex27": (2, 0),
-         "wedge6": (1, 0), "wedge15": (2, 1), "mixed": (1, 0)}
+         "wedge6": (1, 0), "wedge15": (2, 1), "mixed": (1, 0), "quadratic-mixed": (2, 1)}
 FORMATS = {"22": 2.2, "41": 4.1}
 
 
@@ -26,10 +26,11 @@ def box(kind):
     layers = {} if kind.startswith("tet") else {"numElements": [1], "recombine": True}
     gmsh.model.occ.extrude([(2, square)], 1, 0, 0, **layers)
     gmsh.model.occ.synchronize()
-    layers = {} if kind == "mixed" else layers
+    mixed = kind.endswith("mixed")
+    layers = {} if mixed else layers
     gmsh.model.occ.extrude([(2, tag) for tag in on(2, x=1)], 1, 0, 0, **layers)
     gmsh.model.occ.synchronize()
-    left = on(2, x=0) if kind == "mixed" else []
+    left = on(2, x=0) if mixed else []
     along_y = on(1, y=0.5)
     for _, curve in gmsh.model.getEntities(1):
         gmsh.model.mesh.setTransfiniteCurve(curve, 3 if hexahedra and curve in along_y else 2)

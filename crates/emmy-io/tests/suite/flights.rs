@@ -75,7 +75,7 @@ fn own(name: &str) -> PathBuf {
 
 #[test]
 fn every_kind_of_cell_flies_free() {
-    for kind in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed"] {
+    for kind in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed", "quadratic-mixed"] {
         for degree in [1, 2] {
             assert_balances(read(&own(&format!("{kind}-41-binary.msh"))), &[], degree);
         }

@@ -47,6 +47,7 @@ fn load() -> impl Strategy<Value = String> {
         vector().prop_map(|v| format!("group = 'body'\nnodal_force = {v}")),
         signed().prop_map(|p| format!("group = 'z-max'\npressure = {p:?}")),
         vector().prop_map(|v| format!("acceleration = {v}")),
+        signed().prop_map(|b| format!("body_force = [{b:?}, 'x*sin(t) - y', \"z^2*t\"]")),
     ];
     (kind, history()).prop_map(|(kind, history)| format!("[[load]]\n{kind}\n{history}"))
 }

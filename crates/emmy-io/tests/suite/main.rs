@@ -1,5 +1,6 @@
 //! The tests of readers and writers from outside, in one binary, because linking the library takes longer than most of them.
 
+mod body_force;
 mod flights;
 mod frames;
 mod fuzz_corpus;

@@ -101,7 +101,7 @@ fn bad_gmsh_elements() {
             "1\n1 13 2 0 1 1 2 3 4 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n",
             &[
                 "line 13: elements of type wedge18",
-                "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15 or pyramid5",
+                "hex8, hex20, hex27, tet4, tet10, wedge6, wedge15, pyramid5 or pyramid13",
             ],
         ),
         ("1\n1 777 2 0 1\n", &["line 13: elements of type 777 of Gmsh"]),

@@ -66,11 +66,15 @@ fn one_mesh_is_the_same_in_all_formats() {
 
 #[test]
 fn kinds_are_mixed_with_triangles_and_quadrilaterals_between_them() {
-    for format in FORMATS {
-        let file = read(&format!("mixed-{format}.msh"));
+    let linear = ("mixed", [CellKind::Hex8, CellKind::Pyramid5, CellKind::Tet4]);
+    let quadratic = ("quadratic-mixed", [CellKind::Hex20, CellKind::Pyramid13, CellKind::Tet10]);
+    for ((name, kinds), format) in [linear, quadratic].into_iter().flat_map(|mesh| FORMATS.map(|f| (mesh, f)))
+    {
+        let file = read(&format!("{name}-{format}.msh"));
         let (mesh, groups) = (&file.mesh, file.mesh.groups());
         let count = |kind| mesh.cells().filter(|cell| cell.kind == kind).count();
-        assert_eq!([CellKind::Hex8, CellKind::Pyramid5, CellKind::Tet4].map(count), [1, 1, 24]);
+        assert_eq!(kinds.map(count), [1, 1, 24]);
+        assert_straight(mesh);
         assert!((volume(mesh) - 2.0).abs() < 1e-12);
         assert!(emmy::mesh::quality(mesh).inverted.is_empty());
         // The face of the hexahedron on which the pyramid stands is found once, as one of the first cell's.

@@ -89,7 +89,7 @@ fn frame(mesh: &Mesh, directory: &Path) -> Mesh {
 
 #[test]
 fn frames_come_back_as_the_mesh_with_all_its_groups() {
-    let names = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed"];
+    let names = ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge6", "wedge15", "mixed", "quadratic-mixed"];
     let files = names.map(|name| format!("{name}-41-binary.msh"));
     for name in files.iter().map(String::as_str).chain(["wedges.inp", "assembly.inp"]) {
         let (mesh, temp) = (read(name).mesh, tempfile::tempdir().unwrap());

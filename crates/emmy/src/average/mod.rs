@@ -106,21 +106,22 @@ impl AveragingRule {
 
     /// Checks the number of points for a degree; the error is the reason.
     pub fn check_degree(self, degree: usize) -> Result<(), String> {
-        match self {
-            AveragingRule::Standard(n) | AveragingRule::AssumedStrain(n) if n < degree => {
-                Err(format!("degree {degree} needs at least {degree} points: the step would be singular"))
+        let (n, least, reason) = match self {
+            AveragingRule::Standard(n) | AveragingRule::AssumedStrain(n) => {
+                (n, degree, "points: the step would be singular")
             }
-            AveragingRule::Lobatto(n) if n < degree + 1 => {
-                Err(format!("degree {degree} needs at least {} Lobatto points", degree + 1))
+            AveragingRule::Lobatto(n) => (n, degree + 1, "Lobatto points"),
+            AveragingRule::Trapezoidal if degree != 1 => {
+                return Err(format!(
+                    "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
+                ));
             }
-            AveragingRule::Trapezoidal if degree != 1 => Err(format!(
-                "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
-            )),
-            _ if self.word_and_points().1.is_some_and(|n| n > MAX_POINTS) => {
-                Err(format!("at most {MAX_POINTS} points"))
-            }
-            _ => Ok(()),
+            AveragingRule::Trapezoidal | AveragingRule::DiscreteGradient => return Ok(()),
+        };
+        if n < least {
+            return Err(format!("degree {degree} needs at least {least} {reason}"));
         }
+        if n > MAX_POINTS { Err(format!("at most {MAX_POINTS} points")) } else { Ok(()) }
     }
 
     /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
@@ -354,9 +355,9 @@ impl Rule {
 
     /// Integrated basis functions L_j at the rule's single stress point, `[k]`; `None` if the rule has several points.
     pub fn only_point(&self) -> Option<&[f64]> {
-        match &self.points[..] {
-            [point] if self.kind == Kind::Standard => Some(&point.integrals),
-            _ => None,
+        match (self.kind, &self.points[..]) {
+            (Kind::Standard, [point]) => Some(&point.integrals),
+            (Kind::Standard | Kind::EnergyMomentum(_), _) => None,
         }
     }
 

@@ -11,31 +11,49 @@ use std::sync::Arc;
 /// assert_eq!(wave.at([2.0, 0.0, 0.0], 1.0), [0.0; 3]);
 /// ```
 #[derive(Clone)]
-pub struct Field(Arc<Function>);
+pub struct Field {
+    text: Arc<str>,
+    function: Arc<Function>,
+}
 
 type Function = dyn Fn([f64; 3], f64) -> [f64; 3] + Send + Sync;
 
 impl Field {
     /// The field of a function of reference position and time.
     pub fn new(function: impl Fn([f64; 3], f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
-        Field(Arc::new(function))
+        Field::named("", function)
+    }
+
+    /// The field of a function with a text that messages call it by; fields with equal texts count as equal.
+    ///
+    /// ```
+    /// use emmy::body::Field;
+    /// assert_eq!(Field::named("0, 0, t", |_, t| [0.0, 0.0, t]).text(), "0, 0, t");
+    /// ```
+    pub fn named(text: &str, function: impl Fn([f64; 3], f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
+        Field { text: text.into(), function: Arc::new(function) }
+    }
+
+    /// Text of the field; empty for one without.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The vector at a reference position and time.
     pub fn at(&self, X: [f64; 3], time: f64) -> [f64; 3] {
-        (self.0)(X, time)
+        (self.function)(X, time)
     }
 }
 
 impl fmt::Debug for Field {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Field")
+        f.debug_tuple("Field").field(&self.text).finish()
     }
 }
 
-/// Fields are equal if they are the same function, not if they have the same values.
+/// Fields are equal if they are the same function or have the same text, not if they have the same values.
 impl PartialEq for Field {
     fn eq(&self, other: &Field) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.function, &other.function) || (!self.text.is_empty() && self.text == other.text)
     }
 }

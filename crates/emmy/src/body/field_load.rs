@@ -3,7 +3,7 @@
 use super::field::Field;
 use super::geometry::{for_each_facet_point, for_each_volume_point};
 use super::load_vector::cells_of;
-use super::{Load, LoadKind, TimeFunction};
+use super::{FieldDomain, Load, TimeFunction};
 use crate::average::Rule;
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 pub struct FieldLoad {
     /// Number of the load.
     pub(super) load: usize,
-    field: Field,
+    pub(super) field: Field,
     pub(super) time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
@@ -26,45 +26,34 @@ pub struct FieldLoad {
 /// Points of a field at which its course over time is checked.
 const POINTS_OF_SIGNALS: usize = 4;
 
+/// Times at which those points, and evaluations with which all points are searched for a value that is not finite.
+const TIMES: usize = 1000;
+const MAX_EVALUATIONS: usize = 100_000;
+
 impl FieldLoad {
     /// The load; `None` if it is not a field.
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].
     pub fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
-        let empty = |field: &Field| {
-            let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
-            FieldLoad {
-                load: index,
-                field: field.clone(),
-                time_function: load.time_function.clone(),
-                points,
-                ends,
-                node_weights,
-            }
-        };
-        match &load.kind {
-            LoadKind::TractionField { group, field } => {
-                let mut table = empty(field);
+        let Some((field, domain)) = load.kind.field() else { return Ok(None) };
+        let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
+        let (field, time_function) = (field.clone(), load.time_function.clone());
+        let mut table = FieldLoad { load: index, field, time_function, points, ends, node_weights };
+        match domain {
+            FieldDomain::Facets(group) => {
                 for_each_facet_point(mesh, mesh.groups().facets(group)?, section, |nodes, point| {
                     table.push(nodes, point.position, point.weight, point.shapes);
                 });
-                Ok(Some(table))
             }
-            LoadKind::BodyForceField { group, field } => {
-                let mut table = empty(field);
-                let cells = cells_of(mesh, group.as_deref())?;
+            FieldDomain::Cells(group) => {
+                let cells = cells_of(mesh, group)?;
                 for_each_volume_point(mesh, cells.into_iter(), |cell, nodes, point| {
                     table.push(nodes, point.position, section[cell] * point.weight, point.shapes);
                 });
-                Ok(Some(table))
             }
-            LoadKind::Traction { .. }
-            | LoadKind::Pressure { .. }
-            | LoadKind::Force { .. }
-            | LoadKind::NodalForce { .. }
-            | LoadKind::Acceleration { .. } => Ok(None),
         }
+        Ok(Some(table))
     }
 
     /// Its components over time, factor included, at some of its points.
@@ -77,6 +66,28 @@ impl FieldLoad {
                 let (field, time_function) = (self.field.clone(), self.time_function.clone());
                 move |time| time_function.value(time) * field.at(X, time)[component]
             })
+        })
+    }
+
+    /// A point and a time of a span at which the load is not a finite number.
+    pub(super) fn find_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
+        let n_points = self.points.len().max(1);
+        let few = self.not_finite_among(n_points.div_ceil(POINTS_OF_SIGNALS), TIMES, span);
+        few.or_else(|| self.not_finite_among(1, (MAX_EVALUATIONS / n_points).clamp(1, TIMES), span))
+    }
+
+    /// The same among every so many points, at so many times.
+    fn not_finite_among(
+        &self,
+        every: usize,
+        n_times: usize,
+        [start, end]: [f64; 2],
+    ) -> Option<([f64; 3], f64)> {
+        let is_undefined = |X: [f64; 3], time: f64| self.field.at(X, time).iter().any(|x| !x.is_finite());
+        let times = (0..=n_times).map(|i| start + (end - start) * i as f64 / n_times as f64);
+        times.filter(|&time| self.time_function.value(time) != 0.0).find_map(|time| {
+            let X = self.points.iter().step_by(every).find(|&&X| is_undefined(X, time))?;
+            Some((*X, time))
         })
     }
 

@@ -403,6 +403,37 @@ pub enum LoadKind {
     },
 }
 
+/// Where a load by a field acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FieldDomain<'a> {
+    /// A facet group.
+    Facets(&'a str),
+    /// A cell group; `None`: all cells.
+    Cells(Option<&'a str>),
+}
+
+impl LoadKind {
+    /// The function of position and time of a load by a field, and where it acts.
+    ///
+    /// ```
+    /// use emmy::body::{Field, FieldDomain, LoadKind};
+    /// let field = Field::named("0, 0, t", |_, t| [0.0, 0.0, t]);
+    /// let kind = LoadKind::BodyForceField { group: None, field: field.clone() };
+    /// assert_eq!(kind.field(), Some((&field, FieldDomain::Cells(None))));
+    /// ```
+    pub fn field(&self) -> Option<(&Field, FieldDomain<'_>)> {
+        match self {
+            LoadKind::TractionField { group, field } => Some((field, FieldDomain::Facets(group))),
+            LoadKind::BodyForceField { group, field } => Some((field, FieldDomain::Cells(group.as_deref()))),
+            LoadKind::Traction { .. }
+            | LoadKind::Pressure { .. }
+            | LoadKind::Force { .. }
+            | LoadKind::NodalForce { .. }
+            | LoadKind::Acceleration { .. } => None,
+        }
+    }
+}
+
 /// Initial velocity field of a group.
 ///
 /// ```math

@@ -85,6 +85,27 @@ impl Body {
         acts
     }
 
+    /// The first load by a field that is not a finite number at one of its points at some time from `start` to `end`: number of the
+    /// load, reference position, time. At a few points 1000 times are tried, at all of them
+    /// fewer where they are many.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// use emmy::body::Field;
+    /// let field = Field::new(|X, t| [X[0] / (t - 0.5), 0.0, 0.0]);
+    /// let load = Load::new(LoadKind::BodyForceField { group: None, field });
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).load(load).build()?;
+    /// assert!(matches!(body.field_not_finite(0.0, 1.0), Some((0, _, 0.5))));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn field_not_finite(&self, start: f64, end: f64) -> Option<(usize, [f64; 3], f64)> {
+        self.fields.iter().find_map(|field| {
+            let (X, time) = field.find_not_finite([start, end])?;
+            Some((field.load, X, time))
+        })
+    }
+
     /// Resultant of every load at factor 1 in the reference configuration; of a field, with its time function, at t = 0.
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];

@@ -38,8 +38,8 @@ pub use field::Field;
 pub use fields::{FieldName, FieldValues, Fields, Place};
 pub(crate) use geometry::CellTable;
 pub use input::{
-    GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Rotation,
-    Support,
+    FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
+    Region, Rotation, Support,
 };
 pub(crate) use integral::Scratch;
 pub(crate) use invariants::sum;

@@ -24,7 +24,7 @@ type Function = dyn Fn(f64) -> f64 + Send + Sync;
 pub struct Signal {
     /// The load or support.
     pub target: SignalTarget,
-    /// Its text, [`TimeFunction::text`]; empty for a field.
+    /// Its text, [`TimeFunction::text`] or [`super::Field::text`].
     pub text: Arc<str>,
     /// When it ends, for a support that is released.
     pub until: Option<f64>,
@@ -39,7 +39,7 @@ impl Signal {
         let target = SignalTarget::Load(field.load);
         field.components().map(move |function| Signal {
             target,
-            text: "".into(),
+            text: field.field.text().into(),
             until: None,
             arm: 0.0,
             function: Arc::new(function),

@@ -305,6 +305,8 @@ proptest! {
     #[test]
     fn pyramid5(points in inside_the_pyramid()) { cell_conforms(CellKind::Pyramid5, 1, &points) }
     #[test]
+    fn pyramid13(points in inside_the_pyramid()) { cell_conforms(CellKind::Pyramid13, 2, &points) }
+    #[test]
     fn line2(points in points()) { conforms(&Line2, Domain::Cube, 1, &points) }
     #[test]
     fn line3(points in points()) { conforms(&Line3, Domain::Cube, 2, &points) }

@@ -11,8 +11,8 @@ use super::{CellKind, CellShape, element};
 /// ```
 ///
 /// The polynomials are those of the linear element with the same corners: products of linear functions of each coordinate of
-/// hexahedra and quadrilaterals, linear functions on simplices, on a pyramid those of the ray from the apex, on which alone its
-/// gradients depend. What the points of a cell do not tell apart is left out: one point makes a constant. Constants are exact,
+/// hexahedra and quadrilaterals, linear functions on simplices, on a pyramid those of the ray from the apex, on which alone the
+/// gradients of the linear pyramid depend, and linear functions. What the points of a cell do not tell apart is left out: one point makes a constant. Constants are exact,
 /// and where there are the points for it linear functions, also in quadratic cells, whose own gradients oscillate about them.
 /// Source: Hinton and Campbell (1974), IJNME 8, 461-480.
 ///
@@ -60,10 +60,10 @@ fn polynomials(kind: CellKind, [x, y, z]: [f64; 3]) -> Vec<f64> {
     match kind.info().shape {
         CellShape::Hexahedron => vec![1.0, x, y, z, x * y, y * z, x * z, x * y * z],
         CellShape::Wedge => vec![1.0, x, y, z, x * z, y * z],
-        CellShape::Pyramid if z == 1.0 => vec![1.0, 0.0, 0.0, 0.0],
+        CellShape::Pyramid if z == 1.0 => vec![1.0, 0.0, 0.0, 0.0, x, y, z],
         CellShape::Pyramid => {
             let [u, v] = [x / (1.0 - z), y / (1.0 - z)];
-            vec![1.0, u, v, u * v]
+            vec![1.0, u, v, u * v, x, y, z]
         }
         CellShape::Quadrilateral => vec![1.0, x, y, x * y],
         CellShape::Triangle => vec![1.0, x, y],

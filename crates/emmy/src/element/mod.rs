@@ -12,6 +12,7 @@ mod hex8;
 mod kind;
 mod lifted;
 mod line;
+mod pyramid13;
 mod pyramid5;
 mod quad;
 mod simplex;
@@ -30,6 +31,7 @@ pub use hex27::Hex27;
 pub use kind::{CellInfo, CellShape, FacetKind, LocalFacet};
 pub use line::{Line2, Line3};
 pub use pyramid5::Pyramid5;
+pub use pyramid13::Pyramid13;
 pub use quad::{Quad4, Quad8, Quad9};
 pub use tet4::Tet4;
 pub use tet10::Tet10;
@@ -58,6 +60,8 @@ kind::cell_kinds! {
     Wedge15 = wedge15::INFO;
     /// Linear pyramid with rational shape functions, 5 nodes. The base is seen counter-clockwise from the apex.
     Pyramid5 = pyramid5::INFO;
+    /// Serendipity pyramid with rational shape functions, 13 nodes.
+    Pyramid13 = pyramid13::INFO;
     /// Linear triangle of a body in plane strain, 3 nodes, counter-clockwise.
     Tri3 = tri::TRI3;
     /// Quadratic triangle of a body in plane strain, 6 nodes.

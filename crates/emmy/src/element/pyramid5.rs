@@ -45,7 +45,7 @@ const NODES: [[f64; 3]; 5] =
     [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// The ray from the apex through a point, `(u, v)`; at the apex itself the axis.
-fn ray([x, y, z]: [f64; 3]) -> [f64; 2] {
+pub(super) fn ray([x, y, z]: [f64; 3]) -> [f64; 2] {
     let w = 1.0 - z;
     if w == 0.0 { [0.0, 0.0] } else { [x / w, y / w] }
 }

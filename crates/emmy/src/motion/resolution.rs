@@ -16,7 +16,7 @@ use crate::time::{MAX_DEGREE, Scheme};
 pub struct Unresolved {
     /// The load or support that it drives.
     pub target: SignalTarget,
-    /// Its text; empty for a field.
+    /// Its text; empty for a field without one.
     pub text: Arc<str>,
     /// Time near which the step misses something of it.
     pub time: f64,

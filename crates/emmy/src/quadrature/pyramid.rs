@@ -3,7 +3,7 @@
 use super::{Quadrature, square};
 
 /// Conical product rule on the pyramid with the base `[-1, 1]^2` and the apex (0, 0, 1): n x n Gauss points in the plane
-/// (1 or more) by m points in the height (1 or 2).
+/// (1 or more) by m points in the height (1 to 3).
 ///
 /// ```math
 /// integral f dx dy dz = integral_0^1 integral_-1^1 integral_-1^1 f(w u, w v, 1 - w) w^2 du dv dw
@@ -15,7 +15,7 @@ use super::{Quadrature, square};
 /// (1964), table 25.8.
 ///
 /// # Panics
-/// If n = 0, or m is neither 1 nor 2.
+/// If n = 0, or m is not 1, 2 or 3.
 ///
 /// ```
 /// let rule = emmy::internals::quadrature::pyramid(1, 1);
@@ -43,7 +43,13 @@ fn moment_rule(m: usize) -> Vec<(f64, f64)> {
             let difference = (1.0 / 4.0 - middle / 3.0) / (2.0 * half);
             vec![(middle - half, 1.0 / 6.0 - difference), (middle + half, 1.0 / 6.0 + difference)]
         }
-        _ => panic!("there is no conical rule with {m} points in the height; there are 1 and 2"),
+        // Zeros of w^3 - 15/8 w^2 + 15/14 w - 5/28, and weights from the moments 1/3, 1/4 and 1/5.
+        3 => vec![
+            (0.294_997_790_111_501_6, 0.029_950_703_008_580_697),
+            (0.652_996_233_961_648_1, 0.146_246_269_259_866_03),
+            (0.927_005_975_926_850_3, 0.157_136_361_064_886_6),
+        ],
+        _ => panic!("there is no conical rule with {m} points in the height; there are 1 to 3"),
     }
 }
 
@@ -62,7 +68,7 @@ mod tests {
 
     #[test]
     fn rules_are_exact_to_their_total_degree() {
-        for (n, degree) in [(1, 1), (2, 3)] {
+        for (n, degree) in [(1, 1), (2, 3), (3, 5)] {
             let range = 0..=degree;
             let exponents = range.clone().flat_map(|i| {
                 let range = range.clone();

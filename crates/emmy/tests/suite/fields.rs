@@ -100,11 +100,12 @@ const NODAL: [FieldName; 5] = [
     FieldName::PrincipalStretches,
     FieldName::StrainEnergyDensity,
 ];
-const CELLS: [FieldName; 4] = [
+const CELLS: [FieldName; 5] = [
     FieldName::CellCauchyStress,
     FieldName::CellSecondPiolaKirchhoffStress,
     FieldName::CellVonMisesStress,
     FieldName::CellStrainEnergyDensity,
+    FieldName::CellVolumeRatio,
 ];
 
 /// A homogeneous deformation: at every node and in every cell the fields of F, whose stretches are given.
@@ -121,10 +122,11 @@ fn is_exact(mesh: Mesh, F: &Mat3<f64>, stretches: [f64; 3], what: &str) {
         assert_all_are(found, expected, size, &format!("{what}: {name}"));
     }
     let found = fields(&body, &displacement, &CELLS);
-    let expected: [&[f64]; 4] = [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &[energy]];
+    let expected: [&[f64]; 5] = [&of(&cauchy), &of(&second), &[von_mises(&cauchy)], &[energy], &[det(F)]];
     for ((found, expected), name) in found.iter().zip(expected).zip(CELLS) {
         assert_eq!(found.len(), body.mesh().n_cells() * expected.len());
-        assert_all_are(found, expected, 1e4, &format!("{what}: {name}"));
+        let size = if name == FieldName::CellVolumeRatio { 10.0 } else { 1e4 };
+        assert_all_are(found, expected, size, &format!("{what}: {name}"));
     }
 }
 
@@ -166,7 +168,7 @@ fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
 /// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the surface too.
 #[test]
 fn fields_that_vary_are_exact_where_the_cells_have_them() {
-    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15] {
+    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15, CellKind::Pyramid13] {
         let body = body(Patch { bricks: 2, curved: false, distortion: 0.0 }.mesh(kind));
         let displacement = displacement(body.mesh(), |X| bent(X).0);
         let found = fields(&body, &displacement, &[FieldName::CauchyStress]);
@@ -221,6 +223,7 @@ fn recovered_stresses_converge() {
         (CellKind::Hex20, [3, 6], [1.7, 1.7]),
         (CellKind::Tet10, [3, 6], [1.7, 1.7]),
         (CellKind::Wedge15, [3, 6], [1.7, 1.7]),
+        (CellKind::Pyramid13, [3, 6], [1.7, 1.7]),
     ] {
         let [coarse, fine] = bricks.map(|bricks| errors(kind, bricks));
         for place in 0..2 {
@@ -399,9 +402,10 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     near(&found[2].numbers, &second);
     near(&found[3].numbers, &[264.0, 0.0]);
     near(&found[4].numbers, &[24.2, 0.0]);
-    near(&found[5].numbers, &[0.0; 18]);
-    near(&found[8].numbers, &[1.0; 9]);
-    near(&found[10].numbers, &[0.0, 0.0, 0.0, -8.0, 9.6, 0.0, 0.0, 0.0, 0.0]);
+    near(&found[5].numbers, &[1.2, 1.0]);
+    near(&found[6].numbers, &[0.0; 18]);
+    near(&found[9].numbers, &[1.0; 9]);
+    near(&found[11].numbers, &[0.0, 0.0, 0.0, -8.0, 9.6, 0.0, 0.0, 0.0, 0.0]);
     // What is not there need not be written.
     let fields = Fields::new(&body);
     assert!(fields.has(FieldName::AxialForce) && fields.has(FieldName::CellCauchyStress));
@@ -413,7 +417,8 @@ fn a_body_at_rest_has_no_stress() {
     let body = Body::builder(block([1.0; 3], [2; 3]).unwrap()).region(tissue()).build().unwrap();
     let rest = vec![0.0; body.n_dofs()];
     for (values, name) in fields(&body, &rest, &FieldName::ALL).iter().zip(FieldName::ALL) {
-        let expected = if name == FieldName::PrincipalStretches { 1.0 } else { 0.0 };
+        let is_ratio = matches!(name, FieldName::PrincipalStretches | FieldName::CellVolumeRatio);
+        let expected = if is_ratio { 1.0 } else { 0.0 };
         assert!(values.iter().all(|&value| value == expected), "{name}");
         let n = if name.place() == Place::Nodes { body.mesh().n_nodes() } else { body.mesh().n_cells() };
         assert_eq!(values.len(), n * name.components().len());
@@ -426,4 +431,24 @@ fn what_is_turned_inside_out_has_no_numbers() {
     let displacement = displacement(body.mesh(), |[x, y, z]| [-x, y, z]);
     let found = fields(&body, &displacement, &NODAL);
     assert!(found.iter().flatten().all(|value| value.is_nan()));
+    let ratio = &fields(&body, &displacement, &[FieldName::CellVolumeRatio])[0];
+    assert!((ratio[0] + 1.0).abs() < 1e-14, "{ratio:?}");
+}
+
+/// A deformation that leaves the surface of the cube in place leaves its volume, whatever becomes of the cells. The quadrature of
+/// these kinds is exact for the volume of any cell.
+#[test]
+fn volume_ratios_add_up_to_the_volume_that_the_surface_encloses() {
+    let kinds = [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27, CellKind::Tet4, CellKind::Wedge15];
+    for kind in kinds.into_iter().chain([CellKind::Pyramid5, CellKind::Pyramid13]) {
+        let body = body(Patch { bricks: 2, curved: false, distortion: 1.0 }.mesh(kind));
+        let displacement = displacement(body.mesh(), |X| {
+            let bubble: f64 = X.iter().map(|x| 4.0 * x * (1.0 - x)).product();
+            [X[0] + 0.1 * bubble, X[1] - 0.05 * bubble, X[2] + 0.07 * bubble]
+        });
+        let ratio = &fields(&body, &displacement, &[FieldName::CellVolumeRatio])[0];
+        let volume: f64 = ratio.iter().enumerate().map(|(cell, J)| J * volume(body.mesh(), cell)).sum();
+        assert!((volume - 1.0).abs() < 1e-14, "{kind}: {volume}");
+        assert!(ratio.iter().any(|J| (J - 1.0).abs() > 0.05), "{kind}");
+    }
 }

@@ -113,7 +113,7 @@ fn every_kind_passes_the_patch_test() {
 /// tet10 is not among them: its four points integrate the gradients of curved cells almost, not quite.
 #[test]
 fn curved_cells_pass_it_too() {
-    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Wedge15] {
+    for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Wedge15, CellKind::Pyramid13] {
         passes_the_patch_test(kind, true);
     }
 }

@@ -14,6 +14,11 @@ fn history(name: &str, history: &str) -> Mistake {
     changed(name, HISTORY, &format!("history = {history}"))
 }
 
+/// A body force on all cells in place of the traction.
+fn body_force(name: &str, force: &str) -> Mistake {
+    changed(name, &format!("group = \"y-max\"\n{TRACTION}"), &format!("body_force = {force}"))
+}
+
 fn support(name: &str, to: &str) -> Mistake {
     changed(name, FIX, to)
 }
@@ -37,6 +42,14 @@ fn loads() -> Vec<Mistake> {
             &format!("{TRACTION}\n{HISTORY}"),
             "attraction = { strength = 1 }",
         ),
+        body_force("body-force-of-two-components", "[0, 0]"),
+        body_force("body-force-of-one-expression", "\"x\""),
+        body_force("body-force-of-an-unknown-variable", "[0, 0, \"r*t\"]").unseen(),
+        body_force("body-force-with-a-kink", "[0, 0, \"abs(x)\"]").unseen(),
+        body_force("body-force-with-half-an-expression", "[0, 0, \"x +\"]").unseen(),
+        body_force("body-force-with-a-pole", "[0, 0, \"x/(t - 0.25)\"]").unseen(),
+        body_force("body-force-that-is-undefined-somewhere", "[\"ln(y - 1)\", 0, 0]").unseen(),
+        load("body-force-on-facets", "body_force = [0, 0, \"x\"]").unseen(),
         load("drag-on-a-group", "drag = 0.5").unseen(),
         changed("drag-that-pushes", &format!("group = \"y-max\"\n{TRACTION}\n{HISTORY}"), "drag = -0.5"),
     ]

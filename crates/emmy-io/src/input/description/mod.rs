@@ -66,6 +66,8 @@ pub(super) enum Kind {
     Groups,
     /// A table of the time or an expression.
     TimeFunction,
+    /// A number, or an expression of position and time.
+    Expression,
     /// A table.
     Table(&'static Section),
     /// One table or a list of them.

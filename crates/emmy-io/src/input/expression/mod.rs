@@ -1,16 +1,27 @@
-//! Expressions of the time, such as `0.5 * sin(2*pi*t)`.
+//! Expressions of the time, such as `0.5 * sin(2*pi*t)`, or of position and time.
 //!
-//! A text becomes a tree ([`parse`]); its value comes with first and second derivative, by the rules of differentiation
-//! applied to numbers ([`Jet`]). Only smooth functions are there: kinks belong in tables, which are integrated exactly.
+//! A text becomes a tree ([`parse()`]); its value comes with first and second derivative by the time, by the rules of
+//! differentiation applied to numbers ([`Jet`]). Only smooth functions are there: kinks belong in tables, which are
+//! integrated exactly.
 
 mod jet;
 mod parse;
 
-use emmy::body::TimeFunction;
+use emmy::body::{Field, TimeFunction};
+use emmy::internals::number::short;
 
-pub(super) use parse::{Mistake, parse};
+pub(super) use parse::parse;
 
+use super::fault::Fault;
+use super::table::Item;
 use jet::Jet;
+use parse::Mistake;
+
+/// Variable of an expression of the time.
+pub(super) const TIME: &[&str] = &["t"];
+
+/// Variables of an expression of reference position and time.
+pub(super) const POSITION_AND_TIME: &[&str] = &["x", "y", "z", "t"];
 
 /// Names and values of the constants.
 pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
@@ -61,10 +72,11 @@ impl MapRates for [f64; 3] {
     }
 }
 
-/// An expression in the time t.
+/// An expression.
 #[derive(Debug, Clone)]
 pub(super) enum Expression {
-    Time,
+    /// A variable, by its number among those of the expression.
+    Variable(usize),
     Number(f64),
     Negative(Box<Expression>),
     Operation(Operator, Box<[Expression; 2]>),
@@ -82,15 +94,15 @@ pub(super) enum Operator {
 }
 
 impl Expression {
-    /// Value and derivatives at a time.
-    fn at(&self, time: f64) -> Jet {
+    /// Value and derivatives by the time; `variables`: the variables with theirs.
+    fn at(&self, variables: &[Jet]) -> Jet {
         match self {
-            Expression::Time => Jet([time, 1.0, 0.0]),
+            Expression::Variable(number) => variables[*number],
             Expression::Number(value) => Jet([*value, 0.0, 0.0]),
-            Expression::Negative(argument) => argument.at(time).scaled(-1.0),
-            Expression::Function(function, argument) => argument.at(time).into_function(*function),
+            Expression::Negative(argument) => argument.at(variables).scaled(-1.0),
+            Expression::Function(function, argument) => argument.at(variables).into_function(*function),
             Expression::Operation(operator, sides) => {
-                let [a, b] = [sides[0].at(time), sides[1].at(time)];
+                let [a, b] = [sides[0].at(variables), sides[1].at(variables)];
                 match operator {
                     Operator::Plus => a.plus(b),
                     Operator::Minus => a.plus(b.scaled(-1.0)),
@@ -102,10 +114,34 @@ impl Expression {
         }
     }
 
-    /// The history of the expression; `text` is what it was read from.
+    /// The time function of an expression in [`TIME`]; `text` is what it was read from.
     pub(super) fn time_function(self, text: &str) -> TimeFunction {
-        TimeFunction::smooth(text, move |time| self.at(time).0)
+        TimeFunction::smooth(text, move |time| self.at(&[Jet([time, 1.0, 0.0])]).0)
     }
+}
+
+/// Reads the text of an expression in some variables.
+pub(super) fn read(item: &Item<'_>, variables: &'static [&'static str]) -> Result<Expression, Fault> {
+    let text = item.string()?;
+    parse(text, variables).map_err(|Mistake { reason, place }| {
+        Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key()), "here")
+    })
+}
+
+/// Reads a vector field over reference position and time: three numbers or expressions in [`POSITION_AND_TIME`].
+pub(super) fn read_field(item: &Item<'_>) -> Result<Field, Fault> {
+    let component = |item: &Item<'_>| match item.text() {
+        Some(_) => read(item, POSITION_AND_TIME),
+        None => item.number().map(Expression::Number),
+    };
+    let [x, y, z] = item.exactly::<3>("numbers or expressions")?;
+    let components = [component(&x)?, component(&y)?, component(&z)?];
+    let text = [x, y, z]
+        .map(|item| item.text().map_or_else(|| item.number().map(short).unwrap_or_default(), str::to_string));
+    Ok(Field::named(&text.join(", "), move |[x, y, z], time| {
+        let variables = [x, y, z, time].map(|value| Jet([value, 0.0, 0.0]));
+        components.each_ref().map(|component| component.at(&variables).0[0])
+    }))
 }
 
 #[cfg(test)]
@@ -113,7 +149,7 @@ mod tests {
     use super::*;
 
     fn time_function(text: &str) -> TimeFunction {
-        parse(text).unwrap().time_function(text)
+        parse(text, TIME).unwrap().time_function(text)
     }
 
     #[test]
@@ -146,8 +182,8 @@ mod tests {
         let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
         for text in texts {
-            let (d, expression) = (1e-4, parse(&text).unwrap());
-            let at = |i: f64| expression.at(t + i * d).0;
+            let (d, expression) = (1e-4, parse(&text, TIME).unwrap());
+            let at = |i: f64| expression.at(&[Jet([t + i * d, 1.0, 0.0])]).0;
             for order in 0..2 {
                 // Five points: the error is of order d^4, rounding of order eps/d.
                 let [a, b, c, f] = [-2.0, -1.0, 1.0, 2.0].map(|i| at(i)[order]);
@@ -157,8 +193,9 @@ mod tests {
             }
         }
         // Powers at zero: no logarithm of it comes in.
-        assert_eq!(parse("t^2").unwrap().at(0.0).0, [0.0, 0.0, 2.0]);
-        assert_eq!(parse("t^1 + t^0").unwrap().at(0.0).0, [1.0, 1.0, 0.0]);
+        let at_zero = |text: &str| parse(text, TIME).unwrap().at(&[Jet([0.0, 1.0, 0.0])]).0;
+        assert_eq!(at_zero("t^2"), [0.0, 0.0, 2.0]);
+        assert_eq!(at_zero("t^1 + t^0"), [1.0, 1.0, 0.0]);
     }
 
     #[test]
@@ -180,11 +217,13 @@ mod tests {
             ("1e999", 0..5, "too large"),
             ("\u{3c0}*t", 0..2, "\u{3c0}"),
         ] {
-            let mistake = parse(text).unwrap_err();
+            let mistake = parse(text, TIME).unwrap_err();
             assert!(mistake.reason.contains(says) && mistake.place == place, "{text}: {mistake:?}");
         }
         let deep = "(".repeat(100_000);
-        assert!(parse(&deep).unwrap_err().reason.contains("deep"));
-        assert!(parse(&"-".repeat(100_000)).is_err() && parse(&"2^".repeat(100_000)).is_err());
+        assert!(parse(&deep, TIME).unwrap_err().reason.contains("deep"));
+        assert!(parse(&"-".repeat(100_000), TIME).is_err() && parse(&"2^".repeat(100_000), TIME).is_err());
+        let mistake = parse("abs(x)", POSITION_AND_TIME).unwrap_err();
+        assert!(mistake.reason.contains("group of cells") && mistake.place == (0..3), "{mistake:?}");
     }
 }

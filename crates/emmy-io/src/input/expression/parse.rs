@@ -5,13 +5,13 @@
 //! product = signed { ("*" | "/") signed }
 //! signed  = ("-" | "+") signed | power
 //! power   = atom [ "^" signed ]
-//! atom    = number | "t" | constant | function "(" sum ")" | "(" sum ")"
+//! atom    = number | variable | constant | function "(" sum ")" | "(" sum ")"
 //! ```
 
 use std::ops::Range;
 
 use super::super::suggest::{did_you_mean, listed};
-use super::{CONSTANTS, Expression, FUNCTIONS, Operator};
+use super::{CONSTANTS, Expression, FUNCTIONS, Operator, TIME};
 
 /// What is wrong with an expression, and which bytes of it are.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +26,9 @@ const DEEPEST: usize = 100;
 /// Functions that people look for and that have kinks.
 const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
 
-/// Reads an expression.
-pub(in crate::input) fn parse(text: &str) -> Result<Expression, Mistake> {
-    let mut reader = Reader { text, at: 0, depth: 0 };
+/// Reads an expression in some variables.
+pub(in crate::input) fn parse(text: &str, variables: &'static [&'static str]) -> Result<Expression, Mistake> {
+    let mut reader = Reader { text, variables, at: 0, depth: 0 };
     let expression = reader.sum()?;
     match reader.next() {
         None => Ok(expression),
@@ -42,6 +42,7 @@ pub(in crate::input) fn parse(text: &str) -> Result<Expression, Mistake> {
 
 struct Reader<'a> {
     text: &'a str,
+    variables: &'static [&'static str],
     at: usize,
     depth: usize,
 }
@@ -127,15 +128,23 @@ impl Reader<'_> {
 
     fn atom(&mut self) -> Result<Expression, Mistake> {
         match self.next() {
-            None => Err(self.mistake_here("the expression ends where a number, `t` or a function should be")),
+            None => {
+                let reason = format!("the expression ends where {} should be", self.wanted());
+                Err(self.mistake_here(&reason))
+            }
             Some('(') => self.bracket(),
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => self.name(),
             Some(c) => {
-                let reason = format!("a number, `t` or a function should be here, not `{c}`");
+                let reason = format!("{} should be here, not `{c}`", self.wanted());
                 Err(self.mistake_here(&reason))
             }
         }
+    }
+
+    /// What an atom can be.
+    fn wanted(&self) -> String {
+        format!("a number, {} or a function", listed(self.variables.iter().copied()))
     }
 
     /// `( sum )`; the next character is the bracket.
@@ -177,14 +186,14 @@ impl Reader<'_> {
         let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
         let (name, place) = (&rest[..length], start..start + length);
         self.at += length;
-        if name == "t" {
-            return Ok(Expression::Time);
+        if let Some(number) = self.variables.iter().position(|variable| *variable == name) {
+            return Ok(Expression::Variable(number));
         }
         if let Some((_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
             return Ok(Expression::Number(*value));
         }
         let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) else {
-            return Err(Mistake { reason: unknown(name), place });
+            return Err(Mistake { reason: unknown(name, self.variables), place });
         };
         if self.next() != Some('(') {
             return Err(Mistake { reason: format!("`{name}` needs brackets: {name}(t)"), place });
@@ -194,15 +203,19 @@ impl Reader<'_> {
 }
 
 /// What is said of a name that is not known.
-fn unknown(name: &str) -> String {
-    let functions = || FUNCTIONS.iter().map(|(name, _)| *name);
+fn unknown(name: &str, variables: &'static [&'static str]) -> String {
     if KINKED.contains(&name) {
-        return format!(
-            "`{name}` is not smooth; write a table [[time, value], ...], whose kinks are integrated exactly"
-        );
+        let table = "a table [[time, value], ...], whose kinks are integrated exactly";
+        return match variables {
+            TIME => format!("`{name}` is not smooth; write {table}"),
+            _ => format!(
+                "`{name}` is not smooth: bound the load by a group of cells, or give as `history` {table}"
+            ),
+        };
     }
-    let known = ["t"].into_iter().chain(CONSTANTS.iter().map(|(name, _)| *name)).chain(functions());
-    // Any letter is near to `t`, but not meant for it.
+    let names = CONSTANTS.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name));
+    let known = variables.iter().copied().chain(names);
+    // Any letter is near to a variable, but not meant for it.
     match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
         Some(advice) => format!("`{name}` is not known here: {advice}"),
         None => format!("`{name}` is not known here; there is {}", listed(known)),

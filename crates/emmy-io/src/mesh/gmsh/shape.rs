@@ -33,6 +33,7 @@ impl Shape {
         let order: &[usize] = match kind {
             CellKind::Tet10 => &TET10,
             CellKind::Wedge15 => &WEDGE15,
+            CellKind::Pyramid13 => &PYRAMID13,
             CellKind::Hex8 | CellKind::Hex20 | CellKind::Hex27 => &HEX27[..self.n_nodes],
             CellKind::Tet4 | CellKind::Wedge6 | CellKind::Pyramid5 | CellKind::Line2 => {
                 &AS_IN_VTK[..self.n_nodes]
@@ -51,6 +52,8 @@ const AS_IN_VTK: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 /// Gmsh numbers edges by their lower corner: 01, 02, 03, 12, 14, 25, 34, 35, 45.
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
+/// Gmsh numbers edges by their lower corner: 01, 03, 04, 12, 14, 23, 24, 34.
+const PYRAMID13: [usize; 13] = [0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12];
 /// Gmsh numbers edges by their lower corner and faces as z-min, y-min, x-min, x-max, y-max, z-max; the bricks of 8
 /// and 20 nodes are the beginning of this list.
 const HEX27: [usize; 27] = [

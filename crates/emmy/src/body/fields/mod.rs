@@ -12,7 +12,8 @@ use super::{Body, Region};
 use crate::mesh::Mesh;
 
 pub use name::{FieldName, Place};
-use point::{PointState, axial_force, von_mises};
+use name::{Formula, Needs};
+use point::{PointState, axial_force};
 use recovery::Recovery;
 
 /// The fields of a body: computed from a displacement and a velocity, whatever the scheme.
@@ -75,36 +76,31 @@ impl Fields {
     pub fn has(&self, name: FieldName) -> bool {
         let is_link = |region: &Region| region.link().is_some();
         let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);
-        match name {
-            FieldName::Displacement | FieldName::Velocity => true,
-            FieldName::AxialForce => self.regions.iter().any(is_link),
-            name if name == FieldName::MomentumDensity || name.place() == Place::Cells => {
-                self.regions.iter().any(has_volume)
-            }
-            _ => !self.regions.iter().all(is_link),
+        match name.info().needs {
+            Needs::Nothing => true,
+            Needs::Volume => self.regions.iter().any(has_volume),
+            Needs::Solids => !self.regions.iter().all(is_link),
+            Needs::Links => self.regions.iter().any(is_link),
         }
     }
 
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
-        let is_recovered = |name: &FieldName| !name.is_motion();
-        let wanted = |place: Place| names.iter().any(|name| is_recovered(name) && name.place() == place);
+        let is_of_state = |name: &FieldName| !matches!(name.info().formula, Formula::Motion(_));
+        let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
         let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
         let cells = if wanted(Place::Cells) { self.cell_states(displacement) } else { Vec::new() };
-        let numbers = |name: FieldName| match name {
-            FieldName::Displacement => displacement.to_vec(),
-            FieldName::Velocity => velocity.to_vec(),
-            FieldName::MomentumDensity => self.momentum_density(velocity),
-            FieldName::CauchyStress => flat(&nodes, |state| state.cauchy),
-            FieldName::SecondPiolaKirchhoffStress => flat(&nodes, |state| state.second),
-            FieldName::VonMisesStress => flat(&nodes, |state| [von_mises(&state.cauchy)]),
-            FieldName::PrincipalStretches => flat(&nodes, PointState::principal_stretches),
-            FieldName::StrainEnergyDensity => flat(&nodes, |state| [state.energy]),
-            FieldName::CellCauchyStress => flat(&cells, |state| state.cauchy),
-            FieldName::CellSecondPiolaKirchhoffStress => flat(&cells, |state| state.second),
-            FieldName::CellVonMisesStress => flat(&cells, |state| [von_mises(&state.cauchy)]),
-            FieldName::CellStrainEnergyDensity => flat(&cells, |state| [state.energy]),
-            FieldName::AxialForce => self.axial_forces(displacement),
+        let numbers = |name: FieldName| {
+            let states = match name.place() {
+                Place::Nodes => &nodes,
+                Place::Cells => &cells,
+            };
+            match name.info().formula {
+                Formula::Motion(numbers) => numbers(self, displacement, velocity),
+                Formula::Number(number) => flat(states, |state| [number(state)]),
+                Formula::Stretches(stretches) => flat(states, stretches),
+                Formula::Tensor(tensor) => flat(states, tensor),
+            }
         };
         names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
     }

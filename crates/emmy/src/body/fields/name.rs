@@ -1,44 +1,10 @@
-//! Names of the fields: the same in every file, and stable.
+//! The fields: one row each, with its name in every file and its formula.
 
 use std::fmt;
 
-/// A field that is written.
-///
-/// ```
-/// use emmy::body::FieldName;
-/// let stress = FieldName::CauchyStress;
-/// assert_eq!((stress.name(), stress.components()[3]), ("cauchy_stress", "xy"));
-/// assert_eq!(FieldName::from_name("cauchy_stress"), Some(stress));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum FieldName {
-    /// u \[length\].
-    Displacement,
-    /// v \[length/time\].
-    Velocity,
-    /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
-    MomentumDensity,
-    /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
-    CauchyStress,
-    /// `S = dW/dE` \[force/length^2\].
-    SecondPiolaKirchhoffStress,
-    /// Equivalent stress `sqrt(3/2 s : s)`, s the deviator of the Cauchy stress \[force/length^2\].
-    VonMisesStress,
-    /// Square roots of the eigenvalues of C, the largest first.
-    PrincipalStretches,
-    /// W per reference volume \[energy/length^3\].
-    StrainEnergyDensity,
-    /// Mean Cauchy stress of a cell; of a bar along its axis.
-    CellCauchyStress,
-    /// Mean second Piola-Kirchhoff stress of a cell; of a bar along its axis at rest.
-    CellSecondPiolaKirchhoffStress,
-    /// Equivalent stress of the mean Cauchy stress of a cell.
-    CellVonMisesStress,
-    /// Mean energy density of a cell: times its volume, the energy that is stored in it.
-    CellStrainEnergyDensity,
-    /// Force in a link, positive in tension; 0 in other cells \[force\].
-    AxialForce,
-}
+use super::Fields;
+use super::point::{PointState, von_mises};
+use crate::tensor::Sym;
 
 /// Where a field has its values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,46 +15,209 @@ pub enum Place {
     Cells,
 }
 
+/// A field, described.
+pub(super) struct FieldInfo {
+    /// Name of the array.
+    name: &'static str,
+    /// Description in a line, with the unit.
+    description: &'static str,
+    place: Place,
+    components: &'static [&'static str],
+    pub(super) needs: Needs,
+    pub(super) formula: Formula,
+}
+
+/// What a body must have for a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Needs {
+    Nothing,
+    /// Cells with a volume: solid and plane ones, bars.
+    Volume,
+    /// Solid or plane cells.
+    Solids,
+    Links,
+}
+
+/// Formula of a field.
+pub(super) enum Formula {
+    /// From displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
+    Motion(fn(&Fields, &[f64], &[f64]) -> Vec<f64>),
+    /// A number of the state at a node or in a cell.
+    Number(fn(&PointState) -> f64),
+    Stretches(fn(&PointState) -> [f64; 3]),
+    Tensor(fn(&PointState) -> Sym<f64>),
+}
+
 const ONE: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
 const ORDERED: &[&str] = &["1", "2", "3"];
 
+/// Declares the fields, each with its [`FieldInfo`].
+macro_rules! fields {
+    ($($(#[$doc:meta])* $field:ident { $($row:tt)+ })+) => {
+        /// A field that is written. Names are the same in every file, and stable.
+        ///
+        /// ```
+        /// use emmy::body::FieldName;
+        /// let stress = FieldName::CauchyStress;
+        /// assert_eq!((stress.name(), stress.components()[3]), ("cauchy_stress", "xy"));
+        /// assert_eq!(FieldName::from_name("cauchy_stress"), Some(stress));
+        /// ```
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum FieldName {
+            $($(#[$doc])* $field,)+
+        }
+
+        const ROWS: [FieldInfo; [$(FieldName::$field),+].len()] = [$(FieldInfo { $($row)+ }),+];
+
+        impl FieldName {
+            /// All fields.
+            pub const ALL: [FieldName; ROWS.len()] = [$(FieldName::$field),+];
+        }
+    };
+}
+
+// A new field has its row here.
+fields! {
+    /// u \[length\].
+    Displacement {
+        name: "displacement",
+        description: "displacement u [length]",
+        place: Place::Nodes,
+        components: VECTOR,
+        needs: Needs::Nothing,
+        formula: Formula::Motion(|_, displacement, _| displacement.to_vec()),
+    }
+    /// v \[length/time\].
+    Velocity {
+        name: "velocity",
+        description: "velocity v [length/time]",
+        place: Place::Nodes,
+        components: VECTOR,
+        needs: Needs::Nothing,
+        formula: Formula::Motion(|_, _, velocity| velocity.to_vec()),
+    }
+    /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
+    MomentumDensity {
+        name: "momentum_density",
+        description: "momentum per reference volume, density times velocity [mass/(length^2 time)]",
+        place: Place::Nodes,
+        components: VECTOR,
+        needs: Needs::Volume,
+        formula: Formula::Motion(|fields, _, velocity| fields.momentum_density(velocity)),
+    }
+    /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
+    CauchyStress {
+        name: "cauchy_stress",
+        description: "force per current area, F S F^T / J: xx, yy, zz, xy, yz, xz [force/length^2]",
+        place: Place::Nodes,
+        components: TENSOR,
+        needs: Needs::Solids,
+        formula: Formula::Tensor(|state| state.cauchy),
+    }
+    /// `S = dW/dE` \[force/length^2\].
+    SecondPiolaKirchhoffStress {
+        name: "second_piola_kirchhoff_stress",
+        description: "S = dW/dE: xx, yy, zz, xy, yz, xz [force/length^2]",
+        place: Place::Nodes,
+        components: TENSOR,
+        needs: Needs::Solids,
+        formula: Formula::Tensor(|state| state.second),
+    }
+    /// Equivalent stress `sqrt(3/2 s : s)`, s the deviator of the Cauchy stress \[force/length^2\].
+    VonMisesStress {
+        name: "von_mises_stress",
+        description: "equivalent stress of the Cauchy stress [force/length^2]",
+        place: Place::Nodes,
+        components: ONE,
+        needs: Needs::Solids,
+        formula: Formula::Number(|state| von_mises(&state.cauchy)),
+    }
+    /// Square roots of the eigenvalues of C, the largest first.
+    PrincipalStretches {
+        name: "principal_stretches",
+        description: "square roots of the eigenvalues of C, the largest first",
+        place: Place::Nodes,
+        components: ORDERED,
+        needs: Needs::Solids,
+        formula: Formula::Stretches(PointState::principal_stretches),
+    }
+    /// W per reference volume \[energy/length^3\].
+    StrainEnergyDensity {
+        name: "strain_energy_density",
+        description: "stored energy W per reference volume [energy/length^3]",
+        place: Place::Nodes,
+        components: ONE,
+        needs: Needs::Solids,
+        formula: Formula::Number(|state| state.energy),
+    }
+    /// Mean Cauchy stress of a cell; of a bar along its axis.
+    CellCauchyStress {
+        name: "cell_cauchy_stress",
+        description: "mean of the Cauchy stress in each cell [force/length^2]",
+        place: Place::Cells,
+        components: TENSOR,
+        needs: Needs::Volume,
+        formula: Formula::Tensor(|state| state.cauchy),
+    }
+    /// Mean second Piola-Kirchhoff stress of a cell; of a bar along its axis at rest.
+    CellSecondPiolaKirchhoffStress {
+        name: "cell_second_piola_kirchhoff_stress",
+        description: "mean of S in each cell [force/length^2]",
+        place: Place::Cells,
+        components: TENSOR,
+        needs: Needs::Volume,
+        formula: Formula::Tensor(|state| state.second),
+    }
+    /// Equivalent stress of the mean Cauchy stress of a cell.
+    CellVonMisesStress {
+        name: "cell_von_mises_stress",
+        description: "equivalent stress of cell_cauchy_stress [force/length^2]",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Volume,
+        formula: Formula::Number(|state| von_mises(&state.cauchy)),
+    }
+    /// Mean energy density of a cell: times its volume, the energy that is stored in it.
+    CellStrainEnergyDensity {
+        name: "cell_strain_energy_density",
+        description: "mean of W in each cell [energy/length^3]",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Volume,
+        formula: Formula::Number(|state| state.energy),
+    }
+    /// Mean of det F in a cell, its current volume over its reference volume; 1 in springs and attractions. It is a number even in
+    /// an inverted cell.
+    CellVolumeRatio {
+        name: "cell_volume_ratio",
+        description: "mean of J = det F in each cell: current volume over reference volume",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Volume,
+        formula: Formula::Number(|state| state.volume_ratio),
+    }
+    /// Force in a link, positive in tension; 0 in other cells \[force\].
+    AxialForce {
+        name: "axial_force",
+        description: "force in each link, positive in tension; 0 in other cells [force]",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Links,
+        formula: Formula::Motion(|fields, displacement, _| fields.axial_forces(displacement)),
+    }
+}
+
 impl FieldName {
-    /// All fields.
-    pub const ALL: [FieldName; 13] = [
-        FieldName::Displacement,
-        FieldName::Velocity,
-        FieldName::MomentumDensity,
-        FieldName::CauchyStress,
-        FieldName::SecondPiolaKirchhoffStress,
-        FieldName::VonMisesStress,
-        FieldName::PrincipalStretches,
-        FieldName::StrainEnergyDensity,
-        FieldName::CellCauchyStress,
-        FieldName::CellSecondPiolaKirchhoffStress,
-        FieldName::CellVonMisesStress,
-        FieldName::CellStrainEnergyDensity,
-        FieldName::AxialForce,
-    ];
+    /// The row of the field.
+    pub(super) const fn info(self) -> &'static FieldInfo {
+        &ROWS[self as usize]
+    }
 
     /// Name of the array.
     pub const fn name(self) -> &'static str {
-        match self {
-            FieldName::Displacement => "displacement",
-            FieldName::Velocity => "velocity",
-            FieldName::MomentumDensity => "momentum_density",
-            FieldName::CauchyStress => "cauchy_stress",
-            FieldName::SecondPiolaKirchhoffStress => "second_piola_kirchhoff_stress",
-            FieldName::VonMisesStress => "von_mises_stress",
-            FieldName::PrincipalStretches => "principal_stretches",
-            FieldName::StrainEnergyDensity => "strain_energy_density",
-            FieldName::CellCauchyStress => "cell_cauchy_stress",
-            FieldName::CellSecondPiolaKirchhoffStress => "cell_second_piola_kirchhoff_stress",
-            FieldName::CellVonMisesStress => "cell_von_mises_stress",
-            FieldName::CellStrainEnergyDensity => "cell_strain_energy_density",
-            FieldName::AxialForce => "axial_force",
-        }
+        self.info().name
     }
 
     /// The field of a name.
@@ -98,61 +227,17 @@ impl FieldName {
 
     /// Names of the components, in VTK's order of symmetric tensors; one empty name of a scalar.
     pub const fn components(self) -> &'static [&'static str] {
-        match self {
-            FieldName::Displacement | FieldName::Velocity | FieldName::MomentumDensity => VECTOR,
-            FieldName::CauchyStress
-            | FieldName::SecondPiolaKirchhoffStress
-            | FieldName::CellCauchyStress
-            | FieldName::CellSecondPiolaKirchhoffStress => TENSOR,
-            FieldName::PrincipalStretches => ORDERED,
-            _ => ONE,
-        }
+        self.info().components
     }
 
     /// Description in a line.
     pub const fn description(self) -> &'static str {
-        match self {
-            FieldName::Displacement => "displacement u [length]",
-            FieldName::Velocity => "velocity v [length/time]",
-            FieldName::MomentumDensity => {
-                "momentum per reference volume, density times velocity [mass/(length^2 time)]"
-            }
-            FieldName::CauchyStress => {
-                "force per current area, F S F^T / J: xx, yy, zz, xy, yz, xz [force/length^2]"
-            }
-            FieldName::SecondPiolaKirchhoffStress => "S = dW/dE: xx, yy, zz, xy, yz, xz [force/length^2]",
-            FieldName::VonMisesStress => "equivalent stress of the Cauchy stress [force/length^2]",
-            FieldName::PrincipalStretches => "square roots of the eigenvalues of C, the largest first",
-            FieldName::StrainEnergyDensity => "stored energy W per reference volume [energy/length^3]",
-            FieldName::CellCauchyStress => "mean of the Cauchy stress in each cell [force/length^2]",
-            FieldName::CellSecondPiolaKirchhoffStress => "mean of S in each cell [force/length^2]",
-            FieldName::CellVonMisesStress => "equivalent stress of cell_cauchy_stress [force/length^2]",
-            FieldName::CellStrainEnergyDensity => "mean of W in each cell [energy/length^3]",
-            FieldName::AxialForce => "force in each link, positive in tension; 0 in other cells [force]",
-        }
+        self.info().description
     }
 
     /// Where it has its values.
     pub const fn place(self) -> Place {
-        match self {
-            FieldName::CellCauchyStress
-            | FieldName::CellSecondPiolaKirchhoffStress
-            | FieldName::CellVonMisesStress
-            | FieldName::CellStrainEnergyDensity
-            | FieldName::AxialForce => Place::Cells,
-            _ => Place::Nodes,
-        }
-    }
-
-    /// Whether it needs no deformation gradient.
-    pub(super) const fn is_motion(self) -> bool {
-        matches!(
-            self,
-            FieldName::Displacement
-                | FieldName::Velocity
-                | FieldName::MomentumDensity
-                | FieldName::AxialForce
-        )
+        self.info().place
     }
 }
 

@@ -15,6 +15,8 @@ pub(super) struct PointState {
     pub(super) cauchy: Sym<f64>,
     /// Green-Lagrange strain.
     pub(super) strain: Sym<f64>,
+    /// J = det F.
+    pub(super) volume_ratio: f64,
 }
 
 impl PointState {
@@ -22,17 +24,20 @@ impl PointState {
     pub(super) fn new(region: &Region, G: &Mat3<f64>) -> Self {
         let (J, strain) = (det_of_identity_plus(G), green_lagrange(G));
         let response = region.material.response(&strain).filter(|_| J > 0.0);
-        let Some((energy, second)) = response else { return PointState::undefined() };
+        let Some((energy, second)) = response else {
+            return PointState { volume_ratio: J, ..PointState::undefined() };
+        };
         let P = identity_plus_times_sym(G, &second);
         let cauchy = sym(|i, j| (P[i][j] + (0..3).map(|k| P[i][k] * G[j][k]).sum::<f64>()) / J);
-        PointState { energy, second, cauchy, strain }
+        PointState { energy, second, cauchy, strain, volume_ratio: J }
     }
 
-    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; zero for springs and attractions.
+    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; springs and attractions, which
+    /// have no volume, have no stress and a volume ratio of 1.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
         let (area, state) = (link.area(), LinkState::new(link, mesh, cell, displacement));
         if area == 0.0 {
-            return PointState::default();
+            return PointState { volume_ratio: 1.0, ..PointState::default() };
         }
         let along = |axis: [f64; 3], size: f64| sym(|i, j| size * axis[i] * axis[j]);
         let stress = state.force / area;
@@ -41,17 +46,25 @@ impl PointState {
             second: along(state.reference_axis, stress * state.reference_length / state.length),
             cauchy: along(state.axis, stress),
             strain: along(state.reference_axis, state.strain),
+            volume_ratio: state.length / state.reference_length,
         }
     }
 
     fn undefined() -> Self {
         let tensor = [f64::NAN; 6];
-        PointState { energy: f64::NAN, second: tensor, cauchy: tensor, strain: tensor }
+        PointState {
+            energy: f64::NAN,
+            second: tensor,
+            cauchy: tensor,
+            strain: tensor,
+            volume_ratio: f64::NAN,
+        }
     }
 
     /// Adds a multiple of another state.
     pub(super) fn add(&mut self, weight: f64, other: &PointState) {
         self.energy += weight * other.energy;
+        self.volume_ratio += weight * other.volume_ratio;
         for component in 0..6 {
             self.second[component] += weight * other.second[component];
             self.cauchy[component] += weight * other.cauchy[component];
@@ -67,6 +80,7 @@ impl PointState {
             second: over(self.second),
             cauchy: over(self.cauchy),
             strain: over(self.strain),
+            volume_ratio: self.volume_ratio / weight,
         }
     }
 

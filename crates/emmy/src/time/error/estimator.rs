@@ -6,8 +6,7 @@ use crate::time::TimeElement;
 /// How the local error is estimated.
 ///
 /// ```
-/// use emmy::time::Estimator;
-/// use emmy::time::TimeElement;
+/// use emmy::time::{Estimator, TimeElement};
 /// assert_eq!(Estimator::of(TimeElement::discrete_gradient(1)?), Estimator::Difference);
 /// assert_eq!(Estimator::of(TimeElement::discrete_gradient(2)?), Estimator::Sampled);
 /// # Ok::<(), emmy::Error>(())
