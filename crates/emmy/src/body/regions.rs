@@ -243,7 +243,7 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
 mod tests {
     use super::super::Body;
     use super::*;
-    use crate::material::{Link, NeoHooke};
+    use crate::material::NeoHooke;
     use crate::mesh::{Mesh, MeshBuilder, block};
 
     fn region(group: &str, density: f64) -> Region {
@@ -288,35 +288,6 @@ mod tests {
         order.sort_unstable();
         assert_eq!(order, (0..27).collect::<Vec<_>>());
         assert!(body.clone().node_order.get().is_some());
-    }
-
-    /// Least time of three to make a body of links in a row, each a region of its own.
-    fn seconds(n_links: u32) -> f64 {
-        let mut builder = MeshBuilder::new();
-        (0..=n_links).for_each(|i| {
-            builder.point([i.into(), 0.0, 0.0]);
-        });
-        for i in 0..n_links {
-            let cell = builder.cell(CellKind::Line2, &[i, i + 1]).unwrap();
-            builder.cell_group(&i.to_string(), [cell]);
-        }
-        let mesh = builder.build().unwrap();
-        let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i.to_string());
-        let seconds = (0..3).map(|_| {
-            let (mesh, regions): (_, Vec<Region>) = (mesh.clone(), (0..n_links).map(region).collect());
-            let start = std::time::Instant::now();
-            Body::builder(mesh).regions(regions).build().unwrap();
-            start.elapsed().as_secs_f64()
-        });
-        seconds.fold(f64::INFINITY, f64::min)
-    }
-
-    #[test]
-    #[ignore = "a timing: by name, on a quiet machine"]
-    fn the_time_for_regions_grows_with_their_number_alone() {
-        // Sixteen times as many take sixteen times as long, and would take 256 times as long if each looked at all cells.
-        let ratio = seconds(16_000) / seconds(1_000);
-        assert!(ratio < 64.0, "{ratio}");
     }
 
     /// Inertia of a box with edges a, b, c about its centre: m (b^2 + c^2) / 12.
