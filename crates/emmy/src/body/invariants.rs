@@ -1,6 +1,7 @@
 //! Energies and momenta of a state (section 2).
 
 use super::{Body, StrainState};
+use crate::tensor::cross;
 
 /// Sum of a nodal vector, `[n_nodes][3]`.
 pub fn sum(vector: &[f64]) -> [f64; 3] {
@@ -51,9 +52,8 @@ impl Body {
         let nodes = self.mesh().points().iter().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
         for ((X, u), v) in nodes {
             let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
-            moment[0] += q[1] * v[2] - q[2] * v[1];
-            moment[1] += q[2] * v[0] - q[0] * v[2];
-            moment[2] += q[0] * v[1] - q[1] * v[0];
+            let arm_cross_v = cross(q, [v[0], v[1], v[2]]);
+            (0..3).for_each(|i| moment[i] += arm_cross_v[i]);
         }
         moment
     }

@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, InitialVelocity};
 use crate::error::Result;
+use crate::tensor::cross;
 
 /// State of a body in motion.
 ///
-/// Displacement instead of position keeps the digits of small strains; see ARCHITECTURE.md.
+/// It holds the displacement, not the position, which would lose the digits of small strains (`book/src/design/cells.md`).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Time \[time\].
@@ -98,10 +99,10 @@ impl State {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
             let (X, at) = (body.mesh().points()[node], 3 * node);
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
-            add_cross(&mut moment, q, *p);
-            (0..3).for_each(|d| total[d] += p[d]);
+            add(&mut moment, cross(q, *p));
+            add(&mut total, *p);
         }
-        add_cross(&mut moment, origin, total);
+        add(&mut moment, cross(origin, total));
         moment
     }
 
@@ -133,9 +134,6 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// Adds a x b.
-fn add_cross(sum: &mut [f64; 3], a: [f64; 3], b: [f64; 3]) {
-    sum[0] += a[1] * b[2] - a[2] * b[1];
-    sum[1] += a[2] * b[0] - a[0] * b[2];
-    sum[2] += a[0] * b[1] - a[1] * b[0];
+fn add(sum: &mut [f64; 3], vector: [f64; 3]) {
+    (0..3).for_each(|d| sum[d] += vector[d]);
 }
