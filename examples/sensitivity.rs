@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_and_errors_are_those_of_other_motions() {
+    fn slopes_and_errors_match_other_motions() {
         let tip = tip(0.1).unwrap();
         let slope = (place(1.001 * MU, 2, 0.1) - place(0.999 * MU, 2, 0.1)) / (0.002 * MU);
         assert!((tip.by_mu / slope - 1.0).abs() < 1e-4, "{tip:?} {slope}");

@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_counts_and_what_is_left_out_is_empty() {
+    fn the_last_line_counts_and_missing_columns_are_empty() {
         let outcome =
             Outcome::in_output("a warning\n{\"program\": \"P\", \"dofs\": 1024, \"peak_megabytes\": 2}\n");
         let outcome = outcome.unwrap();

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn interpreters_are_those_of_programs_that_there_are() {
+    fn interpreters_belong_to_installed_programs() {
         assert!(Interpreters::new(&["ngsolve=/x/python".into()]).is_ok());
         assert!(Interpreters::new(&["ngsolv=/x/python".into()]).is_err());
         assert!(Interpreters::new(&["ngsolve".into()]).is_err());

@@ -59,7 +59,7 @@ fn adaptive_steps_are_measured_beside_equal_ones() {
 }
 
 #[test]
-fn what_cannot_be_run_ends_with_a_message() {
+fn impossible_runs_end_with_a_message() {
     for (arguments, part) in [
         (&["stp"][..], "there are step, schemes"),
         (&["--python", "nothing=python"][..], "no program nothing"),

@@ -26,7 +26,7 @@ impl Page<'_> {
     /// Writes `results.md` and `index.html` into a folder.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         let text = self.markdown();
         std::fs::write(folder.join("results.md"), &text)?;

@@ -23,7 +23,7 @@ pub fn report(case: &Case, sweep: &Sweep) -> Report {
         "steps",
         "repeated",
         "corrections",
-        "renewals",
+        "refactorizations",
         "CPU s",
         "error",
         "estimated/true",
@@ -60,7 +60,7 @@ fn row(run: &Run, runs: &[Run]) -> Vec<String> {
         count(run.steps),
         count(run.repeated),
         count(run.corrections),
-        count(run.renewals),
+        count(run.refactorizations),
         number(run.seconds),
         format!("{:.1e}", run.error),
         number(run.estimate / run.error),
@@ -126,18 +126,19 @@ pub fn write(case: &Case, sweep: &Sweep, folder: &Path) -> io::Result<()> {
 
 fn csv(runs: &[Run]) -> String {
     let mut text =
-        "degree,equal_steps,tolerance,steps,repeated,corrections,renewals,seconds,error,estimate\n"
+        "degree,equal_steps,tolerance,steps,repeated,corrections,refactorizations,seconds,error,estimate\n"
             .to_string();
     for run in runs {
         let choice = match run.choice {
             Choice::Equal(n) => format!("{n},"),
             Choice::Adaptive(tolerance) => format!(",{tolerance:e}"),
         };
-        let Run { degree, steps, repeated, corrections, renewals, seconds, error, estimate, .. } = run;
+        let Run { degree, steps, repeated, corrections, refactorizations, seconds, error, estimate, .. } =
+            run;
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{degree},{choice},{steps},{repeated},{corrections},{renewals},{seconds:.4e},{error:.4e},{estimate:.4e}"
+            "{degree},{choice},{steps},{repeated},{corrections},{refactorizations},{seconds:.4e},{error:.4e},{estimate:.4e}"
         );
     }
     text

@@ -34,8 +34,8 @@ pub struct Run {
     pub repeated: usize,
     /// Newton corrections of the steps done.
     pub corrections: usize,
-    /// How often the kept stiffness was made anew in them.
-    pub renewals: usize,
+    /// Refactorizations of the approximate tangent in these steps.
+    pub refactorizations: usize,
     /// Error of the positions at the end, in the mean over the mass, over the radius of gyration.
     pub error: f64,
     /// The same, estimated.
@@ -100,7 +100,7 @@ struct Counts {
     steps: usize,
     repeated: usize,
     corrections: usize,
-    renewals: usize,
+    refactorizations: usize,
 }
 
 impl Observer for Counts {
@@ -112,7 +112,7 @@ impl Observer for Counts {
         self.steps += usize::from(view.record.step > 0);
         self.repeated += rejections + cuts;
         self.corrections += newton_iterations;
-        self.renewals += refactorizations;
+        self.refactorizations += refactorizations;
         Ok(())
     }
 }
@@ -135,7 +135,7 @@ impl Run {
             steps: counts.steps,
             repeated: counts.repeated,
             corrections: counts.corrections,
-            renewals: counts.renewals,
+            refactorizations: counts.refactorizations,
             error: distance(&case.body, motion.state(), reference),
             estimate: case.body.mass_weighted_rms(estimate.displacement()) / length,
             seconds: f64::INFINITY,

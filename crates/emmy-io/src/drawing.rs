@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_is_painted_last() {
+    fn near_faces_are_painted_last() {
         let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
         let mut drawing = cubes(&mesh, Arrangement::Path);
         // The first configuration is blue, the last one red.

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_controls_a_terminal_is_escaped() {
+    fn control_characters_are_escaped() {
         assert_eq!(shown("a\u{1b}[2J\u{7}\u{9b}b\r\n\tc"), "a\\u{1b}[2J\\u{7}\\u{9b}b\\u{d}\n\tc");
         assert!(matches!(shown("plain — ∑\n"), Cow::Borrowed(_)));
     }
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn names_hold_what_xml_can() {
+    fn names_hold_any_character_of_xml() {
         assert_eq!(name("a\u{1b}b\u{ffff}"), "a_b_");
         assert_eq!(name("Körper\t1\r\n"), "Körper\t1\r\n");
         assert_eq!(note_on_name("body"), None);

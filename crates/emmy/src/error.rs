@@ -257,7 +257,7 @@ pub enum Error {
         limit = short(.limit)
     )]
     StepTooLarge {
-        /// Number of the step that was refused.
+        /// Number of the step that was rejected.
         step: usize,
         /// Time at its end.
         time: f64,

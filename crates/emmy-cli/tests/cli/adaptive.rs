@@ -79,8 +79,8 @@ fn degrees_are_chosen_and_told() {
 fn planned_steps_are_taken_out_for_adaptive_ones() {
     let place = Place::with(&BOX.replace("AS(2)", "DGM"));
     let adaptive = ["--set", "time.adaptive={ tolerance = 1e-3 }", "--set", "time.until=0.1"];
-    let refused = place.emmy(&[&["check", "box.toml"], &adaptive[..]].concat());
-    assert!(refused.code == 2 && refused.stderr.contains("--set time.steps="), "{}", refused.stderr);
+    let rejected = place.emmy(&[&["check", "box.toml"], &adaptive[..]].concat());
+    assert!(rejected.code == 2 && rejected.stderr.contains("--set time.steps="), "{}", rejected.stderr);
     place.succeed(&[&["run", "box.toml", "--quiet", "--set", "time.steps="], &adaptive[..]].concat());
     assert!(place.history("out").contains_key("local_error"));
 }
@@ -170,7 +170,7 @@ fn smaller_tolerances_take_more_steps() {
 
 #[cfg(unix)]
 #[test]
-fn a_run_that_is_stopped_and_goes_on_is_the_run_in_one() {
+fn a_resumed_run_equals_the_uninterrupted_one() {
     for (degree, tolerance, frames) in [
         ("1", "1e-12, max_degree = 3", "every = 200"),
         ("1", "1e-8", "every = 200"),

@@ -57,7 +57,7 @@ fn runs_of_the_same_name_are_told_apart() {
 }
 
 #[test]
-fn what_is_not_a_run_is_refused() {
+fn other_folders_are_rejected() {
     let place = two_runs();
     place.write("empty/notes.txt", "mine");
     place.write("other/history.csv", "a,b\n1,2\n");

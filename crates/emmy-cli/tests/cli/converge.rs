@@ -1,4 +1,4 @@
-//! `emmy converge`: orders, columns, what is kept, what is refused.
+//! `emmy converge`: orders, columns, what is kept, what is rejected.
 
 use super::{BOX, Outcome, Place};
 
@@ -130,7 +130,7 @@ fn the_reference_is_kept_and_never_trusted_blindly() {
     // Fewer sizes are served by the same file.
     let some = converge(&place, &["--sizes", "0.1", "--reference", "0.01", "--output", "out", "--json"]);
     assert!(some.stdout.contains("\"kept\":true"), "{}", some.stdout);
-    // Damaged: computed anew, with the same result.
+    // A damaged result is computed again, with the same numbers.
     let mut bytes = std::fs::read(place.path(&file)).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

@@ -95,7 +95,7 @@ fn results_that_cannot_be_written_end_with_1_and_without_a_reader_with_0() {
 
 /// A run whose reader goes away in the middle of it: `emmy run ... 2>&1 | head -1`.
 #[test]
-fn a_reader_that_goes_away_does_not_end_a_run() {
+fn a_closed_pipe_does_not_end_a_run() {
     let place = Place::with(&even_box(0.5, 0.05));
     let script =
         format!("'{}' run box.toml 2>&1 | head -1; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_emmy"));
@@ -250,7 +250,7 @@ fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
 }
 
 #[test]
-fn resume_writes_what_a_finished_run_lacks() {
+fn resume_completes_the_files_of_a_finished_run() {
     let place = Place::with(&even_box(0.3, 0.05));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
     place.succeed(&["run", "box.toml", "--quiet"]);
@@ -354,7 +354,7 @@ fn check_tells_of_directories_that_cannot_be_made() {
 
 /// The loaded end moves most, at the last step.
 #[test]
-fn the_largest_displacement_is_that_of_the_loaded_end() {
+fn the_largest_displacement_is_at_the_loaded_end() {
     let corners = ["[0, 2, 0]", "[1, 2, 0]", "[0, 2, 1]", "[1, 2, 1]"];
     let probes: Vec<String> =
         corners.iter().enumerate().map(|(i, at)| format!("{{ name = \"c{i}\", point = {at} }}")).collect();

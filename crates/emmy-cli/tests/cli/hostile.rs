@@ -83,7 +83,7 @@ fn control_characters_are_escaped_in_every_failure() {
 
 #[cfg(unix)]
 #[test]
-fn special_files_are_refused_at_once() {
+fn special_files_are_rejected_at_once() {
     let place = Place::with(BOX);
     let made = std::process::Command::new("mkfifo").arg(place.path("pipe")).status().unwrap();
     assert!(made.success());
@@ -134,7 +134,7 @@ fn a_mark_in_a_long_line_keeps_its_column() {
 }
 
 #[test]
-fn what_follows_from_the_values_must_be_a_number() {
+fn derived_values_must_be_finite() {
     let velocity = ("velocity = [0, 0, 0]", "velocity = [1e200, 0, 0]");
     for ((from, to), says) in [
         (

@@ -101,14 +101,14 @@ fn every_fault_is_shown_on_its_line() {
         assert!(NETWORK.contains(from), "{from}");
         let input = NETWORK.replacen(from, to, 1);
         let first = NETWORK.lines().zip(input.lines()).position(|(a, b)| a != b).unwrap() + 1;
-        let stderr = refused(&input, says);
+        let stderr = rejected(&input, says);
         // Of two loads in one table the first may be the one that is shown.
         let lines = (first - 1..=first + to.matches('\n').count()).map(|line| format!("box.toml:{line}:"));
         assert!(lines.into_iter().any(|line| stderr.contains(&line)), "{to}: line {first}\n{stderr}");
     }
 }
 
-fn refused(input: &str, says: &[&str]) -> String {
+fn rejected(input: &str, says: &[&str]) -> String {
     let place = Place::with(input);
     let outcome = place.emmy(&["run", "box.toml"]);
     assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{input}\n{}", outcome.stderr);
@@ -124,7 +124,7 @@ fn materials_and_masses_go_with_their_cells() {
         "material.bar = { youngs_modulus = 100.0, area = 0.5 }",
         "material.neo-hooke = { lambda = 1, mu = 1 }",
     );
-    refused(&rubber, &["cell 1 is a line2", "not for this material", "`bar`, `spring` or `attraction`"]);
+    rejected(&rubber, &["cell 1 is a line2", "not for this material", "`bar`, `spring` or `attraction`"]);
     let light = NETWORK.replace("group = \"rest\"", "group = \"links\"").replacen(
         "[[region]]\ngroup = \"first\"\n",
         "",
@@ -134,7 +134,7 @@ fn materials_and_masses_go_with_their_cells() {
         "density = 0.1\nmaterial.bar = { youngs_modulus = 100.0, area = 0.5 }",
         "material.attraction = { strength = 1.0 }",
     );
-    refused(&light, &["node 0 at [0, 0, 0] has no mass", "give it a point mass"]);
+    rejected(&light, &["node 0 at [0, 0, 0] has no mass", "give it a point mass"]);
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn the_page_has_the_summary_digit_for_digit_and_the_loaded_interval() {
 }
 
 #[test]
-fn a_page_is_made_anew_from_the_directory_alone() {
+fn a_page_is_written_again_from_the_directory_alone() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
     let mut expected = manifest(&place, "out/report.html");
@@ -72,7 +72,7 @@ fn a_run_that_is_going_on_has_a_page() {
 }
 
 #[test]
-fn what_is_not_a_run_gets_no_page() {
+fn other_folders_get_no_page() {
     let place = Place::with(BOX);
     std::fs::create_dir(place.path("mine")).unwrap();
     std::fs::write(place.path("mine/input.toml"), "title = 1").unwrap();

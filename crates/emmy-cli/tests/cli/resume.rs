@@ -70,7 +70,7 @@ fn a_run_in_two_parts_is_the_run_in_one() {
 }
 
 #[test]
-fn a_series_of_frames_goes_on() {
+fn a_series_of_frames_is_resumed() {
     let place = Place::with(&even_box(0.4, 0.05).replace("every = 2", "every = 2\nformat = \"vtkhdf\""));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
     place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.15"]);
@@ -215,13 +215,13 @@ fn kill_again_and_again(times: u64) -> [usize; 2] {
 }
 
 #[test]
-fn a_run_that_is_killed_goes_on() {
+fn a_killed_run_is_resumed() {
     kill_again_and_again(10);
 }
 
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
-fn a_run_that_is_killed_two_hundred_times_goes_on() {
+fn a_run_killed_two_hundred_times_is_resumed() {
     let [early, late] = kill_again_and_again(200);
     println!(
         "killed {early} times before the first checkpoint, {late} times after; every history was that of the whole run"

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn both_files_are_written_whatever_the_values() {
+    fn both_files_are_written_for_any_values() {
         let temp = tempfile::tempdir().unwrap();
         let log = || Axis::log("x");
         let linear = || Axis::linear("x");

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_change_and_what_may_not() {
+    fn changes_that_are_allowed_and_changes_that_are_not() {
         let old = "mesh = { file = '/a/m.msh', scale = 1.0 }\n[[load]]\ntraction = [1, 2, 3]\n[time]\nscheme = 'DGM'\ndegree = 1\n";
         let check = |new: &str| identity(old).check(&identity(new)).map_err(|error| error.to_string());
         assert_eq!(check(&old.replace("/a/", "/b/").replace("DGM", "AS(2)")), Ok(()));

@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_found_and_nothing_else() {
+    fn kept_results_are_found_and_nothing_else() {
         let temp = tempfile::tempdir().unwrap();
         let find = |key: &Key, times: &[f64]| find(temp.path(), key, times, 1e-15);
         let key = Key("scheme = DGM".into());
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn the_key_has_only_what_a_motion_depends_on() {
+    fn the_key_has_only_the_data_of_a_motion() {
         let input = |output: &str, mu: &str| {
             format!(
                 "title = 'a'\n[mesh]\nscale = 2.0\n[time]\nscheme = 'DGM'\n[region]\nmu = {mu}\n[output]\n{output}\n"

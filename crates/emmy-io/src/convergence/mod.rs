@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_those_of_the_members_each_once() {
+    fn times_of_the_members_occur_once() {
         let study = study(1.0, (1.0, 2.0), &[0.5, 0.25, 0.1]);
         let times = study.sample_times().unwrap();
         let expected = [1.0, 1.1, 1.2, 1.25, 1.3, 1.4, 1.5, 1.6, 1.7, 1.75, 1.8, 1.9, 2.0];

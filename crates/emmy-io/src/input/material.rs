@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_default_law_of_volume_is_that_of_the_library() {
+    fn the_default_law_of_volume_matches_the_library() {
         let is_law = |parameter: &&Parameter| parameter.kind == ParameterKind::Law;
         let laws = MODELS.iter().flat_map(|model| model.model.every_parameter().filter(is_law));
         let defaults: Vec<IfAbsent> = laws.map(|law| law.if_absent).collect();

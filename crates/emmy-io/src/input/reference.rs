@@ -1,7 +1,7 @@
-//! Tables of `docs/input.md` and `docs/results.md`, made of the descriptions.
+//! Tables of `docs/input.md` and `docs/results.md`, written from the descriptions.
 //!
-//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is that of a table of the input, or one of
-//! [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
+//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input, or one
+//! of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
 
 use emmy::body::MODELS;
 use emmy::body::fields::FieldName;
@@ -195,7 +195,7 @@ fn filled(page: &str) -> (String, Vec<String>) {
 }
 
 #[test]
-fn the_tables_of_the_reference_are_those_of_the_program() {
+fn the_tables_of_the_reference_match_the_program() {
     let mut all = Vec::new();
     for page in ["input", "results"] {
         let path = format!("{}/../../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));

@@ -1,6 +1,7 @@
-//! The input as a JSON schema (draft 7), for editors: completion, descriptions of keys, and marks on what is wrong.
+//! JSON schema (draft 7) of the input, for editors: completion, descriptions of keys, and marks on mistakes.
 //!
-//! It is made of the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that go across tables.
+//! It is generated from the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that involve several
+//! tables.
 
 use emmy::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
@@ -225,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_the_reader() {
+    fn defaults_match_the_reader() {
         let schema = schema();
         let default =
             |section: &str, key: &str| schema["properties"][section]["properties"][key]["default"].clone();

@@ -118,7 +118,7 @@ fn is_only_table(items: &[Node], name: &str) -> bool {
 /// Tables in which a key may be a number.
 const OF_ANY_KEYS: [&str; 2] = ["groups", "link_groups"];
 
-/// Refuses the number of an item where there is one table and no list.
+/// Rejects the number of an item where there is one table and no list.
 fn not_a_list(entries: &[Entry], parent: &str, name: &str, place: &Place) -> Result<(), Fault> {
     let is_number = name.parse::<usize>().is_ok() && !entries.iter().any(|entry| entry.key == name);
     if !is_number || entries.is_empty() || OF_ANY_KEYS.contains(&parent) {
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_begins_like_toml_is_toml_alone() {
+    fn values_that_begin_like_toml_must_be_toml() {
         for flag in ["title=\"a\" # c\nx=1", "a=[1]\nb=2", "a={ b = 1 }\nc=2", "a='x'\n[b]"] {
             let error = set("", flag).unwrap_err().to_string();
             assert!(error.contains("more than one value"), "{flag:?}: {error}");

@@ -81,7 +81,7 @@ mod tests {
     use crate::input::tree::parse;
 
     #[test]
-    fn what_is_written_reads_back() {
+    fn written_inputs_read_back() {
         let text = "title = \"a \\\"b\\\" \\\\ c\"\n\n[mesh]\nbox = { size = [2, 8.5, 1e-300], cells = [1, 1, 1] }\n\n\
                     [[load]]\ngroup = \"x-min\"\n\n[[load]]\n\"odd key\" = [{ a = 0.1 }, 1e300]\n";
         let once = toml(&parse("test", text).unwrap());

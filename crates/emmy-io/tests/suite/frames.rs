@@ -116,7 +116,7 @@ const NODAL: [(&str, usize); 8] = [
 ];
 
 #[test]
-fn frames_have_the_fields_of_their_state_and_those_of_the_start_no_stress() {
+fn frames_have_the_fields_of_their_state_and_no_stress_at_the_start() {
     let temp = tempfile::tempdir().unwrap();
     let (xml, state, mesh) = frame(temp.path());
     let problem = problem(temp.path(), &[]);
@@ -153,7 +153,7 @@ fn fields_are_those_that_are_asked_for() {
 const ONE_FILE: &str = "output.format=vtkhdf";
 
 #[test]
-fn one_file_holds_what_the_frames_hold() {
+fn one_file_holds_the_same_data_as_the_frames() {
     let (frames, series) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let names_set = format!("output.fields={:?}", FieldName::ALL.map(FieldName::name));
     run(&problem(frames.path(), &[&names_set, "output.every=1"]), true);

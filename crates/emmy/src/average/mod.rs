@@ -1,4 +1,4 @@
-//! The seam: averaging rules at a material point.
+//! Averaging rules at a material point.
 //!
 //! A time integration scheme is, at a material point, a rule that averages the first Piola-Kirchhoff stress over a
 //! step. It sees the displacement gradient at the start of the step, the rates of the deformation gradient at the time

@@ -157,7 +157,7 @@ mod tests {
     use crate::tensor::SYM;
 
     #[test]
-    fn shear_convention_is_that_of_the_elasticity() {
+    fn shear_convention_matches_the_elasticity() {
         // For X = unit response to one strain component, strain_response must give that component of sym(H^T dF).
         let H = [[1.0, 2.0, -1.0], [0.5, 3.0, 0.2], [0.1, -0.4, 2.0]];
         for (a, (i, j)) in SYM.into_iter().enumerate() {

@@ -133,7 +133,7 @@ proptest! {
     }
 
     #[test]
-    fn start_tangents_are_those_of_dual_numbers((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
+    fn start_tangents_match_dual_numbers((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
         let svk = SaintVenantKirchhoff::new(1.0, 0.7).unwrap();
         let rubber = NeoHooke::new(1.0, 0.7).unwrap();
         let yeoh = Yeoh::new([0.4, 0.1, 0.05], 1.0, Volumetric::Logarithmic).unwrap();
@@ -176,7 +176,7 @@ proptest! {
 }
 
 #[test]
-fn what_table_iii_denies_is_denied() {
+fn schemes_lack_the_properties_that_table_iii_denies() {
     let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
     let rates = vec![[[0.1, 0.4, -0.2], [-0.3, 0.2, 0.1], [0.3, 0.0, -0.1]]];
     let step = Step { start: [[0.1, 0.2, 0.0], [0.0, -0.1, 0.3], [0.1, 0.0, 0.2]], rates };
@@ -265,7 +265,7 @@ fn applied(A: &[[f64; 9]; 9], X: &Mat3<f64>) -> [f64; 9] {
 }
 
 #[test]
-fn straining_rates_are_those_of_assumed_strain_in_a_turning_body() {
+fn strain_rate_transform_matches_assumed_strain_in_a_rotating_body() {
     // A rigid turn from a state of no strain: F' = [w] F(1/2), and by E' = sym(F^T F')
     // dE' = sym(F(1/2)^T (dF' - [w] dF'/2)) exactly, so that A_AS dF' = A (dF' - [w] dF'/2).
     let (R, material) = (rotation([0.3, -0.5, 0.9]), NeoHooke::new(1000.0, 500.0).unwrap());

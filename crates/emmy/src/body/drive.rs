@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn rotations_keep_lengths_and_rates_are_those_of_differences() {
+    fn rotations_keep_lengths_and_rates_match_differences() {
         let drive = turning(TimeFunction::smooth("t + t^2", |t| [t + t * t, 1.0 + 2.0 * t, 2.0]));
         let at = |t: f64| displacement(&drive, &drive.map(t));
         let (t, d) = (0.2, 1e-5);

@@ -173,7 +173,7 @@ mod tests {
 
     /// The force is quadratic in q: its central difference is its derivative, whatever the step.
     #[test]
-    fn derivative_is_that_of_the_force() {
+    fn derivative_matches_differences_of_the_force() {
         for kind in KINDS {
             let (table, q) = (FacetTable::new(kind), facet(kind, 0.3));
             let c = table.derivative(&q);

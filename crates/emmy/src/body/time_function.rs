@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn averages_of_a_smooth_function_are_those_of_its_integrals() {
+    fn averages_of_a_smooth_function_match_its_integrals() {
         // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3, whatever the degree.
         let time_function =
             TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_and_kinks_are_those_of_a_table() {
+    fn rates_and_kinks_match_the_table() {
         let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (1.0, 2.0)]).unwrap();
         assert_eq!([-1.0, 0.0, 0.5, 0.7, 1.0].map(|t| time_function.rate(t)), [0.0, 2.0, -2.0, -2.0, 0.0]);
         assert_eq!(

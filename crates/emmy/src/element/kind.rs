@@ -244,7 +244,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn numbers_of_nodes_are_those_of_the_elements() {
+    fn numbers_of_nodes_match_the_elements() {
         for kind in CellKind::ALL {
             assert_eq!(kind.n_nodes(), kind.info().element.nodes().len(), "{kind}");
             assert!(kind.n_corners() <= kind.n_nodes() && kind.linear().linear() == kind.linear());

@@ -109,7 +109,7 @@ split_material!(ArrudaBoyce, isochoric);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{Big, big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
@@ -136,10 +136,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, lambda_m, K| ArrudaBoyce::new(mu, lambda_m, K, Volumetric::default());
-        refuses("mu", new(0.0, 2.0, 1.0));
-        refuses("lambda_m", new(1.0, 1.0, 1.0));
-        refuses("bulk_modulus", new(1.0, 2.0, 0.0));
+        rejects("mu", new(0.0, 2.0, 1.0));
+        rejects("lambda_m", new(1.0, 1.0, 1.0));
+        rejects("bulk_modulus", new(1.0, 2.0, 0.0));
     }
 }

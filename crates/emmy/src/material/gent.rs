@@ -91,7 +91,7 @@ split_material!(Gent, isochoric);
 mod tests {
     use super::super::Material;
     use super::super::conformance::{big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
@@ -113,10 +113,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, jm, K| Gent::new(mu, jm, K, Volumetric::default());
-        refuses("mu", new(0.0, 1.0, 1.0));
-        refuses("jm", new(1.0, -1.0, 1.0));
-        refuses("bulk_modulus", new(1.0, 1.0, f64::NAN));
+        rejects("mu", new(0.0, 1.0, 1.0));
+        rejects("jm", new(1.0, -1.0, 1.0));
+        rejects("bulk_modulus", new(1.0, 1.0, f64::NAN));
     }
 }

@@ -232,7 +232,7 @@ mod tests {
     use super::super::conformance::{
         Big, big, big_det, big_isochoric, big_trace, conforms_with_symmetry, half_turn,
     };
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
     use crate::tensor::{Mat3, mat3, trace};
@@ -315,17 +315,17 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, k, kappa, fibre, bulk| {
             HolzapfelGasserOgden::new(mu, k, kappa, &[fibre], bulk, Volumetric::default())
         };
         let x = [1.0, 0.0, 0.0];
-        refuses("mu", new(0.0, [1.0, 1.0], 0.0, x, 1.0));
-        refuses("k1", new(1.0, [-1.0, 1.0], 0.0, x, 1.0));
-        refuses("k2", new(1.0, [1.0, 0.0], 0.0, x, 1.0));
-        refuses("kappa", new(1.0, [1.0, 1.0], 0.34, x, 1.0));
-        refuses("kappa", new(1.0, [1.0, 1.0], -0.1, x, 1.0));
-        refuses("fibres", new(1.0, [1.0, 1.0], 0.0, [0.0; 3], 1.0));
-        refuses("bulk_modulus", new(1.0, [1.0, 1.0], 0.0, x, 0.0));
+        rejects("mu", new(0.0, [1.0, 1.0], 0.0, x, 1.0));
+        rejects("k1", new(1.0, [-1.0, 1.0], 0.0, x, 1.0));
+        rejects("k2", new(1.0, [1.0, 0.0], 0.0, x, 1.0));
+        rejects("kappa", new(1.0, [1.0, 1.0], 0.34, x, 1.0));
+        rejects("kappa", new(1.0, [1.0, 1.0], -0.1, x, 1.0));
+        rejects("fibres", new(1.0, [1.0, 1.0], 0.0, [0.0; 3], 1.0));
+        rejects("bulk_modulus", new(1.0, [1.0, 1.0], 0.0, x, 0.0));
     }
 }

@@ -223,7 +223,7 @@ impl Material for LinkEnergy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
     /// Strain of a link of length 2 at a length l; how tr E is spread over the axes does not matter.
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn energies_are_those_of_the_length() {
+    fn energies_match_functions_of_the_length() {
         let links = [
             (
                 Link::bar(3.0, 0.5).unwrap(),
@@ -271,12 +271,12 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
-        refuses("youngs_modulus", Link::bar(0.0, 1.0));
-        refuses("area", Link::bar(1.0, -1.0));
-        refuses("stiffness", Link::spring(f64::NAN, None));
-        refuses("rest_length", Link::spring(1.0, Some(-1.0)));
-        refuses("strength", Link::attraction(0.0));
+    fn bad_parameters_are_rejected() {
+        rejects("youngs_modulus", Link::bar(0.0, 1.0));
+        rejects("area", Link::bar(1.0, -1.0));
+        rejects("stiffness", Link::spring(f64::NAN, None));
+        rejects("rest_length", Link::spring(1.0, Some(-1.0)));
+        rejects("strength", Link::attraction(0.0));
         assert!(Link::spring(1.0, Some(0.0)).is_ok() && Link::attraction(-1.0).is_ok());
     }
 }

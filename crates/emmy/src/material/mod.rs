@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     /// Checks that a constructor rejects a parameter by its name.
-    pub fn refuses<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
+    pub fn rejects<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
         match result.unwrap_err() {
             Error::MaterialParameter { parameter, .. } => assert_eq!(parameter, expected),
             other => panic!("{other}"),
@@ -230,24 +230,24 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused_by_name() {
+    fn bad_parameters_are_rejected_by_name() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            refuses("youngs_modulus", lame("m", bad, 0.3));
-            refuses("mu", stable_lame("m", 1.0, bad));
+            rejects("youngs_modulus", lame("m", bad, 0.3));
+            rejects("mu", stable_lame("m", 1.0, bad));
         }
         for bad in [0.5, 0.7, -1.0, -2.0, f64::NAN] {
-            refuses("poissons_ratio", lame("m", 1.0, bad));
+            rejects("poissons_ratio", lame("m", 1.0, bad));
         }
         for bad in [-2.0, -3.0, f64::NAN, f64::INFINITY] {
-            refuses("lambda", stable_lame("m", bad, 3.0));
+            rejects("lambda", stable_lame("m", bad, 3.0));
         }
         assert!(stable_lame("m", -1.99, 3.0).is_ok());
         // lambda is about 1e308 / (3 (1 - 2 nu)), beyond the largest double.
-        refuses("youngs_modulus", lame("m", 1e308, 0.4999999999));
+        rejects("youngs_modulus", lame("m", 1e308, 0.4999999999));
     }
 
     #[test]
-    fn lame_parameters_are_those_of_the_formula() {
+    fn lame_parameters_match_the_formula() {
         let (lambda, mu) = lame("m", 2.5, 0.25).unwrap();
         assert!((lambda - 1.0).abs() < 1e-15 && (mu - 1.0).abs() < 1e-15);
     }

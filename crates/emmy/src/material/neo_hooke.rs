@@ -192,7 +192,7 @@ impl Material for NeoHooke {
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{big, big_det, big_trace, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
     #[test]
@@ -205,10 +205,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
-        refuses("mu", NeoHooke::new(1.0, 0.0));
-        refuses("lambda", NeoHooke::new(-2.0, 3.0));
-        refuses("youngs_modulus", NeoHooke::from_engineering(-1.0, 0.3));
-        refuses("poissons_ratio", NeoHooke::from_engineering(1.0, 0.5));
+    fn bad_parameters_are_rejected() {
+        rejects("mu", NeoHooke::new(1.0, 0.0));
+        rejects("lambda", NeoHooke::new(-2.0, 3.0));
+        rejects("youngs_modulus", NeoHooke::from_engineering(-1.0, 0.3));
+        rejects("poissons_ratio", NeoHooke::from_engineering(1.0, 0.5));
     }
 }

@@ -136,7 +136,7 @@ split_material!(Ogden, spectral);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{Big, big, big_det, big_principal_stretches, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
@@ -159,13 +159,13 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |terms: &[(f64, f64)], K| Ogden::new(terms, K, Volumetric::default());
-        refuses("mu", new(&[], 1.0));
-        refuses("mu", new(&[(1.0, -2.0)], 1.0));
-        refuses("mu", new(&[(f64::NAN, 2.0)], 1.0));
-        refuses("alpha", new(&[(1.0, 2.0), (1.0, 0.0)], 1.0));
-        refuses("alpha", new(&[(1.0, f64::INFINITY)], 1.0));
-        refuses("bulk_modulus", new(&[(1.0, 2.0)], 0.0));
+        rejects("mu", new(&[], 1.0));
+        rejects("mu", new(&[(1.0, -2.0)], 1.0));
+        rejects("mu", new(&[(f64::NAN, 2.0)], 1.0));
+        rejects("alpha", new(&[(1.0, 2.0), (1.0, 0.0)], 1.0));
+        rejects("alpha", new(&[(1.0, f64::INFINITY)], 1.0));
+        rejects("bulk_modulus", new(&[(1.0, 2.0)], 0.0));
     }
 }

@@ -135,7 +135,7 @@ impl Volume {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::conformance::{Big, big};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
     /// W_vol in its textbook form.
@@ -169,9 +169,9 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn names_are_read_back_and_bad_moduli_refused() {
+    fn names_are_read_back_and_bad_moduli_rejected() {
         assert!(Volumetric::ALL.iter().all(|law| law.name().parse() == Ok(*law)));
         assert!("simo".parse::<Volumetric>().unwrap_err().contains("simo-taylor"));
-        refuses("bulk_modulus", Volume::new("m", 0.0, Volumetric::Miehe));
+        rejects("bulk_modulus", Volume::new("m", 0.0, Volumetric::Miehe));
     }
 }

@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn misfits_are_named() {
         assert_eq!(MeshBuilder::new().build().unwrap_err(), Error::EmptyMesh);
         let mut builder = tetrahedron();
         builder.facet_group_by_nodes("nowhere", vec![vec![0, 1, 2]]);

@@ -60,7 +60,7 @@ impl<'a> Control<'a> {
     }
 }
 
-/// The larger one of two errors; NaN if one of them is.
+/// Larger of two errors; NaN if either is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -391,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn time_goes_forward_in_positive_steps() {
+    fn bad_plans_are_rejected() {
         assert!(matches!(plan(&[(1.0, 0.1), (0.5, 0.1)]), Err(Error::Plan { phase: 1, .. })));
         assert!(plan(&[(1.0, 0.0)]).is_err() && plan(&[(1.0, f64::NAN)]).is_err() && plan(&[]).is_err());
         assert!(plan(&[(0.0, 0.1)]).is_err() && plan(&[(f64::INFINITY, 0.1)]).is_err());

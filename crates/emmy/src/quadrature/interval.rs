@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn points_and_weights_are_those_of_the_closed_forms() {
+    fn points_and_weights_match_the_closed_forms() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1.2e-16, "{a} is not {b}");
         near(gauss(1).points[0][0], 0.5);
         near(gauss(2).points[1][0], 0.788_675_134_594_812_9);

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_those_of_the_table() {
+    fn points_match_the_table() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-10, "{a} is not {b}");
         let rule = moment_rule(2);
         near(rule[0].0, 0.455_848_155_988_8);

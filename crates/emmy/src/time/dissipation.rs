@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn the_spectral_radius_at_infinity_is_what_was_asked_for() {
+    fn the_spectral_radius_at_infinity_matches_the_request() {
         for (k, radius) in (1..=5).flat_map(|k| [0.0, 0.3, 0.8, 1.0].map(|radius| (k, radius))) {
             let (rule, dissipation) = dissipation(k, radius);
             let found = stability(&rule, &dissipation.coefficients(&rule), -1e9).abs();

@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coefficients_are_those_of_gauss_collocation() {
+    fn coefficients_match_gauss_collocation() {
         // Butcher (1964): the two-stage Gauss method.
         let coefficients = TimeElement::standard(2, 2).unwrap().coefficients();
         let root = 3f64.sqrt() / 6.0;

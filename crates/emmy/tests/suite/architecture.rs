@@ -175,7 +175,7 @@ fn code(path: &Path) -> String {
 }
 
 #[test]
-fn modules_use_only_what_stands_before_them() {
+fn modules_use_only_earlier_modules() {
     let is_test = |path: &Path| {
         let names = ["tests.rs", "conformance.rs", "conformance"];
         path.components().any(|part| names.iter().any(|name| part.as_os_str() == *name))
@@ -253,7 +253,7 @@ fn reexports(folder: &Path) -> Vec<(String, String)> {
 }
 
 #[test]
-fn files_use_only_what_stands_before_them_in_their_module() {
+fn files_use_only_earlier_files_of_their_module() {
     for (module, order) in INSIDE {
         let folder = source().join(module);
         let reexports = reexports(&folder);

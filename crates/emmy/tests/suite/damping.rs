@@ -134,7 +134,7 @@ fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
 
 /// What is dissipated in a given deformation is an integral over time, done by hand.
 #[test]
-fn a_given_deformation_dissipates_what_its_formula_says() {
+fn dissipation_of_a_given_deformation_matches_its_formula() {
     // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per volume of
     // S = t_v (lambda tr E' I + 2 mu E') + 2 eta dev E' + zeta tr E' I is
     // (t_v lambda + zeta - 2/3 eta) (tr E')^2 + 2 (t_v mu + eta) E' : E'.
@@ -514,7 +514,7 @@ fn accelerations_of_a_state_know_viscosity_and_drag() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
+fn incompatible_combinations_are_rejected() {
     let viscous = block(Viscosity { time: 0.1, ..Viscosity::default() }, &[], &[]);
     for text in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
         let error =

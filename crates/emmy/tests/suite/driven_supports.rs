@@ -256,7 +256,7 @@ fn order_is_twice_the_degree() {
 }
 
 #[test]
-fn what_cannot_be_driven_is_refused() {
+fn impossible_drives_are_rejected() {
     let body = |supports: &[Support]| {
         let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
         Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).supports(supports).build()

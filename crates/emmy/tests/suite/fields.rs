@@ -279,7 +279,7 @@ fn volume(mesh: &Mesh, index: usize) -> f64 {
 
 /// The mean energy density of a cell times its volume is the energy that the body sums up, quadrature point by point.
 #[test]
-fn energies_of_the_cells_add_up_to_that_of_the_body() {
+fn energies_of_the_cells_add_up_to_the_energy_of_the_body() {
     let solids = CellKind::SOLIDS.map(|kind| Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(kind));
     let planes = CellKind::PLANES.map(|kind| plane_patch(kind, 3));
     for mesh in solids.into_iter().chain(planes) {
@@ -421,7 +421,7 @@ fn a_body_at_rest_has_no_stress() {
 }
 
 #[test]
-fn what_is_turned_inside_out_has_no_numbers() {
+fn inverted_cells_have_no_values() {
     let body = body(block([1.0; 3], [1; 3]).unwrap());
     let displacement = displacement(body.mesh(), |[x, y, z]| [-x, y, z]);
     let found = fields(&body, &displacement, &NODAL);

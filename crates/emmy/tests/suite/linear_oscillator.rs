@@ -80,7 +80,7 @@ fn newmark_family([alpha_m, alpha_f, beta, gamma]: [f64; 4], h: f64, n_steps: us
 }
 
 #[test]
-fn newmark_family_is_that_of_the_textbooks() {
+fn newmark_family_matches_the_textbooks() {
     let third = 1.0 / 3.0;
     for (scheme, parameters) in [
         ("Newmark(0.25, 0.5)", [0.0, 0.0, 0.25, 0.5]),
@@ -127,7 +127,7 @@ fn bathe_is_the_composite_rule() {
 }
 
 #[test]
-fn central_differences_are_those_of_the_lumped_oscillator() {
+fn central_differences_match_the_lumped_oscillator() {
     let square = OMEGA_LUMPED * OMEGA_LUMPED;
     for h in [0.05, 0.4, 0.8] {
         let (mut u, mut v) = (1.0, 0.5);

@@ -355,7 +355,7 @@ fn solids_springs_bars_and_masses_fly_together() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn unsuitable_links_are_rejected() {
     let mesh = || network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
     let body = |regions: Vec<Region>, nodal: PointTerms, supports: &[Support]| -> Result<Body> {
         Body::builder(mesh()).regions(regions).point_terms(nodal.clone()).supports(supports).build()

@@ -2,7 +2,7 @@
 //! dual numbers, and the computed motion must come back to it with the order of the method.
 //!
 //! ```math
-//! b = rho u_,tt - div P,    t = P n,    P = mu (F - F^-T) + lambda ln J F^-T     (neo-Hooke, written down anew)
+//! b = rho u_,tt - div P,    t = P n,    P = mu (F - F^-T) + lambda ln J F^-T     (neo-Hooke, written independently of the library)
 //! ```
 
 #![allow(non_snake_case)]

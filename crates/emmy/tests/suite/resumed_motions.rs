@@ -75,7 +75,7 @@ fn force() -> Load {
 }
 
 #[test]
-fn every_time_element_goes_on_in_every_bit() {
+fn every_time_element_resumes_bit_for_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).load(force()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
@@ -111,7 +111,7 @@ fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
 }
 
 #[test]
-fn every_classic_stepper_goes_on_in_every_bit() {
+fn every_classic_stepper_resumes_bit_for_bit() {
     let held = Support { group: "y-min".into(), fix: [true; 3], ..Default::default() };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     for supports in [vec![], vec![held]] {
@@ -130,7 +130,7 @@ fn every_classic_stepper_goes_on_in_every_bit() {
 }
 
 #[test]
-fn a_stiff_body_that_turns_goes_on_in_every_bit() {
+fn a_stiff_rotating_body_resumes_bit_for_bit() {
     let stiff = Region::new(SaintVenantKirchhoff::new(1e6, 1e6).unwrap(), 1.5);
     let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(stiff).build().unwrap();
     let spin = InitialVelocity { gradient: [[0.0; 3]; 3], ..spin() };
@@ -192,7 +192,7 @@ fn pressure() -> Load {
 }
 
 #[test]
-fn a_free_body_under_pressure_goes_on_in_every_bit() {
+fn a_free_body_under_pressure_resumes_bit_for_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).load(pressure()).load(force()).build().unwrap();
     // The pressure ends at 0.4: nothing of it may be left in the steps after.
@@ -203,7 +203,7 @@ fn a_free_body_under_pressure_goes_on_in_every_bit() {
 }
 
 #[test]
-fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
+fn a_released_body_under_pressure_resumes_bit_for_bit() {
     let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).support(released).load(pressure()).build().unwrap();
@@ -288,7 +288,7 @@ fn central_differences_are_cut_below_their_critical_step() {
 }
 
 #[test]
-fn a_memory_of_another_body_is_refused() {
+fn a_memory_of_another_body_is_rejected() {
     let body = |n| Body::builder(mesh::block([1.0; 3], [n; 3]).unwrap()).region(rubber()).build().unwrap();
     let (small, large) = (body(1), body(2));
     let motion = |body| {

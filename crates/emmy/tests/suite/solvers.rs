@@ -81,7 +81,7 @@ fn a_kept_stiffness_turns_with_the_body() {
     for scheme in [("DGM", 1), ("AS(2)", 2), ("FE(1)", 1)] {
         let settings = NewtonSettings { solver: Solver::Direct, ..Default::default() };
         let (records, _) = flight(stiff(), spin(2.0), scheme, settings, (80, 0.01));
-        let renewals: usize = records.iter().map(|record| record.refactorizations).sum();
-        assert!(renewals <= 3, "{scheme:?}: {renewals}");
+        let refactorizations: usize = records.iter().map(|record| record.refactorizations).sum();
+        assert!(refactorizations <= 3, "{scheme:?}: {refactorizations}");
     }
 }

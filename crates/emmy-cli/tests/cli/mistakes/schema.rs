@@ -134,7 +134,7 @@ fn json(text: &str) -> Value {
 }
 
 #[test]
-fn the_schema_marks_what_it_can_see_of_them() {
+fn the_schema_marks_the_mistakes_that_it_can_see() {
     let validator = Validator::new();
     let mut wrong = Vec::new();
     for mistake in all() {

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_those_of_mathematics() {
+    fn values_match_mathematics() {
         let t = 0.7f64;
         for (text, value) in [
             ("-t^2", -0.49),
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_those_of_differences() {
+    fn rates_match_differences() {
         let t = 0.7;
         let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));

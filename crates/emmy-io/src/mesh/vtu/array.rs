@@ -93,7 +93,7 @@ pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
 }
 
 /// Data of an array behind its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed data of more
-/// than `most` bytes are refused before they are read: a small file can hold very many.
+/// than `most` bytes are rejected before they are read: a small file can hold very many.
 pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<Vec<u8>> {
     let mut rest = bytes;
     let n = header_number(encoding, &mut rest)?;
@@ -210,7 +210,7 @@ mod tests {
         assert!(bytes.len() < 20_000);
         let compressed = Encoding { compressed: true, ..PLAIN };
         assert_eq!(payload(compressed, &bytes, 1 << 24).unwrap().len(), 1 << 24);
-        let refused = payload(compressed, &bytes, 24).unwrap_err();
-        assert_eq!(refused, "16777216 bytes are announced where 24 are needed");
+        let rejected = payload(compressed, &bytes, 24).unwrap_err();
+        assert_eq!(rejected, "16777216 bytes are announced where 24 are needed");
     }
 }

@@ -71,7 +71,7 @@ fn numbers() -> impl Strategy<Value = [[f64; LANES]; 3]> {
 
 proptest! {
     #[test]
-    fn operations_are_those_of_numbers(x in numbers()) {
+    fn operations_match_plain_numbers(x in numbers()) {
         prop_assert_eq!(difference(Operators, x), 0.0);
         prop_assert_eq!(difference(Root, x), 0.0);
         prop_assert_eq!(difference(Smaller, x), 0.0);
@@ -100,7 +100,7 @@ proptest! {
 }
 
 #[test]
-fn functions_at_their_limits_are_those_of_numbers() {
+fn functions_at_their_limits_match_plain_numbers() {
     let limits = [-1.0, -1.0 + 1.2e-16, -1.5, f64::INFINITY, 1e300, f64::NAN, 1e-300, -0.0];
     assert!(difference(Logarithm, [limits; 3]) < 4.0 * f64::EPSILON);
     let roots = [0.41421356, 0.41421357, -0.29289321, -0.29289322, 1.0, 3.0, -0.5, -1e-300];

@@ -137,7 +137,7 @@ impl Stepper for CentralDifferences<'_> {
     }
 }
 
-/// Refuses a step that ends in forces which are not numbers: nothing else here would notice.
+/// Rejects a step that ends in forces which are not numbers: nothing else here would notice.
 fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
     let numbers = end.force.iter().zip(&end.displacement);
     match numbers.into_iter().position(|(force, u)| !(force.is_finite() && u.is_finite())) {
@@ -217,7 +217,7 @@ impl StabilityLimit {
         length / old.sqrt()
     }
 
-    /// Refuses a step that is too large for a state.
+    /// Rejects a step that is too large for a state.
     fn check(&mut self, forces: &mut Forces<'_>, state: &State, step_size: f64) -> Result<()> {
         if self.n_steps >= STEPS_BETWEEN_ESTIMATES {
             self.estimate(forces, &state.displacement)?;

@@ -141,7 +141,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
 }
 
 #[test]
-fn a_translation_is_predicted_whatever_the_step_size() {
+fn a_translation_is_predicted_at_any_step_size() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.0; 3]);
     for k in 1..=3 {

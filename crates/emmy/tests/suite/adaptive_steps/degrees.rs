@@ -15,7 +15,7 @@ fn plan(until: f64, tolerance: f64, degrees: Option<[usize; 2]>) -> StepPlan {
     StepPlan::adaptive(0.0, until, adaptivity).unwrap()
 }
 
-/// What steps cost: the stages of all, those that were refused too.
+/// What steps cost: the stages of all, those that were rejected too.
 fn work(watch: &Watch) -> usize {
     watch.records[1..].iter().map(|record| record.degree * (1 + record.rejections)).sum()
 }
@@ -88,7 +88,7 @@ fn energy_and_momentum_are_kept_through_changes() {
     }
 }
 
-fn assert_goes_on(body: &Body, state: &State, plan: &StepPlan) {
+fn assert_resumes(body: &Body, state: &State, plan: &StepPlan) {
     let (watch, _) = march(body, state, 1, plan);
     let n = watch.records.len() - 1;
     let degrees: Vec<usize> = watch.records.iter().map(|record| record.degree).collect();
@@ -110,12 +110,12 @@ fn assert_goes_on(body: &Body, state: &State, plan: &StepPlan) {
 }
 
 #[test]
-fn a_motion_that_goes_on_chooses_the_same_degrees() {
+fn a_resumed_motion_chooses_the_same_degrees() {
     let (body, state) = orbit(0.8);
-    assert_goes_on(&body, &state, &plan(1.0, 1e-7, Some([1, 3])));
+    assert_resumes(&body, &state, &plan(1.0, 1e-7, Some([1, 3])));
     let body = super::loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
-    assert_goes_on(
+    assert_resumes(
         &body,
         &state,
         &plan(0.5, 1e-6, Some([1, 3])).with_end_at(0.31).with_interval(0.09).unwrap(),

@@ -261,7 +261,7 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
 /// `R_kk(z) - e^z = -(-1)^k c_k z^(2k+1)`, c_k = (k!)^2/((2k)! (2k+1)!), is the error of the Gauss method of degree k (Hairer and Wanner 1996, Solving
 /// ordinary differential equations II, theorem IV.3.11): on `u'' = -omega^2 u` that is `-c_k z^(2k+1) v/omega` in u, `c_k z^(2k+1) omega u` in v, z = h omega.
 #[test]
-fn on_the_linear_oscillator_the_error_is_that_of_the_pade_approximation() {
+fn errors_on_the_linear_oscillator_match_the_pade_approximation() {
     // Two masses of 2 on a spring of 9 that vibrate along it: linear for FE(k), in their distance s.
     let masses = ["0", "1"].map(|group| PointMass { group: group.into(), mass: 2.0 });
     let nodal = PointTerms { masses: masses.to_vec(), ..Default::default() };
@@ -334,6 +334,6 @@ fn the_reconstruction_is_a_good_start() {
 #[test]
 fn differences_are_of_degree_one() {
     let (body, start) = orbit(0.5);
-    let refused = LocalError::new(&body, element(DGM, 2), Estimator::Difference, settings(), &start);
-    assert!(matches!(refused, Err(Error::Adaptivity { setting: "estimator", .. })));
+    let rejected = LocalError::new(&body, element(DGM, 2), Estimator::Difference, settings(), &start);
+    assert!(matches!(rejected, Err(Error::Adaptivity { setting: "estimator", .. })));
 }

@@ -58,7 +58,7 @@ fn the_error_at_the_end_is_estimated_with_equal_steps_and_others() {
 
 /// The highest modes of the paper's blocks are not resolved by their steps: what is left of the estimate then. In the quasi-rigid one they hardly move.
 #[test]
-fn what_no_step_resolves_is_estimated_in_size() {
+fn errors_of_unresolved_vibrations_are_estimated_in_size() {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5);
     let stiff = SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap();
     // At k = 3 the error of the quasi-rigid one is that of its elastic modes alone, which both degrees have wrong: 4 times it is estimated.
@@ -173,7 +173,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
     for degree in [1, 2, 3] {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
         let of_steps = || watch.records.iter().map(|record| record.newton_iterations);
-        // A step that was refused has taken as many as any other at most.
+        // A step that was rejected has taken as many as any other at most.
         let own = of_steps().sum::<usize>() + rejections(&watch) * of_steps().max().unwrap();
         let error = closure(&body, &end);
         // Eight times as many equal steps: each of these takes fewer corrections.
@@ -291,7 +291,7 @@ fn times_for_output_are_met_exactly_and_without_slivers() {
 }
 
 #[test]
-fn a_motion_that_goes_on_from_a_snapshot_is_the_motion_itself() {
+fn a_motion_resumed_from_a_snapshot_equals_the_uninterrupted_one() {
     let body = loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let plan = adaptive(0.5, 3e-5).with_end_at(0.31);
@@ -359,7 +359,7 @@ fn a_short_phase_after_a_long_one_is_done() {
 /// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across for x and z, and along y
 /// a sixth of the mass at 3/2 on both sides, a third at 1/2.
 #[test]
-fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
+fn the_radius_of_gyration_matches_the_lumped_masses() {
     let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 2.0);
     let body =
         Body::builder(mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap()).region(rubber).build().unwrap();
@@ -370,10 +370,10 @@ fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
 }
 
 #[test]
-fn what_has_no_scale_or_no_estimate_is_refused() {
+fn motions_without_scale_or_estimate_are_rejected() {
     let (body, state) = orbit(0.5);
     let newmark = "Newmark(0.25, 0.5)".parse().unwrap();
     let mut motion = Motion::starting(&body, at(newmark, 1), settings(), state).unwrap();
-    let refused = motion.march(&adaptive(1.0, 1e-4), &mut []);
-    assert!(matches!(refused, Err(MarchError::Step(Error::Scheme { .. }))), "{refused:?}");
+    let rejected = motion.march(&adaptive(1.0, 1e-4), &mut []);
+    assert!(matches!(rejected, Err(MarchError::Step(Error::Scheme { .. }))), "{rejected:?}");
 }

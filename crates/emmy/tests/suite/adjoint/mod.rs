@@ -4,5 +4,5 @@ mod checkpoints;
 mod goal_error;
 mod parameters;
 mod problems;
-mod refusals;
+mod rejections;
 mod state;

@@ -169,7 +169,7 @@ pub fn oscillator(square: f64) -> Result<Body> {
 }
 
 #[test]
-fn gradients_of_an_oscillator_are_those_of_its_formula() {
+fn gradients_of_an_oscillator_match_its_formula() {
     let (body, n, h) = (oscillator(1.0).unwrap(), 12.0, 0.2);
     let (u, v) = (0.3, -0.8);
     let (mut start, n_dofs) = (State::initial(&body, 0.0, &[]).unwrap(), body.n_dofs());
