@@ -77,7 +77,8 @@ impl std::error::Error for Interrupted {}
 
 impl Observer for Stop {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let (step, time) = (view.record.step, view.record.time);
+        let step = view.record.step;
+        let time = view.record.time;
         if ASKED.load(Ordering::SeqCst) { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
     }
 }

@@ -197,8 +197,8 @@ impl<'a> Scene<'a> {
         if corners.len() < nodes.len() || corners.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
-        let (n, edge) =
-            (corners.len(), |a: usize, b: usize| [0, 1, 2].map(|i| corners[b][i] - corners[a][i]));
+        let n = corners.len();
+        let edge = |a: usize, b: usize| [0, 1, 2].map(|i| corners[b][i] - corners[a][i]);
         let normal = unit(cross(edge(0, 2), edge(1, n - 1)));
         let place = |&[x, y, _]: &[f64; 3]| self.place(configuration, [x, y]);
         (normal[2] > 0.0).then(|| Face {

@@ -73,7 +73,8 @@ pub struct NewtonStep {
 /// Errors of the system.
 pub fn read(path: &Path, mut is_wanted: impl FnMut(usize) -> bool) -> io::Result<Vec<NewtonStep>> {
     let mut reader = BufReader::new(File::open(path)?);
-    let (mut steps, mut line) = (Vec::<NewtonStep>::new(), String::new());
+    let mut steps = Vec::<NewtonStep>::new();
+    let mut line = String::new();
     loop {
         line.clear();
         if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {

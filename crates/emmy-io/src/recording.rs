@@ -60,11 +60,14 @@ impl Recording {
     /// # Errors
     /// Errors of the system.
     pub(crate) fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<(Self, Vec<FrameTime>)> {
-        let (body, output) = (&problem.body, &problem.output);
+        let body = &problem.body;
+        let output = &problem.output;
         let fields = Fields::new(body);
         let names = names(problem, &fields);
-        let (form, directory) = ((output.format, output.precision), &output.directory);
-        let (mesh, regions) = (body.mesh(), body.region_of_cell());
+        let form = (output.format, output.precision);
+        let directory = &output.directory;
+        let mesh = body.mesh();
+        let regions = body.region_of_cell();
         let Some(checkpoint) = after else {
             let files = FrameWriter::create(form, directory, mesh, regions)?;
             return Ok((Recording { files, fields, names, written: Vec::new() }, Vec::new()));

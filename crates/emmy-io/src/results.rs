@@ -95,7 +95,8 @@ impl Results {
     /// # Errors
     /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
     pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
-        let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
+        let directory = &problem.output.directory;
+        let state = &checkpoint.snapshot.state;
         let path = directory.join("history.csv");
         // The first file is the input in the directory, which is replaced by itself.
         directory::check_sources(directory, &problem.files[1..])?;
@@ -113,7 +114,8 @@ impl Results {
         history: HistoryFile,
         after: Option<&Checkpoint>,
     ) -> io::Result<Self> {
-        let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
+        let output = problem.output.clone();
+        let directory = problem.output.directory.as_path();
         let start = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
         let events = directory.join("events.csv");
         let mut events = match start {

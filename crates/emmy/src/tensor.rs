@@ -269,7 +269,8 @@ mod tests {
         #[test]
         fn symmetric_forms_agree_with_full_ones(a in prop::array::uniform6(-1.0..1.0f64)) {
             prop_assert!((sym_det(&a) - det(&full(&a))).abs() < 1e-14);
-            let (cofactor, A) = (full(&sym_cofactor(&a)), full(&a));
+            let cofactor = full(&sym_cofactor(&a));
+            let A = full(&a);
             for i in 0..3 {
                 for j in 0..3 {
                     let product: f64 = (0..3).map(|k| A[i][k] * cofactor[k][j]).sum();
@@ -289,7 +290,8 @@ mod tests {
                 prop_assert!((2.0 * E[a] - C + f64::from(u8::from(i == j))).abs() < 1e-14);
             }
             // dE = sym(F^T dF): the strain is quadratic, so its central difference is exact.
-            let (plus, minus) = (add_scaled(&g, 1.0, &F), add_scaled(&g, -1.0, &F));
+            let plus = add_scaled(&g, 1.0, &F);
+            let minus = add_scaled(&g, -1.0, &F);
             let rate = sym_transposed_product(&g, &F);
             for a in 0..6 {
                 let difference = (green_lagrange(&plus)[a] - green_lagrange(&minus)[a]) / 2.0;

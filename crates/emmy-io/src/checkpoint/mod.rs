@@ -180,7 +180,8 @@ impl Checkpoints {
             wall_seconds: progress.wall_seconds,
         };
         let other = 1 - self.safe;
-        let (path, bytes) = (self.folder.join(FILES[other]), file::bytes(&checkpoint)?);
+        let path = self.folder.join(FILES[other]);
+        let bytes = file::bytes(&checkpoint)?;
         if is_safe {
             replace_durably(&path, &bytes)?;
             (self.safe, self.synced) = (other, Some(Instant::now()));

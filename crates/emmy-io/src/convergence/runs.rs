@@ -67,7 +67,8 @@ pub fn members(
 ) -> Vec<MemberRun> {
     let mut order: Vec<usize> = (0..study.sizes.len()).collect();
     order.sort_by(|&a, &b| study.sizes[a].total_cmp(&study.sizes[b]));
-    let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let next = AtomicUsize::new(0);
+    let rows = Mutex::new(Vec::new());
     let work = || {
         while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
             let size = study.sizes[index];
@@ -117,7 +118,8 @@ fn measure(
     let mut motion = Motion::starting(&problem.body, study.scheme, problem.newton, state.clone())?;
     let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
     motion.march(&study.plan(step_size)?, &mut [&mut norm])?;
-    let (error, relative_error) = (norm.error(), norm.relative_error());
+    let error = norm.error();
+    let relative_error = norm.relative_error();
     Ok(Measure { error, relative_error, newton_iterations: motion.statistics().newton_iterations })
 }
 

@@ -68,7 +68,8 @@ impl HistoryFile {
         if line.trim_ascii_end() != columns.names().join(",").as_bytes() {
             return Err(HistoryError::Columns { path: path.to_path_buf() });
         }
-        let (mut own, mut last) = (RowSum::default(), None);
+        let mut own = RowSum::default();
+        let mut last = None;
         loop {
             line.clear();
             reader.read_until(b'\n', &mut line).map_err(system)?;
@@ -109,7 +110,9 @@ impl HistoryFile {
         self.rows.verify()?;
         let path = self.rows.path();
         let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(named(path))?);
-        let (mut found, mut line, mut is_row) = (RowSum::default(), Vec::new(), false);
+        let mut found = RowSum::default();
+        let mut line = Vec::new();
+        let mut is_row = false;
         while reader.read_until(b'\n', &mut line).map_err(named(path))? > 0 {
             if is_row {
                 found.add(&line);

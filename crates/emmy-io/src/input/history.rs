@@ -67,7 +67,8 @@ fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fau
     // What cannot be read has a fault of its own.
     let Ok(expression) = expression::parse(text) else { return Ok(()) };
     let time_function = expression.time_function(text);
-    let (start, end) = (plan.start(), plan.end());
+    let start = plan.start();
+    let end = plan.end();
     let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);
     for time in times {
         for (what, value) in [("", time_function.value(time)), ("the rate of ", time_function.rate(time))] {

@@ -124,18 +124,19 @@ fn parameters() -> String {
             }
         }
     }
-    let row = |(parameter, is_choice, models): (Parameter, bool, Vec<&str>)| {
-        let key = Key::from(&parameter);
-        let absent = match key.if_absent {
-            IfAbsent::Required if is_choice => "one of the pairs".to_string(),
-            IfAbsent::Required => "required".to_string(),
-            IfAbsent::Value(value) => shortened(value),
-            IfAbsent::Means(meaning) => meaning.to_string(),
-        };
-        let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
-        vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
+    table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(parameter))
+}
+
+fn parameter((parameter, is_choice, models): (Parameter, bool, Vec<&str>)) -> Vec<String> {
+    let key = Key::from(&parameter);
+    let absent = match key.if_absent {
+        IfAbsent::Required if is_choice => "one of the pairs".to_string(),
+        IfAbsent::Required => "required".to_string(),
+        IfAbsent::Value(value) => shortened(value),
+        IfAbsent::Means(meaning) => meaning.to_string(),
     };
-    table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(row))
+    let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
+    vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
 }
 
 fn cells() -> String {
@@ -155,20 +156,21 @@ fn schemes() -> String {
 }
 
 fn fields() -> String {
-    let row = |field: FieldName| {
-        let place = match field.place() {
-            emmy::body::fields::Place::Nodes => "nodes",
-            emmy::body::fields::Place::Cells => "cells",
-        };
-        let n = field.components().len();
-        vec![
-            code(field.name()),
-            place.to_string(),
-            n.to_string(),
-            field.description().replace('[', "\\[").replace(']', "\\]"),
-        ]
+    table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(field))
+}
+
+fn field(field: FieldName) -> Vec<String> {
+    let place = match field.place() {
+        emmy::body::fields::Place::Nodes => "nodes",
+        emmy::body::fields::Place::Cells => "cells",
     };
-    table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(row))
+    let n = field.components().len();
+    vec![
+        code(field.name()),
+        place.to_string(),
+        n.to_string(),
+        field.description().replace('[', "\\[").replace(']', "\\]"),
+    ]
 }
 
 /// The table of a name.
@@ -182,7 +184,8 @@ const END: &str = "<!-- end of table -->";
 
 /// A page with its tables written again, and their names.
 fn filled(page: &str) -> (String, Vec<String>) {
-    let (mut parts, mut names) = (page.split(START), Vec::new());
+    let mut parts = page.split(START);
+    let mut names = Vec::new();
     let mut text = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let (name, rest) = part.split_once(" -->").expect("the name ends");

@@ -47,7 +47,8 @@ fn table(section: &Section) -> Value {
 /// Schema of one table or a list of them. Written without a choice of two schemas, because a validator can only say of a
 /// choice that none of it fits, and not which key is wrong.
 fn tables(section: &Section) -> Value {
-    let (one, rules) = (table(section), rules(section));
+    let one = table(section);
+    let rules = rules(section);
     let mut schema = one.clone();
     // A list fits all of the choices between keys, which is too many for `oneOf`: they are for tables only.
     schema.as_object_mut().into_iter().for_each(|schema| schema.retain(|rule, _| !rules.contains_key(rule)));

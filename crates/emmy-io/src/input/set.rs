@@ -138,7 +138,8 @@ fn key_of<'a>(entries: &'a mut Vec<Entry>, name: &str, place: &Place) -> &'a mut
 }
 
 fn item_of<'a>(items: &'a mut [Node], parent: &str, path: &[(String, Place)]) -> Result<&'a mut Node, Fault> {
-    let (n, (name, place)) = (items.len(), &path[0]);
+    let n = items.len();
+    let (name, place) = &path[0];
     if name.parse::<usize>().is_err() {
         let keys: Vec<&str> = path.iter().map(|(key, _)| key.as_str()).collect();
         let message = format!("--set: `{parent}` is a list; say which item of it, counted from 0");

@@ -283,7 +283,8 @@ fn neighbour(path: &Path) -> Option<String> {
     if path.exists() {
         return None;
     }
-    let (folder, wanted) = (path.parent()?, path.file_name()?.to_str()?);
+    let folder = path.parent()?;
+    let wanted = path.file_name()?.to_str()?;
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let names =
         std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());

@@ -78,7 +78,8 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
 }
 
 fn fixed(item: Item<'_>) -> Result<[bool; 3], Fault> {
-    let (mut fixed, components) = ([false; 3], item.list()?);
+    let mut fixed = [false; 3];
+    let components = item.list()?;
     if components.is_empty() {
         let message = "`fix` is empty: it lists the components that do not move";
         return Err(item.fault(message, "such as [\"x\", \"y\"]"));
@@ -124,7 +125,8 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
 
 /// A history that nodes can follow: from zero, without jumps.
 fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
-    let (history, key) = (history::read(item)?, item.key());
+    let history = history::read(item)?;
+    let key = item.key();
     if let Some(time) = history.first_jump() {
         let message =
             format!("`{key}`: a motion that jumps, at t = {}; give the way there some time", short(time));
@@ -182,7 +184,8 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
             let other: Option<&Placed<Support>> = by[dof].replace(index).map(|other: usize| &supports[other]);
             let moves = |support: &Placed<Support>| support.value.drives(dof % 3);
             let Some(other) = other.filter(|other| moves(other) || moves(support)) else { continue };
-            let (component, point) = (COMPONENTS[dof % 3], short_vector(mesh.points()[dof / 3]));
+            let component = COMPONENTS[dof % 3];
+            let point = short_vector(mesh.points()[dof / 3]);
             let message = format!("component `{component}` of the node at {point} is given by two supports");
             return Err(Fault::at(&support.place, message, "second").label(&other.place, "first"));
         }

@@ -187,7 +187,8 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
 
 /// No cell may be there twice or be inverted.
 fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
-    let (file, name) = (|| origin.file.to_path_buf(), |cell: u32| (origin.name)(cell as usize));
+    let file = || origin.file.to_path_buf();
+    let name = |cell: u32| (origin.name)(cell as usize);
     if let Some(&[first, repeated]) = mesh.repeated_cells().first() {
         return Err(MeshError::RepeatedCell { file: file(), repeated: name(repeated), first: name(first) });
     }
@@ -219,7 +220,8 @@ fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
     let mut collapsed = mesh.cells().enumerate().filter(|(_, cell)| is_collapsed(cell));
     let (first, cell) = collapsed.next()?;
     let have = counted(1 + collapsed.count(), "cell has", "cells have");
-    let (name, kind) = ((origin.name)(first), cell.kind);
+    let name = (origin.name)(first);
+    let kind = cell.kind;
     Some(format!(
         "{have} two corners at one place (aspect ratio inf), the first is {name} ({kind}); is another kind of cell meant?"
     ))

@@ -45,7 +45,8 @@ const FORMATS: [(&str, &str, Way); 20] = [
 pub(super) fn format(file: &Path) -> Option<MeshError> {
     let extension = file.extension()?.to_str()?.to_ascii_lowercase();
     let (_, format, way) = FORMATS.into_iter().find(|(known, ..)| *known == extension)?;
-    let (from, to) = (file.display(), file.with_extension("msh"));
+    let from = file.display();
+    let to = file.with_extension("msh");
     let to = to.display();
     let command = match way {
         Way::Meshio => format!(

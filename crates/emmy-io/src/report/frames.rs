@@ -154,7 +154,8 @@ fn pack_frames(
 ) -> Result<(), ReportError> {
     let names: Vec<&str> =
         ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
-    let (mut displacement, mut bounds) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let mut displacement = Vec::new();
+    let mut bounds = [Vec::new(), Vec::new()];
     let mut packed: Vec<(Vec<u8>, [Vec<f64>; 2])> = vec![Default::default(); fields.len()];
     for &frame in kept {
         let arrays = frames.values(frame, &names)?;

@@ -45,7 +45,8 @@ impl FrameFiles {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         fs::create_dir_all(directory.join("frames"))?;
-        let (name, frame) = (name_of(directory), Frame::new(precision, mesh, region_of_cell));
+        let name = name_of(directory);
+        let frame = Frame::new(precision, mesh, region_of_cell);
         let mut frames =
             FrameFiles { directory: directory.to_path_buf(), name, frame, written: Vec::new(), listed: 0 };
         frames.write_collection()?;

@@ -116,7 +116,8 @@ pub(super) struct Residual {
 
 impl Residual {
     pub fn new(body: &Body, degree: usize) -> Self {
-        let (n, k) = (body.n_dofs(), degree);
+        let n = body.n_dofs();
+        let k = degree;
         Residual {
             assembly: body.assembly(k),
             force: vec![0.0; k * n],

@@ -88,7 +88,8 @@ impl<'a> AdjointStep<'a> {
     /// # Errors
     /// As [`ApproximateTangent::new`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree);
+        let n = body.n_dofs();
+        let k = element.degree;
         let coefficients = element.coefficients();
         let transposed_coefficients = StageCoefficients {
             rule: coefficients.rule.clone(),
@@ -128,7 +129,8 @@ impl<'a> AdjointStep<'a> {
     pub fn take_back(&mut self, step: &StepData<'_>, adjoint: &mut AdjointState) -> Result<()> {
         self.set_right_side(step.size, adjoint);
         self.solve(step)?;
-        let (n, h) = (self.sum.len(), step.size);
+        let n = self.sum.len();
+        let h = step.size;
         let input = input(step);
         self.body.start_gradient(&input, &self.multipliers, &mut self.sum);
         adjoint.displacement.iter_mut().zip(&self.sum).for_each(|(u, sum)| *u -= h * h * sum);
@@ -182,7 +184,8 @@ impl<'a> AdjointStep<'a> {
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }
-        let (mut gmres, mut iterations) = (std::mem::take(&mut self.gmres), 0);
+        let mut gmres = std::mem::take(&mut self.gmres);
+        let mut iterations = 0;
         // The preconditioner may work in single precision, which GMRES does not see: it is started again from the true residual.
         let left = self.refine(|system, residual, correction| {
             iterations += gmres.solve(system, residual, correction, PRECISION, MAX_ITERATIONS).iterations;
@@ -204,7 +207,8 @@ impl<'a> AdjointStep<'a> {
         let mut system = Transposed { body, assembly, approximate_tangent };
         self.multipliers.fill(0.0);
         self.residual.copy_from_slice(&self.right);
-        let (size, mut left) = (norm(&self.right), 1.0);
+        let size = norm(&self.right);
+        let mut left = 1.0;
         while size > 0.0 && left > TOLERANCE {
             solve(&mut system, &self.residual, &mut self.correction)?;
             self.multipliers.iter_mut().zip(&self.correction).for_each(|(mu, d)| *mu += d);

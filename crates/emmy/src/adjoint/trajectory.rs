@@ -93,7 +93,8 @@ impl<'a> Trajectory<'a> {
             }
         }
         if self.steps.len().is_multiple_of(self.spacing) {
-            let (state, memory) = (motion.state().clone(), motion.stepper().memory());
+            let state = motion.state().clone();
+            let memory = motion.stepper().memory();
             self.checkpoints.push(Checkpoint { state, memory });
             self.thin_out();
         }
@@ -160,7 +161,8 @@ impl<'a> Trajectory<'a> {
         for (checkpoint, steps) in self.checkpoints.iter().zip(self.steps.chunks(self.spacing)).rev() {
             segment.redo(&mut stepper, checkpoint, steps)?;
             for index in (0..segment.len()).rev() {
-                let (step, [start, end]) = (segment.step(&coefficients, index), segment.ends(index));
+                let step = segment.step(&coefficients, index);
+                let [start, end] = segment.ends(index);
                 let at_end = adjoint.clone();
                 adjoint_step.take_back(&step, &mut adjoint)?;
                 let multipliers = adjoint_step.multipliers();

@@ -181,7 +181,8 @@ mod tests {
             for rule in rules(k) {
                 let rates = rates(k);
                 let stress = averaged(&rule, &damping, &rates, Request::Stress).stress;
-                let (mut work, mut moment) = (0.0, [[0.0; 3]; 3]);
+                let mut work = 0.0;
+                let mut moment = [[0.0; 3]; 3];
                 for i in 0..k {
                     let G = Rule::gradient_at(&START, &rule.a[i * k..(i + 1) * k], &rates);
                     for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
@@ -237,7 +238,8 @@ mod tests {
                         rates[j][r][c] += shift;
                         averaged(&rule, &damping, &rates, Request::Stress).stress
                     };
-                    let (plus, minus) = (at(1e-5), at(-1e-5));
+                    let plus = at(1e-5);
+                    let minus = at(-1e-5);
                     for (i, n) in (0..9 * k).map(|n| (n / 9, n % 9)) {
                         let slope = (plus[i][n / 3][n % 3] - minus[i][n / 3][n % 3]) / 2e-5;
                         assert!((tangent[i * k + j][n][3 * r + c] - slope).abs() < 1e-7, "{k} {i} {j} {n}");

@@ -82,7 +82,8 @@ impl Rule {
         request: Request,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
+        let k = self.degree();
+        let zero = E_1[0].splat(0.0);
         average.stresses.fill([zero; 6]);
         let is_straight = k == 1 && self.points.len() > 1;
         if is_straight {
@@ -93,7 +94,8 @@ impl Rule {
         } else if is_straight {
             return;
         }
-        let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
+        let mut S = [zero; 6];
+        let mut D = [[zero; 6]; 6];
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, average);
             match request {
@@ -132,13 +134,17 @@ impl Rule {
         request: Request,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
-        let (mut work, mut square, mut change) = (zero, zero, [zero; 6]);
+        let k = self.degree();
+        let zero = E_1[0].splat(0.0);
+        let mut work = zero;
+        let mut square = zero;
+        let mut change = [zero; 6];
         for i in 0..k {
             let E = self.assumed_strain_at(E_1, &self.a[i * k..(i + 1) * k], average);
             let rate = average.strain_rates[i];
             change = sym_add_scaled(&change, zero.splat(self.b[i]), &rate);
-            let (stress, elasticity) = (&mut average.stresses[i], &mut average.elasticities[i]);
+            let stress = &mut average.stresses[i];
+            let elasticity = &mut average.elasticities[i];
             match request {
                 Request::Stress => material.stress(&E, stress),
                 Request::Tangent => material.stress_and_elasticity(&E, stress, elasticity),
@@ -180,7 +186,9 @@ impl Rule {
     ) -> L {
         let zero = E_1[0].splat(0.0);
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
-        let (mut integral, mut stress_norm, mut S) = (zero, zero, [zero; 6]);
+        let mut integral = zero;
+        let mut stress_norm = zero;
+        let mut S = [zero; 6];
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, average);
             material.stress(&E, &mut S);
@@ -208,7 +216,8 @@ impl Rule {
         is_link: bool,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), r.splat(0.0));
+        let k = self.degree();
+        let zero = r.splat(0.0);
         for m in 0..k {
             let mut dr = sym_add_scaled(
                 &sym_scaled(zero.splat(self.b[m]), S_2),
@@ -292,7 +301,8 @@ impl Rule {
 /// pulls along the link and has no moment.
 #[inline(always)]
 fn trace_part<L: Lane>(rate: &Sym<L>) -> Sym<L> {
-    let (third, zero) = (trace(rate) * (1.0 / 3.0), rate[0].splat(0.0));
+    let third = trace(rate) * (1.0 / 3.0);
+    let zero = rate[0].splat(0.0);
     [third, third, third, zero, zero, zero]
 }
 

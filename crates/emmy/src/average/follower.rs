@@ -42,7 +42,8 @@ impl FollowerRule {
         let nodes: Vec<f64> = points.iter().map(|point| point.alpha).collect();
         let fine = Rule::standard(nodes.len(), &gauss(1));
         let mean = points.iter().enumerate().flat_map(|(m, point)| {
-            let (nodes, fine) = (&nodes, &fine);
+            let nodes = &nodes;
+            let fine = &fine;
             let weight = move |(&c, &b): (&f64, &f64)| b / point.weight * lagrange(nodes, m, c);
             fine.nodes().iter().zip(fine.weights()).map(weight)
         });
@@ -91,7 +92,8 @@ mod tests {
     fn moment(rule: &Rule, d: i32, e: i32) -> f64 {
         let follower = FollowerRule::new(rule);
         // The averages (1/B_r) integral of the fine basis times alpha^e, by a quadrature that is exact for them.
-        let (fine, inner) = (follower.fine(), gauss(20));
+        let fine = follower.fine();
+        let inner = gauss(20);
         let average = |r: usize| {
             let terms = inner.iter().map(|(&[a], w)| w * fine.basis(r, a) * a.powi(e));
             terms.sum::<f64>() / fine.weights()[r]

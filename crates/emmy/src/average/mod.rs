@@ -190,7 +190,8 @@ pub struct Average<L> {
 impl<L: Lane> Average<L> {
     /// Memory for a rule of a degree; `zero` is any number of the lane type.
     pub fn new(degree: usize, zero: L) -> Self {
-        let (k, zero) = (degree, zero.splat(0.0));
+        let k = degree;
+        let zero = zero.splat(0.0);
         Average {
             stress: vec![[[zero; 3]; 3]; k],
             tangent: vec![[[zero; 9]; 9]; k * k],
@@ -263,7 +264,8 @@ impl Rule {
             // The outer quadrature, which integrates the path exactly.
             Kind::EnergyMomentum(_) => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
-        let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
+        let load_quadrature = gauss(degree.div_ceil(2) + 1);
+        let smooth_quadrature = gauss(degree + 4);
         let highest_mode = c.iter().map(|&c| legendre(degree - 1, c)).collect();
         Rule { c, b, a, highest_mode, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }

@@ -54,7 +54,9 @@ fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, request: Reques
 fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
     let k = rule.degree();
     let average = averaged(rule, material, step, Request::Stress);
-    let (mut work, mut size, mut moment) = (0.0, 0.0, [[0.0; 3]; 3]);
+    let mut work = 0.0;
+    let mut size = 0.0;
+    let mut moment = [[0.0; 3]; 3];
     for i in 0..k {
         let b = rule.weights()[i];
         let F = add_scaled(
@@ -88,7 +90,8 @@ proptest! {
 
     #[test]
     fn table_iii_energy_momentum_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
-        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        let svk = SaintVenantKirchhoff::new(1000.0, 500.0).unwrap();
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         // AS(k) for St. Venant-Kirchhoff, AS(n) and DGM in general: energy and angular momentum.
         for rule in [Rule::assumed_strain(k, k), Rule::assumed_strain(k, MANY), Rule::discrete_gradient(k)] {
             let (energy, momentum) = defects(&rule, &svk, &step);
@@ -105,7 +108,8 @@ proptest! {
 
     #[test]
     fn table_iii_standard_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
-        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        let svk = SaintVenantKirchhoff::new(1000.0, 500.0).unwrap();
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         // FE(k) conserves angular momentum, FE(n) with many points energy. W of St. Venant-Kirchhoff is of degree 4 in
         // F, so 2k points are exact for it.
         prop_assert!(defects(&Rule::standard(k, &gauss(k)), &rubber, &step).1 < ROUNDING);
@@ -224,7 +228,8 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
                 step.rates[j][r][c] += sign * h;
                 averaged(rule, material, &step, Request::Stress).stress
             };
-            let (plus, minus) = (shifted(1.0), shifted(-1.0));
+            let plus = shifted(1.0);
+            let minus = shifted(-1.0);
             for i in 0..k {
                 for n in 0..9 {
                     let difference = (plus[i][n / 3][n % 3] - minus[i][n / 3][n % 3]) / (2.0 * h);
@@ -268,7 +273,8 @@ fn applied(A: &[[f64; 9]; 9], X: &Mat3<f64>) -> [f64; 9] {
 fn strain_rate_transform_matches_assumed_strain_in_a_rotating_body() {
     // A rigid turn from a state of no strain: F' = [w] F(1/2), and by E' = sym(F^T F')
     // dE' = sym(F(1/2)^T (dF' - [w] dF'/2)) exactly, so that A_AS dF' = A (dF' - [w] dF'/2).
-    let (R, material) = (rotation([0.3, -0.5, 0.9]), NeoHooke::new(1000.0, 500.0).unwrap());
+    let R = rotation([0.3, -0.5, 0.9]);
+    let material = NeoHooke::new(1000.0, 500.0).unwrap();
     let rate = add_scaled(&R, -1.0, &IDENTITY);
     let step = Step { start: [[0.0; 3]; 3], rates: vec![rate] };
     // [w] = F' F^-1 = 2 (R - I) (R + I)^-1, Cayley's transform: tan(t/2)/(t/2) times the rotation vector.

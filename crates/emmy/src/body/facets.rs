@@ -103,7 +103,8 @@ impl FacetTable {
     pub fn derivative(&self, q: &NodalVectors) -> PairVectors {
         let mut c = [[[0.0; 3]; MAX_NODES]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
-            let ([a, b], weight) = (self.tangents(q, point), self.reference.weights[point]);
+            let [a, b] = self.tangents(q, point);
+            let weight = self.reference.weights[point];
             for (row, N) in c.iter_mut().zip(self.reference.shapes_at(point)) {
                 for (c, dN) in row.iter_mut().zip(self.reference.gradients_at(point)) {
                     (0..3).for_each(|i| c[i] += weight * N * (dN[0] * b[i] - dN[1] * a[i]));
@@ -116,7 +117,8 @@ impl FacetTable {
     /// Tangents q_,xi and q_,eta at a quadrature point. Positions are taken from the first node: the gradients sum to zero,
     /// and a body far from the origin keeps its digits.
     fn tangents(&self, q: &NodalVectors, point: usize) -> [[f64; 3]; 2] {
-        let (mut a, mut b) = ([0.0; 3], self.across);
+        let mut a = [0.0; 3];
+        let mut b = self.across;
         for (q_B, dN) in q.iter().zip(self.reference.gradients_at(point)) {
             for i in 0..3 {
                 a[i] += (q_B[i] - q[0][i]) * dN[0];
@@ -175,7 +177,8 @@ mod tests {
     #[test]
     fn derivative_matches_differences_of_the_force() {
         for kind in KINDS {
-            let (table, q) = (FacetTable::new(kind), facet(kind, 0.3));
+            let table = FacetTable::new(kind);
+            let q = facet(kind, 0.3);
             let c = table.derivative(&q);
             for (B, i) in (0..kind.n_nodes()).flat_map(|B| (0..3).map(move |i| (B, i))) {
                 let at = |step: f64| {
@@ -183,7 +186,8 @@ mod tests {
                     q[B][i] += step;
                     table.force(&q)
                 };
-                let (plus, minus) = (at(0.5), at(-0.5));
+                let plus = at(0.5);
+                let minus = at(-0.5);
                 let mut unit = [0.0; 3];
                 unit[i] = 1.0;
                 for A in 0..kind.n_nodes() {

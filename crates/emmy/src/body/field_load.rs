@@ -74,7 +74,8 @@ impl FieldLoad {
         let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
         self.points.iter().step_by(every).flat_map(move |&X| {
             (0..3).map(move |component| {
-                let (field, time_function) = (self.field.clone(), self.time_function.clone());
+                let field = self.field.clone();
+                let time_function = self.time_function.clone();
                 move |time| time_function.value(time) * field.at(X, time)[component]
             })
         })
@@ -113,8 +114,9 @@ impl FieldLoad {
 
     /// Adds the nodal forces at a time to every stage, times its weight.
     fn add(&self, time: f64, stage_weights: &[f64], force: &mut [f64]) -> bool {
-        let (factor, n_dofs, mut begin) =
-            (self.time_function.value(time), force.len() / stage_weights.len(), 0);
+        let factor = self.time_function.value(time);
+        let n_dofs = force.len() / stage_weights.len();
+        let mut begin = 0;
         if factor == 0.0 {
             return false;
         }

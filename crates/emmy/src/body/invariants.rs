@@ -36,7 +36,8 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn radius_of_gyration(&self) -> f64 {
-        let (points, masses) = (self.mesh().points(), self.lumped_mass());
+        let points = self.mesh().points();
+        let masses = self.lumped_mass();
         let mass: f64 = masses.iter().sum();
         let mut centre = [0.0; 3];
         for (X, m) in points.iter().zip(masses) {

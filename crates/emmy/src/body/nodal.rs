@@ -110,7 +110,9 @@ impl Term for GroundSprings {
         _: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let (k, mean, n) = (step.rule.degree(), step.rule.mean(), step.displacement.len());
+        let k = step.rule.degree();
+        let mean = step.rule.mean();
+        let n = step.displacement.len();
         let springs = self.nodes.iter().zip(&self.stiffness).zip(&self.positions);
         for ((&node, stiffness), &position) in springs {
             if !sink.owns(node) {
@@ -166,7 +168,8 @@ fn ground_attraction(
     };
     let (mut gradients, mut energies) = (Vec::new(), Vec::new());
     for &node in &nodes {
-        let (X, c) = (mesh.points()[node as usize], attraction.centre);
+        let X = mesh.points()[node as usize];
+        let c = attraction.centre;
         let r = [0, 1, 2].map(|i| X[i] - c[i]);
         let square: f64 = r.iter().map(|x| x * x).sum();
         if square == 0.0 || !square.is_finite() {

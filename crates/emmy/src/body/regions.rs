@@ -212,7 +212,10 @@ pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell)
 }
 
 fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
-    let (n_cells, mut volume, mut first, mut second) = (cells.len(), 0.0, [0.0; 3], [[0.0; 3]; 3]);
+    let n_cells = cells.len();
+    let mut volume = 0.0;
+    let mut first = [0.0; 3];
+    let mut second = [[0.0; 3]; 3];
     // Moments about a point of the region, so that a body far from the origin keeps its digits.
     let origin =
         cells.first().map_or([0.0; 3], |&cell| mesh.points()[mesh.cell(cell as usize).nodes[0] as usize]);

@@ -66,7 +66,8 @@ impl Materials {
 
     /// Elasticity of the material of a cell at rest; zero of an attraction, which is no stiffness there.
     fn at_rest(&self, cell: usize) -> Elasticity<f64> {
-        let (mut stress, mut elasticity) = ([0.0; 6], [[0.0; 6]; 6]);
+        let mut stress = [0.0; 6];
+        let mut elasticity = [[0.0; 6]; 6];
         let material = self.response::<f64>(cell);
         material.stress_and_elasticity(&[0.0; 6], &mut stress, &mut elasticity);
         if material.is_link() && elasticity[0][0] < 0.0 { [[0.0; 6]; 6] } else { elasticity }
@@ -147,7 +148,8 @@ impl SolidTerm {
     ) -> Result<()> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), &mut memory.nodal);
         for (cells, cell) in self.registers(zero, batch) {
-            let (material, damping) = (self.materials.response(cell), self.damping(cell, step));
+            let material = self.materials.response(cell);
+            let damping = self.damping(cell, step);
             let law = (material, damping.as_ref());
             integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory));
         }
@@ -169,8 +171,10 @@ impl SolidTerm {
         displacement: &[f64],
     ) -> StrainState {
         let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
-        let (nodal, mut sum) = (&mut memory[..self.cells.n_nodes], StrainState::NONE);
-        let (mut energies, mut dets) = (Packed([0.0; LANES]), Packed([f64::INFINITY; LANES]));
+        let nodal = &mut memory[..self.cells.n_nodes];
+        let mut sum = StrainState::NONE;
+        let mut energies = Packed([0.0; LANES]);
+        let mut dets = Packed([f64::INFINITY; LANES]);
         for batch in batches {
             self.cells.gather(
                 batch,
@@ -187,7 +191,8 @@ impl SolidTerm {
             }
             let cells = self.cells.cells_of(batch);
             for (lane, cell) in cells.clone().enumerate() {
-                let (smallest_determinant, smallest_cell) = (dets.0[lane], self.cells.cells[cell] as usize);
+                let smallest_determinant = dets.0[lane];
+                let smallest_cell = self.cells.cells[cell] as usize;
                 sum = sum.with(StrainState { strain_energy: 0.0, smallest_determinant, smallest_cell });
             }
             sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
@@ -201,7 +206,8 @@ impl SolidTerm {
             return self.materials.arch().dispatch(StrainStateSum { term: self, batches, displacement });
         }
         let middle = batches.start + batches.len() / 2;
-        let (left, right) = (batches.start..middle, middle..batches.end);
+        let left = batches.start..middle;
+        let right = middle..batches.end;
         let sum = |batches| self.strain_state_sum(batches, displacement);
         let (left, right) = match self.parts.len() {
             1 => (sum(left), sum(right)),
@@ -218,7 +224,8 @@ impl SolidTerm {
         step: &StepInput<'_>,
         (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
     ) -> f64 {
-        let (mut sum, mut energies) = (0.0, Packed([0.0; LANES]));
+        let mut sum = 0.0;
+        let mut energies = Packed([0.0; LANES]);
         for batch in 0..self.cells.len() {
             integral::gather(&self.cells, batch, step, true, &mut memory.nodal);
             for (cells, cell) in self.registers(zero, batch) {

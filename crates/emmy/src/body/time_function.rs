@@ -192,7 +192,8 @@ mod tests {
         // f = 0 before t = 1, jumps to 2, falls to 0 at t = 2. Step from 0.5 to 3 (h = 2.5).
         let time_function = TimeFunction::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
         let rule = Rule::discrete_gradient(2);
-        let (b, c) = (rule.weights(), rule.nodes());
+        let b = rule.weights();
+        let c = rule.nodes();
         let mut averages = [0.0; 2];
         time_function.averages(0.5, 2.5, &rule, &mut averages);
         // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t - 0.5)/h f dt
@@ -208,7 +209,8 @@ mod tests {
         let time_function =
             TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
         for degree in 1..=4 {
-            let (rule, mut averages) = (Rule::discrete_gradient(degree), [0.0; 4]);
+            let rule = Rule::discrete_gradient(degree);
+            let mut averages = [0.0; 4];
             time_function.averages(0.0, 0.1, &rule, &mut averages[..degree]);
             let sum: f64 = (0..degree).map(|i| rule.weights()[i] * averages[i]).sum();
             assert!((sum - (0.3f64.exp() - 1.0) / 0.3).abs() < 1e-15, "{degree}");

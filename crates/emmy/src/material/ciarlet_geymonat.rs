@@ -60,7 +60,9 @@ impl CiarletGeymonat {
     #[inline(always)]
     fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
         let A = sym_scaled(E[0].splat(2.0), E);
-        let (C, z, one) = (right_cauchy_green(&A), volume_change(&A), E[0].splat(1.0));
+        let C = right_cauchy_green(&A);
+        let z = volume_change(&A);
+        let one = E[0].splat(1.0);
         // Not 1 + z, which cancels under strong compression.
         let C_inv = sym_scaled(one / sym_det(&C), &sym_cofactor(&C));
         // S = C^-1 (mu A + lambda/2 (J^2 - 1) I): no difference of numbers near one.

@@ -98,7 +98,10 @@ mod tests {
     #[test]
     fn conforms_to_its_textbook_form() {
         // The large gradients of the test stay below the limit: tr C <= 18 and J > 0.05 there, so I1bar < 133.
-        let (mu, jm, K, law) = (500.0, 150.0, 1500.0, Volumetric::Miehe);
+        let mu = 500.0;
+        let jm = 150.0;
+        let K = 1500.0;
+        let law = Volumetric::Miehe;
         conforms(&Gent::new(mu, jm, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let x = big_isochoric(C)[0].clone() - big(3.0);
             big(-0.5 * mu * jm) * (big(1.0) - x / big(jm)).ln() + energy(law, K, &big_det(C))

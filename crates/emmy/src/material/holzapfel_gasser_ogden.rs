@@ -96,7 +96,8 @@ impl HolzapfelGasserOgden {
     /// dW/dE_f and d^2W/dE_f^2; both are zero in a slack fibre.
     #[inline(always)]
     fn fibre_derivatives<L: Lane>(&self, strain: L) -> [L; 2] {
-        let (one, square) = (strain.splat(1.0), strain * strain * self.k2);
+        let one = strain.splat(1.0);
+        let square = strain * strain * self.k2;
         let exp = (one + square.exp_m1()) * self.k1;
         let second = exp * (one + square * 2.0);
         let tiny = strain.splat(f64::MIN_POSITIVE);
@@ -207,15 +208,20 @@ impl Material for HolzapfelGasserOgden {
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
         let of = Distortion::of(E);
-        let (inverse, scale, one) = (of.inverse(), of.g() / of.mean, of.mean.splat(1.0));
-        let (zero, matrix) = (of.mean.splat(0.0), Self::matrix_direction(&of, &inverse));
-        let (unit, trace) = ([one, one, one, zero, zero, zero], of.mean * 3.0);
+        let inverse = of.inverse();
+        let scale = of.g() / of.mean;
+        let one = of.mean.splat(1.0);
+        let zero = of.mean.splat(0.0);
+        let matrix = Self::matrix_direction(&of, &inverse);
+        let unit = [one, one, one, zero, zero, zero];
+        let trace = of.mean * 3.0;
         let mut second = SecondDerivative::of_volume(&self.volume, of.ln_J);
         second.add_first(one * (0.5 * self.mu), scale, trace, &unit);
         for fibre in &self.fibres {
             let slope = self.fibre_derivatives(self.fibre_strain(&of, fibre))[0];
             second.add_first(slope * (1.0 / 3.0), scale, trace, &unit);
-            let (A, stretch) = (splat(one, fibre), of.mean * double_dot_constant(&of.b, fibre));
+            let A = splat(one, fibre);
+            let stretch = of.mean * double_dot_constant(&of.b, fibre);
             second.add_first(slope * self.alignment, scale, stretch, &A);
         }
         let mut D = second.elasticity(&inverse);

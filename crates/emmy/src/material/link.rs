@@ -203,13 +203,15 @@ impl Material for LinkEnergy {
 
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
-        let (S, zero) = (self.derivatives(trace(E))[1] * self.factor, E[0].splat(0.0));
+        let S = self.derivatives(trace(E))[1] * self.factor;
+        let zero = E[0].splat(0.0);
         [S, S, S, zero, zero, zero]
     }
 
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
-        let ([_, first, second], zero) = (self.derivatives(trace(E)), E[0].splat(0.0));
+        let [_, first, second] = self.derivatives(trace(E));
+        let zero = E[0].splat(0.0);
         let (S, modulus) = (first * self.factor, second * self.factor);
         let mut D = [[zero; 6]; 6];
         for a in 0..3 {
@@ -248,7 +250,8 @@ mod tests {
                 let W = link.with_length(2.0);
                 assert!((W.strain_energy(&strain(l)) - energy(l)).abs() < 1e-14 * (1.0 + energy(l).abs()));
                 // dV/dl = S de/dl = S l/L^2, a central difference with an error of 1e-6^2.
-                let (slope, S) = ((energy(l + 1e-6) - energy(l - 1e-6)) / 2e-6, W.stress(&strain(l))[0]);
+                let slope = (energy(l + 1e-6) - energy(l - 1e-6)) / 2e-6;
+                let S = W.stress(&strain(l))[0];
                 assert!((S * l / 4.0 - slope).abs() < 1e-7 * (1.0 + slope.abs()), "{link:?} {l}");
                 let (S, D) = W.stress_and_elasticity(&strain(l));
                 let at = |e: f64| W.stress(&[e, 0.0, 0.0, 0.0, 0.0, 0.0])[0];

@@ -142,7 +142,8 @@ pub trait Material: Clone + Send + Sync + 'static {
 /// # Errors
 /// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2 and both parameters are finite.
 pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) -> Result<(f64, f64)> {
-    let (E, nu) = (youngs_modulus, poissons_ratio);
+    let E = youngs_modulus;
+    let nu = poissons_ratio;
     positive(material, "youngs_modulus", E)?;
     if !(nu > -1.0 && nu < 0.5) {
         let requirement = "must lie between -1 and 0.5 (0.5, an incompressible material, excluded)";
@@ -153,7 +154,8 @@ pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) ->
             requirement,
         });
     }
-    let (lambda, mu) = (E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu)));
+    let lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    let mu = E / (2.0 * (1.0 + nu));
     let requirement = "makes a Lame parameter lambda or mu that is too large for a number";
     fulfils(lambda.is_finite() && mu.is_finite(), material, "youngs_modulus", E, requirement)?;
     Ok((lambda, mu))

@@ -121,19 +121,22 @@ impl Parameter {
 
     /// A list of numbers that must be given, one a term of the energy.
     pub const fn numbers(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Numbers, IfAbsent::Required);
+        let kind = ParameterKind::Numbers;
+        let if_absent = IfAbsent::Required;
         Parameter { name, kind, unit, if_absent, doc }
     }
 
     /// A direction with its default.
     pub const fn direction(name: &'static str, default: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Direction, IfAbsent::Value(default));
+        let kind = ParameterKind::Direction;
+        let if_absent = IfAbsent::Value(default);
         Parameter { name, kind, unit: "", if_absent, doc }
     }
 
     /// A list of directions that must be given.
     pub const fn directions(name: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Directions, IfAbsent::Required);
+        let kind = ParameterKind::Directions;
+        let if_absent = IfAbsent::Required;
         Parameter { name, kind, unit: "", if_absent, doc }
     }
 

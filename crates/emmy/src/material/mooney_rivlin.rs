@@ -105,7 +105,9 @@ mod tests {
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let ([c10, c01], K, law) = ([200.0, 50.0], 1500.0, Volumetric::Logarithmic);
+        let [c10, c01] = [200.0, 50.0];
+        let K = 1500.0;
+        let law = Volumetric::Logarithmic;
         let mu = 2.0 * (c10 + c01);
         conforms(&MooneyRivlin::new(c10, c01, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let [I1, I2] = big_isochoric(C);

@@ -60,7 +60,8 @@ impl NeoHooke {
     #[inline(always)]
     fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
         let A = sym_scaled(E[0].splat(2.0), E);
-        let (C, z) = (right_cauchy_green(&A), volume_change(&A));
+        let C = right_cauchy_green(&A);
+        let z = volume_change(&A);
         // Not 1 + z, which cancels under strong compression.
         let inverse_det = C[0].splat(1.0) / sym_det(&C);
         let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
@@ -150,14 +151,16 @@ impl Material for NeoHooke {
         let v_2 = trace(&cofactors[2]) + double_dot(&A, &cofactors[2]);
         let v_3 = sym_det(&B);
         let one = constant(1.0);
-        let (mut moments, mut pressure) = ([constant(0.0); 3], constant(0.0));
+        let mut moments = [constant(0.0); 3];
+        let mut pressure = constant(0.0);
         for &[alpha, weight] in points {
             let a = constant(alpha);
             let t = t_1.mul_add(a, t_0);
             let v = v_3.mul_add(a, v_2).mul_add(a, v_1).mul_add(a, v_0);
             let z = t + v;
             let factor = constant(weight) / (one + z);
-            let (p, q) = (factor * self.mu, factor * (z.ln_1p() * (0.5 * self.lambda)));
+            let p = factor * self.mu;
+            let q = factor * (z.ln_1p() * (0.5 * self.lambda));
             let r = p - q;
             for (power, moment) in moments.iter_mut().enumerate() {
                 *moment = r.mul_add(constant(alpha.powi(power as i32)), *moment);

@@ -84,7 +84,8 @@ mod tests {
     #[test]
     fn conforms_to_its_textbook_form() {
         for law in Volumetric::ALL {
-            let (mu, K) = (400.0, 2000.0);
+            let mu = 400.0;
+            let K = 2000.0;
             conforms(&NeoHookeIsochoric::new(mu, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
                 let [I1, _] = big_isochoric(C);
                 big(mu / 2.0) * (I1 - big(3.0)) + energy(law, K, &big_det(C))

@@ -145,7 +145,8 @@ mod tests {
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let (K, law) = (200.0, Volumetric::Quadratic);
+        let K = 200.0;
+        let law = Volumetric::Quadratic;
         let mu = TRELOAR.iter().map(|(mu, alpha)| mu * alpha / 2.0).sum();
         conforms(&Ogden::new(&TRELOAR, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let ln_J = big_det(C).ln() / big(2.0);

@@ -72,7 +72,8 @@ impl Orthotropic {
 
 /// Stiffness between normal stresses and strains: the inverse of the compliance `s_ii = 1/E_i`, `s_ij = -nu_ij/E_i`.
 fn normal_stiffness(constants: &EngineeringConstants) -> Result<[[f64; 3]; 3]> {
-    let (E, nu) = (constants.youngs_moduli, constants.poissons_ratios);
+    let E = constants.youngs_moduli;
+    let nu = constants.poissons_ratios;
     for (name, E) in YOUNGS_MODULI.into_iter().zip(E) {
         positive(NAME, name, E)?;
     }
@@ -100,7 +101,8 @@ fn normal_stiffness(constants: &EngineeringConstants) -> Result<[[f64; 3]; 3]> {
 /// ```
 fn in_axes(stiffness: &[[f64; 3]; 3], shear_moduli: &[f64; 3], axes: &[[f64; 3]; 3]) -> Elasticity<f64> {
     let dyad = |i: usize, j: usize| {
-        let (u, v) = (&axes[i], &axes[j]);
+        let u = &axes[i];
+        let v = &axes[j];
         sym(|r, c| 0.5 * (u[r] * v[c] + v[r] * u[c]))
     };
     let mut D = [[0.0; 6]; 6];

@@ -105,7 +105,8 @@ impl Volume {
     /// Kirchhoff pressure dW_vol/d(ln J) at ln J.
     #[inline(always)]
     pub fn pressure<L: Lane>(&self, ln_J: L) -> L {
-        let (one, e) = (ln_J.splat(1.0), ln_J.exp_m1());
+        let one = ln_J.splat(1.0);
+        let e = ln_J.exp_m1();
         let over_bulk_modulus = match self.law {
             Volumetric::Logarithmic => ln_J,
             Volumetric::Quadratic => e * (one + e),
@@ -140,7 +141,9 @@ pub(super) mod tests {
 
     /// W_vol in its textbook form.
     pub fn energy(law: Volumetric, bulk_modulus: f64, det_C: &Big) -> Big {
-        let (K, one, ln_J) = (big(bulk_modulus), big(1.0), det_C.ln() / big(2.0));
+        let K = big(bulk_modulus);
+        let one = big(1.0);
+        let ln_J = det_C.ln() / big(2.0);
         let J = || ln_J.clone().exp();
         match law {
             Volumetric::Logarithmic => K / big(2.0) * &ln_J * &ln_J,

@@ -91,7 +91,9 @@ mod tests {
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let (c, K, law) = ([250.0, -20.0, 40.0], 1500.0, Volumetric::SimoTaylor);
+        let c = [250.0, -20.0, 40.0];
+        let K = 1500.0;
+        let law = Volumetric::SimoTaylor;
         conforms(&Yeoh::new(c, K, law).unwrap(), [K - 4.0 / 3.0 * c[0], 2.0 * c[0]], |C| {
             let x = big_isochoric(C)[0].clone() - big(3.0);
             big(c[0]) * &x + big(c[1]) * &x * &x + big(c[2]) * &x * &x * &x + energy(law, K, &big_det(C))

@@ -213,7 +213,8 @@ impl MeshBuilder {
 /// it keeps its digits far from the origin.
 fn area(points: &[[f64; 3]], corners: &[u32]) -> f64 {
     let at = |i: usize| {
-        let (a, b) = (points[corners[i % corners.len()] as usize], points[corners[0] as usize]);
+        let a = points[corners[i % corners.len()] as usize];
+        let b = points[corners[0] as usize];
         [a[0] - b[0], a[1] - b[1]]
     };
     (0..corners.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i)[1] * at(i + 1)[0]).sum()

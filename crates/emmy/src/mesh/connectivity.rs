@@ -16,11 +16,13 @@ impl Mesh {
         let mut roots: Vec<u32> = (0..self.n_nodes() as u32).collect();
         for cell in self.cells() {
             for &node in &cell.nodes[1..] {
-                let (a, b) = (root(&mut roots, cell.nodes[0]), root(&mut roots, node));
+                let a = root(&mut roots, cell.nodes[0]);
+                let b = root(&mut roots, node);
                 roots[a.max(b) as usize] = a.min(b);
             }
         }
-        let (mut part_of_root, mut parts) = (HashMap::new(), Vec::<Vec<u32>>::new());
+        let mut part_of_root = HashMap::new();
+        let mut parts = Vec::<Vec<u32>>::new();
         for (index, cell) in self.cells().enumerate() {
             let part = *part_of_root.entry(root(&mut roots, cell.nodes[0])).or_insert(parts.len());
             if part == parts.len() {

@@ -105,7 +105,8 @@ impl Grid {
     }
 
     fn node(&mut self, at: [usize; 3]) -> u32 {
-        let (builder, cell_size) = (&mut self.builder, self.cell_size);
+        let builder = &mut self.builder;
+        let cell_size = self.cell_size;
         *self
             .node_at
             .entry(at)

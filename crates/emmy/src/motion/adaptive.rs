@@ -116,7 +116,9 @@ impl<'a> Motion<'a> {
     fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, bool)> {
         let Some(resolution) = &mut self.resolution else { return Ok((size, false)) };
         resolution.set_degree(self.scheme.degree());
-        let (time, tolerance, length) = (self.state.time, control.adaptivity.tolerance, control.length);
+        let time = self.state.time;
+        let tolerance = control.adaptivity.tolerance;
+        let length = control.length;
         let resolved = resolution.resolved_size(time, size, tolerance, length);
         let smallest = control.adaptivity.smallest.min(size);
         if resolved < smallest

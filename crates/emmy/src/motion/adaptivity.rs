@@ -292,7 +292,8 @@ mod tests {
     #[test]
     fn sizes_settle_where_the_error_is_the_aim() {
         // e = 2 h^3: the aim is met at h = (0.6e-4 / 2)^(1/3), within what is left alone.
-        let (mut controller, mut rejected) = (controller(), 0);
+        let mut controller = controller();
+        let mut rejected = 0;
         for _ in 0..60 {
             let size = controller.size_within(f64::INFINITY);
             let error = 2.0 * size.powi(3);

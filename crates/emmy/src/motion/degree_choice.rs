@@ -55,7 +55,8 @@ impl DegreeChoice {
 
     /// Degrees beside one.
     pub fn neighbours(&self, degree: usize) -> impl Iterator<Item = usize> + use<> {
-        let (lowest, highest) = (self.lowest, self.highest);
+        let lowest = self.lowest;
+        let highest = self.highest;
         [degree - 1, degree + 1].into_iter().filter(move |k| (lowest..=highest).contains(k))
     }
 

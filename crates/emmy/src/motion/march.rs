@@ -129,7 +129,9 @@ impl Motion<'_> {
 
     pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
-        let (body, state, record) = (self.body, &self.state, &self.record);
+        let body = self.body;
+        let state = &self.state;
+        let record = &self.record;
         let newton_residuals = self.stepper.newton_history();
         let view = View { body, state, record, newton_residuals, motion: self };
         observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)

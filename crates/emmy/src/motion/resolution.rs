@@ -120,7 +120,8 @@ impl Resolution {
         if signals.is_empty() {
             return None;
         }
-        let (start, duration) = (plan.start(), plan.end() - plan.start());
+        let start = plan.start();
+        let duration = plan.end() - plan.start();
         let panels = (PANELS / signals.len()).max(MIN_PANELS);
         let n_samples = SAMPLES * panels;
         let largest = |signal: &Signal| {
@@ -221,7 +222,8 @@ impl Resolution {
     fn compare(&self, signal: &Signal, time: f64, size: f64) -> Comparison {
         let k = self.rule.degree();
         let mut defects = [0.0; MAX_DEGREE];
-        let (mut mean, mut peak) = (0.0, 0f64);
+        let mut mean = 0.0;
+        let mut peak = 0f64;
         let mut add = |alpha: f64, value: f64| {
             for (i, defect) in defects[..k].iter_mut().enumerate() {
                 *defect += value * self.rule.basis(i, alpha) / self.rule.weights()[i];
@@ -259,7 +261,8 @@ impl Resolution {
     fn place(&self, signal: &Signal, time: f64, size: f64) -> f64 {
         let mut mean = 0.0;
         self.for_each_point(size, |alpha, w| mean += w * signal.at(time + alpha * size));
-        let (mut place, mut farthest) = (time, -1.0);
+        let mut place = time;
+        let mut farthest = -1.0;
         self.for_each_point(size, |alpha, _| {
             let here = time + alpha * size;
             let distance = (signal.at(here) - mean).abs();

@@ -23,7 +23,8 @@ use super::{Quadrature, square};
 /// assert!((rule.weights[0] - 4.0 / 3.0).abs() < 1e-15);
 /// ```
 pub fn pyramid(n: usize, m: usize) -> Quadrature<3> {
-    let (base, mut rule) = (square(n), Quadrature { points: Vec::new(), weights: Vec::new() });
+    let base = square(n);
+    let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for (w, height_weight) in moment_rule(m) {
         for ([u, v], base_weight) in base.iter() {
             rule.points.push([w * u, w * v, 1.0 - w]);
@@ -39,7 +40,8 @@ fn moment_rule(m: usize) -> Vec<(f64, f64)> {
         1 => vec![(3.0 / 4.0, 1.0 / 3.0)],
         2 => {
             // Zeros of w^2 - 4/3 w + 2/5, the polynomial orthogonal to 1 and w; weights from the moments 1/3 and 1/4.
-            let (middle, half) = (2.0 / 3.0, (2.0 / 45.0f64).sqrt());
+            let middle = 2.0 / 3.0;
+            let half = (2.0 / 45.0f64).sqrt();
             let difference = (1.0 / 4.0 - middle / 3.0) / (2.0 * half);
             vec![(middle - half, 1.0 / 6.0 - difference), (middle + half, 1.0 / 6.0 + difference)]
         }

@@ -24,9 +24,12 @@ impl BlockCholesky {
         let free: Vec<usize> = (0..fixed.len()).filter(|&row| !fixed[row]).collect();
         let mut number = vec![usize::MAX; fixed.len()];
         free.iter().enumerate().for_each(|(index, &row)| number[row] = index);
-        let (mut begin, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
+        let mut begin = vec![0];
+        let mut rows = Vec::new();
+        let mut sources = Vec::new();
         for &column in &free {
-            let (node, b) = (column / components, column % components);
+            let node = column / components;
+            let b = column % components;
             for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
                 for a in 0..components {
                     let row = other as usize * components + a;
@@ -102,20 +105,10 @@ mod tests {
         fixed[3] = true;
         let mut factor = BlockCholesky::new(&pattern, 2, &fixed, &[2, 0, 1]).unwrap();
         let block = |row: usize, column: usize, a: usize, b: usize| match (row == column, a == b) {
-            (true, same) => {
-                if same {
-                    4.0
-                } else {
-                    0.0
-                }
-            }
-            (false, same) => {
-                if same {
-                    -1.0
-                } else {
-                    -0.5
-                }
-            }
+            (true, true) => 4.0,
+            (true, false) => 0.0,
+            (false, true) => -1.0,
+            (false, false) => -0.5,
         };
         let entry = |source: usize| {
             let position = source / 4;

@@ -162,7 +162,9 @@ mod tests {
 
     /// Lower triangle of the tridiagonal matrix (-1, d, -1).
     fn tridiagonal(n: usize, d: f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
-        let (mut begin, mut rows, mut values) = (vec![0], vec![], vec![]);
+        let mut begin = vec![0];
+        let mut rows = vec![];
+        let mut values = vec![];
         for i in 0..n {
             rows.push(i);
             values.push(d);

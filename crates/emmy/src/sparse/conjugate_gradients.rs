@@ -93,7 +93,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
 
     /// `x += alpha p`, `r -= alpha A p`; the norm of the new r.
     fn advance(&mut self, alpha: [f64; 2]) -> f64 {
-        let (along, against) = (alpha.map(T::of), alpha.map(|a| T::of(-a)));
+        let along = alpha.map(T::of);
+        let against = alpha.map(|a| T::of(-a));
         let solution = self.solution.par_chunks_mut(CHUNK).zip(self.direction.par_chunks(CHUNK));
         let residual = self.rhs.par_chunks_mut(CHUNK).zip(self.product.par_chunks(CHUNK));
         solution.zip(residual).zip(self.partial.par_iter_mut()).for_each(|(((x, p), (r, q)), partial)| {
@@ -124,7 +125,8 @@ fn add_multiple<T: Real, const C: usize>(y: &mut Row<T, C>, a: [T; 2], x: &Row<T
         if C == 1 {
             y[component][0] += a[0] * x[component][0];
         } else {
-            let (re, im) = (x[component][0], x[component][C - 1]);
+            let re = x[component][0];
+            let im = x[component][C - 1];
             y[component][0] += a[0] * re - a[1] * im;
             y[component][C - 1] += a[0] * im + a[1] * re;
         }

@@ -172,8 +172,8 @@ mod tests {
     impl LinearSystem for Convection {
         fn product(&mut self, x: &[f64], y: &mut [f64]) {
             for i in 0..self.0 {
-                let (left, right) =
-                    (if i > 0 { x[i - 1] } else { 0.0 }, x.get(i + 1).copied().unwrap_or(0.0));
+                let left = if i > 0 { x[i - 1] } else { 0.0 };
+                let right = x.get(i + 1).copied().unwrap_or(0.0);
                 y[i] = 2.5 * x[i] - 1.4 * left - 0.6 * right;
             }
         }

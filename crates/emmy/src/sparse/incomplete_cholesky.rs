@@ -49,12 +49,15 @@ impl IncompleteCholesky {
     ) {
         let is_fixed = |row: usize, a: usize| fixed[3 * sweep.order[row] as usize + a];
         let entry = |position: usize, row: usize| -> [f32; 9] {
-            let (source, column) = (sweep.source[position] as usize, sweep.columns[position] as usize);
-            let (values, m) = (stiffness(source), mass[source]);
+            let source = sweep.source[position] as usize;
+            let column = sweep.columns[position] as usize;
+            let values = stiffness(source);
+            let m = mass[source];
             let mut block = [0.0; 9];
             for (at, value) in block.iter_mut().enumerate() {
                 // by columns
-                let (a, b) = (at % 3, at / 3);
+                let a = at % 3;
+                let b = at / 3;
                 if is_fixed(row, a) || is_fixed(column, b) {
                     *value = if row == column && a == b { 1.0 } else { 0.0 };
                 } else {
@@ -86,7 +89,8 @@ impl IncompleteCholesky {
             *pivot = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
             left.as_chunks_mut().0.iter_mut().for_each(|block| *block = lower_times(inverse, block));
         });
-        let (lower, nothing) = (&self.lower, &mut vec![(); sweep.n_rows()]);
+        let lower = &self.lower;
+        let nothing = &mut vec![(); sweep.n_rows()];
         each_row(sweep, rows, self.factor.entries_mut(), nothing, &|own, (), row| {
             for (position, unit) in (sweep.row_begin[row]..).zip(own.as_chunks_mut().0) {
                 if position < sweep.diagonal[row] {
@@ -151,13 +155,15 @@ fn factorize_row(
     interior: &[f32],
     entry: &impl Fn(usize, usize) -> [f32; 9],
 ) {
-    let (begin, diagonal) = (sweep.row_begin[row], sweep.diagonal[row]);
+    let begin = sweep.row_begin[row];
+    let diagonal = sweep.diagonal[row];
     for position in begin..=diagonal {
         let column = sweep.columns[position] as usize;
         let original = entry(position, row);
         let mut work = original;
         // L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
-        let (mut own, mut other) = (begin, sweep.row_begin[column]);
+        let mut own = begin;
+        let mut other = sweep.row_begin[column];
         let end = sweep.diagonal[column];
         while own < position && other < end {
             let (left, right) = (sweep.columns[own], sweep.columns[other]);
@@ -271,7 +277,8 @@ pub mod tests {
 
     /// Mass of a box and a stiffness that is coupled in all components; `(mass, stiffness)`.
     pub fn elastic(pattern: &Pattern) -> (Vec<f64>, Vec<f64>) {
-        let (mut mass, mut stiffness) = (vec![0.0; pattern.n_blocks()], vec![0.0; 9 * pattern.n_blocks()]);
+        let mut mass = vec![0.0; pattern.n_blocks()];
+        let mut stiffness = vec![0.0; 9 * pattern.n_blocks()];
         for row in 0..pattern.n_rows() {
             let n = pattern.row(row).len() as f64;
             for (position, &column) in pattern.range(row).zip(pattern.row(row)) {

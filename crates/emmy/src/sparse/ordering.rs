@@ -30,7 +30,8 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     if pattern.n_blocks() > i32::MAX as usize {
         return Err(Error::Linear { reason: "more than 2^31 couplings: too many for the ordering".into() });
     }
-    let (mut begin, mut neighbours) = (vec![0i32], Vec::with_capacity(pattern.n_blocks() - n));
+    let mut begin = vec![0i32];
+    let mut neighbours = Vec::with_capacity(pattern.n_blocks() - n);
     for row in 0..n {
         let others = pattern.row(row).iter().filter(|&&column| column as usize != row);
         neighbours.extend(others.map(|&column| column as i32));

@@ -18,7 +18,8 @@ impl Pattern {
     /// The pattern in which all nodes of a list are coupled with each other, for every list.
     pub fn new<'a>(n_rows: usize, lists: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
         let (begin, list_of_row, lists) = lists_by_row(n_rows, lists);
-        let (mut row_begin, mut columns) = (vec![0], Vec::new());
+        let mut row_begin = vec![0];
+        let mut columns = Vec::new();
         let mut seen = vec![u32::MAX; n_rows];
         for row in 0..n_rows {
             let start = columns.len();

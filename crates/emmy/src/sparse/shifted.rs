@@ -61,7 +61,8 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
                 let m = if C == 2 { 0.0 } else { mass[source as usize] };
                 for (at, stored) in block.iter_mut().enumerate() {
                     // by columns
-                    let (a, b) = (at % 3, at / 3);
+                    let a = at % 3;
+                    let b = at / 3;
                     let entry = factor * values[3 * a + b] + if a == b { m } else { 0.0 };
                     *stored = E::of(entry);
                     lost[b][a] += entry - stored.number().wide();
@@ -124,7 +125,8 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
         for index in 0..y.len() {
             let row = first + index;
             let couplings = sweep.row_begin[row]..sweep.row_begin[row + 1];
-            let (begin, columns) = (couplings.start, &sweep.columns[couplings.clone()]);
+            let begin = couplings.start;
+            let columns = &sweep.columns[couplings.clone()];
             let product = matrix.blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
             let mut stiff = times(&matrix.remainders[row], &x[row]);
             (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));

@@ -82,7 +82,8 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
             return Some(0);
         }
         gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
-        let (matrix, factor) = (&self.matrix, &mut self.factor);
+        let matrix = &self.matrix;
+        let factor = &mut self.factor;
         let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, size, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
@@ -209,7 +210,8 @@ impl ShiftedSolver for DirectPair {
 
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
         gather(&self.sweep, x, 1.0, &mut self.krylov.rhs);
-        let (matrix, inverse) = (&self.matrix, &mut self.inverse);
+        let matrix = &self.matrix;
+        let inverse = &mut self.inverse;
         let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, 1.0, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)

@@ -83,7 +83,8 @@ impl RowPart {
 
     /// Rows of the product with a vector over all rows, into the part's own memory.
     fn multiply(&mut self, pattern: &Pattern, x: &[f64]) {
-        let (k, n_own) = (self.degree, self.rows.len());
+        let k = self.degree;
+        let n_own = self.rows.len();
         let stride = 3 * pattern.n_rows();
         for row in self.rows.clone() {
             let own = row - self.rows.start;
@@ -170,7 +171,10 @@ impl StageMatrix {
             *number = n_free;
             n_free += 1;
         }
-        let (k, mut begin, mut columns, mut values) = (self.degree, vec![0], Vec::new(), Vec::new());
+        let k = self.degree;
+        let mut begin = vec![0];
+        let mut columns = Vec::new();
+        let mut values = Vec::new();
         for (i, dof) in (0..k).flat_map(|i| (0..fixed.len()).map(move |dof| (i, dof))) {
             if fixed[dof] {
                 continue;
@@ -192,9 +196,11 @@ impl StageMatrix {
 
     /// The blocks of all stages at a position, transposed in stages and components.
     fn transposed(&self, position: usize) -> Vec<f64> {
-        let (k, block) = (self.degree, self.block(position));
+        let k = self.degree;
+        let block = self.block(position);
         let entry = |at: usize| {
-            let (stages, entry) = (at / 9, at % 9);
+            let stages = at / 9;
+            let entry = at % 9;
             block[9 * (stages % k * k + stages / k) + 3 * (entry % 3) + entry / 3]
         };
         (0..block.len()).map(entry).collect()

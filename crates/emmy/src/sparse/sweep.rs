@@ -75,7 +75,8 @@ impl SweepOrder {
     ) -> Self {
         let mut number = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(new, &old)| number[old as usize] = new as u32);
-        let (mut row_begin, mut diagonal) = (vec![0], Vec::with_capacity(order.len()));
+        let mut row_begin = vec![0];
+        let mut diagonal = Vec::with_capacity(order.len());
         let mut columns = Vec::with_capacity(pattern.n_blocks());
         let mut source = Vec::with_capacity(pattern.n_blocks());
         let mut row: Vec<(u32, u32)> = Vec::new();
@@ -121,7 +122,8 @@ fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
 /// Breadth-first order of the rows, from a row far from the middle; parts that are not coupled follow one another.
 fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
     let n = pattern.n_rows();
-    let (mut order, mut seen) = (Vec::with_capacity(n), vec![false; n]);
+    let mut order = Vec::with_capacity(n);
+    let mut seen = vec![false; n];
     for row in 0..n {
         if seen[row] {
             continue;
@@ -213,7 +215,8 @@ pub mod tests {
         for row in 0..sweep.n_rows() {
             assert_eq!(sweep.columns[sweep.diagonal[row]] as usize, row);
             for position in sweep.row_begin[row]..sweep.row_begin[row + 1] {
-                let (column, mirror) = (sweep.columns[position] as usize, sweep.mirror[position] as usize);
+                let column = sweep.columns[position] as usize;
+                let mirror = sweep.mirror[position] as usize;
                 assert_eq!(sweep.columns[mirror] as usize, row);
                 assert!((sweep.row_begin[column]..sweep.row_begin[column + 1]).contains(&mirror));
                 let old = pattern.position(sweep.order[row] as usize, sweep.order[column] as usize);

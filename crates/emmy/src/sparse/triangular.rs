@@ -40,7 +40,8 @@ impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
         let first = rows.start;
         for row in rows {
             let columns = sweep.row_begin[row]..sweep.diagonal[row];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let begin = columns.start;
+            let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };
             let known = factor.product::<C, false, K>(kernel, begin, columns, x);
             // The product with the pivot does not wait for the rows before.
@@ -66,7 +67,8 @@ impl<const C: usize> Work<bf16, C> for Backward<'_, C> {
         let first = rows.start;
         for row in rows.rev() {
             let columns = sweep.diagonal[row] + 1..sweep.row_begin[row + 1];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let begin = columns.start;
+            let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };
             let known = factor.product::<C, true, K>(kernel, begin, columns, x);
             let x = &mut self.x[row - first];

@@ -97,7 +97,8 @@ impl<S: Simd> Batch<S> {
     /// Sum of `coefficients[n] self^n`, the even and the odd terms beside each other.
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
-        let (square, zero) = (self * self, self.splat(0.0));
+        let square = self * self;
+        let zero = self.splat(0.0);
         let (mut even, mut odd) = (zero, zero);
         for pair in coefficients.chunks(2).rev() {
             even = even.mul_add(square, self.splat(pair[0]));
@@ -121,9 +122,11 @@ impl<S: Simd> Batch<S> {
     /// x and n with `self = 2^n x` and x between the roots of 1/2 and 2, for positive numbers.
     #[inline(always)]
     fn scaled(self) -> (Self, Self) {
-        let (mut x, mut n) = (self, self.splat(0.0));
+        let mut x = self;
+        let mut n = self.splat(0.0);
         for power in [512, 256, 128, 64, 32, 16, 8, 4, 2, 1] {
-            let (scale, bound) = (2f64.powi(power), 2f64.powi(power) * std::f64::consts::FRAC_1_SQRT_2);
+            let scale = 2f64.powi(power);
+            let bound = 2f64.powi(power) * std::f64::consts::FRAC_1_SQRT_2;
             let power = self.splat(f64::from(power));
             let is_large = self.simd.greater_than_f64s(x.lanes, self.simd.splat_f64s(bound));
             (x, n) = (self.select(is_large, x * scale.recip(), x), self.select(is_large, n + power, n));
@@ -136,7 +139,8 @@ impl<S: Simd> Batch<S> {
     /// ln(1 + z) where z is not close to zero.
     #[inline(always)]
     fn ln_1p_of_any(self) -> Self {
-        let (simd, one) = (self.simd, self.splat(1.0));
+        let simd = self.simd;
+        let one = self.splat(1.0);
         let y = self + one;
         let (x, n) = y.scaled();
         // The rounding of a small z in 1 + z.
@@ -177,7 +181,8 @@ const EXP_BOUND: f64 = 1.4;
 
 /// `1 / (2 n + 3)`.
 const ARTANH: [f64; 11] = {
-    let (mut terms, mut n) = ([0.0; 11], 0);
+    let mut terms = [0.0; 11];
+    let mut n = 0;
     while n < terms.len() {
         terms[n] = 1.0 / (2 * n + 3) as f64;
         n += 1;
@@ -187,7 +192,9 @@ const ARTANH: [f64; 11] = {
 
 /// `1 / (n + 2)!`.
 const EXP: [f64; 14] = {
-    let (mut terms, mut term, mut n) = ([0.0; 14], 1.0, 0);
+    let mut terms = [0.0; 14];
+    let mut term = 1.0;
+    let mut n = 0;
     while n < terms.len() {
         term /= (n + 2) as f64;
         terms[n] = term;
@@ -284,7 +291,8 @@ impl<S: Simd> Lane for Batch<S> {
     #[inline(always)]
     fn exp_m1(self) -> Self {
         // |x| <= 0.35: 14 terms reach 1e-17 of the sum; two doublings lose less than two digits of the last place.
-        let (x, two) = (self * 0.25, self.splat(2.0));
+        let x = self * 0.25;
+        let two = self.splat(2.0);
         let quarter = (x * x).mul_add(x.polynomial(&EXP), x);
         let half = quarter * (two + quarter);
         let near = half * (two + half);
@@ -297,7 +305,9 @@ impl<S: Simd> Lane for Batch<S> {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        let (simd, a, b) = (self.simd, self.lanes, other.lanes);
+        let simd = self.simd;
+        let a = self.lanes;
+        let b = other.lanes;
         let is_number = simd.equal_f64s(a, a);
         self.select(simd.or_m64s(simd.less_than_f64s(a, b), simd.not_m64s(is_number)), self, other)
     }
@@ -315,7 +325,8 @@ impl<S: Simd> Lane for Batch<S> {
         for a in 0..6 {
             A[a].store(&mut tensors[a], 0);
         }
-        let (mut values, mut vectors) = ([Packed([0.0; LANES]); 3], [[Packed([0.0; LANES]); 3]; 3]);
+        let mut values = [Packed([0.0; LANES]); 3];
+        let mut vectors = [[Packed([0.0; LANES]); 3]; 3];
         for lane in 0..S::F64_LANES {
             let (value, Q) = eigen(&tensors.map(
                 #[inline(always)]

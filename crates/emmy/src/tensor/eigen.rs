@@ -50,7 +50,8 @@ fn rotate(a: &mut Mat3<f64>, Q: &mut Mat3<f64>, p: usize, q: usize) {
     a[q][q] += t * a[p][q];
     (a[p][q], a[q][p]) = (0.0, 0.0);
     let r = 3 - p - q;
-    let (rp, rq) = (a[r][p], a[r][q]);
+    let rp = a[r][p];
+    let rq = a[r][q];
     (a[r][p], a[r][q]) = (c * rp - s * rq, s * rp + c * rq);
     (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
     for row in Q {

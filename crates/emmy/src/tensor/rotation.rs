@@ -41,7 +41,8 @@ pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
     let half = 0.5 * angle;
     // sin(half)/angle without division by zero.
     let s = if half < 1e-8 { 0.5 } else { half.sin() / angle };
-    let (c, [x, y, z]) = (half.cos(), w.map(|w| s * w));
+    let c = half.cos();
+    let [x, y, z] = w.map(|w| s * w);
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - c * z), 2.0 * (x * z + c * y)],
         [2.0 * (x * y + c * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - c * x)],

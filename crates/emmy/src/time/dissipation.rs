@@ -60,7 +60,9 @@ pub struct Dissipation {
 impl Dissipation {
     /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
     pub fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
-        let (k, b, p) = (rule.degree(), rule.weights(), rule.highest_mode());
+        let k = rule.degree();
+        let b = rule.weights();
+        let p = rule.highest_mode();
         let strength = (1.0 - spectral_radius) / (1.0 + spectral_radius);
         let excess = strength / (2 * (2 * k - 1)) as f64;
         let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
@@ -77,7 +79,8 @@ impl Dissipation {
 
     /// Coefficients in the place of a, `[i k + j]`.
     pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
-        let (k, p) = (rule.degree(), rule.highest_mode());
+        let k = rule.degree();
+        let p = rule.highest_mode();
         let excess = |n: usize| self.excess * p[n / k] * self.highest_mode[n % k];
         rule.coefficients().iter().enumerate().map(|(n, a)| a + excess(n)).collect()
     }
@@ -190,10 +193,12 @@ impl RigidProjection {
         body.mass_product(arm, weighted_arm);
         body.mass_product(velocity, momentum);
         centre(self.translations, self.mass, &self.row_sums, arm, weighted_arm);
-        let (first, second) = (outer(arm, &self.weighted_arm), outer(&self.arm, weighted_arm));
+        let first = outer(arm, &self.weighted_arm);
+        let second = outer(&self.arm, weighted_arm);
         let change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
         let turned = inertia_times(&change, multipliers.turn);
-        let (own, other) = (moment(&self.arm, momentum), moment(arm, &self.momentum));
+        let own = moment(&self.arm, momentum);
+        let other = moment(arm, &self.momentum);
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
         let change = self.projected(sum(&self.change.momentum), right);
         self.add(change, h, residual);

@@ -49,7 +49,8 @@ impl<'a> TimeElementStepper<'a> {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree);
+        let n = body.n_dofs();
+        let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
         Ok(TimeElementStepper {
             iteration: Iteration::new(&system.coefficients, n, settings),
@@ -80,7 +81,8 @@ impl<'a> TimeElementStepper<'a> {
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
         let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
-        let (k, n) = (coefficients.rule.degree(), self.momentum.len());
+        let k = coefficients.rule.degree();
+        let n = self.momentum.len();
         for (row, known) in coefficients.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
             let row_sum: f64 = row.iter().sum();
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
@@ -97,7 +99,8 @@ impl<'a> TimeElementStepper<'a> {
     /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground has its
     /// part in the impulses; its work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
-        let (body, n) = (self.system.body, self.system.body.n_dofs());
+        let body = self.system.body;
+        let n = self.system.body.n_dofs();
         let has_supports = body.fixed().contains(&true);
         let mut impulses = Impulses::default();
         if has_supports {
@@ -157,7 +160,8 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Adds the rates of the step to a displacement.
     fn displace(&self, state: &mut State) {
-        let (n, weights) = (state.displacement.len(), self.system.coefficients.rule.weights());
+        let n = state.displacement.len();
+        let weights = self.system.coefficients.rule.weights();
         state.displacement_low.resize(n, 0.0);
         for dof in 0..n {
             let rates = self.iteration.rates[dof..].iter().step_by(n);
@@ -273,7 +277,8 @@ impl<'a> TimeElementStepper<'a> {
     /// Sets the velocity `v_c` with which the polynomial of the step ends at the driven degrees of freedom; `velocity`: that of
     /// its start.
     fn set_end_velocity(&mut self, velocity: &[f64], h: f64) {
-        let (body, n) = (self.system.body, velocity.len());
+        let body = self.system.body;
+        let n = velocity.len();
         self.end_velocity.copy_from_slice(velocity);
         for j in 0..self.averages.len() {
             let beta = self.end_weight(j);

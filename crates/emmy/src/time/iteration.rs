@@ -140,7 +140,8 @@ impl Iteration {
         }
         self.newton.forget();
         // An iteration that ran says more than one that could not start.
-        let (step, time) = (state.step + 1, state.time + step_size);
+        let step = state.step + 1;
+        let time = state.time + step_size;
         Err(failure
             .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
             .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
@@ -252,7 +253,8 @@ impl Iteration {
 pub const LARGEST_ROUNDING: f64 = 1e-3;
 
 fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
-    let (step, time) = (state.step + 1, state.time + step_size);
+    let step = state.step + 1;
+    let time = state.time + step_size;
     Error::NoDigits { step, time, digits: -rounding.log10() }
 }
 

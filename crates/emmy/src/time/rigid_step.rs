@@ -146,7 +146,9 @@ impl RigidStep {
     /// D_i - [w_i] sum_j a_ij D_j = [w_i],     dD_i - [w_i] sum_j a_ij dD_j = [dw_i] T_i
     /// ```
     fn collocate(&mut self, coefficients: &StageCoefficients) -> bool {
-        let (k, n, a) = (self.k, 3 * self.k, coefficients.rule.coefficients());
+        let k = self.k;
+        let n = 3 * self.k;
+        let a = coefficients.rule.coefficients();
         // T_i first, for the right-hand sides of the changes; two eliminations of a small matrix.
         for columns in [3, 3 + 3 * n] {
             self.collocation.fill(0.0);
@@ -190,8 +192,11 @@ impl RigidStep {
         known: &[Mat3<f64>],
         free: [bool; 3],
     ) -> bool {
-        let (k, n) = (self.k, 3 * self.k);
-        let (m, a, columns) = (&coefficients.mass, coefficients.rule.coefficients(), 3 + 3 * n);
+        let k = self.k;
+        let n = 3 * self.k;
+        let m = &coefficients.mass;
+        let a = coefficients.rule.coefficients();
+        let columns = 3 + 3 * n;
         let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
         let (mut size, mut largest) = (0f64, 0f64);
         for i in 0..k {
@@ -233,7 +238,8 @@ impl RigidStep {
 pub fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
     let about = |d: usize, e: usize| if d == e { trace - inertia[d][e] } else { -inertia[d][e] };
-    let (moments, mut spin) = (moment(moments), [0.0; 3]);
+    let moments = moment(moments);
+    let mut spin = [0.0; 3];
     // The regularised tensor leaves its own small part to the next pass, but for an axis without inertia.
     for _ in 0..REFINEMENTS {
         let (mut matrix, mut change) = ([0.0; 9], [0.0; 3]);

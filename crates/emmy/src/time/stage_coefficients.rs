@@ -28,7 +28,8 @@ pub struct StageCoefficients {
 impl StageCoefficients {
     /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i (a^-1)_ij`.
     pub fn end_weights(&self, j: usize) -> [f64; 2] {
-        let (b, k) = (self.rule.weights(), self.rule.degree());
+        let b = self.rule.weights();
+        let k = self.rule.degree();
         [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]
     }
 }

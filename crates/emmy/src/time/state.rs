@@ -93,11 +93,13 @@ impl State {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn angular_momentum(&self, body: &Body) -> [f64; 3] {
-        let (origin, mut total) = (self.origin(body), [0.0; 3]);
+        let origin = self.origin(body);
+        let mut total = [0.0; 3];
         let mut moment = [0.0; 3];
         for (node, p) in self.momentum.as_chunks::<3>().0.iter().enumerate() {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
-            let (X, at) = (body.mesh().points()[node], 3 * node);
+            let X = body.mesh().points()[node];
+            let at = 3 * node;
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
             add(&mut moment, cross(q, *p));
             add(&mut total, *p);

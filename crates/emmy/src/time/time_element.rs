@@ -230,7 +230,8 @@ mod tests {
         // q = t^3 on a step 0..1, continued over 1..1.7: rates dq/dalpha at the Gauss points.
         let rule = TimeElement::standard(3, 3).unwrap().coefficients().rule;
         let c = rule.nodes();
-        let (old, ratio) = ([0, 1, 2].map(|j| 3.0 * c[j] * c[j]), 0.7);
+        let old = [0, 1, 2].map(|j| 3.0 * c[j] * c[j]);
+        let ratio = 0.7;
         let mut e = [0.0; 9];
         rule.continuation(ratio, &mut e);
         for i in 0..3 {

@@ -47,7 +47,8 @@ fn fault(flag: &str, what: impl std::fmt::Display, help: &str) -> Failure {
 
 /// Start and end of the runs.
 fn span(arguments: &Arguments, problem: &Problem) -> Result<(f64, f64), Failure> {
-    let (start, end) = (problem.plan.start(), problem.plan.end());
+    let start = problem.plan.start();
+    let end = problem.plan.end();
     let plan = format!("the plan goes from t = {} to t = {}", number(start), number(end));
     let from = arguments.from.unwrap_or(start);
     if !(start..end).contains(&from) {
@@ -140,7 +141,8 @@ fn below(size: f64, smallest: f64) -> Result<f64, Failure> {
 
 /// Rejects sizes so small that the samples would not fit; they are probably typing errors.
 fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
-    let (mut n_times, all) = (0.0, study.sizes.iter().map(|&size| ("--sizes", size)));
+    let mut n_times = 0.0;
+    let all = study.sizes.iter().map(|&size| ("--sizes", size));
     for (flag, size) in all.chain([("--reference", study.reference_size)]) {
         let plan = study.plan(size).map_err(|error| fault(&format!("{flag}: {size}"), error, ""))?;
         if flag == "--sizes" {

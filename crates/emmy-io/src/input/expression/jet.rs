@@ -36,7 +36,8 @@ impl Jet {
         let a = self.0[0];
         // A factor of zero beats a power of zero that has no bound: (a^1)'' = 0 at a = 0.
         let term = |factor: f64, n: f64| if factor == 0.0 { 0.0 } else { factor * a.powf(n) };
-        let (n, n_1) = (exponent, exponent - 1.0);
+        let n = exponent;
+        let n_1 = exponent - 1.0;
         self.chain([a.powf(n), term(n, n_1), term(n * n_1, n_1 - 1.0)])
     }
 

@@ -23,7 +23,8 @@ pub(super) const FUNCTIONS: [(&str, Function); 13] = [
     ("sin", |x| [x.sin(), x.cos(), -x.sin()]),
     ("cos", |x| [x.cos(), -x.sin(), -x.cos()]),
     ("tan", |x| {
-        let (t, s) = (x.tan(), 1.0 + x.tan().powi(2));
+        let t = x.tan();
+        let s = 1.0 + x.tan().powi(2);
         [t, s, 2.0 * t * s]
     }),
     ("asin", |x| {
@@ -41,7 +42,8 @@ pub(super) const FUNCTIONS: [(&str, Function); 13] = [
     ("sinh", |x| [x.sinh(), x.cosh(), x.sinh()]),
     ("cosh", |x| [x.cosh(), x.sinh(), x.cosh()]),
     ("tanh", |x| {
-        let (t, s) = (x.tanh(), x.cosh().powi(-2));
+        let t = x.tanh();
+        let s = x.cosh().powi(-2);
         [t, s, -2.0 * t * s]
     }),
     ("exp", |x| [x.exp(); 3]),
@@ -146,7 +148,8 @@ mod tests {
         let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
         for text in texts {
-            let (d, expression) = (1e-4, parse(&text).unwrap());
+            let d = 1e-4;
+            let expression = parse(&text).unwrap();
             let at = |i: f64| expression.at(t + i * d).0;
             for order in 0..2 {
                 // Five points: the error is of order d^4, rounding of order eps/d.

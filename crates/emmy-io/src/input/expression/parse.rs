@@ -94,7 +94,8 @@ impl Reader<'_> {
         operators: &[(char, Operator)],
         part: fn(&mut Self) -> Result<Expression, Mistake>,
     ) -> Result<Expression, Mistake> {
-        let (mut left, mut n_parts) = (part(self)?, 1);
+        let mut left = part(self)?;
+        let mut n_parts = 1;
         loop {
             let next = self.next();
             let Some(&(sign, operator)) = operators.iter().find(|(sign, _)| Some(*sign) == next) else {
@@ -149,7 +150,8 @@ impl Reader<'_> {
     }
 
     fn number(&mut self) -> Result<Expression, Mistake> {
-        let (start, bytes) = (self.at, self.text.as_bytes());
+        let start = self.at;
+        let bytes = self.text.as_bytes();
         let digits = |mut at: usize| {
             while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'.') {
                 at += 1;
@@ -164,7 +166,8 @@ impl Reader<'_> {
             end = if exponent > end + 1 + sign { exponent } else { end };
         }
         self.at = end;
-        let (text, place) = (&self.text[start..end], start..end);
+        let text = &self.text[start..end];
+        let place = start..end;
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Expression::Number(value)),
             Ok(_) => Err(Mistake { reason: format!("`{text}` is too large"), place }),
@@ -173,9 +176,11 @@ impl Reader<'_> {
     }
 
     fn name(&mut self) -> Result<Expression, Mistake> {
-        let (start, rest) = (self.at, &self.text[self.at..]);
+        let start = self.at;
+        let rest = &self.text[self.at..];
         let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-        let (name, place) = (&rest[..length], start..start + length);
+        let name = &rest[..length];
+        let place = start..start + length;
         self.at += length;
         if name == "t" {
             return Ok(Expression::Time);

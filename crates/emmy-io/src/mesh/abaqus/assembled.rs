@@ -26,7 +26,8 @@ pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         assembly.add_groups(Some(index as u32), &mut notes)?;
         assembly.add_instance_group(index);
     }
-    let (builder, starts) = (assembly.builder, assembly.starts);
+    let builder = assembly.builder;
+    let starts = assembly.starts;
     let name = |cell: usize| element_name(deck, &starts, cell);
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
@@ -157,7 +158,8 @@ impl<'a> Assembly<'a> {
         is_taken: bool,
         notes: &mut Vec<String>,
     ) -> Result<()> {
-        let (mut indices, mut lower) = (Vec::new(), Lower::default());
+        let mut indices = Vec::new();
+        let mut lower = Lower::default();
         let mut n_missing = 0_u64;
         for &member in &set.members {
             let (found, missing) = self.indices(of, instance, member);

@@ -72,7 +72,9 @@ pub(super) fn nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
 
 fn node_block(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
     let start = cursor.offset();
-    let (dim, _entity, parametric) = (cursor.whole()?, cursor.int()?, cursor.int()?);
+    let dim = cursor.whole()?;
+    let _entity = cursor.int()?;
+    let parametric = cursor.int()?;
     if dim > 3 {
         return Err(cursor.malformed(start, format!("a block of nodes of dimension {dim}")));
     }

@@ -81,7 +81,8 @@ pub(super) fn from_bytes(numeric_type: &str, encoding: Encoding, bytes: &[u8]) -
 /// Bytes of base64, where a header and the data after it may have been encoded one by one.
 pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
-    let (mut rest, mut bytes) = (&text[..], Vec::with_capacity(text.len() / 4 * 3));
+    let mut rest = &text[..];
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     while !rest.is_empty() {
         let padding = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
         let end = ((padding / 4 + 1) * 4).min(rest.len());
@@ -168,7 +169,8 @@ mod tests {
 
     #[test]
     fn header_and_data_may_be_encoded_together_or_one_by_one() {
-        let (header, data) = (8u32.to_le_bytes(), 0.5f64.to_le_bytes());
+        let header = 8u32.to_le_bytes();
+        let data = 0.5f64.to_le_bytes();
         let together = STANDARD.encode([&header[..], &data[..]].concat());
         let apart = STANDARD.encode(header) + "\n  " + &STANDARD.encode(data);
         assert_ne!(together, apart);

@@ -78,7 +78,8 @@ impl Draft {
 
     /// Adds the cells of the body and says for each cell of the file which one it is.
     fn add_cells(&mut self, file: &Path, is_link: &[bool]) -> Result<Vec<Option<u32>>> {
-        let (mut cells, mut n_mirrored) = (Vec::with_capacity(self.shapes.len()), 0);
+        let mut cells = Vec::with_capacity(self.shapes.len());
+        let mut n_mirrored = 0;
         for (index, &(id, shape)) in self.shapes.iter().enumerate() {
             let Some(kind) = shape.kind.filter(|_| shape.dim == self.dim || is_link[index]) else {
                 cells.push(None);

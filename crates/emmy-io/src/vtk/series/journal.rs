@@ -111,7 +111,8 @@ impl Entries {
     pub(super) fn read(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         let end = file.metadata()?.len();
-        let (mut found, mut offset) = (Entries { file: BufReader::new(file), entries: Vec::new() }, 8);
+        let mut found = Entries { file: BufReader::new(file), entries: Vec::new() };
+        let mut offset = 8;
         while offset <= end {
             let length = u64::from_le_bytes(found.bytes(offset - 8, 8)?.try_into().unwrap_or_default());
             if length < 4 || length > end - offset {

@@ -101,7 +101,8 @@ impl Series {
     ) -> io::Result<(Self, Vec<FrameTime>)> {
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let journal = with_ending(&path, journal::ENDING);
-        let (copy, mut entries) = (SeriesReader::open(&path).ok(), Entries::read(&journal).ok());
+        let copy = SeriesReader::open(&path).ok();
+        let mut entries = Entries::read(&journal).ok();
         let journal = Journal::open(&journal)?;
         let mut series = Series::new(path, journal, precision, mesh, region_of_cell)?;
         let mut missing = Vec::new();
@@ -229,10 +230,12 @@ impl Series {
     }
 
     fn new_field(&self, name: FieldName) -> io::Result<FieldDataset> {
-        let (place, components) = (name.place(), name.components().len());
+        let place = name.place();
+        let components = name.components().len();
         let n_rows = if place == Place::Nodes { self.n_nodes } else { self.n_cells };
         let chunks = Chunks::new(n_rows, components, self.precision);
-        let (file, [data, offsets]) = (self.file()?, groups(place));
+        let file = self.file()?;
+        let [data, offsets] = groups(place);
         let data = format!("{data}/{name}");
         let dataset = match self.precision {
             Precision::Double => growing::<f64>(file, &data, chunks),

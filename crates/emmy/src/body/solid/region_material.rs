@@ -36,7 +36,8 @@ impl RegionMaterial {
     /// no volume.
     pub fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
         let RegionMaterial::Solid(material) = self else { return None };
-        let (material, mut stress) = (material.response::<f64>(), [0.0; 6]);
+        let material = material.response::<f64>();
+        let mut stress = [0.0; 6];
         material.stress(strain, &mut stress);
         Some((material.strain_energy(strain), stress))
     }

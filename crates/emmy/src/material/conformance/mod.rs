@@ -157,7 +157,8 @@ fn multiplicity(component: usize) -> f64 {
 }
 
 fn stress_is_the_derivative_of_the_energy(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (stress, together) = (material.stress(strain), material.stress_and_elasticity(strain).0);
+    let stress = material.stress(strain);
+    let together = material.stress_and_elasticity(strain).0;
     for b in 0..6 {
         let derivative = material.strain_energy(&seeded(strain, b)).eps / multiplicity(b);
         // W sums terms as large as those at full strain even where S is small.
@@ -174,8 +175,8 @@ fn elasticity_norm(material: &impl Material, strain: &Sym<f64>) -> f64 {
 }
 
 fn elasticity_is_the_derivative_of_the_stress(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (D, tolerance) =
-        (material.stress_and_elasticity(strain).1, 1e-13 * elasticity_norm(material, strain));
+    let D = material.stress_and_elasticity(strain).1;
+    let tolerance = 1e-13 * elasticity_norm(material, strain);
     for b in 0..6 {
         let derivative = material.stress(&seeded(strain, b)).map(|s| s.eps / multiplicity(b));
         for a in 0..6 {
@@ -187,8 +188,8 @@ fn elasticity_is_the_derivative_of_the_stress(material: &impl Material, strain: 
 
 /// Major symmetry; the storage implies the minor ones.
 fn elasticity_is_symmetric(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (D, tolerance) =
-        (material.stress_and_elasticity(strain).1, 1e-15 * elasticity_norm(material, strain));
+    let D = material.stress_and_elasticity(strain).1;
+    let tolerance = 1e-15 * elasticity_norm(material, strain);
     for a in 0..6 {
         for b in 0..a {
             prop_assert!((D[a][b] - D[b][a]).abs() <= tolerance);
@@ -229,9 +230,11 @@ fn agrees_with_linear_elasticity(
     small_strain_stress: &impl Fn(&Sym<f64>) -> Sym<f64>,
     direction: &Sym<f64>,
 ) -> Check {
-    let (size, scale) = (1e-7, elasticity_norm(material, &[0.0; 6]));
+    let size = 1e-7;
+    let scale = elasticity_norm(material, &[0.0; 6]);
     let E = direction.map(|e| e * size);
-    let (S, linear) = (material.stress(&E), small_strain_stress(&E));
+    let S = material.stress(&E);
+    let linear = small_strain_stress(&E);
     for a in 0..6 {
         prop_assert!((S[a] - linear[a]).abs() < 20.0 * size * size * scale, "{S:?} is not {linear:?}");
     }
@@ -275,7 +278,8 @@ fn keeps_the_digits_of_energy_changes(
     for (size, part) in
         [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
     {
-        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let E = direction.map(|e| e * size);
+        let dE = GENERAL_DIRECTION.map(|e| e * size * part);
         let end = sym_add_scaled(&E, 1.0, &dE);
         let Some(change) =
             material.energy_change(&E, &dE).filter(|_| is_deformation(&E) && is_deformation(&end))
@@ -300,12 +304,14 @@ fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) 
     for (size, part) in
         [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
     {
-        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let E = direction.map(|e| e * size);
+        let dE = GENERAL_DIRECTION.map(|e| e * size * part);
         let strains = points.map(|[alpha, _]| sym_add_scaled(&E, alpha, &dE));
         if !strains.iter().all(is_deformation) {
             continue;
         }
-        let (mut sum, mut scale) = ([0.0; 6], 0.0);
+        let mut sum = [0.0; 6];
+        let mut scale = 0.0;
         for (strain, [_, weight]) in strains.iter().zip(points) {
             let stress = material.stress(strain);
             sum = sym_add_scaled(&sum, weight, &stress);
@@ -331,7 +337,8 @@ fn keeps_the_digits_of_its_elasticity(
         if !is_deformation(&strain) {
             continue;
         }
-        let (D, scale) = (material.stress_and_elasticity(&strain).1, elasticity_norm(material, &strain));
+        let D = material.stress_and_elasticity(&strain).1;
+        let scale = elasticity_norm(material, &strain);
         for (a, b) in (0..6).flat_map(|a| (0..=a).map(move |b| (a, b))) {
             let error = (big(D[a][b]) - second_derivative(energy, &strain, a, b)).to_f64().value();
             // A component is a sum of a dozen products of rounded factors.
@@ -363,7 +370,8 @@ fn second_derivative(energy: &impl Fn(&Mat3<Big>) -> Big, E: &Sym<f64>, a: usize
 
 /// Norm of the error of S by the norm of S; the exact S is a central difference with 60 correct digits.
 fn stress_error(material: &impl Material, energy: &impl Fn(&Mat3<Big>) -> Big, E: &Sym<f64>) -> f64 {
-    let (S, h) = (material.stress(E), 2f64.powi(-110));
+    let S = material.stress(E);
+    let h = 2f64.powi(-110);
     let exact = [0, 1, 2, 3, 4, 5].map(|b| {
         let energy_at = |increment: f64| energy(&right_cauchy_green(E, &[(b, big(increment))]));
         (energy_at(h) - energy_at(-h)) / big(2.0 * h * multiplicity(b))

@@ -44,7 +44,8 @@ pub(super) fn samples() -> BTreeMap<CellKind, Sample> {
 
 impl Sample {
     fn new(kind: CellKind) -> Self {
-        let (curved, mass) = (element(kind), element(kind).mass_quadrature());
+        let curved = element(kind);
+        let mass = element(kind).mass_quadrature();
         let mut at_quadrature = gradients(curved, &mass.points);
         at_quadrature.extend(gradients(curved, &curved.quadrature().points));
         Sample {
@@ -66,8 +67,8 @@ impl Sample {
         let smallest_det = dets.into_iter().reduce(smaller).unwrap_or(f64::NAN);
         let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(self.kind, X, dN)));
         let lengths: Vec<f64> = self.edges.iter().map(|&[a, b]| distance(X[a], X[b])).collect();
-        let (shortest, longest) =
-            (lengths.iter().copied().reduce(smaller), lengths.iter().copied().reduce(f64::max));
+        let shortest = lengths.iter().copied().reduce(smaller);
+        let longest = lengths.iter().copied().reduce(f64::max);
         Measures {
             smallest_det,
             jacobian_ratio: at_nodes.fold(smallest_det, smaller) / mean.abs(),
@@ -131,7 +132,8 @@ fn edges(kind: CellKind) -> Vec<[usize; 2]> {
 /// Corners with each three successive neighbours, anticlockwise as seen from outside; in a plane with the next corner and the
 /// one before, the third edge being the unit vector along z.
 fn spans(kind: CellKind) -> Vec<[usize; 4]> {
-    let (mut spans, n) = (Vec::new(), kind.n_corners());
+    let mut spans = Vec::new();
+    let n = kind.n_corners();
     if kind.dimension() == 1 {
         return spans;
     }
@@ -152,7 +154,8 @@ fn spans(kind: CellKind) -> Vec<[usize; 4]> {
 fn neighbours(kind: CellKind, corner: usize) -> Vec<usize> {
     let mut following = BTreeMap::new();
     for facet in kind.facets() {
-        let (corners, n) = (facet.nodes, facet.kind.n_corners());
+        let corners = facet.nodes;
+        let n = facet.kind.n_corners();
         if let Some(at) = corners[..n].iter().position(|&node| node == corner) {
             following.insert(corners[(at + n - 1) % n], corners[(at + 1) % n]);
         }

@@ -16,7 +16,8 @@ impl<F: Function> WithSimd for Apply<F> {
     type Output = [f64; LANES];
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
-        let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+        let mut result = Packed([0.0; LANES]);
+        let zero = Batch::new(simd, 0.0);
         for part in 0..LANES / S::F64_LANES {
             let x = [0, 1, 2].map(|n| zero.load(&self.1[n], part));
             self.0.of(x).store(&mut result, part);
@@ -129,7 +130,8 @@ fn eigenvalues_are_taken_lane_by_lane() {
     impl WithSimd for Values {
         type Output = [f64; LANES];
         fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
-            let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+            let mut result = Packed([0.0; LANES]);
+            let zero = Batch::new(simd, 0.0);
             for part in 0..LANES / S::F64_LANES {
                 let (values, Q) = Lane::eigen(&self.0.map(|a| zero.load(&a, part)));
                 (values[0] * Q[0][0] + values[1] * Q[0][1]).store(&mut result, part);

@@ -72,7 +72,8 @@ impl<'a> BatheStepper<'a> {
 
     /// Trapezoidal rule up to the split.
     fn first_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
-        let (s, part) = (0.5 * SPLIT * h, SPLIT * h);
+        let s = 0.5 * SPLIT * h;
+        let part = SPLIT * h;
         self.system.start(&state.displacement, s);
         let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
@@ -94,7 +95,8 @@ impl<'a> BatheStepper<'a> {
 
     /// Three-point backward Euler from the split to the end.
     fn second_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
-        let (s, [c_1, c_2, c_3]) = (0.5 * SPLIT * h, backward_coefficients(h));
+        let s = 0.5 * SPLIT * h;
+        let [c_1, c_2, c_3] = backward_coefficients(h);
         self.system.start(&self.split.displacement, s);
         for (dof, work) in self.work.iter_mut().enumerate() {
             let old = c_1 * state.velocity[dof] + c_2 * self.split.velocity[dof];
@@ -126,9 +128,11 @@ impl<'a> BatheStepper<'a> {
 
     /// The state at the end of the step: `v_2 = c_3 x - c_1 (u_s - u_1)` and `a_2 = c_1 v_1 + c_2 v_s + c_3 v_2`.
     fn update(&mut self, state: &mut State, h: f64) {
-        let (body, [c_1, c_2, c_3]) = (self.forces.body, backward_coefficients(h));
+        let body = self.forces.body;
+        let [c_1, c_2, c_3] = backward_coefficients(h);
         for (dof, x) in self.iteration.rates.iter().enumerate() {
-            let (old, split) = (state.velocity[dof], self.split.velocity[dof]);
+            let old = state.velocity[dof];
+            let split = self.split.velocity[dof];
             let new = c_3 * x - c_1 * self.increment[dof];
             state.velocity[dof] = new;
             self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;

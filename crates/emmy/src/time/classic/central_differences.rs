@@ -39,7 +39,8 @@ impl<'a> CentralDifferences<'a> {
     /// # Errors
     /// [`Error::Inverted`].
     pub fn new(body: &'a Body, state: &mut State) -> Result<Self> {
-        let (mut forces, n) = (Forces::new(body), body.n_dofs());
+        let mut forces = Forces::new(body);
+        let n = body.n_dofs();
         let limit = StabilityLimit::new(&mut forces, &state.displacement)?;
         let mut start = TimePoint::new(n);
         start.displacement.copy_from_slice(&state.displacement);
@@ -84,7 +85,8 @@ fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
 
 impl Stepper for CentralDifferences<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
-        let (body, h) = (self.forces.body, step_size);
+        let body = self.forces.body;
+        let h = step_size;
         self.limit.check(&mut self.forces, state, h)?;
         for (dof, x) in self.increment.iter_mut().enumerate() {
             let middle = state.momentum[dof] + 0.5 * h * self.inertia[dof];
@@ -199,7 +201,8 @@ impl StabilityLimit {
 
     /// One power iteration; returns `|M^-1 K x| / |x|` in the norm of the mass, at most the largest eigenvalue.
     fn iterate(&mut self, forces: &mut Forces<'_>) -> f64 {
-        let (body, mode) = (forces.body, &mut self.mode);
+        let body = forces.body;
+        let mode = &mut self.mode;
         forces.assembly.matrix.multiply(body.pattern(), mode, &mut self.product);
         let (mut old, mut new) = (0.0, 0.0);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
@@ -226,7 +229,9 @@ impl StabilityLimit {
         if step_size <= limit {
             return Ok(());
         }
-        let (step, time, critical) = (state.step + 1, state.time + step_size, self.critical_step);
+        let step = state.step + 1;
+        let time = state.time + step_size;
+        let critical = self.critical_step;
         Err(Error::StepTooLarge { step, time, step_size, critical, limit })
     }
 }

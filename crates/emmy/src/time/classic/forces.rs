@@ -96,7 +96,8 @@ impl Forces<'_> {
     fn add_damping(&mut self, state: &State, external: &[f64], net: &mut [f64]) -> Result<()> {
         if self.body.is_viscous() {
             let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
-            let (before, rule): (Vec<f64>, Rule) = (before.collect(), Rule::standard(1, &gauss(1)));
+            let before: Vec<f64> = before.collect();
+            let rule: Rule = Rule::standard(1, &gauss(1));
             let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
             let step = StepInput {
                 rule: &rule,
@@ -207,8 +208,11 @@ impl Start {
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(forces: &mut Forces<'_>, state: &State) -> Result<Self> {
-        let (body, n) = (forces.body, forces.body.n_dofs());
-        let (mut acceleration, mut inertia, mut point) = (vec![0.0; n], vec![0.0; n], TimePoint::new(n));
+        let body = forces.body;
+        let n = forces.body.n_dofs();
+        let mut acceleration = vec![0.0; n];
+        let mut inertia = vec![0.0; n];
+        let mut point = TimePoint::new(n);
         point.displacement.copy_from_slice(&state.displacement);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;

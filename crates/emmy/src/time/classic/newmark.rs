@@ -183,7 +183,8 @@ impl<'a> NewmarkStepper<'a> {
     /// Sets the equations of the step.
     fn start(&mut self, state: &State, h: f64) {
         let NewmarkParameters { alpha_m, alpha_f, beta, .. } = self.parameters;
-        let (system, body) = (&mut self.system, self.forces.body);
+        let system = &mut self.system;
+        let body = self.forces.body;
         system.start(&state.displacement, h);
         let c = (1.0 - alpha_m) / beta;
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
@@ -208,7 +209,8 @@ impl<'a> NewmarkStepper<'a> {
         let NewmarkParameters { beta, gamma, .. } = self.parameters;
         let body = self.forces.body;
         for (dof, x) in self.iteration.rates.iter().enumerate() {
-            let (v, a) = (state.velocity[dof], self.acceleration[dof]);
+            let v = state.velocity[dof];
+            let a = self.acceleration[dof];
             let new = (x - h * v) / (beta * h * h) - (0.5 - beta) / beta * a;
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
             self.acceleration[dof] = new;
@@ -220,7 +222,9 @@ impl<'a> NewmarkStepper<'a> {
 
     /// Work and impulses with the weights 1 - gamma at the start and gamma at the end, the weights of the velocity.
     fn impulses(&mut self, h: f64) -> Impulses {
-        let (body, gamma, x) = (self.forces.body, self.parameters.gamma, &self.iteration.rates);
+        let body = self.forces.body;
+        let gamma = self.parameters.gamma;
+        let x = &self.iteration.rates;
         self.end.set_reactions(body, &self.inertia);
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);

@@ -52,7 +52,8 @@ mod tests {
     fn polynomials_of_one_degree_more_are_reconstructed() {
         // u = t^(k+1) on 0.3 .. 0.3 + h.
         for k in 1..=4 {
-            let (h, power) = (0.7f64, k as i32);
+            let h = 0.7f64;
+            let power = k as i32;
             let rate = |alpha: f64| h * f64::from(power + 1) * (0.3 + h * alpha).powi(power);
             let mut reconstruction = Reconstruction::new(k, 1);
             let rates: Vec<f64> = gauss(k).points.iter().map(|&[c]| rate(c)).collect();

@@ -94,7 +94,8 @@ impl Sampling {
 
     /// Observes a step with the rates `[k][n_nodes][3]`.
     pub fn observe(&mut self, body: &Body, rates: &[f64], step_size: f64) {
-        let (n, scale) = (self.derivative.len(), step_size.powi(-(self.weights.len() as i32)));
+        let n = self.derivative.len();
+        let scale = step_size.powi(-(self.weights.len() as i32));
         self.new_derivative.fill(0.0);
         for (rates, weight) in rates.chunks_exact(n).zip(&self.weights) {
             let terms = self.new_derivative.iter_mut().zip(rates);
@@ -110,8 +111,10 @@ impl Sampling {
 
     /// Ratio of the error of the observed step to the error of the sample, where the law applies.
     fn factor(&self, step_size: f64) -> Option<f64> {
-        let ([size, sampled], derivative_norm) = (self.sample?, self.derivative_norm?);
-        let (larger, change) = (step_size / size, derivative_norm / sampled);
+        let [size, sampled] = self.sample?;
+        let derivative_norm = self.derivative_norm?;
+        let larger = step_size / size;
+        let change = derivative_norm / sampled;
         let is_near = larger <= MAX_EXTRAPOLATED_GROWTH
             && (1.0 / MAX_DERIVATIVE_RATIO..=MAX_DERIVATIVE_RATIO).contains(&change);
         is_near.then(|| larger.powf(self.order) * change.powf(self.power))
@@ -209,7 +212,8 @@ mod tests {
         let body = cube();
         for k in 1..=3 {
             let mut sampling = Sampling::new(k, 2 * k + 1, 24);
-            let (mut t, expected) = (0.2, (k * (k + 1)) as f64 * 3f64.sqrt());
+            let mut t = 0.2;
+            let expected = (k * (k + 1)) as f64 * 3f64.sqrt();
             for h in [0.1, 0.1, 0.07, 0.2] {
                 sampling.observe(&body, &rates(k, k as i32 + 1, t, h), h);
                 if t > 0.2 {
@@ -244,7 +248,8 @@ mod tests {
 
     #[test]
     fn estimates_become_rare_where_the_law_is_good() {
-        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
+        let body = cube();
+        let mut sampling = Sampling::new(2, 5, 24);
         // The first step has none before it, the second one no sample, the third one proves the law.
         assert_eq!(march(&mut sampling, &body, 0..60, 1e-3), [0, 1, 2, 4, 7, 12, 21, 38, 55]);
         // It has to prove good again after a jump.
@@ -256,7 +261,8 @@ mod tests {
 
     #[test]
     fn errors_follow_size_and_pace() {
-        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
+        let body = cube();
+        let mut sampling = Sampling::new(2, 5, 24);
         march(&mut sampling, &body, 0..4, 1e-3);
         sampling.left = 1;
         let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);

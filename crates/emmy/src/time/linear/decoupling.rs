@@ -35,7 +35,9 @@ const PAIRED: f64 = 1e-12;
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
 pub fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
-    let (k, a, w) = (response.len().isqrt(), inverse_mass, response);
+    let k = response.len().isqrt();
+    let a = inverse_mass;
+    let w = response;
     let product: Vec<f64> =
         (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
     let eigen = eigenpairs(&product)?;
@@ -85,7 +87,8 @@ impl Mode {
 
     /// Right-hand sides of the mode, `[dof][column]`, from the right-hand sides of the stages, `[k][dof]`.
     pub fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
-        let (k, n) = (self.forward.len() / self.n_columns(), columns.len() / self.n_columns());
+        let k = self.forward.len() / self.n_columns();
+        let n = columns.len() / self.n_columns();
         for (dof, columns) in columns.chunks_exact_mut(self.n_columns()).enumerate() {
             for (value, forward) in columns.iter_mut().zip(self.forward.chunks_exact(k)) {
                 *value = forward.iter().enumerate().map(|(i, forward)| forward * stages[i * n + dof]).sum();
@@ -125,7 +128,8 @@ mod tests {
                 let [re, im] = mode.eigenvalue.map(|part| y * part);
                 let (re, size) = (1.0 + re, (1.0 + re).powi(2) + im * im);
                 let imaginary = if columns.len() == 2 { columns[1] } else { 0.0 };
-                let (u, v) = (columns[0], imaginary);
+                let u = columns[0];
+                let v = imaginary;
                 columns[0] = (u * re + v * im) / size;
                 if columns.len() == 2 {
                     columns[1] = (v * re - u * im) / size;

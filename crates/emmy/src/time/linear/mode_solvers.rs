@@ -134,7 +134,8 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        let (pattern, fixed) = (body.pattern(), body.fixed());
+        let pattern = body.pattern();
+        let fixed = body.fixed();
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let needs_sweep = has_pairs || choice.kind == SolverKind::Iterative;
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));

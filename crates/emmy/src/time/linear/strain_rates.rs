@@ -60,7 +60,8 @@ impl StrainRateTransform {
 
     /// `x = C^-1 x` at every node; x: `[k][n_nodes][3]`.
     pub fn apply_inverse(&mut self, x: &mut [f64]) {
-        let (k, n) = (self.degree, x.len() / self.degree);
+        let k = self.degree;
+        let n = x.len() / self.degree;
         self.old.copy_from_slice(x);
         for i in 0..k {
             for node in 0..n / 3 {

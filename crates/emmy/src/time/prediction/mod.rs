@@ -202,7 +202,8 @@ impl Prediction {
 
     /// Sets the sums and the moments of G.
     fn set_known(&mut self, system: &StageSystem<'_>) {
-        let (n, s) = (self.arm.len(), system.time_scale);
+        let n = self.arm.len();
+        let s = system.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
             for (node, y) in self.arm.chunks_exact(3).enumerate() {
@@ -225,7 +226,8 @@ impl Prediction {
         if self.mass == 0.0 || !system.is_self_balanced() {
             return;
         }
-        let (k, n) = (self.changes.len(), self.arm.len());
+        let k = self.changes.len();
+        let n = self.arm.len();
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
             system.unbalanced(rates, residual);
@@ -252,7 +254,8 @@ impl Prediction {
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the step.
     fn set_resultants(&mut self, a: &[f64], rates: &[f64], residual: &[f64]) {
-        let (k, n) = (self.moment.len(), self.arm.len());
+        let k = self.moment.len();
+        let n = self.arm.len();
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             for (node, r) in residual.as_chunks::<3>().0.iter().enumerate() {
@@ -282,7 +285,9 @@ impl Prediction {
 
     /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
     pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
-        let (n, s, rule) = (self.arm.len(), system.time_scale, &system.coefficients.rule);
+        let n = self.arm.len();
+        let s = system.time_scale;
+        let rule = &system.coefficients.rule;
         let mut work = 0.0;
         let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
         if self.mass > 0.0 {
@@ -316,7 +321,8 @@ impl Prediction {
 
     /// Predicts the rates of the step that was started.
     pub fn predict(&mut self, carry: Carry, stage: &StageCoefficients, step_size: f64, rates: &mut [f64]) {
-        let (k, n) = (stage.rule.degree(), self.arm.len());
+        let k = stage.rule.degree();
+        let n = self.arm.len();
         match self.last_size {
             Some(last_size) => self.set_continuation(carry, stage, step_size / last_size),
             // The deviation is a velocity, the same in all stages.
@@ -325,14 +331,16 @@ impl Prediction {
         }
         for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
             let turn = exp(&self.rigid.rotation.map(|w| stage.rule.nodes()[i] * w));
-            let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
+            let move_on = self.translation[i];
+            let D = &self.rigid.rates[i];
             let nodes = rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)).enumerate();
             for (node, (x, y)) in nodes {
                 let mut carried = [0.0; 3];
                 for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
                     (0..3).for_each(|d| carried[d] += e * z[3 * node + d]);
                 }
-                let (rigid, carried) = (image(D, y), image(&turn, &carried));
+                let rigid = image(D, y);
+                let carried = image(&turn, &carried);
                 (0..3).for_each(|d| x[d] = move_on[d] + rigid[d] + carried[d]);
             }
         }
@@ -356,7 +364,8 @@ impl Prediction {
         let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
         for (i, (rates, deviation)) in stages {
             let turn = exp(&self.rigid.rotation.map(|w| (1.0 - stage.rule.nodes()[i]) * w));
-            let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
+            let move_on = self.translation[i];
+            let D = &self.rigid.rates[i];
             let nodes = rates.chunks_exact(3).zip(self.arm.chunks_exact(3));
             for (z, (x, y)) in deviation.chunks_exact_mut(3).zip(nodes) {
                 let rigid = image(D, y);

@@ -22,7 +22,8 @@ fn system(body: &Body, k: usize) -> StageSystem<'_> {
 
 fn start(system: &mut StageSystem<'_>, prediction: &mut Prediction, state: &State, h: f64) {
     system.start(&state.displacement, h);
-    let (k, n) = (system.coefficients.rule.degree(), state.momentum.len());
+    let k = system.coefficients.rule.degree();
+    let n = state.momentum.len();
     for (row, known) in system.coefficients.mass.chunks_exact(k).zip(system.known.chunks_exact_mut(n)) {
         let sum: f64 = row.iter().sum();
         known.iter_mut().zip(&state.momentum).for_each(|(g, p)| *g = sum * h * p);
@@ -104,14 +105,16 @@ fn a_steady_rotation_is_predicted_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.7, -1.1, 0.9]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let mut rates = vec![0.0; k * n];
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
         // Nothing but the rigid motion at first: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
-            let (move_on, D) = (prediction.translation[i], prediction.rigid.rates[i]);
+            let move_on = prediction.translation[i];
+            let D = prediction.rigid.rates[i];
             for (x, y) in rates.chunks_exact(3).zip(prediction.arm.chunks_exact(3)) {
                 let rigid = image(&D, y);
                 (0..3).for_each(|d| assert!((x[d] - move_on[d] - rigid[d]).abs() < 1e-13, "k = {k}"));
@@ -145,7 +148,8 @@ fn a_translation_is_predicted_at_any_step_size() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.0; 3]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let at_speed = |h: f64| state.velocity.iter().cycle().take(k * n).map(move |v| h * v);
@@ -167,7 +171,8 @@ fn lines_planes_and_supports_are_no_special_cases() {
     let plane = body_of(crate::mesh::rectangle([2.0, 1.0], [4, 2]).unwrap());
     let state = spinning(&plane, [0.0, 0.0, 1.3]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&plane, k), plane.n_dofs());
+        let mut system = system(&plane, k);
+        let n = plane.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.4);
         let [x, y, angle] = prediction.rigid.rotation;
@@ -211,7 +216,8 @@ fn resultants_and_moments_are_balanced_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.7, -1.1, 0.9]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let (mut rates, mut residual) = (vec![0.0; k * n], vec![0.0; k * n]);

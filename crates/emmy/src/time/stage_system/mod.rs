@@ -54,7 +54,8 @@ const CHUNK: usize = 4096;
 
 impl<'a> StageSystem<'a> {
     pub fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), coefficients.rule.degree());
+        let n = body.n_dofs();
+        let k = coefficients.rule.degree();
         Ok(StageSystem {
             body,
             assembly: body.assembly(k),
@@ -125,11 +126,14 @@ impl<'a> StageSystem<'a> {
         self.assemble(x, Request::Stress)?;
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
-        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let dragged_mass = &self.dragged_mass;
-        let (fixed, follower) = (body.fixed(), &followers.force);
+        let fixed = body.fixed();
+        let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &dragged_mass[i * k..(i + 1) * k];
             let chunks =
@@ -169,7 +173,9 @@ impl<'a> StageSystem<'a> {
             self.evaluate_followers(x);
         }
         self.set_mass_rates(x);
-        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &self.dragged_mass[i * k..(i + 1) * k];
             for (dof, residual) in residual.iter_mut().enumerate() {
@@ -239,7 +245,8 @@ impl<'a> StageSystem<'a> {
     /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
     /// ```
     pub fn dissipated(&mut self, x: &[f64]) -> f64 {
-        let (s, drag) = (self.time_scale, self.body.drag());
+        let s = self.time_scale;
+        let drag = self.body.drag();
         let step = step_input(&self.coefficients, s, &self.displacement, x);
         let mut sum = self.body.dissipated(&step, &mut self.assembly);
         if drag > 0.0 {

@@ -53,7 +53,8 @@ impl StageSystem<'_> {
     /// Sets the rounding floor, once a step.
     fn set_floor(&mut self, x: &[f64]) {
         if self.floor == 0.0 {
-            let (displacement, increment) = (&self.displacement, &x[..self.body.n_dofs()]);
+            let displacement = &self.displacement;
+            let increment = &x[..self.body.n_dofs()];
             let size =
                 self.approximate_tangent.rounding_size(self.body, displacement, increment, self.time_scale);
             self.floor = FLOOR * f64::EPSILON * size * (self.coefficients.rule.degree() as f64).sqrt();

@@ -99,7 +99,9 @@ impl Deck {
 
     fn wrong_node_count(&self, elements: &Elements) -> MeshError {
         let Elements { element_type, kind, pending, at, .. } = elements;
-        let (number, found, wanted) = (pending[0], pending.len() - 1, kind.n_nodes());
+        let number = pending[0];
+        let found = pending.len() - 1;
+        let wanted = kind.n_nodes();
         let problem =
             format!("element {number} of type {element_type} has {found} nodes instead of {wanted}");
         self.malformed(*at, problem, "correct its type or its nodes; a line that goes on ends with a comma")

@@ -97,7 +97,8 @@ impl Deck {
                 format!("the instances up to \"{name}\" have more than {MAX_COPIED} nodes and elements");
             return Err(self.malformed(at, problem, "write fewer instances, or smaller parts"));
         }
-        let (name, body) = (name.to_string(), body.clone());
+        let name = name.to_string();
+        let body = body.clone();
         self.copied += size;
         self.instance_index.insert(name.to_lowercase(), self.instances.len() as u32);
         self.instances.push(Instance { name, body, placement: Placement::default() });
@@ -119,7 +120,8 @@ impl Deck {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
         let face = element::face_kind(&element_type);
         let Some(kind) = element::kind(&element_type).or(face) else {
-            let (place, supported) = (self.place(at), element::supported());
+            let place = self.place(at);
+            let supported = element::supported();
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
         if face.is_some() {
