@@ -1,12 +1,13 @@
 //! Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
 //!
-//! The method is that of P. Betsch and P. Steinmann, *Conservation properties of a time FE method. Part II: Time-stepping
-//! schemes for non-linear elastodynamics*, Int. J. Numer. Meth. Engng 50, 1931-1955 (2001), for any degree in time.
+//! The method is due to P. Betsch and P. Steinmann, *Conservation properties of a time FE method. Part II:
+//! Time-stepping schemes for non-linear elastodynamics*, Int. J. Numer. Meth. Engng 50, 1931-1955 (2001); it has any
+//! degree in time.
 //!
-//! A [`body::Body`] is made of a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`]
+//! A [`body::Body`] consists of a [`mesh::Mesh`], regions of [`material`]s, supports and loads. A [`motion::Motion`]
 //! advances its [`time::State`] by a [`time::Scheme`] and records the balances of energy and momentum of every step.
-//! The one place where the time elements differ is [`average::Rule`]; methods in common use that are not time elements stand
-//! beside them as [`time::Stepper`]s.
+//! Time elements differ only in their [`average::Rule`]; common methods that are not time elements are also available
+//! as [`time::Stepper`]s.
 
 pub mod adjoint;
 pub mod average;

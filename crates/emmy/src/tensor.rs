@@ -27,7 +27,7 @@ pub type Mat3<L> = [[L; 3]; 3];
 pub type Sym<L> = [L; 6];
 
 /// Derivative of a stress by a strain, `[stress component][strain component]`, in the order of [`Sym`]. As a shear
-/// strain stands for two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
+/// strain represents two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
 pub type Elasticity<L> = [[L; 6]; 6];
 
 /// Derivative of a tensor by a tensor, `[3 i + J][3 k + L]`.
@@ -39,7 +39,7 @@ pub const SYM: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0
 /// Component of [`Sym`] at each row and column.
 pub const SYM_INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
-/// Tensor from its components. Spelt out: the compiler does not always unroll `array::map` in a kernel.
+/// Tensor from its components. Written out: the compiler does not always unroll `array::map` in a kernel.
 #[inline(always)]
 pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
     [
@@ -191,7 +191,7 @@ pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
     )
 }
 
-/// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
+/// Symmetric part of `F^T B` with `F = I + G`: the strain rate of the rate `B` of `F`.
 #[inline(always)]
 pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
     let column = inlined!(|A: &Mat3<L>, i: usize| [A[0][i], A[1][i], A[2][i]]);
@@ -224,7 +224,7 @@ pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
 /// ```
 #[inline(always)]
 pub fn exp_m1_minus<L: Lane>(x: L) -> L {
-    // 16 terms reach 1e-17 of the sum at |x| = 0.6; beyond, the direct form has lost less than a digit.
+    // 16 terms reach 1e-17 of the sum at |x| = 0.6; beyond, the direct form loses less than a digit.
     let one = x.splat(1.0);
     let mut sum = one;
     for n in (3..18).rev() {
@@ -241,7 +241,7 @@ pub fn exp_m1_minus<L: Lane>(x: L) -> L {
 /// ```
 #[inline(always)]
 pub fn exp_m1_over<L: Lane>(x: L) -> L {
-    // Up to the bound the next term, x/2, is below rounding; it keeps the derivative.
+    // Up to the bound the next term, x/2, is below rounding, but its derivative matters.
     x.abs().select_below(x.splat(1e-17), x.splat(1.0) + x * 0.5, x.exp_m1() / x)
 }
 

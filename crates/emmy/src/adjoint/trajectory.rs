@@ -12,8 +12,8 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 
 /// The trajectory of a motion: an observer that keeps checkpoints, from which goals are differentiated.
 ///
-/// It begins with the first state that it sees. The steps between checkpoints are done once more as they were; if none of
-/// them was rejected or cut, they are bit-identical, and the gradient does not depend on where the checkpoints are.
+/// It begins with the first state that it observes. The steps between checkpoints are repeated exactly; if none of them
+/// was rejected or cut, they are bit-identical, and the gradient does not depend on the checkpoints.
 ///
 /// ```
 /// use emmy::adjoint::{Goal, Trajectory};
@@ -36,7 +36,7 @@ pub struct Trajectory<'a> {
     body: &'a Body,
     element: TimeElement,
     settings: NewtonSettings,
-    /// Every so many steps there is a checkpoint.
+    /// Number of steps between checkpoints.
     spacing: usize,
     /// Whether the spacing grows with the number of steps.
     grows: bool,
@@ -45,11 +45,11 @@ pub struct Trajectory<'a> {
 }
 
 impl<'a> Trajectory<'a> {
-    /// The trajectory of a motion, with about sqrt(N) checkpoints for N steps: the distance between them is doubled as their number
-    /// grows.
+    /// The trajectory of a motion, with about sqrt(N) checkpoints for N steps: the distance between them doubles as
+    /// their number grows.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] for what the adjoint does not cover.
+    /// [`Error::Adjoint`] for a motion that the adjoint does not cover.
     pub fn new(motion: &Motion<'a>) -> Result<Self> {
         let body = motion.body();
         let Scheme::TimeElement(element @ TimeElement { spectral_radius: None, .. }) = motion.scheme() else {
@@ -69,15 +69,15 @@ impl<'a> Trajectory<'a> {
         })
     }
 
-    /// The trajectory with a checkpoint every so many steps.
+    /// The trajectory with a checkpoint every given number of steps.
     pub fn with_spacing(self, steps: usize) -> Self {
         Trajectory { spacing: steps.max(1), grows: false, ..self }
     }
 
-    /// Takes in the present state of the motion; a march does so for its observers.
+    /// Records the present state of the motion; a march does this for its observers.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] for a motion other than the trajectory's, or one that has done more than one step meanwhile.
+    /// [`Error::Adjoint`] for another motion, or if the motion has done more than one step since.
     pub fn record(&mut self, motion: &Motion<'_>) -> Result<()> {
         let fail = |reason: &str| Err(Error::Adjoint { reason: reason.to_string() });
         let settings = (motion.scheme(), motion.settings());
@@ -131,8 +131,8 @@ impl<'a> Trajectory<'a> {
         Ok(Gradient { displacement, velocity, momentum, parameters: sums })
     }
 
-    /// Estimated error of a goal at the last state, by the local errors of the steps; see [`crate::adjoint`]. Newton's tolerance must be
-    /// small against them.
+    /// Estimated error of a goal at the last state, by the local errors of the steps; see [`crate::adjoint`]. Newton's
+    /// tolerance must be small compared with them.
     ///
     /// # Errors
     /// As [`Trajectory::gradient`], and the errors of steps of degree k + 1.
@@ -183,7 +183,7 @@ impl<'a> Trajectory<'a> {
         Ok(())
     }
 
-    /// Doubles the spacing where there are more than twice as many checkpoints as steps between them.
+    /// Doubles the spacing if there are more than twice as many checkpoints as steps between them.
     fn thin_out(&mut self) {
         while self.grows && self.checkpoints.len() > 2 * self.spacing + 1 {
             let mut index = 0;

@@ -158,8 +158,8 @@ impl Rule {
             None => self.energy_difference(material, E_1, &green_lagrange(end), average),
         };
         let numerator = energy_change - work;
-        // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the one is
-        // lost in the other. The constant only keeps the division from overflowing.
+        // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the
+        // correction is lost in rounding. The constant only keeps the division from overflowing.
         let strain_square = double_dot(E_1, E_1) + double_dot(&change, &change);
         let resting = strain_square * 1e-36 + zero.splat(1e-300);
         let inverse = (square * square).select_below(resting, zero, zero.splat(1.0) / square);
@@ -199,7 +199,7 @@ impl Rule {
             integral += double_dot(&S, &rate) * point.weight;
             stress_norm += double_dot(&S, &S).sqrt() * point.weight;
         }
-        // Strains come with an absolute error of eps times the products they are the difference of, C ~ 1 + |E|.
+        // Strains have an absolute error of eps times the products whose difference they are, C ~ 1 + |E|.
         let strain_size = zero.splat(1.0) + (trace(E_1) + trace(E_2)).abs();
         let rounding = (W_1.abs() + W_2.abs() + stress_norm * strain_size) * (4.0 * f64::EPSILON);
         let direct = W_2 - W_1;
@@ -331,7 +331,7 @@ fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>
     }
 }
 
-/// `D : E` with E in plain components: its shears are doubled on the way.
+/// `D : E` with E in plain components, whose shears are doubled here.
 #[inline(always)]
 pub(super) fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
     let row = inlined!(|a: usize| double_dot(&D[a], E));

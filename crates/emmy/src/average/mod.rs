@@ -56,7 +56,7 @@ pub struct Rule {
     smooth_quadrature: Quadrature<1>,
 }
 
-/// An averaging rule as a value. A new one has its file in this folder, a variant here and a row in the table of
+/// An averaging rule as a value. A new rule has its own file in this folder, a variant here and a row in the table of
 /// [`crate::time::SCHEMES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AveragingRule {
@@ -72,11 +72,11 @@ pub enum AveragingRule {
     DiscreteGradient,
 }
 
-/// Rules with more points than this gain nothing and cost much; more likely a slip of the keyboard.
+/// Largest sensible number of points: more gain nothing, and are probably a slip of the keyboard.
 const MAX_POINTS: usize = 64;
 
 impl AveragingRule {
-    /// Key word of its scheme, and the number of points that follows it.
+    /// Key word of its scheme, and the number of points after it.
     pub fn word_and_points(self) -> (&'static str, Option<usize>) {
         match self {
             AveragingRule::Standard(n) => ("FE", Some(n)),
@@ -123,7 +123,7 @@ impl AveragingRule {
         }
     }
 
-    /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
+    /// Whether the rule has an algorithmic stress, a function of the strain rates: AS and DGM.
     pub fn is_energy_momentum(self) -> bool {
         match self {
             AveragingRule::Standard(_) | AveragingRule::Trapezoidal | AveragingRule::Lobatto(_) => false,
@@ -229,18 +229,19 @@ impl Rule {
 
     /// Discrete gradient, DGM (equations (63)-(65)).
     pub fn discrete_gradient(degree: usize) -> Rule {
-        // The inner rule stands in for the energy difference where that is lost in rounding.
+        // The inner rule replaces the energy difference if that is lost in rounding.
         Rule::with(degree, Kind::EnergyMomentum(StressKind::DiscreteGradient), &gauss(degree + 3))
     }
 
-    /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates that strain only.
+    /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates without rotation.
     ///
     /// ```math
     /// dP = a dF' S + F(c) dS/dE' : sym(F(c)^T dF'),    a = c = 1/2
     /// ```
     ///
-    /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules see no strain
-    /// in that, but the mid-point rule does: in a stiff body its tangent does not approximate theirs.
+    /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules
+    /// see no strain in this shrinkage, but the mid-point rule does: in a stiff body, its tangent does not approximate
+    /// theirs.
     pub fn straining_rates() -> Rule {
         Rule::with(1, Kind::EnergyMomentum(StressKind::StrainingRates), &gauss(1))
     }
@@ -325,7 +326,7 @@ impl Rule {
         }
     }
 
-    /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a load history.
+    /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a table.
     pub fn load_quadrature(&self) -> &Quadrature<1> {
         &self.load_quadrature
     }

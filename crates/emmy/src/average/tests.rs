@@ -19,7 +19,7 @@ fn tensor(size: f64) -> impl Strategy<Value = Mat3<f64>> {
     prop::array::uniform3(prop::array::uniform3(-size..size))
 }
 
-/// A rotated, strained start and rates that turn and strain the point further.
+/// A rotated, strained start, and rates that rotate and strain the point further.
 fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
     let rates = prop::collection::vec(tensor(size), k);
     (tensor(1.0), tensor(0.15), rates).prop_map(|(axis, strain, rates)| {
@@ -82,7 +82,7 @@ fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
 
 const ROUNDING: f64 = 1e-12;
 
-/// An inner rule that is exact to rounding for the sizes of step used here.
+/// An inner rule that is exact to rounding for the step sizes used here.
 const MANY: usize = 16;
 
 proptest! {
@@ -158,8 +158,8 @@ proptest! {
 
     #[test]
     fn tiny_steps_keep_their_energy((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 1.0))), exponent in 2i32..13) {
-        // A strained point that hardly moves, and a nearly unstrained one: the energy changes by little, and the defect
-        // stays at the rounding of the *work*, or of W itself where that is larger.
+        // A strained point that hardly moves, and a nearly unstrained one: the energy changes little, and the defect
+        // stays at the rounding of the *work*, or of W itself if that is larger.
         let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         let size = 10f64.powi(-exponent);
         let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(|x| x * size))).collect();
@@ -168,7 +168,7 @@ proptest! {
         let reference = averaged(&Rule::assumed_strain(k, MANY), &rubber, &tiny, Request::Stress);
         for (P, Q) in average.stress.iter().zip(&reference.stress) {
             for (p, q) in P.iter().flatten().zip(Q.iter().flatten()) {
-                // Both are consistent averages: they differ by the square of the step, and by no noise.
+                // Both are consistent averages: they differ by the square of the step, without noise.
                 prop_assert!((p - q).abs() < 1e5 * size * size + 1e-9, "{:e}", p - q);
             }
         }
@@ -271,7 +271,7 @@ fn applied(A: &[[f64; 9]; 9], X: &Mat3<f64>) -> [f64; 9] {
 
 #[test]
 fn strain_rate_transform_matches_assumed_strain_in_a_rotating_body() {
-    // A rigid turn from a state of no strain: F' = [w] F(1/2), and by E' = sym(F^T F')
+    // A rigid rotation from an unstrained state: F' = [w] F(1/2), and by E' = sym(F^T F')
     // dE' = sym(F(1/2)^T (dF' - [w] dF'/2)) exactly, so that A_AS dF' = A (dF' - [w] dF'/2).
     let R = rotation([0.3, -0.5, 0.9]);
     let material = NeoHooke::new(1000.0, 500.0).unwrap();

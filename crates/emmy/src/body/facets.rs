@@ -1,4 +1,4 @@
-//! Facets that move: force and stiffness of a pressure on their current surface.
+//! Moving facets: force and stiffness of a pressure on their current surface.
 
 use super::geometry::ReferenceTable;
 use crate::element::facet_element;
@@ -6,7 +6,7 @@ use crate::mesh::{Facet, FacetKind, Mesh};
 use crate::sparse::Pattern;
 use crate::tensor::cross;
 
-/// The most nodes that a facet has.
+/// Largest number of nodes of a facet.
 const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
@@ -31,7 +31,7 @@ pub struct FacetTable {
 }
 
 impl FacetTable {
-    /// Tables of facets, one for each kind that there is; `section`: thickness of each cell of the mesh.
+    /// Tables of facets, one for each kind; `section`: thickness of each cell of the mesh.
     pub fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
         let mut tables: Vec<FacetTable> = Vec::new();
         for &facet in facets {
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// The force is quadratic in q: its central difference is its derivative, whatever the step.
+    /// The force is quadratic in q: its central difference equals its derivative for any step.
     #[test]
     fn derivative_matches_differences_of_the_force() {
         for kind in KINDS {

@@ -8,7 +8,7 @@ use crate::average::Rule;
 use crate::error::Result;
 use crate::mesh::Mesh;
 
-/// A load by a field, ready for use: the points at which the field is evaluated, and the weights of the nodes at each.
+/// A load by a field: the points at which the field is evaluated, and the weights of the nodes at each.
 #[derive(Debug)]
 pub struct FieldLoad {
     /// Number of the load.
@@ -17,13 +17,13 @@ pub struct FieldLoad {
     pub(super) time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
-    /// End of each point's part of `node_weights`.
+    /// End of the entries of each point in `node_weights`.
     ends: Vec<usize>,
     /// Nodes with weight times shape function \[length^2 or length^3\].
     node_weights: Vec<(u32, f64)>,
 }
 
-/// Points of a field at which its course over time is checked.
+/// Points of a field at which its change over time is checked.
 const POINTS_OF_SIGNALS: usize = 4;
 
 impl FieldLoad {
@@ -67,7 +67,7 @@ impl FieldLoad {
         }
     }
 
-    /// Its components over time, factor included, at some of its points.
+    /// Its components over time, with the factor, at some of its points.
     pub(super) fn components(
         &self,
     ) -> impl Iterator<Item = impl Fn(f64) -> f64 + Send + Sync + 'static> + '_ {
@@ -87,7 +87,7 @@ impl FieldLoad {
         self.ends.push(self.node_weights.len());
     }
 
-    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is other than zero.
+    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is not zero.
     pub fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
         self.add(time, &[1.0], force)
     }

@@ -1,15 +1,16 @@
-//! Loads of a body that follow its motion.
+//! Follower loads of a body.
 
 use super::{Assembly, Body, StepInput};
 use crate::average::FollowerRule;
 
 impl Body {
-    /// Number of loads that follow the motion.
+    /// Number of follower loads.
     pub fn n_followers(&self) -> usize {
         self.pressures.len()
     }
 
-    /// Factors p_m of the loads that follow, over a step, exact for every kink of the time functions (see [`FollowerRule`]).
+    /// Factors p_m of the follower loads over a step, exact for every kink of the time functions (see
+    /// [`FollowerRule`]).
     ///
     /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
     pub fn follower_averages(
@@ -26,7 +27,7 @@ impl Body {
         }
     }
 
-    /// Factors of the loads that follow, at the points of a step: `p_m = p(t + alpha_m h)`.
+    /// Factors of the follower loads at the points of a step: `p_m = p(t + alpha_m h)`.
     ///
     /// `factors: [n_followers][n_points]`.
     pub fn follower_values(&self, rule: &FollowerRule, time: f64, step_size: f64, factors: &mut [f64]) {
@@ -37,7 +38,7 @@ impl Body {
         }
     }
 
-    /// Stage averages of the loads that follow, `force: [k][n_nodes][3]`.
+    /// Stage averages of the follower loads, `force: [k][n_nodes][3]`.
     pub fn stage_followers(
         &self,
         step: &StepInput<'_>,
@@ -51,8 +52,8 @@ impl Body {
         }
     }
 
-    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: as external forces they stand on
-    /// the other side of the equations.
+    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: external forces have the
+    /// opposite sign in the equations.
     pub fn add_follower_tangent(
         &self,
         step: &StepInput<'_>,
@@ -65,7 +66,7 @@ impl Body {
         }
     }
 
-    /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
+    /// Adds the follower loads at a displacement and time, both `[n_nodes][3]`.
     pub fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
         for pressure in self.pressures.iter() {
             pressure.add_force(&self.mesh, displacement, pressure.time_function.value(time), force);

@@ -26,7 +26,7 @@ pub struct CellTable {
 impl CellTable {
     /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for solids.
     ///
-    /// The cells are in the order of their first nodes, so that neighbours stand together.
+    /// The cells are in the order of their first nodes, so that neighbours are close in memory.
     ///
     /// # Errors
     /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
@@ -121,7 +121,7 @@ pub struct QuadraturePoint<'a> {
     pub shapes: &'a [f64],
 }
 
-/// Visits the points of some cells with the quadrature that is exact for products of shape functions.
+/// Visits the points of some cells with the quadrature that integrates products of shape functions exactly.
 pub fn for_each_volume_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
@@ -157,8 +157,8 @@ fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
     position
 }
 
-/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness of each
-/// cell, by which the length of an edge becomes an area.
+/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness
+/// of each cell, which turns the length of an edge into an area.
 pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
     for_each_facet_point(mesh, facets, section, |nodes, point| {
         for (&node, N) in nodes.iter().zip(point.shapes) {

@@ -77,7 +77,7 @@ impl Scratch {
         Scratch { batch, points }
     }
 
-    /// The memory for registers.
+    /// The memory for the registers of a lane type.
     ///
     /// # Panics
     /// For registers that the machine does not have.
@@ -136,7 +136,7 @@ pub fn gather(
 pub struct RegisterCells<'a, R> {
     pub cells: &'a CellBatches,
     pub batch: usize,
-    /// Which part of the batch they are.
+    /// Number of this part of the batch.
     pub part: usize,
     pub zero: R,
 }
@@ -359,8 +359,8 @@ fn set_forces<R: Register, const N: usize>(
     }
 }
 
-/// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead; `skips`: leaves
-/// B < A out.
+/// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead;
+/// `skips`: leaves out B < A.
 #[inline(always)]
 fn add_stiffness<R: Register>(
     tangent: &Tangent<R>,

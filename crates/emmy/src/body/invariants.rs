@@ -26,7 +26,8 @@ impl Body {
     }
 
     /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. Errors
-    /// ([`Body::mass_weighted_rms`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
+    /// ([`Body::mass_weighted_rms`], also with the lumped masses) are relative to it. In a coarse mesh it exceeds the
+    /// radius of the body itself.
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};
@@ -64,7 +65,7 @@ impl Body {
         self.strain_state(displacement).strain_energy
     }
 
-    /// Strain energy and smallest det F of a displacement; the latter is infinite for a body of links.
+    /// Strain energy and smallest det F of a displacement; det F is infinite for a body of links.
     ///
     /// ```
     /// use emmy::{body::{Body, Region}, material::NeoHooke, mesh};

@@ -48,7 +48,7 @@ pub(super) fn ground_terms(
     springs.chain(attractions.map(|attraction| ground_attraction(mesh, attraction, lumped_mass))).collect()
 }
 
-/// Mass, centre and inertia of the point masses of a group, as of a region without cells.
+/// Mass, centre and inertia of the point masses of a group, like a region without cells.
 pub(super) fn summary(mesh: &Mesh, mass: &PointMass) -> Result<RegionSummary> {
     let nodes = mesh.group_nodes(&mass.group)?;
     let point = |&node: &u32| RegionSummary {
@@ -154,7 +154,7 @@ impl Term for GroundSprings {
     }
 }
 
-/// Term of an attraction: links from the masses to a point that does not move.
+/// Term of an attraction: links from the masses to a fixed point.
 ///
 /// Source of the potential: Newton's law of gravitation.
 fn ground_attraction(
@@ -180,7 +180,7 @@ fn ground_attraction(
         }
         // The gradient of the shape function of the moving end, along the first coordinate: t/L.
         gradients.push([r.map(|x| x / square), [0.0; 3], [0.0; 3]]);
-        // A node without mass is held; a strength of zero is not one.
+        // A node without mass has no attraction: a strength of zero is invalid.
         let strength = attraction.strength * lumped_mass[node as usize];
         energies.push(
             Link::attraction(if strength == 0.0 { f64::MIN_POSITIVE } else { strength })?

@@ -1,4 +1,4 @@
-//! Follower pressures: loads that turn and grow with the surface on which they act.
+//! Follower pressures: loads that rotate and grow with their surface.
 
 use super::facets::{FacetTable, NodalVectors};
 use super::{Load, LoadKind, StepInput, TimeFunction};
@@ -18,7 +18,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// The pressure, ready for use; `None` if the load is none.
+    /// The pressure; `None` for another load.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].

@@ -1,4 +1,4 @@
-//! Regions: which cells belong to which, their terms, masses and summaries.
+//! Regions: their cells, terms, masses and summaries.
 
 use super::geometry::{CellTable, for_each_volume_point};
 use super::term::Term;
@@ -59,7 +59,7 @@ impl RegionSummary {
     }
 }
 
-/// Region of every cell, checked to be exactly one.
+/// Region of every cell, checked to be exactly one per cell.
 pub(super) struct RegionOfCell(Vec<u32>);
 
 impl RegionOfCell {
@@ -226,7 +226,7 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
         (0..3).for_each(|i| first[i] += weight * x[i]);
         (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += weight * x[i] * x[j]));
     });
-    // A region without volume has its centre at its first node, for want of a better place.
+    // The centre of a region without volume is its first node.
     let offset = first.map(|x| if volume > 0.0 { x / volume } else { 0.0 });
     let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));
     let trace: f64 = (0..3).map(|i| central[i][i]).sum();

@@ -1,4 +1,4 @@
-//! Cells of one kind and one material (of links, one law): the assembly that every scheme, material and element shares.
+//! Cells of one kind and one material (for links, one law): the assembly shared by all schemes, materials and elements.
 
 mod region_material;
 mod scatter;
@@ -26,7 +26,7 @@ use crate::tensor::{Batch, Elasticity, LANES, Packed, Register};
 #[derive(Debug)]
 pub struct SolidTerm {
     materials: Materials,
-    /// Elasticity at rest of the one material.
+    /// Elasticity at rest, if there is one material.
     at_rest: Elasticity<f64>,
     viscosity: Viscosity,
     cells: CellBatches,
@@ -38,9 +38,9 @@ pub struct SolidTerm {
 
 #[derive(Debug)]
 enum Materials {
-    /// One for all cells.
+    /// One material for all cells.
     Solid(CompiledMaterial),
-    /// One for each cell.
+    /// One material per cell.
     Links(Vec<LinkEnergy>),
 }
 
@@ -58,13 +58,13 @@ impl Materials {
         matches!(self, Materials::Links(_))
     }
 
-    /// The instruction set to work in: links have a material each and are taken one by one.
+    /// The instruction set to use: links have a material each and are assembled one by one.
     #[inline(always)]
     fn arch(&self) -> Arch {
         if self.is_links() { Arch::Scalar } else { Arch::new() }
     }
 
-    /// Elasticity of the material of a cell at rest; zero of an attraction, which is no stiffness there.
+    /// Elasticity of the material of a cell at rest; zero for an attraction, which has no stiffness there.
     fn at_rest(&self, cell: usize) -> Elasticity<f64> {
         let mut stress = [0.0; 6];
         let mut elasticity = [[0.0; 6]; 6];
@@ -77,7 +77,7 @@ impl Materials {
 /// Most nodes that a cell has.
 const MAX_NODES: usize = 27;
 
-/// Batches whose energies are added up one after the other; more of them in a tree of halves.
+/// Batches whose energies are summed sequentially; more batches are summed in a binary tree.
 const ENERGY_RUN: usize = 64;
 
 impl SolidTerm {
@@ -104,7 +104,7 @@ impl SolidTerm {
         Ok(SolidTerm { materials, at_rest, viscosity, cells, positions: Vec::new(), parts: Vec::new() })
     }
 
-    /// Whether strain rates count in a step.
+    /// Whether a step has terms in the strain rates.
     #[inline(always)]
     fn damps(&self, step: &StepInput<'_>) -> bool {
         step.damping.dissipation > 0.0 || step.damping.inverse_step_size > 0.0 && !self.viscosity.is_zero()
@@ -124,7 +124,7 @@ impl SolidTerm {
         Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.dissipation) })
     }
 
-    /// The cells of a batch, register by register, each with the first of them.
+    /// The cells of a batch, register by register, with the index of the first cell.
     #[inline(always)]
     fn registers<R: Register>(
         &self,
@@ -200,7 +200,7 @@ impl SolidTerm {
         sum
     }
 
-    /// Strain energy and smallest det F of some batches, added up in an order that does not depend on the threads.
+    /// Strain energy and smallest det F of some batches, summed in an order that does not depend on the threads.
     fn strain_state_sum(&self, batches: Range<usize>, displacement: &[f64]) -> StrainState {
         if batches.len() <= ENERGY_RUN {
             return self.materials.arch().dispatch(StrainStateSum { term: self, batches, displacement });

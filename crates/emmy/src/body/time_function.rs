@@ -29,7 +29,7 @@ enum Law {
     Smooth(Smooth),
 }
 
-/// A smooth function of time, known by its text.
+/// A smooth function of time, identified by its text.
 #[derive(Clone)]
 struct Smooth {
     text: Arc<str>,
@@ -107,7 +107,7 @@ impl TimeFunction {
         }
     }
 
-    /// Rate of the factor \[1/time\]; at a kink or jump, that after it.
+    /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it.
     pub fn rate(&self, time: f64) -> f64 {
         match &self.law {
             Law::Table(entries) => match around(entries, time) {
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn averages_of_a_smooth_function_match_its_integrals() {
-        // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3, whatever the degree.
+        // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3 for any degree.
         let time_function =
             TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
         for degree in 1..=4 {

@@ -1,4 +1,4 @@
-//! Viscosity of a region, by which strain rates take energy out of it.
+//! Viscosity of a region.
 
 use crate::error::{Error, Result};
 use crate::tensor::Elasticity;
@@ -55,7 +55,7 @@ impl Viscosity {
                 let own = if a == b { 2.0 * self.shear } else { 0.0 };
                 tensor[a][b] += own - 2.0 / 3.0 * self.shear + self.bulk;
             }
-            // A doubled shear stands for two components.
+            // A doubled shear represents two components.
             tensor[3 + a][3 + a] += self.shear;
         }
         tensor

@@ -7,13 +7,14 @@ use super::{Volumetric, positive, split_material};
 use crate::error::Result;
 use crate::tensor::Lane;
 
-/// Gent material, for rubber whose chains cannot be stretched beyond a limit.
+/// Gent material, for rubber whose chains have a limit of extension.
 ///
 /// ```math
 /// W = -mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)
 /// ```
 ///
-/// The energy grows without bound as I1bar - 3 comes to jm; beyond, energy and stress are NaN, which no step accepts.
+/// The energy grows without bound as I1bar - 3 approaches jm; beyond it, energy and stress are NaN, and the step is
+/// rejected.
 ///
 /// Source: Gent (1996), Rubber Chem. Technol. 69. mu and the bulk modulus in \[force/length^2\], jm has no
 /// dimension.

@@ -20,8 +20,8 @@ use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_s
 /// E_f = kappa (I1bar - 3) + (1 - 3 kappa) (I4bar_f - 1),      I4bar_f = J^(-2/3) a_f . C a_f,      <x> = max(x, 0)
 /// ```
 ///
-/// Fibres of direction a_f bear tension only: S is continuous where they slacken, D is not. With one family the material is
-/// transversely isotropic.
+/// Fibres of direction a_f bear tension only: S is continuous where they go slack, D is not. With one family the
+/// material is transversely isotropic.
 ///
 /// Source: Holzapfel, Gasser and Ogden (2000), J. Elast. 61; the dispersion kappa, from 0 (parallel) to 1/3 (isotropic), from
 /// Gasser, Ogden and Holzapfel (2006), J. R. Soc. Interface 3. mu, k1 and the bulk modulus in \[force/length^2\], k2 and
@@ -245,8 +245,8 @@ mod tests {
 
     const MU: f64 = 3.0;
     const K1: f64 = 2.3632;
-    /// A quarter of the artery's: the exponential magnifies the rounding of E_f by 2 k2 E_f^2, which is 34 with the
-    /// artery's at the largest strain of the test (E_f = 4.5) and would hide the formula.
+    /// A quarter of the k2 of the artery: the exponential magnifies the rounding of E_f by 2 k2 E_f^2, which is 34 for
+    /// the artery at the largest strain of the test (E_f = 4.5) and would hide errors in the formula.
     const K2: f64 = 0.21;
     const K: f64 = 20.0;
 
@@ -255,7 +255,7 @@ mod tests {
         HolzapfelGasserOgden::new(MU, [K1, K2], kappa, fibres, K, Volumetric::SimoTaylor).unwrap()
     }
 
-    /// a . C a, for the exact unit vector a that rounding left of a fibre's direction.
+    /// a . C a, for the exact direction of a after rounding.
     fn stretched(fibre: &[f64; 3], C: &Mat3<Big>) -> Big {
         let entry = |n: usize| big(fibre[n / 3]) * &C[n / 3][n % 3] * big(fibre[n % 3]);
         let square = fibre.iter().fold(big(0.0), |sum, a| sum + big(*a) * big(*a));

@@ -1,4 +1,4 @@
-//! Energies of the isochoric invariants: stress and elasticity of all such materials.
+//! Energies of the isochoric invariants: stress and elasticity of all these materials.
 //!
 //! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
 //!

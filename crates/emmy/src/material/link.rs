@@ -13,8 +13,8 @@ use crate::tensor::{Elasticity, Lane, Sym, trace};
 /// bar: V = E A L e^2/2,  e = (l^2/L^2 - 1)/2      spring: V = k/2 (l - l_0)^2      attraction: V = -g/l
 /// ```
 ///
-/// The bar is the St. Venant-Kirchhoff material in the Green-Lagrange strain of its length; it alone has a mass, density times
-/// area times length. The attraction with g = G m_1 m_2 is Newton's law of gravitation.
+/// The bar is the St. Venant-Kirchhoff material in the Green-Lagrange strain of its length; only bars have a mass,
+/// density times area times length. The attraction with g = G m_1 m_2 is Newton's law of gravitation.
 ///
 /// ```
 /// use emmy::material::{Link, Material};
@@ -71,26 +71,26 @@ impl Link {
         cells: ModelCells::MasslessLinks,
     };
 
-    /// The bar with some values of the parameters of [`Link::BAR`].
+    /// The bar with values of the parameters of [`Link::BAR`].
     ///
     /// # Errors
-    /// Those of [`Link::bar`].
+    /// As [`Link::bar`].
     pub fn bar_from_values(values: &Values) -> Result<Self> {
         Link::bar(values.number("youngs_modulus"), values.number("area"))
     }
 
-    /// The spring with some values of the parameters of [`Link::SPRING`].
+    /// The spring with values of the parameters of [`Link::SPRING`].
     ///
     /// # Errors
-    /// Those of [`Link::spring`].
+    /// As [`Link::spring`].
     pub fn spring_from_values(values: &Values) -> Result<Self> {
         Link::spring(values.number("stiffness"), values.optional("rest_length"))
     }
 
-    /// The attraction with some values of the parameters of [`Link::ATTRACTION`].
+    /// The attraction with values of the parameters of [`Link::ATTRACTION`].
     ///
     /// # Errors
-    /// Those of [`Link::attraction`].
+    /// As [`Link::attraction`].
     pub fn attraction_from_values(values: &Values) -> Result<Self> {
         Link::attraction(values.number("strength"))
     }
@@ -228,7 +228,7 @@ mod tests {
     use super::super::tests::rejects;
     use super::*;
 
-    /// Strain of a link of length 2 at a length l; how tr E is spread over the axes does not matter.
+    /// Strain of a link of length 2 at a length l; the distribution of tr E over the axes does not matter.
     fn strain(l: f64) -> Sym<f64> {
         let e = (l * l / 4.0 - 1.0) / 2.0;
         [0.5 * e, 0.3 * e, 0.2 * e, 0.7, -0.1, 0.4]

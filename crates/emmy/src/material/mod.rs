@@ -1,4 +1,4 @@
-//! Stored energy functions W(C) of hyperelastic materials, one model a file.
+//! Stored energy functions W(C) of hyperelastic materials, one model per file.
 //!
 //! A material sees the deformation only through `C = F^T F`, given as the Green-Lagrange strain
 //! `E = (C - I) / 2`, which keeps its digits at small strain.
@@ -51,7 +51,7 @@ use response::compiled_with_this_crate;
 use crate::error::{Error, Result};
 use crate::tensor::{Elasticity, Lane, Sym, sym_add_scaled};
 
-/// Hands the names of all materials for solid and plane cells to a macro. A new material has its line here.
+/// Passes the names of all materials for solid and plane cells to a macro. A new material has its line here.
 macro_rules! each_material {
     ($apply:ident) => {
         $apply! {
@@ -123,11 +123,12 @@ pub trait Material: Clone + Send + Sync + 'static {
         sum
     }
 
-    /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.
+    /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their
+    /// computation.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
 
-    /// The tables of the material's functions that a region works with. The default is compiled with the crate that makes the
-    /// region, a few seconds; the materials of this crate override it and are compiled once.
+    /// Tables of the material's functions, for a region. The default is compiled with the crate that makes the region,
+    /// in a few seconds; the materials of this crate override it and are compiled once.
     fn compiled(&self) -> CompiledMaterial {
         CompiledMaterial::new(self)
     }

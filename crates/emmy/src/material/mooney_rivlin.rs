@@ -14,8 +14,8 @@ use crate::tensor::Lane;
 /// ```
 ///
 /// Source: Mooney (1940), J. Appl. Phys. 11, and Rivlin (1948), Phil. Trans. R. Soc. A 241; split as in Simo and Taylor
-/// (1991), Comput. Methods Appl. Mech. Eng. 85. Parameters in \[force/length^2\]. Neither modulus should be negative: the
-/// material is not elliptic at large strain then.
+/// (1991), Comput. Methods Appl. Mech. Eng. 85. Parameters in \[force/length^2\]. Neither modulus should be negative:
+/// otherwise the material is not elliptic at large strain.
 ///
 /// ```
 /// use emmy::material::{Material, MooneyRivlin, Volumetric};

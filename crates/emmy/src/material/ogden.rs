@@ -94,7 +94,7 @@ impl Separable for Ogden {
     fn volume(&self) -> &Volume {
         &self.volume
     }
-    /// As the strains e add up to zero, their linear terms may be left out: nothing cancels then.
+    /// The strains e add up to zero, so their linear terms may be left out and nothing cancels.
     #[inline(always)]
     fn energy<L: Lane>(&self, e: L) -> L {
         self.sum(

@@ -232,7 +232,7 @@ mod tests {
         ]
     }
 
-    /// W in the axes of the material, for axes that are rows of numbers.
+    /// W in the axes of the material; the axes are rows of numbers.
     fn energy(C: &Mat3<Big>, axes: &[[f64; 3]; 3], stiffness: &[[Big; 3]; 3]) -> Big {
         let half = |i: usize, j: usize| (&C[i][j] - big(if i == j { 1.0 } else { 0.0 })) / big(2.0);
         let strain = |a: usize, b: usize| -> Big {

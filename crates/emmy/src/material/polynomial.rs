@@ -1,4 +1,4 @@
-//! Polynomials in I1bar - 3, of which several models are made.
+//! Polynomials in I1bar - 3, for several models.
 
 use crate::tensor::Lane;
 

@@ -14,7 +14,7 @@ use crate::tensor::{Batch, Elasticity, Lane, Sym, inlined};
 /// Every material implements it for every lane type. Results are written where the caller wants them, because a call through
 /// a table cannot return registers.
 pub trait Response<L: Lane>: Send + Sync {
-    /// Whether the energy is that of a link, [`Material::IS_LINK`].
+    /// [`Material::IS_LINK`]: the energy belongs to a link.
     fn is_link(&self) -> bool;
     /// Stored energy, [`Material::strain_energy`].
     fn strain_energy(&self, strain: &Sym<L>) -> L;

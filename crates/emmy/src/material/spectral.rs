@@ -1,4 +1,4 @@
-//! Energies of the principal stretches: stress and elasticity of all such materials.
+//! Energies of the principal stretches: stress and elasticity of all these materials.
 //!
 //! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small strain,
 //! the deviatoric logarithmic strains are
@@ -33,7 +33,7 @@ pub(super) trait Separable {
     fn slope<L: Lane>(&self, e: L) -> L;
     /// omega''.
     fn curvature<L: Lane>(&self, e: L) -> L;
-    /// (omega'(e + difference) - omega'(e)) / difference, omega''(e) where that is zero.
+    /// (omega'(e + difference) - omega'(e)) / difference, or omega''(e) if the difference is zero.
     fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L;
 }
 
@@ -137,7 +137,7 @@ fn stress_of<L: Lane>(principal: &Principal<L>, tau: &[L; 3]) -> Sym<L> {
 /// D_ij = (dtau_i/d ln lambda_j - 2 tau_i delta_ij) / (C_i C_j),      q_ij = (q_i q_j^T + q_j q_i^T) / 2
 /// ```
 ///
-/// Source: Ogden (1984), Non-Linear Elastic Deformations, chapter 6, in the variables of this page.
+/// Source: Ogden (1984), Non-Linear Elastic Deformations, chapter 6, in the variables of this file.
 #[inline(always)]
 pub(super) fn stress_and_elasticity<L: Lane>(
     material: &impl Separable,

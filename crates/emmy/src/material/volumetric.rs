@@ -1,4 +1,4 @@
-//! Volumetric laws: the energy of a change of volume, for materials that split it off.
+//! Volumetric laws: the energy of a change of volume, for materials with a separate volumetric part.
 
 #![allow(non_snake_case)]
 

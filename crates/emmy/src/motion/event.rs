@@ -3,11 +3,11 @@
 /// An event of a march, such as a cut or a rejection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// Number of the step that it belongs to.
+    /// Number of its step.
     pub step: usize,
-    /// Time of it \[time\].
+    /// Its time \[time\].
     pub time: f64,
-    /// Kind of it.
+    /// Its kind.
     pub kind: EventKind,
     /// Description.
     pub message: String,
@@ -16,13 +16,13 @@ pub struct Event {
 /// Kinds of events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
-    /// A step failed and is cut by two.
+    /// A failed step is cut by two.
     Cut,
-    /// A step was rejected because of its error; it is repeated with a smaller size.
+    /// A step is rejected because of its error, and repeated with a smaller size.
     Rejected,
-    /// Steps are twice as large again.
+    /// The step size is doubled again after cuts.
     Grown,
-    /// The elements that follow have another degree.
+    /// The degree of the elements changes.
     Degree,
     /// A support is released.
     Release,

@@ -81,14 +81,14 @@ fn a_reused_tangent_is_refactorized_when_it_has_cost_more_than_a_new_one() {
         assert!(outcome.converged && (x[0] * x[0] - system.0).abs() < 1e-11);
         refactorizations.push(system.2 != before);
     }
-    // Made for the first step, reused for the next ones, refactorised before the last.
+    // Computed for the first step, reused for the next ones, refactorised before the last.
     assert!(refactorizations[0] && !refactorizations[1] && !refactorizations[2], "{refactorizations:?}");
     assert!(refactorizations[3..].contains(&true), "{refactorizations:?}");
 }
 
 #[test]
 fn a_rounding_floor_is_accepted() {
-    // The floor lies above the tolerance: what rounding allows is all that can be asked.
+    // The floor lies above the tolerance: no smaller residual is possible.
     let outcome = Newton::default()
         .solve(&mut SquareRoot(4.0, 1e-3, 0.0), &mut [3.0], &NewtonSettings::default(), false)
         .unwrap();

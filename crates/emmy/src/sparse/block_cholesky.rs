@@ -7,16 +7,17 @@ use crate::error::Result;
 #[derive(Debug)]
 pub struct BlockCholesky {
     factor: Cholesky,
-    /// Where each entry of the lower triangle comes from: `position components^2 + entry`.
+    /// Source of each entry of the lower triangle: `position components^2 + entry`.
     sources: Vec<usize>,
-    /// Scalar rows that are free, ascending.
+    /// Free scalar rows, ascending.
     free: Vec<usize>,
     values: Vec<f64>,
     packed: Vec<f64>,
 }
 
 impl BlockCholesky {
-    /// Symbolic factorisation. `components`: rows a block; `fixed: [n_rows components]`; `order[new] = old` of block rows.
+    /// Symbolic factorisation. `components`: rows per block; `fixed: [n_rows components]`; `order[new] = old` of block
+    /// rows.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
@@ -69,8 +70,8 @@ impl BlockCholesky {
         &self.factor
     }
 
-    /// Solves for several right-hand sides at once, each given by an element access of all scalar rows: `read(column,
-    /// row)` and `write(column, row, value)`; rows that are not free are left alone.
+    /// Solves for several right-hand sides at once, each given by access to the scalar rows: `read(column, row)` and
+    /// `write(column, row, value)`; fixed rows are unchanged.
     pub fn solve<S>(
         &mut self,
         n_columns: usize,

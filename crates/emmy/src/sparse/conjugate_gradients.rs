@@ -52,7 +52,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         max_iterations: usize,
     ) -> Solution {
         self.solution.fill([[T::default(); C]; 4]);
-        // Zero times what a solution left that came to infinity would not be zero.
+        // After an overflow the previous solution is not finite, and zero times it would not be zero.
         self.direction.fill([[T::default(); C]; 4]);
         let norm = self.residual_norm();
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
@@ -169,7 +169,7 @@ mod tests {
         let mut factor = IncompleteCholesky::new(&sweep);
         factor.factorize(&sweep, &fixed, shift[0].hypot(shift[1]), &mass, block);
         let mut solver = ConjugateGradients::<f32, C>::new(sweep.n_rows());
-        // As a solution leaves it that came to infinity.
+        // State after an overflow in the previous solution.
         solver.direction.fill([[f32::NAN; C]; 4]);
         let value = |row: usize, a: usize, c: usize| {
             let held = fixed[3 * sweep.order[row] as usize + a];

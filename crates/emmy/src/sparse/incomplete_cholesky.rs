@@ -12,11 +12,12 @@ use super::shifted::{CHUNK, each_row};
 use super::sweep::SweepOrder;
 use super::triangular::{Backward, Forward, Part};
 
-/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It only has
-/// to be near: it is computed in single precision, and kept in half of that.
+/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It
+/// need not be accurate: it is computed in single precision, and stored in half precision.
 ///
-/// It is stored as `L = D U`, D the triangular diagonal blocks of L: the blocks of U on the diagonal are unit matrices, and a sweep
-/// through U waits for nothing but the rows before. A pivot that is lost to the omitted fill is replaced by the pivot of the matrix.
+/// It is stored as `L = D U`, where D holds the triangular diagonal blocks of L. The diagonal blocks of U are unit
+/// matrices, so that a sweep through U waits only for the previous rows. A pivot lost to the omitted fill is replaced
+/// by the pivot of the matrix.
 #[derive(Debug, Clone)]
 pub struct IncompleteCholesky {
     /// On the couplings of the sweep: left of the diagonal U, right of it U^T.
@@ -37,8 +38,8 @@ impl IncompleteCholesky {
         }
     }
 
-    /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both in the positions of the pattern; `fixed`:
-    /// components that are left out, `[n_rows][3]` in the numbers of the pattern.
+    /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both at the positions of the pattern;
+    /// `fixed`: omitted components, `[n_rows][3]` in the numbering of the pattern.
     pub fn factorize<'a>(
         &mut self,
         sweep: &SweepOrder,
@@ -80,7 +81,7 @@ impl IncompleteCholesky {
         self.finish(sweep);
     }
 
-    /// Makes U of L, and copies it to the right of the diagonal, transposed.
+    /// Computes U from L, and copies it to the right of the diagonal, transposed.
     fn finish(&mut self, sweep: &SweepOrder) {
         let rows = 0..sweep.n_rows();
         each_row(sweep, rows.clone(), &mut self.lower, &mut self.pivots, &|own, pivot, row| {
@@ -250,7 +251,7 @@ fn transposed(A: &[bf16; 9]) -> [bf16; 9] {
     [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 
-/// Works on ranges that follow one another, each with its own part of a slice; `at(row)`: where a row begins in the slice.
+/// Works on consecutive ranges, each with its own part of a slice; `at(row)`: start of a row in the slice.
 fn side_by_side<T: Send>(
     slice: &mut [T],
     ranges: &[Range<usize>],
@@ -304,7 +305,7 @@ pub mod tests {
 
     #[test]
     fn without_fill_it_is_the_factor_itself() {
-        // A chain has no fill: the incomplete factor is exact, to the 8 bits in which it is kept.
+        // A chain has no fill: the incomplete factor is exact, to its 8 stored bits.
         let lists: Vec<[u32; 2]> = (0..39).map(|i| [i, i + 1]).collect();
         let pattern = Pattern::new(40, lists.iter().map(|list| &list[..]));
         let (mass, stiffness) = elastic(&pattern);

@@ -15,7 +15,7 @@ use crate::error::Result;
 
 /// A solver; vectors are `[n_nodes][3][columns]`.
 pub trait ShiftedSolver: fmt::Debug + Send {
-    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the rows that are fixed, and lambda.
+    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the fixed rows, and lambda.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if the matrix is not finite or there is not enough memory.
@@ -27,17 +27,17 @@ pub trait ShiftedSolver: fmt::Debug + Send {
         shift: [f64; 2],
     ) -> Result<()>;
 
-    /// Solves in place to a relative tolerance. Returns the number of iterations, `None` if it was not reached.
+    /// Solves in place to a relative tolerance. Returns the number of iterations, or `None` if it missed the tolerance.
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
 
     /// Cost of a new stiffness and its factorisation, in solutions.
     fn refactorization_cost(&self) -> f64;
 
-    /// Solves in place, nearly, with the real matrix `M + |lambda| K`: always the same linear map.
+    /// Solves approximately in place with the real matrix `M + |lambda| K`: always the same linear map.
     fn precondition(&mut self, x: &mut [f64]);
 }
 
-/// Conjugate gradients, preconditioned by an incomplete factor, in single precision: what they return is corrected again.
+/// Conjugate gradients, preconditioned by an incomplete factor, in single precision; the caller corrects the result.
 #[derive(Debug)]
 pub struct Iterative<const C: usize> {
     sweep: Arc<SweepOrder>,
@@ -238,7 +238,7 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
-/// Rows that one task works on at the least.
+/// Smallest number of rows of a task.
 const ROWS: usize = 2048;
 
 /// `rows = factor x`, rows in the order of the sweep.

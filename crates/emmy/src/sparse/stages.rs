@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Pattern;
 
-/// Rows of the stage system that one thread owns: it alone writes them.
+/// Rows of the stage system owned by one thread, which alone writes them.
 #[derive(Debug, Clone)]
 pub struct RowPart {
     rows: Range<usize>,
@@ -28,7 +28,7 @@ impl RowPart {
         RowPart { product: force.clone(), rows, first_block, degree, force, blocks }
     }
 
-    /// Rows (nodes) that the part owns.
+    /// Rows (nodes) of the part.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
@@ -38,7 +38,7 @@ impl RowPart {
         self.degree
     }
 
-    /// Whether a node is one of the part's rows.
+    /// Whether a node belongs to the part's rows.
     pub fn owns(&self, node: u32) -> bool {
         self.rows.contains(&(node as usize))
     }
@@ -50,15 +50,15 @@ impl RowPart {
         self.force[at..at + 3].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
 
-    /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern that lies in the part's rows.
+    /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern within the part's rows.
     #[inline(always)]
     pub fn block_mut(&mut self, position: usize, stages: usize) -> &mut [f64; 9] {
         let at = (position - self.first_block) * self.degree * self.degree + stages;
         &mut self.blocks.as_chunks_mut().0[at]
     }
 
-    /// Blocks of all stages, `[block][i k + j]`, and the number of the first block: those of a position of the pattern start at
-    /// `(position - first) k k`.
+    /// Blocks of all stages, `[block][i k + j]`, and the number of the first block; the blocks of a position of the
+    /// pattern start at `(position - first) k k`.
     #[inline(always)]
     pub fn blocks_mut(&mut self) -> (&mut [[f64; 9]], usize) {
         (self.blocks.as_chunks_mut().0, self.first_block)
@@ -81,7 +81,7 @@ impl RowPart {
         }
     }
 
-    /// Rows of the product with a vector over all rows, into the part's own memory.
+    /// Rows of the product with a full vector, into the part's own memory.
     fn multiply(&mut self, pattern: &Pattern, x: &[f64]) {
         let k = self.degree;
         let n_own = self.rows.len();
@@ -143,7 +143,7 @@ impl StageMatrix {
         &part.blocks[at..at + size]
     }
 
-    /// Puts the transposed matrix in the place of the matrix; the pattern is symmetric.
+    /// Replaces the matrix by its transpose; the pattern is symmetric.
     pub fn transpose(&mut self, pattern: &Pattern) {
         for row in 0..self.n_rows {
             for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
@@ -162,8 +162,8 @@ impl StageMatrix {
         self.degree
     }
 
-    /// The matrix without fixed rows and columns, by rows: where they begin, columns ascending, entries. Unknowns are numbered stage
-    /// by stage.
+    /// The matrix without fixed rows and columns, by rows: their starts, ascending columns, entries. Unknowns are
+    /// numbered stage by stage.
     pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
         let mut number = vec![0; fixed.len()];
         let mut n_free = 0;

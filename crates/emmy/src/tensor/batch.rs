@@ -1,4 +1,4 @@
-//! Batches of points in the lanes of a SIMD register, with the instruction set that was found at run time.
+//! Batches of points in the lanes of a SIMD register of the instruction set found at run time.
 
 #![allow(non_snake_case)]
 
@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{Lane, Mat3, Sym, eigen, mat3};
 
-/// Points of a batch: as many as the widest register has lanes. Narrower ones work through a batch in parts.
+/// Points of a batch: the number of lanes of the widest register. Narrower ones process a batch in parts.
 pub const LANES: usize = 8;
 
 /// One number for each point of a batch, in memory.
@@ -16,7 +16,7 @@ pub const LANES: usize = 8;
 #[repr(align(64))] // no register's load crosses a cache line
 pub struct Packed(pub [f64; LANES]);
 
-/// A lane type that is loaded from batches: it holds `WIDTH` points of one, and `LANES / WIDTH` of it work through a batch.
+/// A lane type that is loaded from batches: it holds `WIDTH` points, and `LANES / WIDTH` registers cover a batch.
 pub trait Register: Lane {
     /// Number of points.
     const WIDTH: usize;
@@ -40,7 +40,7 @@ impl Register for f64 {
 
 /// The points in one register of the instruction set `S`.
 ///
-/// Every function that is reached from a dispatched one must be inlined into it, else it is compiled for the oldest
+/// Every function called from a dispatched one must be inlined into it; otherwise it is compiled for the oldest
 /// instruction set.
 ///
 /// ```
@@ -85,7 +85,7 @@ impl<S: Simd> Batch<S> {
         self.simd.first_true_m64s(mask) < S::F64_LANES
     }
 
-    /// Lanes that are not within the bounds, NaN among them.
+    /// Lanes outside the bounds, NaN included.
     #[inline(always)]
     fn outside(self, lower: f64, upper: f64) -> S::m64s {
         let simd = self.simd;
@@ -94,7 +94,7 @@ impl<S: Simd> Batch<S> {
         simd.not_m64s(simd.and_m64s(above, below))
     }
 
-    /// Sum of `coefficients[n] self^n`, the even and the odd terms beside each other.
+    /// Sum of `coefficients[n] self^n`, with separate sums of even and odd terms.
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
         let square = self * self;
@@ -350,8 +350,8 @@ impl<S: Simd> Lane for Batch<S> {
     }
 }
 
-/// A function to be called in the instruction set of registers. Not `FnOnce`: a closure that could be called again would be called
-/// through a function of its own, which is not inlined.
+/// A function to be called in the instruction set of registers. Not `FnOnce`: a closure that could be called again
+/// would be compiled as a separate function, not inlined.
 struct Call<F>(F);
 
 impl<T, F: FnMut() -> T> WithSimd for Call<F> {

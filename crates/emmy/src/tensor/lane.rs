@@ -4,12 +4,12 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use super::{Mat3, Sym, eigen};
 
-/// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
+/// A number at one material point (`f64`) or at a batch of points in the lanes of a SIMD register.
 ///
-/// Everything between the mesh and a material is written once over this trait. Constants are made from a number that
-/// already exists ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set. Eigenvalues, for which there is
-/// no SIMD instruction, are a function of the lane type ([`Lane::eigen`]): a batch takes its points one by one, and a number that
-/// carries derivatives differentiates.
+/// All code between the mesh and a material is written once over this trait. Constants are made from an existing number
+/// ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set. SIMD instructions cannot compute
+/// eigenvalues, so [`Lane::eigen`] belongs to the lane type: a batch takes its points one by one, and dual numbers
+/// differentiate.
 pub trait Lane:
     Copy
     + Add<Output = Self>
@@ -25,7 +25,7 @@ pub trait Lane:
 {
     /// The constant in every lane.
     fn splat(self, constant: f64) -> Self;
-    /// `self * factor + addend`, in one rounding where that costs nothing: operators alone are never fused.
+    /// `self * factor + addend`, fused where that is free; operators alone are never fused.
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
@@ -58,12 +58,12 @@ pub trait Lane:
     fn exp_m1(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
-    /// The smaller of two numbers; NaN if one of them is NaN, so that a failure is not lost.
+    /// Smaller of two numbers; NaN if either is NaN, so that failures are not lost.
     fn min(self, other: Self) -> Self;
     /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
-    /// Calls a function compiled for the instruction set of the lanes. Functions behind a table need it, because their caller cannot
-    /// inline them.
+    /// Calls a function compiled for the instruction set of the lanes. Functions behind a table need it, because their
+    /// caller cannot inline them.
     #[inline(always)]
     fn vectorize<T>(self, mut function: impl FnMut() -> T) -> T {
         function()

@@ -50,9 +50,9 @@ pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
     ]
 }
 
-/// Rotation vector of a rotation, of a length of at most pi.
+/// Rotation vector of a rotation, at most of length pi.
 ///
-/// The quaternion from its largest component (Shepperd 1978): nothing cancels at any angle.
+/// The quaternion from its largest component (Shepperd 1978): no cancellation at any angle.
 pub fn log(R: &Mat3<f64>) -> [f64; 3] {
     let trace = R[0][0] + R[1][1] + R[2][2];
     let squares =

@@ -22,11 +22,11 @@ pub struct State {
     pub momentum: Vec<f64>,
     /// Velocity v = M^-1 p, `[n_nodes][3]` \[length/time\].
     pub velocity: Vec<f64>,
-    /// Low part of the displacement, `[n_nodes][3]` \[length\]; empty: zero. The sum of both has twice the digits, so that a body
-    /// that flies far keeps those of its strains.
+    /// Low part of the displacement, `[n_nodes][3]` \[length\]; empty: zero. The sum of both parts has twice the
+    /// digits, so that a body keeps the digits of its strains in a long flight.
     pub displacement_low: Vec<f64>,
-    /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps take it out again. Far from the
-    /// origin it would have a long lever.
+    /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps remove it. Far from
+    /// the origin it would have a long lever.
     pub momentum_error: [f64; 3],
 }
 
@@ -49,7 +49,7 @@ impl State {
         })
     }
 
-    /// Takes over another state of the same body, in the memory that there is.
+    /// Copies another state of the same body without allocation.
     pub fn copy_from(&mut self, other: &State) {
         (self.time, self.step) = (other.time, other.step);
         self.displacement.copy_from_slice(&other.displacement);
@@ -64,7 +64,7 @@ impl State {
         [0, 1, 2].map(|i| body.mesh().points()[node][i] + self.displacement[3 * node + i])
     }
 
-    /// Displacement of the first node of a free body, zero for any other: strains and forces of the body do not depend on it.
+    /// Displacement of the first node of a free body, zero for any other body: strains and forces do not depend on it.
     pub fn origin(&self, body: &Body) -> [f64; 3] {
         let first = self.displacement.first_chunk();
         first.filter(|_| body.is_free()).copied().unwrap_or_default()
@@ -108,14 +108,14 @@ impl State {
         moment
     }
 
-    /// Adds an increment of the displacement at a degree of freedom, both parts of it.
+    /// Adds an increment of the displacement at a degree of freedom, to both parts.
     pub(super) fn displace(&mut self, dof: usize, increment: f64) {
         let (high, error) = two_sum(self.displacement[dof], increment);
         let low = self.displacement_low[dof] + error;
         (self.displacement[dof], self.displacement_low[dof]) = two_sum(high, low);
     }
 
-    /// Adds to the error of the momentum what has changed since `before` beyond an impulse.
+    /// Adds the change of the momentum since `before`, less an impulse, to the error of the momentum.
     pub(super) fn note_momentum_error(&mut self, before: &[f64], impulse: [f64; 3]) {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
         for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {

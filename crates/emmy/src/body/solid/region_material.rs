@@ -32,8 +32,8 @@ impl RegionMaterial {
         }
     }
 
-    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` of a link, which has
-    /// no volume.
+    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
+    /// link, which has no volume.
     pub fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
         let RegionMaterial::Solid(material) = self else { return None };
         let material = material.response::<f64>();

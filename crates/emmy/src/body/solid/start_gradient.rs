@@ -1,5 +1,5 @@
-//! Derivatives of the stage forces by the displacement at the start of a step, times adjoint vectors. Cell by cell in plain
-//! numbers: an adjoint asks for it once a step.
+//! Derivatives of the stage forces by the displacement at the start of a step, times adjoint vectors. They are computed
+//! cell by cell in scalars: an adjoint needs them once per step.
 
 use rayon::prelude::*;
 
@@ -34,7 +34,7 @@ impl CellMemory {
 }
 
 impl SolidTerm {
-    /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are worked through side by side and added up in their order.
+    /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are computed in parallel and summed in order.
     pub(super) fn add_start_gradient_of_cells(
         &self,
         step: &StepInput<'_>,

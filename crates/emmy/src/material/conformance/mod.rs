@@ -1,4 +1,4 @@
-//! Conditions that every material must fulfil, checked for each in one line.
+//! Conditions on every material, checked for each in one line.
 
 mod dual;
 mod extended;
@@ -27,8 +27,8 @@ pub fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl F
     for_all((large_gradient(), rotation()), |(G, Q)| is_symmetric_under(material, &G, &Q));
 }
 
-/// Checks an anisotropic material against its energy, its stress at small strain, and the rotations and reflections
-/// under which it is the same.
+/// Checks an anisotropic material against its energy, its stress at small strain, and the rotations and reflections of
+/// its symmetry group.
 pub fn conforms_with_symmetry(
     material: &impl Material,
     symmetry: &[Mat3<f64>],
@@ -61,7 +61,7 @@ fn conforms_but_for_symmetry(
         keeps_its_digits(material, energy, &direction).unwrap();
         keeps_the_digits_of_energy_changes(material, energy, &direction).unwrap();
         sums_its_stress_along_a_path(material, &direction).unwrap();
-        // Not the direction itself: fibres that bear tension only have no elasticity where tension begins.
+        // Not the direction itself: tension-only fibres have no elasticity where tension begins.
         let nearby = sym_add_scaled(&direction, 1e-7, &GENERAL_DIRECTION);
         keeps_the_digits_of_its_elasticity(material, energy, &nearby).unwrap();
     }
@@ -79,7 +79,8 @@ fn for_all<S: Strategy>(strategy: S, check: impl Fn(S::Value) -> Check) {
 }
 
 fn for_some<S: Strategy>(cases: u32, strategy: S, check: impl Fn(S::Value) -> Check) {
-    // The same draws every time: the bounds on round-off are a few units in the last place above what is observed.
+    // The draws are always the same: the bounds on round-off are a few units in the last place above the observed
+    // errors.
     let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) };
     TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
         .run(&strategy, check)
@@ -151,7 +152,7 @@ fn seeded(strain: &Sym<f64>, component: usize) -> Sym<Dual64> {
     dual
 }
 
-/// Number of tensor components for which a component of [`Sym`] stands.
+/// Number of tensor components that a component of [`Sym`] represents.
 fn multiplicity(component: usize) -> f64 {
     if component < 3 { 1.0 } else { 2.0 }
 }
@@ -261,7 +262,7 @@ fn keeps_its_digits(
     Ok(())
 }
 
-/// Whether a strain of the largest size is one of a body: C is positive definite, with some distance.
+/// Whether a strain of the largest size belongs to a body: C is positive definite, by a margin.
 fn is_deformation(E: &Sym<f64>) -> bool {
     let c = |i: usize, j: usize| 2.0 * E[SYM_INDEX[i][j]] + if i == j { 0.9 } else { 0.0 };
     let minor = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1);
@@ -269,7 +270,7 @@ fn is_deformation(E: &Sym<f64>) -> bool {
     c(0, 0) > 0.0 && minor > 0.0 && crate::tensor::sym_det(&C) > 0.0
 }
 
-/// Changes of the energy, if the material has them in closed form, against differences of the textbook form with 100 digits.
+/// Changes of the energy, if the material has a closed form, against differences of the textbook form with 100 digits.
 fn keeps_the_digits_of_energy_changes(
     material: &impl Material,
     energy: &impl Fn(&Mat3<Big>) -> Big,
@@ -298,7 +299,7 @@ fn keeps_the_digits_of_energy_changes(
     Ok(())
 }
 
-/// The stress along a path against the sum over its points, with weights of both signs.
+/// Quadrature of the stress along a path against the sum over its points, with weights of both signs.
 fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) -> Check {
     let points = [[0.0, 0.3], [0.25, -0.2], [0.7, 0.8], [1.0, 0.1]];
     for (size, part) in

@@ -114,13 +114,13 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
     }
 }
 
-/// Where each entry of a block finds the component that it is multiplied with, in a row of `n_columns` columns.
+/// Index of the vector component for each entry of a block, in a row of `n_columns` columns.
 #[inline(always)]
 const fn columns<const N: usize>(n_columns: usize, column: usize) -> [i32; N] {
     let mut at = [0; N];
     let mut entry = 0;
     while entry < N {
-        // What follows the block is multiplied with the zero that follows the vector.
+        // Entries after the block are multiplied with the zero after the vector.
         let component = if entry < 9 { entry / 3 } else { 3 };
         at[entry] = (component * n_columns + column) as i32;
         entry += 1;

@@ -26,7 +26,7 @@ impl<F: Function> WithSimd for Apply<F> {
     }
 }
 
-/// Registers of every instruction set that there is here, against numbers: the largest relative difference.
+/// Registers of every available instruction set against numbers: the largest relative difference.
 fn difference<F: Function + Copy>(function: F, x: [[f64; LANES]; 3]) -> f64 {
     let results = [Arch::new(), Arch::Scalar].map(|arch| arch.dispatch(Apply(function, x.map(Packed))));
     let mut largest = 0f64;
@@ -89,7 +89,7 @@ proptest! {
         for argument in [x, positive, x.map(|x| 0.5 * x), x.map(|x| -x.abs())] {
             let error = difference(Logarithm, [argument; 3]);
             prop_assert!(error < 4.0 * f64::EPSILON, "{error:e} at {argument:?}");
-            // The direct form, which numbers take from 0.06 on, loses up to two digits.
+            // The direct form, used by numbers from 0.06 on, loses up to two digits.
             let error = difference(LessLogarithm, [argument; 3]);
             prop_assert!(error < 64.0 * f64::EPSILON, "{error:e} at {argument:?}");
         }

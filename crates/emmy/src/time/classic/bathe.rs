@@ -9,7 +9,7 @@ use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
-/// Where the step is split: 2 - sqrt 2.
+/// Fraction of the step at which it is split: 2 - sqrt 2.
 const SPLIT: f64 = 2.0 - std::f64::consts::SQRT_2;
 
 /// Weights of the forces at the start, at the split and at the end in the new velocity.
@@ -175,7 +175,7 @@ impl Stepper for BatheStepper<'_> {
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
-    /// That of the second part.
+    /// Weights of the second part.
     fn newton_history(&self) -> &[f64] {
         self.iteration.history()
     }

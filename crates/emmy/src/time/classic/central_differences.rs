@@ -7,20 +7,20 @@ use crate::error::{Error, Result};
 use crate::newton::Outcome;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
-/// Steps up to this part of the critical one are accepted: the estimate comes from above, and the body may stiffen.
+/// Largest accepted step relative to the critical one: the estimate is an upper bound, and the body may stiffen.
 const SAFETY: f64 = 0.98;
 
 /// Number of steps after which the critical step is estimated again.
 const STEPS_BETWEEN_ESTIMATES: usize = 50;
 
-/// Stepper of central differences in the form that has displacement and velocity at the same times (Verlet 1967):
+/// Stepper of central differences in the form with displacement and velocity at the same times (Verlet 1967):
 ///
 /// ```math
 /// p_s = p_1 + (h/2) (F - f)_1,    u_2 = u_1 + h M^-1 p_s,    p_2 = p_s + (h/2) (F - f)_2
 /// ```
 ///
-/// with the lumped mass [`Body::lumped_mass`]: the momentum of the state, and with it kinetic energy and momenta of the
-/// record, are those of the lumped mass. It conserves linear and angular momentum, is symplectic, and stable for
+/// with the lumped mass [`Body::lumped_mass`]. The momentum of the state, and with it the kinetic energy and momenta of
+/// the record, use the lumped mass. The method conserves linear and angular momentum, is symplectic, and is stable for
 /// `h < 2/omega_max`; a larger step is rejected.
 #[derive(Debug)]
 pub struct CentralDifferences<'a> {
@@ -34,7 +34,7 @@ pub struct CentralDifferences<'a> {
 }
 
 impl<'a> CentralDifferences<'a> {
-    /// The stepper of a state, whose momentum it sets by the lumped mass.
+    /// The stepper of a state, whose momentum it sets with the lumped mass.
     ///
     /// # Errors
     /// [`Error::Inverted`].
@@ -60,7 +60,8 @@ impl<'a> CentralDifferences<'a> {
         Ok(stepper)
     }
 
-    /// The critical step `2/omega_max` of a body at a displacement `[n_nodes][3]`, and the largest step that is accepted \[time\].
+    /// The critical step `2/omega_max` of a body at a displacement `[n_nodes][3]`, and the largest accepted step
+    /// \[time\].
     ///
     /// # Errors
     /// [`Error::Inverted`].
@@ -139,7 +140,7 @@ impl Stepper for CentralDifferences<'_> {
     }
 }
 
-/// Rejects a step that ends in forces which are not numbers: nothing else here would notice.
+/// Rejects a step whose forces are not finite: no other check would find this.
 fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
     let numbers = end.force.iter().zip(&end.displacement);
     match numbers.into_iter().position(|(force, u)| !(force.is_finite() && u.is_finite())) {
@@ -167,12 +168,12 @@ struct StabilityLimit {
 /// Relative change of omega_max^2 at which the power iteration ends.
 const TOLERANCE: f64 = 1e-6;
 
-/// Iterations after which it ends in any case.
+/// Largest number of iterations.
 const MAX_ITERATIONS: usize = 500;
 
 impl StabilityLimit {
     fn new(forces: &mut Forces<'_>, displacement: &[f64]) -> Result<Self> {
-        // A fixed vector with a part in every mode: fractional parts of multiples of the golden section.
+        // A fixed vector with a component in every mode: fractional parts of multiples of the golden section.
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let entry = |(dof, &fixed): (usize, &bool)| {
             if fixed { 0.0 } else { ((dof + 1) as f64 * golden).fract() - 0.5 }

@@ -13,29 +13,29 @@ use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 /// A method of Newmark's family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NewmarkFamily {
-    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Of second order for gamma = 1/2; stable at any
-    /// step for a linear body if 2 beta >= gamma.
+    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Second order for gamma = 1/2;
+    /// unconditionally stable for a linear body if 2 beta >= gamma.
     Newmark {
         /// Weight of the new acceleration in the displacement.
         beta: f64,
         /// Weight of the new acceleration in the velocity.
         gamma: f64,
     },
-    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are taken at `1 - alpha` of the step. The
-    /// authors' own alpha has the opposite sign.
+    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are evaluated at `1 - alpha` of the
+    /// step. The authors' alpha has the opposite sign.
     HilberHughesTaylor {
         /// Dissipation of the high modes; 0 is the average acceleration method.
         alpha: f64,
     },
     /// `generalized-alpha(rho)` (Chung and Hulbert 1993), 0 <= rho <= 1.
     GeneralizedAlpha {
-        /// Spectral radius for infinitely high frequencies: 1 no dissipation, 0 all.
+        /// Spectral radius at infinite frequency: 1 for no dissipation, 0 for the strongest.
         spectral_radius: f64,
     },
 }
 
 impl NewmarkFamily {
-    /// Its scheme as an input has it: `HHT(0.05)`.
+    /// Its scheme as written in an input: `HHT(0.05)`.
     pub fn name(self) -> String {
         match self {
             NewmarkFamily::Newmark { beta, gamma } => named("Newmark", [beta, gamma]),
@@ -46,7 +46,7 @@ impl NewmarkFamily {
         }
     }
 
-    /// Checks that the numbers are in their range.
+    /// Checks the range of the numbers.
     ///
     /// # Errors
     /// [`Error::Scheme`].

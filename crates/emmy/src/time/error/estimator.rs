@@ -3,12 +3,12 @@
 use crate::error::{Error, Result};
 use crate::time::TimeElement;
 
-/// How the local error is estimated.
+/// Estimators of the local error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Estimator {
     /// By differences of velocities, for degree 1.
     Difference,
-    /// By the residual in some steps, and by how sizes and rates have changed in those between.
+    /// By the residual in some steps, extrapolated to the steps between by step size and rates.
     Sampled,
     /// By the residual of the reconstructed step.
     Residual,
@@ -16,7 +16,7 @@ pub enum Estimator {
     Element,
 }
 
-/// Estimators: key word, estimator, what it is.
+/// Estimators: key word, estimator, description.
 pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
     ("difference", Estimator::Difference, "differences of velocities, for degree 1; costs nothing"),
     (
@@ -33,7 +33,7 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
 ];
 
 impl Estimator {
-    /// The default: differences where they do, else the sampled residual.
+    /// The default: differences if they apply, else the sampled residual.
     pub fn of(element: TimeElement) -> Self {
         match Estimator::Difference.check(element) {
             Ok(()) => Estimator::Difference,
@@ -46,10 +46,10 @@ impl Estimator {
         ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
     }
 
-    /// Checks that the estimator goes with a time element.
+    /// Checks that the estimator fits a time element.
     ///
     /// # Errors
-    /// [`Error::Adaptivity`]: differences go with degree 1 only, and not with a scheme that dissipates, which has another error.
+    /// [`Error::Adaptivity`]: differences need degree 1 and a scheme without dissipation, which has another error.
     pub fn check(self, element: TimeElement) -> Result<()> {
         let degree = element.degree;
         let reason = match self {

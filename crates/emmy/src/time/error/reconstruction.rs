@@ -1,4 +1,4 @@
-//! The motion inside a step, one degree above that of its element.
+//! The motion inside a step, one degree higher than its element.
 
 use crate::polynomial::lagrange;
 use crate::quadrature::gauss;
@@ -11,8 +11,9 @@ use crate::quadrature::gauss;
 /// u~(alpha) = u_1 + h integral_0^alpha v^h,    u~' = h v^h,    u~(0) = u_1,    u~(1) = u_2
 /// ```
 ///
-/// has the degree k + 1 and the ends of u^h, since Gauss' rule with k points is exact for v^h, and an error of order k + 2 inside the step where that of u^h has k + 1.
-/// Its rates at k + 1 Gauss points, `h v^h`, are a state of the element of degree k + 1.
+/// has degree k + 1 and the ends of u^h, since Gauss' rule with k points is exact for v^h. Its error inside the step
+/// has the order k + 2, one more than the error of u^h. Its rates at k + 1 Gauss points, `h v^h`, are a state of the
+/// element of degree k + 1.
 #[derive(Debug)]
 pub struct Reconstruction {
     /// `[k + 1][k + 1]`: weights of h v_1 and of the k rates.

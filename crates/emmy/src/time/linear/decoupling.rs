@@ -1,20 +1,20 @@
-//! The stage equations, linearised with one stiffness, fall into equations of the size of the body.
+//! Decoupling of the stage equations, linearised with one stiffness, into systems of the size of the body.
 //!
-//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + s^2 m^-1 w (x) K`; for a time
-//! element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it falls into `M + s^2 lambda K` (Butcher 1976). A complex
-//! lambda stands for itself and its conjugate. For it the real matrix `M + s^2 |lambda| K`, turned by half the argument phi of
-//! lambda, is near: in an eigenvector of `K` with `x = s^2 |lambda| omega^2`
+//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + s^2 m^-1 w (x) K`; for a
+//! time element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it decouples into `M + s^2 lambda K`
+//! (Butcher 1976). A complex lambda represents itself and its conjugate. It is approximated by the real matrix `M + s^2
+//! |lambda| K`, rotated by half the argument phi of lambda: in an eigenvector of `K` with `x = s^2 |lambda| omega^2`
 //!
 //! ```math
 //! exp(-i phi/2) (1 + exp(i phi) x) / (1 + x) = cos(phi/2) + i sin(phi/2) (x - 1) / (x + 1)
 //! ```
 //!
-//! a segment of the right half plane whatever the step size.
+//! a segment of the right half plane for any step size.
 
 use crate::error::Result;
 use crate::sparse::{Eigenpairs, eigenpairs};
 
-/// One eigenvalue of `m^-1 w`, or a conjugate pair, and the change of basis between the stages and it.
+/// One eigenvalue of `m^-1 w`, or a conjugate pair, with its change of basis from and to the stages.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.

@@ -37,7 +37,7 @@ fn spinning(body: &Body, angular_velocity: [f64; 3]) -> State {
     State::initial(body, 0.0, &[motion]).unwrap()
 }
 
-/// The turn of the whole step, `I + sum_j b_j D_j`.
+/// The rotation of the whole step, `I + sum_j b_j D_j`.
 fn whole_turn(prediction: &Prediction, system: &StageSystem<'_>) -> Mat3<f64> {
     let mut end = IDENTITY;
     for (D, b) in prediction.rigid.rates.iter().zip(system.coefficients.rule.weights()) {
@@ -76,8 +76,8 @@ fn a_step_turns_the_body_by_an_orthogonal_tensor_without_strain_rates() {
     }
 }
 
-/// Spin w about a principal axis: the mid-point rule turns a rigid body by 2 atan(h w / 2), and an element of degree k has the
-/// right angle up to an error of order 2k + 1 in a step.
+/// Spin w about a principal axis: the mid-point rule rotates a rigid body by 2 atan(h w / 2), and an element of degree
+/// k by the correct angle up to an error of order 2k + 1 per step.
 #[test]
 fn a_spin_about_a_principal_axis_has_the_angle_of_the_time_element() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
@@ -99,7 +99,7 @@ fn a_spin_about_a_principal_axis_has_the_angle_of_the_time_element() {
     }
 }
 
-/// A motion that goes on in the body's own frame: all that the last step did is done again, turned with the body.
+/// A steady motion in the body's own frame: each step repeats the last one, rotated with the body.
 #[test]
 fn a_steady_rotation_is_predicted_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
@@ -111,7 +111,7 @@ fn a_steady_rotation_is_predicted_to_rounding() {
         start(&mut system, &mut prediction, &state, 0.3);
         let mut rates = vec![0.0; k * n];
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
-        // Nothing but the rigid motion at first: a rigid body has no other velocity.
+        // At first only the rigid motion: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
             let move_on = prediction.translation[i];
             let D = prediction.rigid.rates[i];
@@ -165,7 +165,7 @@ fn a_translation_is_predicted_at_any_step_size() {
     }
 }
 
-/// A body on a line has no inertia about it, one in a plane turns in that plane alone, and one that is held not at all.
+/// A body on a line has no inertia about it, one in a plane rotates in that plane alone, and a fixed one not at all.
 #[test]
 fn lines_planes_and_supports_are_no_special_cases() {
     let plane = body_of(crate::mesh::rectangle([2.0, 1.0], [4, 2]).unwrap());
@@ -180,7 +180,7 @@ fn lines_planes_and_supports_are_no_special_cases() {
         assert!(prediction.translation.iter().all(|rate| rate[2] == 0.0));
     }
 
-    // A line along (1, 2, 2)/3: the spin across it is that of a rod, the one along it is none of its own.
+    // A line along (1, 2, 2)/3: a spin across it has the inertia of a rod, a spin along it has none.
     let along = [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
     let velocity = [0.2, -0.1, 0.0];
     let mid_point = system(&plane, 1);
@@ -210,7 +210,7 @@ fn lines_planes_and_supports_are_no_special_cases() {
     assert!(prediction.rigid.rotation == [0.0; 3] && prediction.translation == [[0.0; 3]]);
 }
 
-/// A solution that is off by a rigid motion has resultants and moments; they are taken out of it, in a body under load too.
+/// A solution with a superposed rigid motion has resultants and moments; they are removed, also in a loaded body.
 #[test]
 fn resultants_and_moments_are_balanced_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());

@@ -30,18 +30,18 @@ pub struct StageSystem<'a> {
     pub known: Vec<f64>,
     /// m_ij with the drag, for the time s.
     dragged_mass: Vec<f64>,
-    /// In a scheme that dissipates: the rigid motions that it leaves alone, and the momentum at the start of the step.
+    /// In a dissipative scheme: the rigid motions without dissipation, and the momentum at the start of the step.
     projection: Option<RigidProjection>,
     momentum: Vec<f64>,
     /// Stage averages of the dead loads.
     pub dead_load: Vec<f64>,
     pub followers: Followers,
-    /// Rates of the driven degrees of freedom; empty where there are none.
+    /// Rates of the driven degrees of freedom; empty if there are none.
     driven_rates: Vec<f64>,
     force: Vec<f64>,
     /// M x_j of the last residual.
     mass_rates: Vec<f64>,
-    /// Squares of its parts, of each chunk of each stage.
+    /// Squares of its terms, of each chunk of each stage.
     squares: Vec<[f64; 3]>,
     approximate_tangent: ApproximateTangent,
     gmres: Gmres,
@@ -49,7 +49,7 @@ pub struct StageSystem<'a> {
     floor: f64,
 }
 
-/// Degrees of freedom that one task works on.
+/// Degrees of freedom of one task.
 const CHUNK: usize = 4096;
 
 impl<'a> StageSystem<'a> {
@@ -92,7 +92,7 @@ impl<'a> StageSystem<'a> {
         self.time_scale = time_scale;
     }
 
-    /// Sets the coefficients of the inertia for a body in a medium.
+    /// Sets the coefficients of the inertia for a body with drag.
     fn drag(&mut self, time_scale: f64) {
         let k = self.coefficients.rule.degree();
         self.dragged_mass.copy_from_slice(&self.coefficients.mass);
@@ -106,13 +106,13 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Sets the rates that driven degrees of freedom have in the step.
+    /// Sets the rates of the driven degrees of freedom in the step.
     pub fn set_driven_rates(&mut self, time: f64, step_size: f64) {
         let rule = &self.coefficients.rule;
         self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates);
     }
 
-    /// Puts the rates of the driven degrees of freedom into a starting point of the iteration.
+    /// Inserts the rates of the driven degrees of freedom into a starting point of the iteration.
     pub fn drive(&self, rates: &mut [f64]) {
         let n = self.body.n_dofs();
         for (rates, driven) in rates.chunks_exact_mut(n).zip(self.driven_rates.chunks_exact(n)) {
@@ -198,13 +198,13 @@ impl<'a> StageSystem<'a> {
         stages.zip(self.coefficients.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x)).sum()
     }
 
-    /// Strain energy that rounding of the displacements brings into the step.
+    /// Strain energy caused by rounding of the displacements in the step.
     pub fn rounding_energy(&self, x: &[f64]) -> f64 {
         self.approximate_tangent.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
     }
 
-    /// Whether the forces inside the body have neither a resultant nor a moment in any stage, so that inertia and loads alone
-    /// decide the body's rigid motion.
+    /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone
+    /// determine the rigid motion of the body.
     pub fn is_self_balanced(&self) -> bool {
         self.coefficients.rule.is_energy_momentum()
             && self.coefficients.dissipation.is_none()
@@ -228,18 +228,18 @@ impl<'a> StageSystem<'a> {
         self.dead_load[at] + self.followers.force[at]
     }
 
-    /// Evaluates the loads that follow at the rates x.
+    /// Evaluates the follower loads at the rates x.
     pub fn evaluate_followers(&mut self, x: &[f64]) {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.followers.evaluate(self.body, &step);
     }
 
-    /// Whether anything takes energy out of the body besides its loads.
+    /// Whether the body dissipates energy, by drag, viscosity or the scheme.
     pub fn is_braked(&self) -> bool {
         self.body.drag() > 0.0 || self.body.is_viscous() || self.coefficients.dissipation.is_some()
     }
 
-    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a step that is solved.
+    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a solved step.
     ///
     /// ```math
     /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
@@ -292,7 +292,7 @@ impl<'a> StageSystem<'a> {
         Ok(())
     }
 
-    /// Turns the approximate tangent with the body, in the step that was started.
+    /// Rotates the approximate tangent with the body in the present step.
     pub fn turn(&mut self, rotation: &RigidStep) {
         self.approximate_tangent.turn(rotation, &self.coefficients.rule);
     }
@@ -302,7 +302,7 @@ impl<'a> StageSystem<'a> {
         self.approximate_tangent.keep(memory);
     }
 
-    /// Restores what [`StageSystem::keep`] kept.
+    /// Restores the data of [`StageSystem::keep`].
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
