@@ -31,7 +31,7 @@ fn end(why: &str) -> ! {
     std::process::exit(INTERRUPTED.into());
 }
 
-/// Handles signals besides those of `ctrlc`, which would end the program silently.
+/// Handles further signals than `ctrlc`; otherwise they would end the program silently.
 #[cfg(unix)]
 fn listen_to_others() -> std::io::Result<()> {
     use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};

@@ -115,7 +115,7 @@ mod tests {
         file.write_step(1, &[2.0, 1.234e-5], 1e-8).unwrap();
         file.write_step(2, &[f64::NAN], 0.5).unwrap();
         file.write_step(3, &[1e300, 0.0], 0.5).unwrap();
-        // Killed while it wrote a row.
+        // Killed while writing a row.
         let mut file = File::options().append(true).open(&path).unwrap();
         file.write_all(b"4,0,1.0").unwrap();
         let steps = read(&path, |step| step != 2).unwrap();

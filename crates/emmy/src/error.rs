@@ -170,6 +170,16 @@ pub enum Error {
         /// Condition on the value.
         requirement: &'static str,
     },
+    /// A direction of a material that is not one, or that is parallel to another.
+    #[error("{material}: {parameter} {requirement}")]
+    Direction {
+        /// Key word of the material.
+        material: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Condition on the direction.
+        requirement: &'static str,
+    },
     /// A time function whose times go back, or with an entry that is not finite.
     #[error("time function: {reason} (entry {entry})")]
     TimeFunction {

@@ -1,4 +1,4 @@
-//! `emmy list WHAT`: one item a line, its key word first.
+//! `emmy list WORD`: one item per line, its key word first.
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
 }
 
-/// Prints what can be listed.
+/// Prints the available lists.
 fn words(as_json: bool) -> Result<(), Failure> {
     let values: Vec<_> = What::value_variants().iter().filter_map(What::to_possible_value).collect();
     let help = |value: &PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();

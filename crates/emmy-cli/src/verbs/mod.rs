@@ -131,7 +131,7 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
     let advice = "take smaller steps there, adaptive ones, or a table, which is integrated exactly";
     first.map(|first| {
         format!(
-            "warning: {count} planned steps do not resolve what acts on the body, first {first}; {advice}"
+            "warning: {count} planned steps do not resolve the loads and supports, first {first}; {advice}"
         )
     })
 }

@@ -54,7 +54,8 @@ impl Key {
     }
 }
 
-/// The part of the resolved input on which a motion from a given state depends, with a checksum of the mesh file in place of its path.
+/// The part of the resolved input that determines a motion from a given state, with a checksum of the mesh file instead
+/// of its path.
 fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     let mut input: toml::Table = resolved.parse().map_err(io::Error::other)?;
     ["title", "output", "limits", "initial"].into_iter().for_each(|section| drop(input.remove(section)));

@@ -83,7 +83,7 @@ impl Study {
         Ok(times.len() - times.iter().filter(is_own).count())
     }
 
-    /// Times nearer than this differ by round-off only.
+    /// Times closer together than this differ by round-off only.
     pub fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.window.0.abs().max(self.window.1.abs())
     }

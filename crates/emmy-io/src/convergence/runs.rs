@@ -1,4 +1,4 @@
-//! The runs of a study: the shared start, the reference, the members side by side.
+//! The runs of a study: the shared start, the reference, and the members in parallel.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -55,7 +55,8 @@ pub fn reference(
     Ok(sampler.finish())
 }
 
-/// All members, side by side, the longest first. They are reported when they are done, and returned in the order of their sizes.
+/// All members in parallel, the longest first. They are reported when they are done, and returned in the order of their
+/// sizes.
 ///
 /// Every member has one thread, so the body must have been built for one ([`on_one_thread`]).
 pub fn members(

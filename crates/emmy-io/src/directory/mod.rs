@@ -45,8 +45,8 @@ pub fn check_run(problem: &Problem) -> Result<(), DirectoryError> {
     check_sources(directory, &problem.files)
 }
 
-/// Creates a directory for results other than those of a run. It may be new, empty, or hold earlier results, which are recognized
-/// by a file that Emmy wrote, the witness. Nothing is removed.
+/// Creates a directory for other results than a run. It may be new, empty, or hold earlier results, which are
+/// recognized by a file that Emmy wrote, the witness. Nothing is removed.
 ///
 /// # Errors
 /// [`DirectoryError`] if it is a file or holds other files, and errors of the system.
@@ -90,7 +90,7 @@ fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
 /// Prepares a directory for a run: creates it, and removes the files of an earlier run.
 ///
 /// # Errors
-/// Those of [`check`], and errors of the system.
+/// As [`check`], and errors of the system.
 pub fn prepare(path: &Path) -> Result<(), DirectoryError> {
     check(path)?;
     fs::create_dir_all(path).map_err(|error| system(path, error))?;

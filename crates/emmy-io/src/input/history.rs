@@ -1,4 +1,4 @@
-//! Histories: tables of the time, or expressions.
+//! `history`: tables of the time, or expressions.
 
 use emmy::body::TimeFunction;
 use emmy::motion::StepPlan;
@@ -28,7 +28,7 @@ pub(super) fn read(item: Item<'_>) -> Result<TimeFunction, Fault> {
     })
 }
 
-/// The fault of a mistake, at the part of the text where it is.
+/// The fault of a mistake, at its part of the text.
 fn fault(item: &Item<'_>, text: &str, Mistake { reason, place }: Mistake) -> Fault {
     let message = format!("`{}`: {reason}", item.key());
     Fault::at(&item.place().inside(text, place), message, "here")
@@ -42,10 +42,10 @@ fn is_history(key: &str) -> bool {
     description::all().into_iter().any(of)
 }
 
-/// Times at which an expression is tried before a run.
+/// Number of times at which an expression is checked before a run.
 const SAMPLES: usize = 1000;
 
-/// Checks that the expressions of a part of the tree are finite numbers, with their rates, all through a plan.
+/// Checks that the expressions in a part of the tree, and their rates, are finite throughout a plan.
 pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
     match &node.value {
         Value::Array(items) => items.iter().for_each(|item| check_finite(item, plan, faults)),
@@ -64,7 +64,7 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
 }
 
 fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
-    // What cannot be read has a fault of its own.
+    // Unreadable expressions have their own fault.
     let Ok(expression) = expression::parse(text) else { return Ok(()) };
     let time_function = expression.time_function(text);
     let start = plan.start();

@@ -60,7 +60,7 @@ fn chosen(section: &Section) -> &'static str {
     }
 }
 
-/// A default; the text of the page says what a long list is.
+/// A default; the page describes long lists in its text.
 fn shortened(value: &str) -> String {
     match value.len() {
         0..60 => code(&value.replace('\'', "\"")),
@@ -112,7 +112,7 @@ fn models() -> String {
     table(&["model", "strain energy", "for"], MODELS.iter().map(row))
 }
 
-/// Parameters of all models, those that several models share once.
+/// Parameters of all models; parameters shared by several models are listed once.
 fn parameters() -> String {
     let mut rows: Vec<(Parameter, bool, Vec<&str>)> = Vec::new();
     for model in MODELS.iter().map(|model| &model.model) {

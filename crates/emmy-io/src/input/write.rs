@@ -1,10 +1,10 @@
-//! The tree as TOML again: the resolved input.
+//! The tree as TOML text: the resolved input.
 
 use std::fmt::Write;
 
 use super::tree::{Entry, Node, Value};
 
-/// Text of a tree. Numbers are written with as many digits as it takes to read back the same.
+/// Text of a tree. Numbers have as many digits as needed to read back the same value.
 pub(super) fn toml(root: &Node) -> String {
     let mut text = String::new();
     let Value::Table(entries) = &root.value else { return text };
@@ -69,7 +69,7 @@ fn string(text: &str) -> String {
     toml::Value::String(text.to_string()).to_string()
 }
 
-/// A key, quoted where TOML asks for it.
+/// A key, quoted if TOML requires it.
 fn name(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if !key.is_empty() && key.chars().all(bare) { key.to_string() } else { string(key) }

@@ -57,8 +57,8 @@ impl Pack {
     }
 }
 
-/// Numbers as integers from 0 (the smallest) to 65535 or 255 (the largest), each stored as the difference from the one before, since
-/// neighbours are similar. Numbers that are not finite become the smallest. Returns the bounds.
+/// Numbers as integers from 0 (the smallest) to 65535 or 255 (the largest), each stored as the difference from the
+/// previous one, since neighbours are similar. Numbers that are not finite become the smallest. Returns the bounds.
 pub(super) fn quantised<T: Item>(
     values: impl Iterator<Item = f64> + Clone,
     whole: impl Fn(u32) -> T,

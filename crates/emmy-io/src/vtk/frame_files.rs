@@ -186,7 +186,7 @@ mod tests {
             }
             assert!(n - listed <= n / ALL_LISTED);
         }
-        // 1000^2/2 of the first thousand, about 1000 for each of the others, where each time would make 5e9.
+        // 1000^2/2 for the first thousand, about 1000 for each of the others; rewriting for every frame would need 5e9.
         assert!(entries < 101_000_000, "{entries}");
     }
 }

@@ -53,9 +53,9 @@ impl Format {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// 8 bytes a number: all digits.
+    /// 8 bytes per number: all digits.
     Double,
-    /// 4 bytes a number: 7 digits, for pictures.
+    /// 4 bytes per number: 7 digits, for pictures.
     Single,
 }
 
@@ -184,7 +184,7 @@ impl FrameWriter {
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
 pub(crate) const GROUP: &str = "group:";
 
-/// Array of a group of facets, as cell data: bit i stands for face i of the cell. `facets:NAME`.
+/// Array of a group of facets, as cell data: bit i denotes face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
 /// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.

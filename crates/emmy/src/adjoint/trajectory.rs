@@ -54,7 +54,7 @@ impl<'a> Trajectory<'a> {
         let body = motion.body();
         let Scheme::TimeElement(element @ TimeElement { spectral_radius: None, .. }) = motion.scheme() else {
             return Err(Error::Adjoint {
-                reason: "it goes with time elements only that do not dissipate (FE, AS, DGM)".to_string(),
+                reason: "it needs a time element without dissipation (FE, AS, DGM)".to_string(),
             });
         };
         check_body(body)?;
@@ -82,7 +82,7 @@ impl<'a> Trajectory<'a> {
         let fail = |reason: &str| Err(Error::Adjoint { reason: reason.to_string() });
         let settings = (motion.scheme(), motion.settings());
         if !std::ptr::eq(motion.body(), self.body) || settings != (self.element.into(), self.settings) {
-            return fail("the motion has another body, scheme or settings than that of the trajectory");
+            return fail("the motion has another body, scheme or settings than the trajectory");
         }
         let record = motion.record();
         if let Some(first) = self.checkpoints.first() {

@@ -113,9 +113,9 @@ impl AveragingRule {
             AveragingRule::Lobatto(n) if n < degree + 1 => {
                 Err(format!("degree {degree} needs at least {} Lobatto points", degree + 1))
             }
-            AveragingRule::Trapezoidal if degree != 1 => Err(format!(
-                "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
-            )),
+            AveragingRule::Trapezoidal if degree != 1 => {
+                Err(format!("it has degree 1 only, not {degree}; use Lobatto(n) for higher degrees"))
+            }
             _ if self.word_and_points().1.is_some_and(|n| n > MAX_POINTS) => {
                 Err(format!("at most {MAX_POINTS} points"))
             }

@@ -1,4 +1,4 @@
-//! Kinds of cells and facets. What is to know about a kind stands in the file of its element.
+//! Kinds of cells and facets. Each kind is described in the file of its element.
 
 use std::fmt;
 
@@ -68,7 +68,7 @@ impl CellShape {
 /// Declares the kinds of cells, each with its [`CellInfo`].
 macro_rules! cell_kinds {
     ($($(#[$doc:meta])* $kind:ident = $info:expr;)+) => {
-        /// Kind of a cell of the mesh. Node order is that of VTK for every kind.
+        /// Kind of a cell of the mesh. Every kind has the node order of VTK.
         ///
         /// ```
         /// use emmy::mesh::CellKind;
@@ -174,7 +174,7 @@ impl fmt::Display for CellKind {
     }
 }
 
-/// Kind of a facet: a face of a solid cell, an edge of a plane one. Node order is that of VTK for every kind.
+/// Kind of a facet: a face of a solid cell, an edge of a plane one. Every kind has the node order of VTK.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FacetKind {
     /// Linear edge.

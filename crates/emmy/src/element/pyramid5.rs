@@ -13,12 +13,12 @@ use crate::quadrature::{Quadrature, pyramid};
 ///
 /// On its faces these are the functions of the triangle and the quadrilateral, so pyramids join hexahedra to tetrahedra.
 /// The gradients depend on `u = x_1/w, v = x_2/w` alone, that is on the ray from the apex; so do dX/dxi and the
-/// deformation gradient, and one layer of points in the height integrates the internal force of any pyramid and material
-/// as well as many would. In u and v the degree of `dN_A dN_B det(dX/dxi)` is that of the trilinear hexahedron: 2x2 Gauss
-/// points are exact for the stiffness of a pyramid over a parallelogram and for the volume of any.
+/// deformation gradient. One layer of points in the height therefore integrates the internal force of any pyramid and
+/// material as well as many layers. In u and v, `dN_A dN_B det(dX/dxi)` has the degree of the trilinear hexahedron: 2x2
+/// Gauss points are exact for the stiffness of a pyramid over a parallelogram and for the volume of any pyramid.
 ///
-/// At the apex the gradient has no value of its own: it is the one along the axis (u = v = 0) that is returned. No
-/// quadrature point lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
+/// At the apex the gradient has no single value; the value along the axis (u = v = 0) is returned. No quadrature point
+/// lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
 ///
 /// ```
 /// use emmy::element::{Pyramid5, ReferenceElement};

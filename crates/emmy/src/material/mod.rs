@@ -227,7 +227,9 @@ mod tests {
     /// Checks that a constructor rejects a parameter by its name.
     pub fn rejects<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
         match result.unwrap_err() {
-            Error::MaterialParameter { parameter, .. } => assert_eq!(parameter, expected),
+            Error::MaterialParameter { parameter, .. } | Error::Direction { parameter, .. } => {
+                assert_eq!(parameter, expected)
+            }
             other => panic!("{other}"),
         }
     }

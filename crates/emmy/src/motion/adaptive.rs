@@ -298,6 +298,6 @@ impl<'a> Motion<'a> {
 fn time_element(scheme: Scheme) -> Result<TimeElement> {
     scheme.time_element().ok_or_else(|| Error::Scheme {
         scheme: scheme.name(),
-        reason: "adaptive steps go with time elements only".to_string(),
+        reason: "adaptive steps need a time element".to_string(),
     })
 }

@@ -21,7 +21,7 @@ pub const SOLVERS: [(&str, Solver, &str); 3] = [
     (
         Solver::Auto.name(),
         Solver::Auto,
-        "conjugate gradients or Cholesky factorisation, by what the first step asks for",
+        "conjugate gradients or Cholesky factorisation, whichever is cheaper in the first step",
     ),
     (Solver::Direct.name(), Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
     (

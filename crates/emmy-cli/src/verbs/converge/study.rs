@@ -109,7 +109,7 @@ fn reference_scheme(asked: Option<&str>, problem: &Problem) -> Result<Scheme, Fa
         .map_err(|error| fault("--reference-scheme", error, "such as --reference-scheme DGM"))
 }
 
-/// The scheme of the reference with the degree asked for, or that of the input.
+/// The scheme of the reference with the requested degree, or the degree of the input.
 fn with_degree(scheme: Scheme, asked: Option<usize>, own: usize) -> Result<Scheme, Failure> {
     let degree = asked.unwrap_or(own);
     let flag = format!("--reference-degree {degree}");

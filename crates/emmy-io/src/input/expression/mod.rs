@@ -1,7 +1,8 @@
 //! Expressions of the time, such as `0.5 * sin(2*pi*t)`.
 //!
-//! A text becomes a tree ([`parse`]); its value comes with first and second derivative, by the rules of differentiation
-//! applied to numbers ([`Jet`]). Only smooth functions are there: kinks belong in tables, which are integrated exactly.
+//! A text becomes a tree ([`parse`]). Its value is computed with first and second derivatives, by the rules of
+//! differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are integrated
+//! exactly.
 
 mod jet;
 mod parse;
@@ -104,7 +105,7 @@ impl Expression {
         }
     }
 
-    /// The history of the expression; `text` is what it was read from.
+    /// The time function of the expression; `text` is its source.
     pub(super) fn time_function(self, text: &str) -> TimeFunction {
         TimeFunction::smooth(text, move |time| self.at(time).0)
     }
@@ -159,7 +160,7 @@ mod tests {
                 assert!((rate - difference).abs() < 1e-9 * (1.0 + rate.abs()), "{text}: {rate} {difference}");
             }
         }
-        // Powers at zero: no logarithm of it comes in.
+        // Powers at zero: its logarithm does not occur.
         assert_eq!(parse("t^2").unwrap().at(0.0).0, [0.0, 0.0, 2.0]);
         assert_eq!(parse("t^1 + t^0").unwrap().at(0.0).0, [1.0, 1.0, 0.0]);
     }

@@ -1,4 +1,4 @@
-//! From the text of an expression to its tree, by recursive descent.
+//! Recursive descent from the text of an expression to its tree.
 //!
 //! ```text
 //! sum     = product { ("+" | "-") product }
@@ -13,17 +13,17 @@ use std::ops::Range;
 use super::super::suggest::{did_you_mean, listed};
 use super::{CONSTANTS, Expression, FUNCTIONS, Operator};
 
-/// What is wrong with an expression, and which bytes of it are.
+/// A mistake in an expression, and its bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::input) struct Mistake {
     pub(in crate::input) reason: String,
     pub(in crate::input) place: Range<usize>,
 }
 
-/// The deepest nesting of an expression; evaluation and reading call themselves so often.
+/// The deepest nesting of an expression: the depth of recursion in reading and evaluation.
 const DEEPEST: usize = 100;
 
-/// Functions that people look for and that have kinks.
+/// Functions that users may expect, but that have kinks.
 const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
 
 /// Reads an expression.
@@ -47,14 +47,14 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The next character that is no space.
+    /// The next character that is not a space.
     fn next(&mut self) -> Option<char> {
         let rest = &self.text[self.at..];
         self.at += rest.len() - rest.trim_start().len();
         self.text[self.at..].chars().next()
     }
 
-    /// Goes past the next character if it is this one.
+    /// Skips the next character if it is the given one.
     fn skip(&mut self, wanted: char) -> bool {
         let is_there = self.next() == Some(wanted);
         self.at += if is_there { wanted.len_utf8() } else { 0 };
@@ -88,7 +88,7 @@ impl Reader<'_> {
         self.chain(&[('*', Operator::Times), ('/', Operator::Over)], Self::signed)
     }
 
-    /// Parts between operators of one rank, from left to right.
+    /// Operands between operators of one rank, from left to right.
     fn chain(
         &mut self,
         operators: &[(char, Operator)],
@@ -101,7 +101,7 @@ impl Reader<'_> {
             let Some(&(sign, operator)) = operators.iter().find(|(sign, _)| Some(*sign) == next) else {
                 return Ok(left);
             };
-            // The tree grows by a level with each part.
+            // Each operand adds a level to the tree.
             n_parts += 1;
             if n_parts > DEEPEST {
                 return Err(self.mistake_here("the expression is too long here"));
@@ -198,7 +198,7 @@ impl Reader<'_> {
     }
 }
 
-/// What is said of a name that is not known.
+/// Message about an unknown name.
 fn unknown(name: &str) -> String {
     let functions = || FUNCTIONS.iter().map(|(name, _)| *name);
     if KINKED.contains(&name) {
@@ -207,7 +207,7 @@ fn unknown(name: &str) -> String {
         );
     }
     let known = ["t"].into_iter().chain(CONSTANTS.iter().map(|(name, _)| *name)).chain(functions());
-    // Any letter is near to `t`, but not meant for it.
+    // Any letter is near to `t`, but not a misspelt `t`.
     match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
         Some(advice) => format!("`{name}` is not known here: {advice}"),
         None => format!("`{name}` is not known here; there is {}", listed(known)),

@@ -1,4 +1,4 @@
-//! Where an instance stands in the assembly.
+//! Placement of an instance in the assembly.
 
 /// Translation, then rotation about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,7 +37,7 @@ impl Placement {
         Ok(())
     }
 
-    /// The place of a point of the instance.
+    /// Position of a point of the instance in the assembly.
     pub(super) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let moved = [0, 1, 2].map(|i| point[i] + self.translation[i]);
         self.rotation.map_or(moved, |rotation| rotation.turned(moved))
@@ -65,7 +65,7 @@ impl Rotation {
     }
 }
 
-/// Exact for quarter turns, which is what assemblies mostly have: planes of the mesh stay planes.
+/// Exact for quarter turns, which most assemblies use: planes of the mesh stay planes.
 fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

@@ -61,7 +61,7 @@ fn block(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
     Ok(count)
 }
 
-/// Tags and nodes of an element. The first tag is the physical group (0: none), the others do not matter here.
+/// Tags and nodes of an element. The first tag is the physical group (0: none), the others are ignored.
 fn element(
     cursor: &mut Cursor,
     draft: &mut Draft,

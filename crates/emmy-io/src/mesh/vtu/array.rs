@@ -5,7 +5,7 @@ use std::io::Read;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::bufread::ZlibDecoder;
 
-/// Numbers as they are needed: whole ones exactly.
+/// Numbers of the requested type; whole numbers are exact.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Numbers {
     Whole(Vec<i64>),
@@ -21,7 +21,7 @@ impl Numbers {
     }
 }
 
-/// How the binary arrays of a file are written.
+/// Encoding of the binary arrays of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Encoding {
     pub(super) big_endian: bool,
@@ -30,7 +30,7 @@ pub(super) struct Encoding {
     pub(super) compressed: bool,
 }
 
-/// Result with a reason that a message can go on with.
+/// Result with a reason that continues a message.
 type Outcome<T> = Result<T, String>;
 
 /// Numbers written as text.
@@ -78,7 +78,7 @@ pub(super) fn from_bytes(numeric_type: &str, encoding: Encoding, bytes: &[u8]) -
     }
 }
 
-/// Bytes of base64, where a header and the data after it may have been encoded one by one.
+/// Bytes of base64; a header and its data may have been encoded separately.
 pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
     let mut rest = &text[..];
@@ -93,8 +93,8 @@ pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Data of an array behind its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed data of more
-/// than `most` bytes are rejected before they are read: a small file can hold very many.
+/// Data of an array after its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed
+/// data of more than `most` bytes are rejected before they are read: a small file can expand to very many.
 pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<Vec<u8>> {
     let mut rest = bytes;
     let n = header_number(encoding, &mut rest)?;
@@ -124,7 +124,7 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<
     Ok(data)
 }
 
-/// Bytes of a number of a type; the largest there are where it is not known.
+/// Bytes of a number of a type; the largest possible if the type is unknown.
 pub(super) fn size(numeric_type: &str) -> usize {
     match numeric_type {
         "Int8" | "UInt8" => 1,
@@ -134,7 +134,7 @@ pub(super) fn size(numeric_type: &str) -> usize {
     }
 }
 
-/// Adds a block of a known size. It grows as it is read, so that a lying size costs nothing.
+/// Adds a block of a known size. It grows as it is read, so that a wrong size costs nothing.
 fn inflate(bytes: &[u8], wanted: usize, data: &mut Vec<u8>) -> Outcome<()> {
     let before = data.len();
     let read = ZlibDecoder::new(bytes).take(wanted as u64).read_to_end(data);

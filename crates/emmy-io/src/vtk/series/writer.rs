@@ -49,7 +49,7 @@ struct FieldDataset {
     offsets: H5Dataset,
 }
 
-/// Copies take at most one part in this number of the time.
+/// Copies take at most one part of the time in this number.
 const COPY_INTERVAL: u32 = 20;
 
 /// Rows of a chunk of the small tables of the steps, and of the mesh.

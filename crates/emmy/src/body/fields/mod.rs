@@ -15,7 +15,7 @@ pub use name::{FieldName, Place};
 use point::{PointState, axial_force, von_mises};
 use recovery::Recovery;
 
-/// The fields of a body: computed from a displacement and a velocity, whatever the scheme.
+/// The fields of a body, computed from a displacement and a velocity for any scheme.
 ///
 /// Stresses, stretches and energy at a node follow from the material and the deformation gradient recovered there: in every cell the
 /// displacement gradient is projected from the quadrature points to the nodes ([`crate::element::extrapolation()`]), then
@@ -70,7 +70,8 @@ impl Fields {
         Fields { mesh, regions, region_of_cell, recovery, density }
     }
 
-    /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells a volume, axial forces links.
+    /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
+    /// axial forces need links.
     pub fn has(&self, name: FieldName) -> bool {
         let is_link = |region: &Region| region.link().is_some();
         let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);

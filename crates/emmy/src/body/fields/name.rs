@@ -34,7 +34,7 @@ pub enum FieldName {
     CellSecondPiolaKirchhoffStress,
     /// Equivalent stress of the mean Cauchy stress of a cell.
     CellVonMisesStress,
-    /// Mean energy density of a cell: times its volume, the energy that is stored in it.
+    /// Mean energy density of a cell; times its volume, the stored energy of the cell.
     CellStrainEnergyDensity,
     /// Force in a link, positive in tension; 0 in other cells \[force\].
     AxialForce,

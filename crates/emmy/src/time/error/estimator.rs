@@ -54,11 +54,11 @@ impl Estimator {
         let degree = element.degree;
         let reason = match self {
             Estimator::Difference if degree != 1 => {
-                format!("\"difference\" goes with degree 1 only, not {degree}")
+                format!("\"difference\" needs degree 1, not {degree}")
             }
             Estimator::Difference if element.spectral_radius.is_some() => {
                 format!(
-                    "\"difference\" does not go with {}, whose error is that of its dissipation",
+                    "\"difference\" cannot be used with {}, whose error comes from its dissipation",
                     element.name()
                 )
             }

@@ -234,7 +234,7 @@ impl Scheme {
             None if !(1..=MAX_DEGREE).contains(&degree) => {
                 format!("the degree must be between 1 and {MAX_DEGREE}, not {degree}")
             }
-            None => format!("it is not a time element and goes with degree 1 only, not {degree}"),
+            None => format!("it is not a time element and has degree 1 only, not {degree}"),
         };
         Err(Error::Scheme { scheme: self.name(), reason })
     }
@@ -248,10 +248,10 @@ impl Scheme {
             (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }))
             | (BodyFeature::Damping, Scheme::TimeElement(_)) => return Ok(()),
             (BodyFeature::PrescribedMotion, Scheme::TimeElement(_)) => {
-                "a prescribed motion goes with schemes that do not dissipate"
+                "a prescribed motion needs a scheme without dissipation"
             }
-            (BodyFeature::PrescribedMotion, _) => "a prescribed motion goes with time elements only",
-            (BodyFeature::Damping, _) => "viscosity and drag go with time elements only",
+            (BodyFeature::PrescribedMotion, _) => "a prescribed motion needs a time element",
+            (BodyFeature::Damping, _) => "viscosity and drag need a time element",
         };
         Err(Error::Scheme { scheme: self.name(), reason: reason.to_string() })
     }

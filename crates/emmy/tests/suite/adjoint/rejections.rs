@@ -30,7 +30,7 @@ fn unsupported_problems_are_rejected() {
         (rejected(&[driven], &[], DGM), "driven supports"),
         (rejected(&[held(Some(0.5))], &[], DGM), "supports that are released"),
         (rejected(&[], &[pressure], DGM), "pressures that follow"),
-        (rejected(&[], &[], Scheme::CentralDifferences), "time elements only"),
+        (rejected(&[], &[], Scheme::CentralDifferences), "time element without dissipation"),
     ];
     for (message, expected) in cases {
         assert!(message.starts_with("adjoint: ") && message.contains(expected), "{message}");

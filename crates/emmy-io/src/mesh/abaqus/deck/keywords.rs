@@ -1,4 +1,4 @@
-//! Keywords: each says what the data lines after it mean.
+//! Keywords; each determines the meaning of its data lines.
 
 use super::super::super::{MeshError, Result};
 use super::super::body::{At, Body, Instance, Member, Of, Surface};
@@ -7,13 +7,13 @@ use super::super::keyword::Keyword;
 use super::super::placement::Placement;
 use super::{Deck, Elements, Scope, Section};
 
-/// Most nodes, elements and members of sets in all instances together: a line makes as many as its part has.
+/// Largest number of nodes, elements and members of sets in all instances together: each instance copies its part.
 const MAX_COPIED: usize = 50_000_000;
 
 impl Deck {
     pub(super) fn keyword(&mut self, keyword: &Keyword, at: At) -> Result<()> {
         if keyword.name == "INCLUDE" {
-            // The lines of the file may go on with the data of the keyword before.
+            // The lines of the file may continue the data of the previous keyword.
             return self.include(at, self.required(keyword, at, "INPUT")?);
         }
         self.close_section()?;
@@ -53,7 +53,7 @@ impl Deck {
         keyword.value(key).ok_or_else(missing)
     }
 
-    /// The instance that a set or surface of the assembly names.
+    /// The instance of a set or surface of the assembly.
     fn qualifier(&self, keyword: &Keyword, at: At) -> Result<Option<u32>> {
         let Some(name) = keyword.value("INSTANCE") else { return Ok(None) };
         let unknown = || {
