@@ -1,4 +1,4 @@
-//! A material of one's own: the whole of it, and a block of it that turns and stretches in space.
+//! A user's material: its complete definition, and a block of it that rotates and stretches in space.
 //!
 //!     cargo run --release --example own_material
 

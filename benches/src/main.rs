@@ -4,9 +4,9 @@
 //!     cargo run --release -p emmy-bench -- case INPUT [--set KEY=VALUE]...
 //!     cargo run --release -p emmy-bench -- precision [CASE]... [--output DIR]
 //!
-//! What is compared runs turn about, each in a process of its own, and medians over the rounds are taken: machines are shared,
-//! and times of different hours are not comparable. Prints Markdown. Ends with exit code 2 if something cannot be run, or if an
-//! energy is not that of the other programs; a goal that does not hold is a result, not a failure.
+//! Compared runs take turns, each in a process of its own, and medians over the rounds are taken: machines are shared,
+//! and times of different hours are not comparable. Prints Markdown. Ends with exit code 2 if something cannot be run,
+//! or if an energy differs from the other programs; a missed goal is a result, not a failure.
 
 mod items;
 mod job;
@@ -59,7 +59,7 @@ struct Arguments {
     quick: bool,
 }
 
-/// What else the program does.
+/// Other modes of the program.
 #[derive(Debug, Subcommand)]
 enum Verb {
     /// Runs one input in this process and prints its figures as one line of JSON
@@ -103,7 +103,7 @@ fn print_items(arguments: &Arguments) -> Result<(), String> {
 }
 
 impl Arguments {
-    /// The items asked for; the first one if none is named.
+    /// The requested items; the first one if none is named.
     fn items(&self) -> Result<Vec<Item>, String> {
         if self.items.is_empty() {
             return Ok(vec![items::ALL[0]]);

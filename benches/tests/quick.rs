@@ -39,7 +39,7 @@ fn a_case_prints_one_line_of_json() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((line["cells"].as_u64(), line["dofs"].as_u64()), (Some(117), Some(672)));
-    // The energy at the start by the integrals of its definition; the mid-point rule keeps it to some digits only.
+    // The energy at the start by the integrals of its definition; the mid-point rule keeps only some digits of it.
     let total = line["kinetic_energy"].as_f64().unwrap() + line["strain_energy"].as_f64().unwrap();
     assert!((total - 464.5311).abs() < 0.05, "{total}");
     assert!(line["cpu_seconds_per_step"].as_f64().unwrap() >= 0.0);

@@ -1,4 +1,4 @@
-//! `emmy-bench precision`: error over time and over steps, steps chosen by the error beside equal ones.
+//! `emmy-bench precision`: error over time and over steps, adaptive steps compared with equal ones.
 
 mod cases;
 mod compare;
@@ -34,7 +34,7 @@ pub struct Arguments {
 /// Measures the cases and prints a table of each.
 ///
 /// # Errors
-/// The message of whatever fails.
+/// The message of any failure.
 pub fn print(arguments: &Arguments) -> Result<(), String> {
     let names = named(&arguments.cases)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
@@ -44,7 +44,7 @@ pub fn print(arguments: &Arguments) -> Result<(), String> {
     println!("Fastest of {rounds} rounds of runs that turn about, one thread.");
     let mut summary = output::summary();
     for name in names {
-        // Inside the pool, as `emmy run` works.
+        // Inside the pool, like `emmy run`.
         let (report, rows) = rayon::scope(|_| measure(name, arguments, rounds))?;
         print!("\n{}", report.markdown(!arguments.quick));
         rows.into_iter().for_each(|row| summary.tables[0].push(row));
@@ -64,7 +64,7 @@ fn measure(name: &str, arguments: &Arguments, rounds: usize) -> Result<(Report, 
     Ok((output::report(&case, &sweep), output::summary_rows(&case, &sweep)))
 }
 
-/// The names of the cases that are asked for.
+/// The names of the requested cases.
 fn named(names: &[String]) -> Result<Vec<&'static str>, String> {
     if names.is_empty() {
         return Ok(cases::NAMES.to_vec());

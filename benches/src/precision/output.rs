@@ -92,7 +92,7 @@ pub fn summary() -> Report {
     report
 }
 
-/// The rows of a case in the summary, one a degree.
+/// The rows of a case in the summary, one per degree.
 pub fn summary_rows(case: &Case, sweep: &Sweep) -> Vec<Vec<String>> {
     let row = |degree: usize| {
         let of_degree = || sweep.runs.iter().filter(move |run| run.degree == degree);
@@ -144,7 +144,7 @@ fn csv(runs: &[Run]) -> String {
     text
 }
 
-/// Error over time beside error over steps.
+/// Error over time, and error over steps.
 fn figure(runs: &[Run]) -> Figure {
     let chart = |label: &str, cost: fn(&Run) -> f64| Chart {
         x: Axis::log(label),

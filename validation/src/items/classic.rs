@@ -1,4 +1,4 @@
-//! The schemes that other codes use, on the paper's block.
+//! Schemes of other codes, on the paper's block.
 
 use super::study::{Curves, Member, Reference, error_within, study};
 use super::{CONSERVED, Effort, LOST};
@@ -110,7 +110,7 @@ fn show(item: &mut Item, pictures: &Pictures, flights: &[Flight]) -> Result<(), 
     let energy = |flight: &Flight| Series::line(flight.name, flight.run.history(1.0, |r| r.total_energy));
     let momentum = |flight: &Flight| {
         let first = &flight.free()[0];
-        // The start itself has no change, which a logarithmic axis cannot show.
+        // The start has no change, which a logarithmic axis cannot show.
         let change = flight.run.history(1.0, |r| momentum_change(first, r));
         Series::line(flight.name, change.into_iter().skip(1).collect())
     };
@@ -128,7 +128,7 @@ fn show(item: &mut Item, pictures: &Pictures, flights: &[Flight]) -> Result<(), 
     Ok(())
 }
 
-/// Error over cost, beside the paper's schemes.
+/// Error over cost, compared with the paper's schemes.
 pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let sizes = effort.sizes();
     let names = ["AS(5)", "DGM", "Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"];
@@ -166,7 +166,7 @@ pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     Ok(item)
 }
 
-/// Claims about time: what conservation costs at degree 1, and what degree 2 makes of it.
+/// Claims about time: the cost of conservation at degree 1, and the gain at degree 2.
 fn price(item: &mut Item, curves: &Curves) {
     const FAMILY: [&str; 3] = ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)"];
     let last = |scheme, degree| curves.costs(scheme, degree).last().copied().unwrap_or((f64::NAN, f64::NAN));

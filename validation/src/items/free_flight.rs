@@ -8,19 +8,20 @@ use crate::claim::Item;
 use crate::measure::momentum_change;
 use crate::picture::{Pictures, Series};
 
-/// The schemes that keep both, and the largest drift of H: round-off for DGM, what the inner rule leaves for the others.
+/// The schemes that conserve both, and the largest drift of H: round-off for DGM, the error of the inner rule for the
+/// others.
 const CONSERVING: [(&str, f64); 3] = [("DGM", 1e-11), ("AS(8)", CONSERVED), ("AS(5)", LOST)];
 const OTHERS: [&str; 6] =
     ["FE(1)", "FE(5)", "Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"];
 
-/// What is watched of a flight, at every hundredth step.
+/// Observations of a flight, at every hundredth step.
 #[derive(Debug, Default)]
 struct Watch {
     first: Option<Record>,
     /// (step, relative change of H, of L)
     changes: Vec<(f64, f64, f64)>,
     largest: (f64, f64),
-    /// Number of steps that went well.
+    /// Number of successful steps.
     steps: usize,
     failure: Option<String>,
 }

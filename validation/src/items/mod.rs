@@ -1,4 +1,4 @@
-//! Every item: the table and the figures of the paper, and what stands beside them.
+//! Every item: the table and the figures of the paper, and additional ones.
 
 mod classic;
 mod degrees;
@@ -16,7 +16,7 @@ use crate::measure::{energy_drift, momentum_drift};
 use crate::picture::{Pictures, Series};
 use study::Reference;
 
-/// How much is computed: `quick` for continuous integration, the full set as in the paper.
+/// Extent of the computation: `quick` for continuous integration, the full set as in the paper.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
     /// Coarser references, fewer points, no claims about time.
@@ -42,7 +42,7 @@ pub struct Entry {
     pub name: &'static str,
     /// Computes the item and writes its pictures.
     pub reproduce: fn(Effort, &Pictures) -> Result<Item, String>,
-    /// Whether times are measured: then nothing else may run beside it.
+    /// Whether times are measured; then nothing else may run at the same time.
     pub timed: bool,
 }
 
@@ -82,7 +82,7 @@ pub const ALL: [Entry; 20] = [
 const CONSERVED: f64 = 1e-9;
 const LOST: f64 = 1e-5;
 
-/// What was lost of the paper's test problem, and how it was completed.
+/// Lost data of the paper's test problem, and their replacement.
 pub const COMPLETED: &str = "The paper's text does not give the mesh, the magnitudes of the load or its peak. Geometry and load vector \
     are those of the group's later public examples of the same block; the peak of 1 at t = 0.5 is chosen because it reproduces what the \
     paper reports of Figs. 7 and 12.";

@@ -16,7 +16,7 @@ use crate::print;
 /// Arguments of the verb.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to list; without it, the words are listed
+    /// List to print; without it, the names of the lists are printed
     what: Option<What>,
     /// As JSON: a list of objects with `name` and `description`
     #[arg(long)]
@@ -31,7 +31,7 @@ enum What {
     Estimators,
     /// Material models
     Materials,
-    /// Elements that a mesh may be made of
+    /// Elements of meshes
     Elements,
     /// Where a mesh may come from
     Meshes,

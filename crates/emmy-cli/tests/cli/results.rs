@@ -1,4 +1,4 @@
-//! What a run writes.
+//! Files of a run.
 
 use super::{BOX, Place};
 

@@ -1,4 +1,4 @@
-//! Folders and files that the system keeps from us: exit code 2, a message that says why, and nothing half-written.
+//! Protected folders and files: exit code 2, a message with the reason, and nothing half-written.
 #![cfg(unix)]
 
 use std::fs::{self, Permissions};
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use super::{BOX, Outcome, Place, names};
 
-/// A user without rights of its own, under whom the binary runs where the tests run as root: root may write everywhere.
+/// A user without privileges, for tests that run as root: root may write everywhere.
 const NOBODY: u32 = 65534;
 
 impl Place {
@@ -32,7 +32,7 @@ impl Place {
     }
 }
 
-/// Rejected with these words, in a folder that is as it was.
+/// Checks a rejection with these words, which leaves the folder unchanged.
 #[track_caller]
 fn rejected(place: &Place, arguments: &[&str], says: &[&str]) {
     let before = names(&place.path(""));
@@ -52,7 +52,7 @@ fn a_folder_in_which_nothing_may_be_made() {
     rejected(&place, &["new", "l-block"], &["cannot write l-block.toml"]);
     let sizes = ["converge", "box.toml", "--sizes", "0.1,0.05", "--output", "study"];
     rejected(&place, &sizes, &["cannot write to study"]);
-    // Reading is all that `check` does.
+    // `check` only reads.
     assert_eq!(place.emmy_without_rights(&["check", "box.toml"]).code, 0);
 }
 

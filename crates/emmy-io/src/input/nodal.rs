@@ -70,7 +70,7 @@ impl PlacedNodal {
         else {
             return Ok(());
         };
-        let message = format!("the scheme {} has no damping: it needs a time element", time.scheme.name());
+        let message = format!("the scheme {} has no damping, which needs a time element", time.scheme.name());
         Err(Fault::at(place, message, label).help("such as scheme = \"DGM\""))
     }
 

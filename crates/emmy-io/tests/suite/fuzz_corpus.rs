@@ -51,7 +51,7 @@ fn checkpoints() {
     }
 }
 
-/// Checkpoints of one cell, with the tables of the input that differ.
+/// Checkpoints of one cell, with the tables that differ between the inputs.
 const SEEDS: [(&str, &str); 4] = [
     ("dgm", "[time]\nscheme = 'DGM'\nsteps = [{ until = 0.1, size = 0.01 }]\n"),
     ("newmark", "[time]\nscheme = 'Newmark(0.25, 0.5)'\nsteps = [{ until = 0.1, size = 0.01 }]\n"),
@@ -73,7 +73,7 @@ fn write_seeds() {
 
 /// The last checkpoint of a run, without its checksum.
 fn checkpoint(tables: &str) -> Vec<u8> {
-    // A relative path, as the checkpoint names the directory.
+    // A relative path, because the checkpoint contains the directory.
     let folder = Path::new("seed-of-a-checkpoint");
     fs::create_dir_all(folder).unwrap();
     let file = folder.join("cell.toml");

@@ -1,4 +1,4 @@
-//! Bad files, each with a message that says what, where, and what to try.
+//! Bad files, each with a message that names the fault, its place, and something to try.
 
 use crate::meshes::{bytes, parse_text, path};
 
@@ -24,7 +24,7 @@ fn files_of_no_known_format() {
     let no_such = emmy_io::mesh::read("no/such.msh".as_ref()).unwrap_err().to_string();
     assert!(no_such.starts_with("no/such.msh: cannot be read: "), "{no_such}");
     assert_message("a.xyz", "solid cube", &["a.xyz: not a mesh file", ".msh", ".inp"]);
-    // Known other formats by their extension, whatever stands in them.
+    // Known other formats by their extension, with any content.
     assert_message(
         "a.bdf",
         "$ Nastran\n",

@@ -1,4 +1,4 @@
-//! Files that ask for very much with few bytes are rejected before anything is allocated.
+//! Small files that request very much are rejected before anything is allocated.
 
 use std::fmt::Write;
 use std::fs;
@@ -48,7 +48,7 @@ fn entities_of_xml_are_not_expanded() {
     assert_rejected("a.vtu", &(text + "]>\n<VTKFile>&z;</VTKFile>"), &["the XML cannot be read"]);
 }
 
-/// Forty lines each in forty files, three deep, would be 64,000 files to read.
+/// Forty lines each in forty files, three levels deep, would be 64,000 files to read.
 #[test]
 fn includes_of_includes() {
     let directory = tempfile::tempdir().unwrap();

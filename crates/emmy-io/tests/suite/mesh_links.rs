@@ -1,4 +1,4 @@
-//! Lines of mesh files as links: cells where they are asked for, and as ever elsewhere.
+//! Lines of mesh files as links: cells on request, edges otherwise.
 
 use emmy::mesh::CellKind;
 use emmy_io::mesh::{parse, parse_with_links};

@@ -1,4 +1,4 @@
-//! A motion that goes on from a snapshot is the motion itself, in every bit; steps that fail are cut and grow back.
+//! A motion resumed from a snapshot equals the motion itself, bit for bit; failed steps are cut and grow back.
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
@@ -19,7 +19,7 @@ fn bits(records: &[Record], state: &State) -> String {
     format!("{records:?} {state:?}")
 }
 
-/// One motion in one go, and in two parts with a snapshot between them after every one of some steps.
+/// One motion without interruption, and in two parts with a snapshot after each of some steps.
 fn assert_same(
     body: &Body,
     (scheme, degree): (Scheme, usize),
@@ -195,7 +195,7 @@ fn pressure() -> Load {
 fn a_free_body_under_pressure_resumes_bit_for_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).load(pressure()).load(force()).build().unwrap();
-    // The pressure ends at 0.4: nothing of it may be left in the steps after.
+    // The pressure ends at 0.4: it must have no effect on later steps.
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (scheme, degree, solver) in families() {
         assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
@@ -213,7 +213,7 @@ fn a_released_body_under_pressure_resumes_bit_for_bit() {
     }
 }
 
-/// A body, started with velocities that turn its cells inside out within a large step.
+/// A body with initial velocities that invert its cells within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 1.0);
     let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(soft).build().unwrap();
@@ -236,14 +236,14 @@ fn a_step_that_fails_is_cut_and_grows_back() {
     let of = |kind| watch.events.iter().filter(|event| event.kind == kind).count();
     assert!(of(EventKind::Cut) > 0 && of(EventKind::Grown) > 0, "{:?}", watch.events);
     assert_eq!(watch.records.iter().map(|record| record.cuts).sum::<usize>(), of(EventKind::Cut));
-    // Every time of the plan is the end of a step, in every bit, and all sizes are its own over powers of two.
+    // Every time of the plan is exactly the end of a step, and all sizes are planned sizes over powers of two.
     for step in plan.steps() {
         assert!(watch.records.iter().any(|record| record.time == step.end), "{}", step.end);
     }
     let sizes = watch.records[1..].iter().map(|record| 0.5 / record.step_size);
     assert!(sizes.clone().all(|n| n.log2().fract() == 0.0 && n <= 1024.0));
     assert!(sizes.clone().fold(0.0, f64::max) > 1.0);
-    // In the middle of a divided step as between two.
+    // In the middle of a divided step as well as between two.
     for after in 0..watch.records.len() - 1 {
         let (mut whole, mut rest) =
             (Watch { snapshot_after: Some(after), ..Watch::default() }, Watch::default());

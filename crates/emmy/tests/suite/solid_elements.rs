@@ -1,4 +1,4 @@
-//! Every kind of solid cell in a patch that is distorted: states of constant strain are reproduced to round-off, and the
+//! Every kind of solid cell in a distorted patch: states of constant strain are reproduced to round-off, and the
 //! conserving scheme keeps its balances in free flight.
 
 #![allow(non_snake_case)]
@@ -75,8 +75,8 @@ fn linear_displacement(mesh: &Mesh) -> Vec<f64> {
     mesh.points().iter().flat_map(u).collect()
 }
 
-/// The patch test: a linear displacement gives the forces of its constant stress at every node. At inner nodes they
-/// vanish, on the surface they are those of the tractions P n.
+/// The patch test: a linear displacement gives the forces of its constant stress at every node. They vanish at inner
+/// nodes and equal the tractions P n on the surface.
 fn passes_the_patch_test(kind: CellKind, curved: bool) {
     let (P, energy) = stress_and_energy();
     let body = Body::builder(patch(kind, curved)).regions(rubber()).loads(tractions(P)).build().unwrap();
@@ -109,7 +109,7 @@ fn every_kind_passes_the_patch_test() {
     CellKind::SOLIDS.into_iter().for_each(|kind| passes_the_patch_test(kind, false));
 }
 
-/// tet10 is not among them: its four points integrate the gradients of curved cells almost, not quite.
+/// tet10 is not included: its four points integrate the gradients of curved cells almost exactly, but not quite.
 #[test]
 fn curved_cells_pass_it_too() {
     for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Wedge15] {
@@ -164,7 +164,7 @@ fn rank(mut A: Vec<Vec<f64>>) -> usize {
     n
 }
 
-/// The quadrature leaves no deformation without energy: only the six rigid motions of a cell cost nothing.
+/// The quadrature leaves no deformation without energy: only the six rigid motions of a cell have zero energy.
 #[test]
 fn no_kind_has_modes_without_energy() {
     for kind in CellKind::SOLIDS {

@@ -1,4 +1,4 @@
-//! What the adjoint does not cover.
+//! Motions that the adjoint does not cover.
 
 use emmy::Error;
 use emmy::adjoint::{Goal, Parameter, Trajectory};

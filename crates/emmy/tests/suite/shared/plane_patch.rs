@@ -42,7 +42,7 @@ pub fn plane_patch(kind: CellKind, n: u32) -> Mesh {
     builder.build().unwrap()
 }
 
-/// Position of a point of the square: its edges stay straight, what lies inside moves.
+/// Position of a point of the square: its edges stay straight, inner points move.
 fn distorted(X: [f64; 2]) -> [f64; 2] {
     let bubble = |x: f64| 4.0 * x * (1.0 - x);
     let inside = bubble(X[0]) * bubble(X[1]);
