@@ -39,7 +39,8 @@ struct Arguments {
     /// Runs the other programs that are installed, turn about with Emmy, instead of showing their recorded figures
     #[arg(long)]
     peers: bool,
-    /// Interpreter of another program, such as ngsolve=venv/bin/python [default: benches/peers/environments, the system's]
+    /// Interpreter of another program, such as ngsolve=venv/bin/python [default: benches/peers/environments, the
+    /// system's]
     #[arg(long, value_name = "NAME=PATH")]
     python: Vec<String>,
     /// How often everything runs

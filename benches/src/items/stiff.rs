@@ -5,8 +5,8 @@ use crate::job::Case;
 use crate::report::{Goal, Limit, Report, Table, number, number_or_dash};
 use crate::session::step_seconds;
 
-/// Step sizes with the number of steps and the limit of a step over one factorisation. The large ones reach beyond the load, which
-/// ends at t = 1.
+/// Step sizes with the number of steps and the limit of a step over one factorisation. The large ones reach beyond the
+/// load, which ends at t = 1.
 const STEP_SIZES: [(f64, u32, f64); 2] = [(0.01, 20, 2.0), (0.2, 8, 8.0)];
 /// Factorisations measured after each run.
 const FACTORIZATIONS: usize = 3;

@@ -1,5 +1,5 @@
-//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, and a second one ends the program at once. After every signal that
-//! can be handled, the status in the summary is no longer `running`.
+//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, and a second one ends the program at once. After
+//! every signal that can be handled, the status in the summary is no longer `running`.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! Deformed configurations of a mesh, as SVG and PNG.
 //!
-//! The faces of the boundary are painted from far to near, shaded by a light beside the observer; faces that point away from
-//! the observer are left out. Quadratic cells are drawn by their corners.
+//! The faces of the boundary are painted from far to near, shaded by a light beside the observer; faces that point away
+//! from the observer are left out. Quadratic cells are drawn by their corners.
 
 use std::io;
 use std::path::Path;

@@ -12,8 +12,8 @@ use crate::rows::RowFile;
 /// Columns of the file.
 pub const COLUMNS: &str = "step,iteration,residual,target";
 
-/// The file: one row for each evaluation of the residual, with the number of corrections before it and the tolerance. Norms have four
-/// digits; every step is written at once.
+/// The file: one row for each evaluation of the residual, with the number of corrections before it and the tolerance.
+/// Norms have four digits; every step is written at once.
 #[derive(Debug)]
 pub struct NewtonFile {
     rows: RowFile,

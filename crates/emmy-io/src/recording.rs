@@ -54,8 +54,8 @@ impl Recording {
         if is_same { Ok(()) } else { Err(OtherFields { path: path.display().to_string(), before, now }) }
     }
 
-    /// The frames of a run. A run that is resumed continues the frames up to its checkpoint; they are returned with those that are
-    /// missing.
+    /// The frames of a run. A run that is resumed continues the frames up to its checkpoint; they are returned with
+    /// those that are missing.
     ///
     /// # Errors
     /// Errors of the system.

@@ -38,8 +38,8 @@ pub enum ResumeError {
     System(#[from] io::Error),
 }
 
-/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and `report.html` into the
-/// output directory, and checks the limits.
+/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and
+/// `report.html` into the output directory, and checks the limits.
 #[derive(Debug)]
 pub struct Results {
     output: Output,
@@ -168,8 +168,8 @@ impl Results {
         })
     }
 
-    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary. Each file is
-    /// tried even if another one fails; a run with the status `done` has then failed.
+    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
+    /// Each file is tried even if another one fails; a run with the status `done` has then failed.
     pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
         // A run cannot resume from a step that could not be written.
         let is_sound = status != Status::Failed;
@@ -208,7 +208,8 @@ impl Results {
         &self.notes
     }
 
-    /// Sets the estimated error of the positions at the end for the summary: a root mean square over the mass \[length\].
+    /// Sets the estimated error of the positions at the end for the summary: a root mean square over the mass
+    /// \[length\].
     pub fn set_error(&mut self, error: f64) {
         self.estimated_error = Some(error);
     }
@@ -221,8 +222,8 @@ impl Results {
         report::write(self.directory())
     }
 
-    /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they are reported at
-    /// its end.
+    /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they
+    /// are reported at its end.
     fn report_progress(&mut self) -> io::Result<()> {
         let begin = self.wall_seconds();
         if begin >= self.report_due {

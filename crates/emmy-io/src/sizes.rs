@@ -51,7 +51,8 @@ impl Sizes {
     }
 }
 
-/// Bytes of a frame before compression: its fields; with a file each also points, cells and groups, and as text of 64 characters.
+/// Bytes of a frame before compression: its fields; with a file each also points, cells and groups, and as text of 64
+/// characters.
 fn frame(problem: &Problem) -> f64 {
     let mesh = problem.body.mesh();
     let output = &problem.output;

@@ -73,8 +73,8 @@ impl SummaryHeader {
         }
     }
 
-    /// The summary as JSON: this header, the fields of the statistics by their names, and the end of the run. Numbers that are not
-    /// finite become `null`.
+    /// The summary as JSON: this header, the fields of the statistics by their names, and the end of the run. Numbers
+    /// that are not finite become `null`.
     pub fn summary(
         &self,
         statistics: &RunStatistics,

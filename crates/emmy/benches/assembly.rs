@@ -5,8 +5,8 @@
 //! cargo bench -p emmy --bench assembly hex8          # names with hex8
 //! ```
 //!
-//! Share of the peak. Floating-point operations of a hex8 cell of neo-Hooke material under FE(1), counted by the formulas (a
-//! fused multiplication and addition is two, a division, root or comparison is one), at each of 8 points:
+//! Share of the peak. Floating-point operations of a hex8 cell of neo-Hooke material under FE(1), counted by the
+//! formulas (a fused multiplication and addition is two, a division, root or comparison is one), at each of 8 points:
 //!
 //! ```text
 //! residual                                               tangent, beside the residual

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-/// A closure that is inlined wherever it is called. Code over lanes must be inlined: a separate function would be compiled for the
-/// oldest instruction set (see [`Batch`]).
+/// A closure that is inlined wherever it is called. Code over lanes must be inlined: a separate function would be
+/// compiled for the oldest instruction set (see [`Batch`]).
 macro_rules! inlined {
     ($($closure:tt)*) => {
         std::convert::identity(#[inline(always)] $($closure)*)

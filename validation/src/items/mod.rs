@@ -29,7 +29,8 @@ impl Effort {
         if self.quick { &[0.04, 0.02, 0.01] } else { &[0.04, 0.02, 0.01, 0.005, 0.0025] }
     }
 
-    /// The paper's reference has steps of 1e-4; a time element of degree 3 with larger ones reaches the same error sooner.
+    /// The paper's reference has steps of 1e-4; a time element of degree 3 with larger ones reaches the same error
+    /// sooner.
     fn reference(self) -> Reference {
         if self.quick { Reference("DGM", 3, 0.005) } else { Reference("DGM", 1, 1e-4) }
     }

@@ -103,7 +103,8 @@ fn two_body() {
 #[test]
 fn comet() {
     let (_, history) = run("comet");
-    // a = 1.5/1.9, T = tau sqrt(a^3 mu/g): the nearest distance is a (1 - e), and after each period the comet is where it started.
+    // a = 1.5/1.9, T = tau sqrt(a^3 mu/g): the nearest distance is a (1 - e), and after each period the comet is where
+    // it started.
     let a = 1.5 / 1.9;
     let period = std::f64::consts::TAU * f64::sqrt(a * a * a / 9.0);
     let sizes = &history["step_size"][1..];
@@ -132,7 +133,8 @@ fn comet() {
 fn struck_block() {
     let (_, history) = run("struck-block");
     let last = history["time"].len() - 1;
-    // The pulse has the impulse 100 * 0.02, along y 20 * 0.02; its drag lets the momentum decay like exp(-t/2), with F a triangle about t = 0.02:
+    // The pulse has the impulse 100 * 0.02, along y 20 * 0.02; its drag lets the momentum decay like exp(-t/2), with F
+    // a triangle about t = 0.02:
     // P(t) = I exp(-(t - 0.02)/2) (sinh(x)/x)^2, x = 0.02/4, which is 1 + 8e-6.
     for (axis, impulse) in [("x", 2.0), ("y", 0.4)] {
         let momentum = history[&format!("linear_momentum_{axis}")][last];
@@ -159,7 +161,8 @@ fn spring_network() {
     for name in ["total_energy", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"] {
         history[name].iter().for_each(|&value| close(value, history[name][0], 1e-11));
     }
-    // L_z = m (x v_y - y v_x) of the four ends in the plane, v = omega x X + gradient X, and of two bars m L^2/12 omega.
+    // L_z = m (x v_y - y v_x) of the four ends in the plane, v = omega x X + gradient X, and of two bars m L^2/12
+    // omega.
     close(history["angular_momentum_z"][0], (0.75 + 3.0 * 0.5) * 2.0 + 2.0 * 0.02 * 4.0 / 12.0 * 2.0, 1e-12);
 }
 
@@ -171,7 +174,8 @@ fn driven_beam() {
     for (energy, work) in energy.iter().zip(work) {
         assert!((energy - work).abs() < 1e-11 * last(&history["total_energy"]), "{energy} {work}");
     }
-    // `examples.py`. As a rigid body it would have the energy m (L^2/3 + a^2/12) omega^2/2 = 342,667; it bends, and swings ahead.
+    // `examples.py`. As a rigid body it would have the energy m (L^2/3 + a^2/12) omega^2/2 = 342,667; it bends, and
+    // swings ahead.
     close(energy[released], 427_374.1, 1e-3);
     for (axis, expected) in [("end_x", -10.97), ("end_y", -7.16)] {
         assert!((last(&history[axis]) - expected).abs() < 0.02 * 10.97, "{axis}: {}", last(&history[axis]));

@@ -73,8 +73,8 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and linear solver are the
-    /// same.
+    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and
+    /// linear solver are the same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! References kept on disk, each under a key with everything that it depends on.
 //!
-//! A file consists of the key, the samples, and a checksum. It is used only if it is complete and its key is the same; otherwise the
-//! reference is computed again.
+//! A file consists of the key, the samples, and a checksum. It is used only if it is complete and its key is the same;
+//! otherwise the reference is computed again.
 
 use std::borrow::Cow;
 use std::fmt::Write;

@@ -1,8 +1,8 @@
 //! Convergence studies: the error of runs as a function of their step size, measured against a reference.
 //!
-//! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The reference is
-//! sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each member is compared with it
-//! while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
+//! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The
+//! reference is sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each
+//! member is compared with it while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
 
 pub mod kept;
 mod runs;

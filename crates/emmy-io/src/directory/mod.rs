@@ -1,8 +1,9 @@
 //! The output directory. Files of others are never overwritten or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames of its
-//! collections and its series of frames (`.vtkhdf`) are removed, all other files stay. Any other directory is rejected.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames
+//! of its collections and its series of frames (`.vtkhdf`) are removed, all other files stay. Any other directory is
+//! rejected.
 //!
 //! Studies and comparisons have directories of their own kind, recognized by one of their files ([`check_kind`]).
 
@@ -35,7 +36,8 @@ pub fn check(path: &Path) -> Result<(), DirectoryError> {
     }
 }
 
-/// Checks that a run may write into its directory, and that it would not overwrite a file that it reads. Nothing is changed.
+/// Checks that a run may write into its directory, and that it would not overwrite a file that it reads. Nothing is
+/// changed.
 ///
 /// # Errors
 /// [`DirectoryError`].

@@ -9,8 +9,8 @@ use crate::checkpoint;
 use crate::vtk::{name_of, step_of_frame};
 use crate::whole_file::PART;
 
-/// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`, which is replaced
-/// by the same input.
+/// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`,
+/// which is replaced by the same input.
 ///
 /// # Errors
 /// [`DirectoryError::Source`].

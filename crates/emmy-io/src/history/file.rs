@@ -49,8 +49,9 @@ impl HistoryFile {
         Ok(HistoryFile { rows, sum: RowSum::default() })
     }
 
-    /// The history of a run that is resumed after a step; later rows are removed. `checksum`: of the rows up to that step. The time in the
-    /// last row becomes the time of the state, which differs in the last bit if the plan had ended there.
+    /// The history of a run that is resumed after a step; later rows are removed. `checksum`: of the rows up to that
+    /// step. The time in the last row becomes the time of the state, which differs in the last bit if the plan had
+    /// ended there.
     ///
     /// # Errors
     /// [`HistoryError`] if the file is damaged, has other columns or other rows, or ends before the step.

@@ -1,7 +1,7 @@
 //! Tables of `docs/input.md` and `docs/results.md`, written from the descriptions.
 //!
-//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input, or one
-//! of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
+//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input,
+//! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
 
 use emmy::body::MODELS;
 use emmy::body::fields::FieldName;

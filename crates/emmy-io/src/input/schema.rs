@@ -1,7 +1,7 @@
 //! JSON schema (draft 7) of the input, for editors: completion, descriptions of keys, and marks on mistakes.
 //!
-//! It is generated from the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that involve several
-//! tables.
+//! It is generated from the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that
+//! involve several tables.
 
 use emmy::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};

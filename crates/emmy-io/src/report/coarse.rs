@@ -1,10 +1,12 @@
-//! Coarsening of a surface: the nodes in each box of a grid become one of them (vertex clustering, Rossignac and Borrel 1993).
+//! Coarsening of a surface: the nodes in each box of a grid become one of them (vertex clustering, Rossignac and Borrel
+//! 1993).
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::surface::Surface;
 
-/// The surface with at most `limit` of its nodes: of the nodes in a box, the one nearest to their mean stays. `points`: of the mesh.
+/// The surface with at most `limit` of its nodes: of the nodes in a box, the one nearest to their mean stays. `points`:
+/// of the mesh.
 pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> Surface {
     if surface.nodes.len() <= limit {
         return surface;

@@ -67,7 +67,8 @@ fn norm(vector: &[f64]) -> f64 {
 /// Bytes for the displacement of a node in a frame.
 const DISPLACEMENT: usize = 6;
 
-/// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a frame.
+/// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a
+/// frame.
 pub(super) fn gather(
     frames: &FrameSource,
     room: usize,

@@ -27,7 +27,8 @@ pub(super) struct Thinned {
 const MAX_NUMBERS: usize = 600_000;
 
 impl Thinned {
-    /// Reads a history, keeps at most `limit` rows, and finds the steps at some ascending times: the first rows that are not before them.
+    /// Reads a history, keeps at most `limit` rows, and finds the steps at some ascending times: the first rows that
+    /// are not before them.
     pub(super) fn read(path: &Path, limit: usize, times: &[f64]) -> Result<Self, HistoryError> {
         let rows = Rows::open(path)?;
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };

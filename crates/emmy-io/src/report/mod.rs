@@ -1,7 +1,7 @@
 //! `report.html`: one run, or several side by side, as a page that opens from disk and loads nothing.
 //!
-//! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`, `input.toml`
-//! and the frames. The page is replaced as a whole, also during a run.
+//! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
+//! `input.toml` and the frames. The page is replaced as a whole, also during a run.
 //!
 //! | module | task |
 //! |---|---|

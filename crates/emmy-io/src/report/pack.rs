@@ -29,8 +29,8 @@ macro_rules! items {
 }
 items! { f64, "f64"; f32, "f32"; u32, "u32"; u16, "u16"; u8, "u8"; }
 
-/// Arrays with names. All first bytes of an array come first, then all second ones, and so on: exponents and high bytes are similar,
-/// and compress well.
+/// Arrays with names. All first bytes of an array come first, then all second ones, and so on: exponents and high bytes
+/// are similar, and compress well.
 #[derive(Debug, Default)]
 pub(super) struct Pack {
     bytes: Vec<u8>,

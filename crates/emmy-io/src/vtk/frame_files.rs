@@ -12,11 +12,11 @@ use super::frame::Frame;
 use super::{FrameTime, Precision, escaped, name_of};
 use crate::whole_file::{PART, names, remove, replace};
 
-/// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell data, cell
-/// data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
+/// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell
+/// data, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
 ///
-/// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand frames, then less
-/// often, so that the bytes written are linear in the number of frames.
+/// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand
+/// frames, then less often, so that the bytes written are linear in the number of frames.
 #[derive(Debug)]
 pub struct FrameFiles {
     directory: PathBuf,
@@ -53,7 +53,8 @@ impl FrameFiles {
         Ok(frames)
     }
 
-    /// Resumes the collection with the given frames, up to a step; all others are removed. Returns the given frames that are missing.
+    /// Resumes the collection with the given frames, up to a step; all others are removed. Returns the given frames
+    /// that are missing.
     ///
     /// # Errors
     /// Errors of the system.

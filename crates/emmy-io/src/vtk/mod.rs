@@ -118,7 +118,8 @@ impl FrameWriter {
         })
     }
 
-    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are missing.
+    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are
+    /// missing.
     ///
     /// # Errors
     /// Errors of the system.
@@ -187,7 +188,8 @@ pub(crate) const GROUP: &str = "group:";
 /// Array of a group of facets, as cell data: bit i denotes face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
-/// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
+/// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of
+/// faces.
 pub(crate) fn cell_type(kind: CellKind) -> u8 {
     kind.info().vtk_type
 }

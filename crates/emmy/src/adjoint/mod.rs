@@ -1,6 +1,8 @@
-//! The discrete adjoint of a motion: gradients of a goal by the initial state and by parameters, and the error of a goal.
+//! The discrete adjoint of a motion: gradients of a goal by the initial state and by parameters, and the error of a
+//! goal.
 //!
-//! The step of a time element takes the displacement u_1 and the velocity v_1 to those at its end by the rates x_j that solve
+//! The step of a time element takes the displacement u_1 and the velocity v_1 to those at its end by the rates x_j that
+//! solve
 //!
 //! ```math
 //! R_i = sum_j (a^-1)_ij M (x_j - h v_1) + h^2 (f_i(u_1, x) - f_i^ext) = 0

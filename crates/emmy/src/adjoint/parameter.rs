@@ -9,7 +9,8 @@ use crate::sparse::reduce::dot;
 /// A parameter theta of a body, by which a goal is differentiated: of a material, a density, a load, or any other part
 /// of the body.
 ///
-/// The derivatives of the stage equations are central differences between bodies with varied values, at fixed state and rates:
+/// The derivatives of the stage equations are central differences between bodies with varied values, at fixed state and
+/// rates:
 ///
 /// ```math
 /// mu . dR/dtheta = sum_m c_m mu . [R(theta + m d) - R(theta - m d)] / (2 m d)

@@ -114,7 +114,8 @@ impl<'a> Trajectory<'a> {
     /// Derivatives of a goal at the last state by the first one and by parameters.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the errors of a step.
+    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the
+    /// errors of a step.
     pub fn gradient(&self, goal: &Goal, parameters: &[Parameter]) -> Result<Gradient> {
         parameters.iter().try_for_each(|parameter| parameter.check(self.body))?;
         let mut sums = vec![0.0; parameters.len()];

@@ -52,8 +52,8 @@ impl Rule {
         }
     }
 
-    /// Assumed strain at a point inside the step. For k >= 2 it may not be the strain of any deformation; then the smallest
-    /// determinant is not positive.
+    /// Assumed strain at a point inside the step. For k >= 2 it may not be the strain of any deformation; then the
+    /// smallest determinant is not positive.
     #[inline(always)]
     pub(super) fn assumed_strain_at<L: Lane>(
         &self,
@@ -174,8 +174,8 @@ impl Rule {
         }
     }
 
-    /// W_2 - W_1 of a material without a closed form: the difference, or the Gauss quadrature along the assumed strain if both agree
-    /// within the rounding of the difference, because the quadrature is then less noisy.
+    /// W_2 - W_1 of a material without a closed form: the difference, or the Gauss quadrature along the assumed strain
+    /// if both agree within the rounding of the difference, because the quadrature is then less noisy.
     #[inline(always)]
     fn energy_difference<L: Lane>(
         &self,
@@ -297,8 +297,8 @@ impl Rule {
     }
 }
 
-/// `1/3 tr E' I`, the strain rate of a link: its energy depends on tr E alone. A correction along it is a multiple of I, which
-/// pulls along the link and has no moment.
+/// `1/3 tr E' I`, the strain rate of a link: its energy depends on tr E alone. A correction along it is a multiple of
+/// I, which pulls along the link and has no moment.
 #[inline(always)]
 fn trace_part<L: Lane>(rate: &Sym<L>) -> Sym<L> {
     let third = trace(rate) * (1.0 / 3.0);

@@ -6,7 +6,8 @@ use crate::quadrature::gauss;
 
 /// Points of a step at which a scheme evaluates a follower load.
 ///
-/// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage averages are
+/// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage
+/// averages are
 ///
 /// ```math
 /// f_i = (1/b_i) integral_0^1 l_i p F(q^h) dalpha = sum_m s_im p_m F(q^h(alpha_m)),

@@ -296,7 +296,8 @@ impl Rule {
         &self.a
     }
 
-    /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`.
+    /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`,
+    /// `[k]`.
     pub fn highest_mode(&self) -> &[f64] {
         &self.highest_mode
     }
@@ -333,8 +334,8 @@ impl Rule {
 
     /// Quadrature for smooth functions of time times a test function: k + 4 Gauss points.
     ///
-    /// It is exact for functions of degree k + 8, so that averages have an error of order k + 9, at least the order 2k of the time
-    /// element for all degrees.
+    /// It is exact for functions of degree k + 8, so that averages have an error of order k + 9, at least the order 2k
+    /// of the time element for all degrees.
     pub fn smooth_quadrature(&self) -> &Quadrature<1> {
         &self.smooth_quadrature
     }
@@ -344,8 +345,8 @@ impl Rule {
         lagrange_rate(&self.c, i, alpha)
     }
 
-    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k = 1 and without
-    /// damping.
+    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k =
+    /// 1 and without damping.
     pub fn is_symmetric(&self, is_damped: bool) -> bool {
         let is_symmetric = match self.kind {
             Kind::Standard => !is_damped,
@@ -365,8 +366,8 @@ impl Rule {
 
     /// Stage averages of the stress over a step, and their derivatives if wanted.
     ///
-    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] also takes the
-    /// gradient at that point and no rates. The result is in `average`.
+    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] also
+    /// takes the gradient at that point and no rates. The result is in `average`.
     #[inline(always)]
     pub fn average<L: Lane>(
         &self,

@@ -83,8 +83,8 @@ impl BodyBuilder {
         self
     }
 
-    /// Sets the drag of a surrounding medium, an external force `f = -rate M v` \[1/time\]. Alone it makes velocities decay like
-    /// `exp(-rate t)`.
+    /// Sets the drag of a surrounding medium, an external force `f = -rate M v` \[1/time\]. Alone it makes velocities
+    /// decay like `exp(-rate t)`.
     pub fn drag(mut self, rate: f64) -> Self {
         self.drag = rate;
         self
@@ -94,8 +94,8 @@ impl BodyBuilder {
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
-    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a load,
-    /// [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
+    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
+    /// load, [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative.
     pub fn build(self) -> Result<Body> {
         Body::from_parts(self)

@@ -75,7 +75,8 @@ impl FacetTable {
         self.nodes.chunks_exact(n).zip(pairs).map(|(nodes, (pairs, &section))| (nodes, pairs, section))
     }
 
-    /// Force of the unit pressure on a facet (of unit thickness) with nodes at `q`, which pushes against the outward normal:
+    /// Force of the unit pressure on a facet (of unit thickness) with nodes at `q`, which pushes against the outward
+    /// normal:
     ///
     /// ```math
     /// F_A = - integral N_A (q_,xi x q_,eta) dxi deta
@@ -114,8 +115,8 @@ impl FacetTable {
         c
     }
 
-    /// Tangents q_,xi and q_,eta at a quadrature point. Positions are taken from the first node: the gradients sum to zero,
-    /// and a body far from the origin keeps its digits.
+    /// Tangents q_,xi and q_,eta at a quadrature point. Positions are taken from the first node: the gradients sum to
+    /// zero, and a body far from the origin keeps its digits.
     fn tangents(&self, q: &NodalVectors, point: usize) -> [[f64; 3]; 2] {
         let mut a = [0.0; 3];
         let mut b = self.across;

@@ -92,8 +92,8 @@ impl FieldLoad {
         self.add(time, &[1.0], force)
     }
 
-    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`: memory for k
-    /// numbers. Returns whether the load acts.
+    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`:
+    /// memory for k numbers. Returns whether the load acts.
     pub fn add_averages(
         &self,
         time: f64,

@@ -24,7 +24,8 @@ pub struct CellTable {
 }
 
 impl CellTable {
-    /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for solids.
+    /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for
+    /// solids.
     ///
     /// The cells are in the order of their first nodes, so that neighbours are close in memory.
     ///
@@ -112,8 +113,8 @@ pub(super) fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
 
 /// A point of an integral over a cell or facet: weight, position, and the shape functions of its nodes.
 pub struct QuadraturePoint<'a> {
-    /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\], without their
-    /// thickness.
+    /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\],
+    /// without their thickness.
     pub weight: f64,
     /// Reference position.
     pub position: [f64; 3],
@@ -167,8 +168,8 @@ pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &m
     });
 }
 
-/// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\], `section` as in
-/// [`add_facet_areas`].
+/// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\],
+/// `section` as in [`add_facet_areas`].
 pub fn for_each_facet_point(
     mesh: &Mesh,
     facets: &[Facet],

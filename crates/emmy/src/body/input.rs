@@ -108,8 +108,8 @@ pub struct PointMass {
 /// V = 1/2 sum_A k_A |u_A|^2
 /// ```
 ///
-/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k for each
-/// node \[force/length\].
+/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k
+/// for each node \[force/length\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundSpring {
     /// Group of nodes, facets or cells.
@@ -306,8 +306,8 @@ pub enum LoadKind {
         /// Traction.
         traction: [f64; 3],
     },
-    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the current
-    /// area, and pushes onto the body where it is positive.
+    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the
+    /// current area, and pushes onto the body where it is positive.
     ///
     /// ```math
     /// F_A = - p(t) integral N_A (q_,xi x q_,eta) dxi deta
@@ -346,8 +346,8 @@ pub enum LoadKind {
         /// Force at each node.
         force: [f64; 3],
     },
-    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses included,
-    /// without a group.
+    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses
+    /// included, without a group.
     Acceleration {
         /// Cell group; `None`: all cells.
         group: Option<String>,

@@ -1,5 +1,5 @@
-//! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into the
-//! functions that are dispatched by instruction set.
+//! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into
+//! the functions that are dispatched by instruction set.
 
 use std::any::Any;
 
@@ -88,8 +88,8 @@ impl Scratch {
     }
 }
 
-/// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the number of
-/// fields: 1 if the rule has a single point and the rates are not wanted.
+/// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the
+/// number of fields: 1 if the rule has a single point and the rates are not wanted.
 #[inline(always)]
 pub fn gather(
     cells: &CellBatches,
@@ -142,7 +142,8 @@ pub struct RegisterCells<'a, R> {
 }
 
 impl<R: Register> RegisterCells<'_, R> {
-    /// Gradients of nodal fields at a quadrature point, `nodal: [n_fields][n_nodes][3]`: displacement gradients of displacements.
+    /// Gradients of nodal fields at a quadrature point, `nodal: [n_fields][n_nodes][3]`: displacement gradients of
+    /// displacements.
     ///
     /// ```math
     /// (sum_A u_A (x) dN_A/dxi) dxi/dX

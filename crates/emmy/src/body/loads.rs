@@ -13,8 +13,8 @@ pub struct LoadResultant {
 }
 
 impl Body {
-    /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated by
-    /// [`Rule::smooth_quadrature`].
+    /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated
+    /// by [`Rule::smooth_quadrature`].
     ///
     /// ```math
     /// f_i^ext = (1/b_i) integral_0^1 l_i F_ext dalpha

@@ -6,7 +6,8 @@ use super::Body;
 use crate::error::Result;
 use crate::sparse::BlockCholesky;
 
-/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed ones.
+/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed
+/// ones.
 #[derive(Debug)]
 pub struct MassSolver {
     /// Factorisations with the directions that share them (directions with the same fixed nodes).

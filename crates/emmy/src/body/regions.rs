@@ -20,7 +20,8 @@ pub struct RegionSummary {
     pub mass: f64,
     /// Centre of mass \[length\].
     pub centre: [f64; 3],
-    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the plane.
+    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the
+    /// plane.
     pub inertia: [[f64; 3]; 3],
 }
 
@@ -131,8 +132,8 @@ impl RegionOfCell {
 }
 
 impl Region {
-    /// Factor from the measure of a cell to its volume: thickness of plane cells, cross section of bars (0 for links without mass),
-    /// 1 for solids.
+    /// Factor from the measure of a cell to its volume: thickness of plane cells, cross section of bars (0 for links
+    /// without mass), 1 for solids.
     pub(super) fn section(&self, kind: CellKind) -> f64 {
         match self.link() {
             Some(link) => link.area(),

@@ -7,8 +7,8 @@ use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::quadrature::Quadrature;
 
-/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), or a
-/// smooth function.
+/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), or
+/// a smooth function.
 ///
 /// ```
 /// use emmy::body::TimeFunction;
@@ -73,8 +73,8 @@ impl TimeFunction {
         Ok(TimeFunction { law: Law::Table(entries) })
     }
 
-    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text` names it;
-    /// time functions with equal texts count as equal.
+    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text`
+    /// names it; time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
         TimeFunction { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
     }
@@ -136,8 +136,8 @@ impl TimeFunction {
     /// (1/b_i) integral_0^1 l_i(alpha) f(t + alpha h) dalpha
     /// ```
     ///
-    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table, whatever kinks and jumps it has inside the
-    /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
+    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table, whatever kinks and jumps it has inside
+    /// the step; a smooth function is integrated by [`Rule::smooth_quadrature`].
     pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
         averages.fill(0.0);
         if let Law::Smooth(_) = self.law {
@@ -196,7 +196,8 @@ mod tests {
         let c = rule.nodes();
         let mut averages = [0.0; 2];
         time_function.averages(0.5, 2.5, &rule, &mut averages);
-        // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t - 0.5)/h f dt
+        // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t -
+        // 0.5)/h f dt
         let zeroth: f64 = (0..2).map(|i| b[i] * averages[i]).sum();
         let first: f64 = (0..2).map(|i| b[i] * c[i] * averages[i]).sum();
         // integral over [1, 2] of (t - 0.5) 2 (2 - t) dt = 5/6

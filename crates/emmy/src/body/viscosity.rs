@@ -9,10 +9,10 @@ use crate::tensor::Elasticity;
 /// S = t_v D_0 : E' + 2 eta dev E' + zeta tr(E') I
 /// ```
 ///
-/// with the elasticity D_0 of the material at rest. In a linear body `t_v` is stiffness-proportional (Rayleigh) damping: a mode of
-/// angular frequency omega has the damping ratio `t_v omega/2`. Rigid motions are not damped, and both momenta are conserved,
-/// because the stress is internal. The power dissipated per volume is `S : E'`. Fibres that bear tension only have no stiffness at
-/// rest and no part in D_0: `t_v` damps only the matrix around them.
+/// with the elasticity D_0 of the material at rest. In a linear body `t_v` is stiffness-proportional (Rayleigh)
+/// damping: a mode of angular frequency omega has the damping ratio `t_v omega/2`. Rigid motions are not damped, and
+/// both momenta are conserved, because the stress is internal. The power dissipated per volume is `S : E'`. Fibres that
+/// bear tension only have no stiffness at rest and no part in D_0: `t_v` damps only the matrix around them.
 ///
 /// ```
 /// use emmy::body::Viscosity;

@@ -4,7 +4,8 @@ use super::{CellKind, CellShape, element};
 
 /// Values at the nodes of a cell from those at its quadrature points, `[n_nodes][n_points]`.
 ///
-/// The values at the points are projected onto few polynomials on the reference element, whose values at the nodes these are:
+/// The values at the points are projected onto few polynomials on the reference element, whose values at the nodes
+/// these are:
 ///
 /// ```math
 /// f_A = sum_q X_Aq f_q,      X_Aq = sum_i b_i(xi_A) w_q b_i(xi_q),      sum_q w_q b_i(xi_q) b_j(xi_q) = delta_ij

@@ -193,8 +193,8 @@ pub enum FacetKind {
     Quad9,
 }
 
-/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule; an edge
-/// has the cell on its left.
+/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule; an
+/// edge has the cell on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LocalFacet {
     /// Kind of the facet.

@@ -20,7 +20,8 @@ use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 /// Unlike (ln J)^2, its law of volume is convex in J: the material does not soften under any compression or stretch.
 /// Polyconvex where lambda >= 0.
 ///
-/// Source: Ciarlet and Geymonat (1982), C. R. Acad. Sci. Paris II 295, without the term in tr cof C. Parameters in \[force/length^2\].
+/// Source: Ciarlet and Geymonat (1982), C. R. Acad. Sci. Paris II 295, without the term in tr cof C. Parameters in
+/// \[force/length^2\].
 ///
 /// ```
 /// use emmy::material::{CiarletGeymonat, Material};

@@ -23,9 +23,9 @@ use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_s
 /// Fibres of direction a_f bear tension only: S is continuous where they go slack, D is not. With one family the
 /// material is transversely isotropic.
 ///
-/// Source: Holzapfel, Gasser and Ogden (2000), J. Elast. 61; the dispersion kappa, from 0 (parallel) to 1/3 (isotropic), from
-/// Gasser, Ogden and Holzapfel (2006), J. R. Soc. Interface 3. mu, k1 and the bulk modulus in \[force/length^2\], k2 and
-/// kappa have no dimension. The exponential magnifies rounding by 2 k2 <E_f>^2.
+/// Source: Holzapfel, Gasser and Ogden (2000), J. Elast. 61; the dispersion kappa, from 0 (parallel) to 1/3
+/// (isotropic), from Gasser, Ogden and Holzapfel (2006), J. R. Soc. Interface 3. mu, k1 and the bulk modulus in
+/// \[force/length^2\], k2 and kappa have no dimension. The exponential magnifies rounding by 2 k2 <E_f>^2.
 ///
 /// ```
 /// use emmy::material::{HolzapfelGasserOgden, Material, Volumetric};
@@ -57,8 +57,8 @@ impl HolzapfelGasserOgden {
     /// family (not necessarily a unit vector), bulk modulus, and law of volume.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless mu, k1, k2 and the bulk modulus are positive, 0 <= kappa <= 1/3, and the
-    /// directions are finite and not zero.
+    /// [`crate::Error::MaterialParameter`] unless mu, k1, k2 and the bulk modulus are positive, 0 <= kappa <= 1/3, and
+    /// the directions are finite and not zero.
     pub fn new(
         mu: f64,
         [k1, k2]: [f64; 2],

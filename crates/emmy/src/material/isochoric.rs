@@ -6,7 +6,8 @@
 //! C = m (I + b),      m = tr C / 3,      tr b = 0,      det(I + b) = 1 - w,      w = b:b/2 - det b
 //! ```
 //!
-//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 - w)^(-1/3)`
+//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 -
+//! w)^(-1/3)`
 //!
 //! ```math
 //! I1bar - 3 = 3 (g - 1),      I2bar - 3 = 3 (g^2 - 1) - g^2 b:b/2,      J^2 = m^3 (1 - w)

@@ -98,16 +98,16 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// Second Piola-Kirchhoff stress S \[force/length^2\].
     fn stress<L: Lane>(&self, strain: &Sym<L>) -> Sym<L>;
 
-    /// Energy change `W(E + dE) - W(E)` in closed form, free of cancellation; `None` if the material has none. Do not return a
-    /// difference of two energies.
+    /// Energy change `W(E + dE) - W(E)` in closed form, free of cancellation; `None` if the material has none. Do not
+    /// return a difference of two energies.
     #[inline(always)]
     fn energy_change<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>) -> Option<L> {
         let _ = (strain, change);
         None
     }
 
-    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`. Override it if the stresses along a
-    /// path can share work.
+    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`. Override it if the
+    /// stresses along a path can share work.
     ///
     /// ```math
     /// sum_m w_m S(E + alpha_m dE)

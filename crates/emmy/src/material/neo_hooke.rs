@@ -134,7 +134,8 @@ impl Material for NeoHooke {
         self.state(E).2
     }
 
-    /// Trace, cofactor and determinant of `A = C - I` are polynomials along the path, so that a point costs one logarithm:
+    /// Trace, cofactor and determinant of `A = C - I` are polynomials along the path, so that a point costs one
+    /// logarithm:
     ///
     /// ```math
     /// S = [mu (A + (II_A + det A) I - cof A) + lambda ln J ((1 + tr A) I - A + cof A)] / det C

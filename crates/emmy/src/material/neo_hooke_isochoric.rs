@@ -13,8 +13,8 @@ use crate::tensor::Lane;
 /// W = mu/2 (I1bar - 3) + W_vol(J),      I1bar = J^(-2/3) tr C
 /// ```
 ///
-/// Source: Flory (1961), Trans. Faraday Soc. 57; Simo and Taylor (1991), Comput. Methods Appl. Mech. Eng. 85. Shear modulus mu and
-/// bulk modulus in \[force/length^2\].
+/// Source: Flory (1961), Trans. Faraday Soc. 57; Simo and Taylor (1991), Comput. Methods Appl. Mech. Eng. 85. Shear
+/// modulus mu and bulk modulus in \[force/length^2\].
 ///
 /// ```
 /// use emmy::material::{Material, NeoHookeIsochoric, Volumetric};

@@ -39,8 +39,8 @@ impl Ogden {
     /// The material with terms (mu_p, alpha_p), bulk modulus, and law of volume.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless every alpha_p is finite and not zero, every mu_p is finite, the sum of
-    /// mu_p alpha_p is positive (so there is at least one), and so is the bulk modulus.
+    /// [`crate::Error::MaterialParameter`] unless every alpha_p is finite and not zero, every mu_p is finite, the sum
+    /// of mu_p alpha_p is positive (so there is at least one), and so is the bulk modulus.
     pub fn new(terms: &[(f64, f64)], bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
         for &(mu, alpha) in terms {
             finite(NAME, "mu", mu)?;

@@ -9,8 +9,8 @@ use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 
 /// Nine engineering constants of an orthotropic material.
 ///
-/// The index pairs of Poisson's ratios and shear moduli are 12, 23, 13. `nu_ij` is the contraction along axis j over the
-/// extension along axis i, under tension along i: `nu_ij / E_i = nu_ji / E_j`.
+/// The index pairs of Poisson's ratios and shear moduli are 12, 23, 13. `nu_ij` is the contraction along axis j over
+/// the extension along axis i, under tension along i: `nu_ij / E_i = nu_ji / E_j`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineeringConstants {
     /// Young's moduli E_1, E_2, E_3 \[force/length^2\].
@@ -54,12 +54,12 @@ const SHEAR_MODULI: [&str; 3] = ["mu_12", "mu_23", "mu_13"];
 const PAIRS: [(usize, usize); 3] = [(0, 1), (1, 2), (0, 2)];
 
 impl Orthotropic {
-    /// The material with engineering constants in its own axes: axis 1 along the first direction, axis 2 in the plane of
-    /// both, on the side of the second, axis 3 across them. Directions need not be unit vectors.
+    /// The material with engineering constants in its own axes: axis 1 along the first direction, axis 2 in the plane
+    /// of both, on the side of the second, axis 3 across them. Directions need not be unit vectors.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless all moduli are positive and the elasticity is positive definite, and for
-    /// directions (`axis_1`, `axis_2`) that are zero or parallel.
+    /// [`crate::Error::MaterialParameter`] unless all moduli are positive and the elasticity is positive definite, and
+    /// for directions (`axis_1`, `axis_2`) that are zero or parallel.
     pub fn new(constants: EngineeringConstants, directions: [[f64; 3]; 2]) -> Result<Self> {
         let stiffness = normal_stiffness(&constants)?;
         for (name, mu) in SHEAR_MODULI.into_iter().zip(constants.shear_moduli) {

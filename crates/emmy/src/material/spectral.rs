@@ -1,7 +1,7 @@
 //! Energies of the principal stretches: stress and elasticity of all these materials.
 //!
-//! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small strain,
-//! the deviatoric logarithmic strains are
+//! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small
+//! strain, the deviatoric logarithmic strains are
 //!
 //! ```math
 //! e_i = ln lambda_i - ln J / 3 = 1/2 ln(1 + beta_i) - 1/6 sum_j ln(1 + beta_j)

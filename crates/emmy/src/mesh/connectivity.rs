@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, HashMap};
 use super::Mesh;
 
 impl Mesh {
-    /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are connected.
+    /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are
+    /// connected.
     ///
     /// ```
     /// let mesh = emmy::mesh::block([1.0; 3], [2, 2, 2])?;

@@ -129,8 +129,8 @@ impl Adaptivity {
     }
 }
 
-/// Chooses step sizes from errors: the predictive controller of Gustafsson (1994, Control-theoretic techniques for stepsize selection
-/// in implicit Runge-Kutta methods, ACM Transactions on Mathematical Software 20),
+/// Chooses step sizes from errors: the predictive controller of Gustafsson (1994, Control-theoretic techniques for
+/// stepsize selection in implicit Runge-Kutta methods, ACM Transactions on Mathematical Software 20),
 ///
 /// ```math
 /// h_(n+1) = h_n (c/e_n)^(1/q) (e_(n-1)/e_n)^(1/q) (h_n/h_(n-1))

@@ -60,7 +60,8 @@ pub struct Record {
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
-    /// Relative effect of rounding on energy and momenta since the start: the sum over the steps that ended at the rounding floor.
+    /// Relative effect of rounding on energy and momenta since the start: the sum over the steps that ended at the
+    /// rounding floor.
     pub rounding: f64,
     /// Number of halvings of the step before it succeeded.
     pub cuts: usize,

@@ -17,7 +17,8 @@ pub trait System {
     /// Any error if the residual cannot be evaluated there.
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes>;
 
-    /// Correction `dx` with `K dx = -R`, to a relative tolerance. Returns the number of iterations of the linear solver.
+    /// Correction `dx` with `K dx = -R`, to a relative tolerance. Returns the number of iterations of the linear
+    /// solver.
     ///
     /// # Errors
     /// Any error if the linear system cannot be solved.
@@ -103,8 +104,8 @@ pub struct Outcome {
 /// Stagnation within this factor of the rounding floor is accepted.
 pub const STAGNATION: f64 = 100.0;
 
-/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its rounding
-/// floor.
+/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its
+/// rounding floor.
 const POLISH: f64 = 1e-6;
 
 /// Part of the rounding of a residual that may remain in it.

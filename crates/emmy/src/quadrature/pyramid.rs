@@ -2,17 +2,17 @@
 
 use super::{Quadrature, square};
 
-/// Conical product rule on the pyramid with the base `[-1, 1]^2` and the apex (0, 0, 1): n x n Gauss points in the plane
-/// (1 or more) by m points in the height (1 or 2).
+/// Conical product rule on the pyramid with the base `[-1, 1]^2` and the apex (0, 0, 1): n x n Gauss points in the
+/// plane (1 or more) by m points in the height (1 or 2).
 ///
 /// ```math
 /// integral f dx dy dz = integral_0^1 integral_-1^1 integral_-1^1 f(w u, w v, 1 - w) w^2 du dv dw
 /// ```
 ///
-/// The rule in w has the weight `w^2`. So the whole is exact for `u^i v^j w^k` with i, j <= 2n - 1 and 0 <= k <= 2m - 1:
-/// for polynomials of total degree `2 min(n, m) - 1`, and for the rational shape functions of the pyramid, which are such
-/// products. Sources: Stroud (1971), Approximate Calculation of Multiple Integrals, chapter 2; Abramowitz and Stegun
-/// (1964), table 25.8.
+/// The rule in w has the weight `w^2`. So the whole is exact for `u^i v^j w^k` with i, j <= 2n - 1 and 0 <= k <= 2m -
+/// 1: for polynomials of total degree `2 min(n, m) - 1`, and for the rational shape functions of the pyramid, which are
+/// such products. Sources: Stroud (1971), Approximate Calculation of Multiple Integrals, chapter 2; Abramowitz and
+/// Stegun (1964), table 25.8.
 ///
 /// # Panics
 /// If n = 0, or m is neither 1 nor 2.

@@ -14,8 +14,9 @@ pub trait Approximate<T, const C: usize> {
     fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<T, C>]);
 }
 
-/// Conjugate gradients (Hestenes and Stiefel 1952) with one column; with two, for a complex symmetric matrix, conjugate orthogonal
-/// conjugate gradients (van der Vorst and Melissen 1990): the same recurrences with products that are not conjugated.
+/// Conjugate gradients (Hestenes and Stiefel 1952) with one column; with two, for a complex symmetric matrix, conjugate
+/// orthogonal conjugate gradients (van der Vorst and Melissen 1990): the same recurrences with products that are not
+/// conjugated.
 #[derive(Debug, Clone)]
 pub struct ConjugateGradients<T, const C: usize> {
     /// Right-hand side, then residual.
@@ -193,7 +194,8 @@ mod tests {
         assert!(error < 1e-4, "{error:e}");
         let (error, complex) = solved::<2>([0.3, 0.4], 1e-5);
         assert!(error < 1e-4, "{error:e}");
-        // The same modulus; the argument of lambda, 53 degrees, leaves a factor tan(53/4) = 0.24 an iteration, 1e-5 in 8.
+        // The same modulus; the argument of lambda, 53 degrees, leaves a factor tan(53/4) = 0.24 an iteration, 1e-5 in
+        // 8.
         assert!(complex <= real + 8, "{complex} {real}");
     }
 

@@ -220,7 +220,8 @@ fn lower_times(inverse: &[f32], A: &[f32]) -> [f32; 9] {
     product
 }
 
-/// Inverse of the Cholesky factor of a block; a pivot lost to the omitted fill is replaced by the pivot of the original diagonal.
+/// Inverse of the Cholesky factor of a block; a pivot lost to the omitted fill is replaced by the pivot of the original
+/// diagonal.
 fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
     const SMALLEST: f32 = 1e-3;
     let mut L = [[0f32; 3]; 3];
@@ -334,7 +335,8 @@ pub mod tests {
 
     #[test]
     fn chunks_do_not_change_the_factor_of_their_own_rows() {
-        // Several chunks: the factor times its transpose agrees with the matrix on the pattern of every row without fill.
+        // Several chunks: the factor times its transpose agrees with the matrix on the pattern of every row without
+        // fill.
         let pattern = grid([6, 6, 280]);
         let (mass, stiffness) = elastic(&pattern);
         let sweep = SweepOrder::new(&pattern);

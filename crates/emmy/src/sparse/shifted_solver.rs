@@ -161,8 +161,8 @@ impl ShiftedSolver for Direct {
     }
 }
 
-/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of iterations
-/// depends on neither mesh nor step size.
+/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of
+/// iterations depends on neither mesh nor step size.
 #[derive(Debug)]
 pub struct DirectPair {
     sweep: Arc<SweepOrder>,

@@ -13,8 +13,8 @@ const SWEEPS: usize = 30;
 /// A = Q diag(values) Q^T
 /// ```
 ///
-/// Jacobi's method: backward stable, so that equal and nearly equal eigenvalues lose nothing. Source: Golub and Van Loan
-/// (2013), Matrix Computations, section 8.5.
+/// Jacobi's method: backward stable, so that equal and nearly equal eigenvalues lose nothing. Source: Golub and Van
+/// Loan (2013), Matrix Computations, section 8.5.
 ///
 /// ```
 /// let (values, Q) = emmy::tensor::eigen(&[1.0, 1.0, 5.0, 2.0, 0.0, 0.0]);

@@ -13,7 +13,8 @@
 //! from the mid-point rule to backward Euler. In a linear body the additional part consists of a strain part and a
 //! velocity part. Both are used here in a form that dissipates energy in any motion of any body:
 //!
-//! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest ([`crate::average::Damping`]).
+//! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest
+//! ([`crate::average::Damping`]).
 //!
 //! *Velocities*: the rates of the displacement are no longer the velocity,
 //!
@@ -216,8 +217,8 @@ impl RigidProjection {
         }
     }
 
-    /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r` in that
-    /// subspace, where the strain response is neglected.
+    /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
+    /// in that subspace, where the strain response is neglected.
     pub fn correct(&mut self, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
@@ -371,7 +372,8 @@ mod tests {
 
     #[test]
     fn full_dissipation_is_radau_iia() {
-        // Its stability functions are the subdiagonal Pade approximants of exp: 1/(1 - z), (1 + z/3)/(1 - 2 z/3 + z^2/6).
+        // Its stability functions are the subdiagonal Pade approximants of exp: 1/(1 - z), (1 + z/3)/(1 - 2 z/3 +
+        // z^2/6).
         for z in [-3.0, -0.7, 0.4] {
             let (rule, full) = dissipation(1, 0.0);
             assert!((stability(&rule, &full.coefficients(&rule), z) - 1.0 / (1.0 - z)).abs() < 1e-14);

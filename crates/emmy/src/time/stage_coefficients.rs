@@ -26,7 +26,8 @@ pub struct StageCoefficients {
 }
 
 impl StageCoefficients {
-    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i (a^-1)_ij`.
+    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i
+    /// (a^-1)_ij`.
     pub fn end_weights(&self, j: usize) -> [f64; 2] {
         let b = self.rule.weights();
         let k = self.rule.degree();

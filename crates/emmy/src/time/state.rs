@@ -8,7 +8,8 @@ use crate::tensor::cross;
 
 /// State of a body in motion.
 ///
-/// It holds the displacement, not the position, which would lose the digits of small strains (`book/src/design/cells.md`).
+/// It holds the displacement, not the position, which would lose the digits of small strains
+/// (`book/src/design/cells.md`).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Time \[time\].
@@ -17,8 +18,8 @@ pub struct State {
     pub step: usize,
     /// Displacement u = q - X, `[n_nodes][3]` \[length\].
     pub displacement: Vec<f64>,
-    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\]; M is the consistent mass, for central differences the lumped
-    /// one.
+    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\]; M is the consistent mass, for central differences the
+    /// lumped one.
     pub momentum: Vec<f64>,
     /// Velocity v = M^-1 p, `[n_nodes][3]` \[length/time\].
     pub velocity: Vec<f64>,

@@ -55,8 +55,8 @@ pub struct StepOutcome {
 /// Work and impulses of loads and reactions in a step, by the scheme's own quadrature in time. The residual of a
 /// balance is then the conservation error of the scheme itself.
 ///
-/// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven degrees of
-/// freedom:
+/// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven
+/// degrees of freedom:
 ///
 /// ```math
 /// W = sum_i b_i (f_i^ext + lambda_i) . x_i,   I = h sum_i b_i (f_i^ext + lambda_i),   J = h sum_i b_i q^h(c_i) x (f_i^ext + lambda_i)

@@ -68,7 +68,8 @@ impl TimeElement {
         TimeElement::new(AveragingRule::Standard(points), degree)
     }
 
-    /// `AS(n)`: assumed strain in time with n inner Gauss points. It conserves momenta, and energy up to the inner rule.
+    /// `AS(n)`: assumed strain in time with n inner Gauss points. It conserves momenta, and energy up to the inner
+    /// rule.
     ///
     /// # Errors
     /// As [`TimeElement::new`].

@@ -136,7 +136,8 @@ fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
 /// The dissipation of a given deformation is an integral over time, computed by hand.
 #[test]
 fn dissipation_of_a_given_deformation_matches_its_formula() {
-    // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per volume of
+    // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per
+    // volume of
     // S = t_v (lambda tr E' I + 2 mu E') + 2 eta dev E' + zeta tr E' I is
     // (t_v lambda + zeta - 2/3 eta) (tr E')^2 + 2 (t_v mu + eta) E' : E'.
     let (lambda, mu, until) = (30.0, 15.0, 0.6);
@@ -165,7 +166,8 @@ fn dissipation_of_a_given_deformation_matches_its_formula() {
                     let state = State::initial(&body, 0.0, &[]).unwrap();
                     let taken = records(&body, scheme(text), degree, state, h, n as usize)[n as usize - 1]
                         .dissipated_energy;
-                    // (E'_xx)^2 integrated: exactly by two Gauss points and more, by the mid-points for k = 1, which miss h^2 |v|^4/12.
+                    // (E'_xx)^2 integrated: exactly by two Gauss points and more, by the mid-points for k = 1, which
+                    // miss h^2 |v|^4/12.
                     let cube = |t: f64| (velocity[0] + t * square).powi(3) / (3.0 * square);
                     let missed = if degree == 1 { h * h * square * square / 12.0 * until } else { 0.0 };
                     let squared = cube(until) - cube(0.0) - missed;
@@ -210,7 +212,8 @@ fn a_viscous_block_decays_as_in_theory() {
 
 #[test]
 fn a_braked_body_in_free_flight_slows_down_by_the_factor_of_the_midpoint() {
-    // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade approximant of exp.
+    // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade
+    // approximant of exp.
     let body = block_in_medium(0.8, Viscosity::default(), &[], &[]);
     let field = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
     let z: f64 = -0.8 * 0.5;
@@ -474,7 +477,8 @@ fn dissipative_elements_are_of_order_2k_less_1() {
 #[test]
 fn a_relative_equilibrium_is_left_alone() {
     // Two masses m at the ends of a spring that turns by theta a step without changing its length l = 2 r:
-    // x/h = (v_1 + v_2)/2 gives the speed 2 r tan(theta/2)/h, and M dv = -h f with f = kappa q in the middle tan^2(theta/2) = h^2 kappa/(4 m), kappa = k (l - L)/r.
+    // x/h = (v_1 + v_2)/2 gives the speed 2 r tan(theta/2)/h, and M dv = -h f with f = kappa q in the middle
+    // tan^2(theta/2) = h^2 kappa/(4 m), kappa = k (l - L)/r.
     let (m, k, length, r, h) = (1.3f64, 50.0, 1.0, 0.6, 0.3);
     let kappa = k * (2.0 * r - length) / r;
     let tangent = (h * h * kappa / (4.0 * m)).sqrt();

@@ -163,7 +163,8 @@ fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
     ([x + 0.1 * f[0], y + 0.1 * f[1], z + 0.1 * f[2]], F)
 }
 
-/// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the surface too.
+/// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the
+/// surface too.
 #[test]
 fn fields_that_vary_are_exact_where_the_cells_have_them() {
     for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15] {

@@ -150,9 +150,9 @@ fn recurrence(values: &[f64], s: f64, r: f64) -> f64 {
     values.windows(4).map(|y| residual(y).abs() / size).fold(0.0, f64::max)
 }
 
-/// Spectral radius at infinite frequency: rho for generalized-alpha (Chung and Hulbert (1993), section 3), `(1 - alpha)/(1 +
-/// alpha)` for HHT (Hilber, Hughes and Taylor 1977) with the spurious root `-alpha/(1 - alpha)`, 1 for average
-/// acceleration.
+/// Spectral radius at infinite frequency: rho for generalized-alpha (Chung and Hulbert (1993), section 3), `(1 -
+/// alpha)/(1 + alpha)` for HHT (Hilber, Hughes and Taylor 1977) with the spurious root `-alpha/(1 - alpha)`, 1 for
+/// average acceleration.
 #[test]
 fn high_modes_decay_by_the_spectral_radius() {
     for (scheme, spurious, radius) in [

@@ -123,7 +123,8 @@ fn ten_thousand_steps_of_two_cells() {
     assert_small_drift("AS(8)", 10_000);
 }
 
-/// The body is fast here: the rounding of its linear momentum, 4 eps, at an arm of 4,000 is 4e-12 of its angular momentum.
+/// The body is fast here: the rounding of its linear momentum, 4 eps, at an arm of 4,000 is 4e-12 of its angular
+/// momentum.
 #[test]
 fn ten_thousand_steps_far_away() {
     let (energy, momentum) = drift_far_away(10_000);

@@ -22,8 +22,8 @@ fn rubber() -> Vec<Region> {
 
 const H: [[f64; 2]; 2] = [[0.1, 0.05], [-0.03, 0.2]];
 
-/// First Piola-Kirchhoff stress in the plane and W of the neo-Hookean material with mu = 500, lambda = 1000 at F = I + H,
-/// F_33 = 1: P = mu (F - F^-T) + lambda ln J F^-T, W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J.
+/// First Piola-Kirchhoff stress in the plane and W of the neo-Hookean material with mu = 500, lambda = 1000 at F = I +
+/// H, F_33 = 1: P = mu (F - F^-T) + lambda ln J F^-T, W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J.
 fn stress_and_energy() -> ([[f64; 2]; 2], f64) {
     let F = [[1.0 + H[0][0], H[0][1]], [H[1][0], 1.0 + H[1][1]]];
     let J = F[0][0] * F[1][1] - F[0][1] * F[1][0];

@@ -249,7 +249,8 @@ fn tangent_is_consistent() {
     }
 }
 
-/// A strong pressure on one face is solved with Newton's quadratic convergence: three iterations and one or two corrections after them.
+/// A strong pressure on one face is solved with Newton's quadratic convergence: three iterations and one or two
+/// corrections after them.
 #[test]
 fn newton_converges_quadratically() {
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };

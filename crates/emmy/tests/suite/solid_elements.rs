@@ -19,8 +19,8 @@ fn patch(kind: CellKind, curved: bool) -> Mesh {
 
 const H: [[f64; 3]; 3] = [[0.1, 0.05, -0.02], [-0.03, 0.2, 0.04], [0.06, -0.01, -0.15]];
 
-/// First Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln J F^-T and energy W of the neo-Hookean material with mu = 500,
-/// lambda = 1000 at F = I + H, independent of the library.
+/// First Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln J F^-T and energy W of the neo-Hookean material with mu =
+/// 500, lambda = 1000 at F = I + H, independent of the library.
 fn stress_and_energy() -> ([[f64; 3]; 3], f64) {
     let F = [0, 1, 2].map(|i| [0, 1, 2].map(|j| H[i][j] + f64::from(u8::from(i == j))));
     let cofactor = [0, 1, 2].map(|i| {

@@ -1,4 +1,5 @@
-//! Numbers of a `DataArray`: ASCII, base64 or raw, plain or compressed with zlib (VTK File Formats, "XML File Formats").
+//! Numbers of a `DataArray`: ASCII, base64 or raw, plain or compressed with zlib (VTK File Formats, "XML File
+//! Formats").
 
 use std::io::Read;
 

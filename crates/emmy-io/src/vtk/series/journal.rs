@@ -1,7 +1,7 @@
 //! Frames that the copy of a series does not contain yet, so that a killed run loses none.
 //!
-//! The file is a sequence of entries. Each has its length in 8 bytes, the frame as a MessagePack map with named fields, and a CRC-32 of
-//! the map in 4 bytes; the lowest byte is first.
+//! The file is a sequence of entries. Each has its length in 8 bytes, the frame as a MessagePack map with named fields,
+//! and a CRC-32 of the map in 4 bytes; the lowest byte is first.
 
 use std::borrow::Cow;
 use std::fs::File;

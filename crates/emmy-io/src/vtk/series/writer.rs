@@ -20,10 +20,10 @@ use crate::whole_file::{PART, with_ending};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
 ///
-/// HDF5 files cannot be read while they change. Frames go to `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy, put in place by renaming. It is
-/// made after the first frame and refreshed so that copying takes at most a twentieth of the time. At the end the growing file replaces
-/// it. Frames since the last copy are also in `NAME.vtkhdf.journal`, so that a killed run leaves a readable file and loses no
-/// frame when it is resumed.
+/// HDF5 files cannot be read while they change. Frames go to `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy, put in place
+/// by renaming. It is made after the first frame and refreshed so that copying takes at most a twentieth of the time.
+/// At the end the growing file replaces it. Frames since the last copy are also in `NAME.vtkhdf.journal`, so that a
+/// killed run leaves a readable file and loses no frame when it is resumed.
 pub struct Series {
     path: PathBuf,
     growing: PathBuf,
@@ -88,8 +88,8 @@ impl Series {
         Series::new(path, journal, precision, mesh, region_of_cell)
     }
 
-    /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay until all frames are
-    /// in the new one.
+    /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay
+    /// until all frames are in the new one.
     ///
     /// # Errors
     /// Errors of the system.

@@ -28,7 +28,8 @@ impl PointState {
         PointState { energy, second, cauchy, strain }
     }
 
-    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; zero for springs and attractions.
+    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; zero for springs and
+    /// attractions.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
         let (area, state) = (link.area(), LinkState::new(link, mesh, cell, displacement));
         if area == 0.0 {

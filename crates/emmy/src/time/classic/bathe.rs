@@ -25,8 +25,8 @@ const WEIGHTS: [f64; 3] = [0.5 / (2.0 - SPLIT), 0.5 / (2.0 - SPLIT), (1.0 - SPLI
 /// c_1 = (1 - gamma)/(gamma h),    c_2 = -1/((1 - gamma) gamma h),    c_3 = (2 - gamma)/((1 - gamma) h) = 1/s
 /// ```
 ///
-/// (Bathe and Baig (2005), who take gamma = 1/2; as here, one matrix `M + s^2 K` serves both parts: Bank and others (1985).)
-/// The second part starts from the displacement u_s.
+/// (Bathe and Baig (2005), who take gamma = 1/2; as here, one matrix `M + s^2 K` serves both parts: Bank and others
+/// (1985).) The second part starts from the displacement u_s.
 #[derive(Debug)]
 pub struct BatheStepper<'a> {
     system: StageSystem<'a>,

@@ -124,7 +124,8 @@ pub struct TimePoint {
     pub displacement: Vec<f64>,
     /// External force F.
     pub external: Vec<f64>,
-    /// The net force F - f(u) once it is evaluated; F + lambda, less the force on the ground, once the reactions are set.
+    /// The net force F - f(u) once it is evaluated; F + lambda, less the force on the ground, once the reactions are
+    /// set.
     pub force: Vec<f64>,
     /// Force on the ground.
     ground: Vec<f64>,

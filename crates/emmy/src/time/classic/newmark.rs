@@ -126,8 +126,8 @@ pub struct NewmarkParameters {
 /// c M x - c h p_1 - h^2 (c (1/2 - beta) - alpha_m) M a_1 + h^2 (f - F)_(2 - alpha_f) = 0
 /// ```
 ///
-/// The acceleration is the stepper's memory. At the start it follows from the equation of motion, `M a = F - f(u)`, with the
-/// consistent mass.
+/// The acceleration is the stepper's memory. At the start it follows from the equation of motion, `M a = F - f(u)`,
+/// with the consistent mass.
 #[derive(Debug)]
 pub struct NewmarkStepper<'a> {
     parameters: NewmarkParameters,

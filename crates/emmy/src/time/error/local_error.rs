@@ -12,7 +12,8 @@ use crate::time::{AveragingRule, Memory, State, Stepper, TimeElement, TimeElemen
 
 /// Estimates the error of each step of a time element, in positions and velocities at its end.
 ///
-/// *By differences*, for degree 1. All elements of degree 1 end with `u_2 = u_1 + h (v_1 + v_2)/2`: the trapezoidal rule, whose error is
+/// *By differences*, for degree 1. All elements of degree 1 end with `u_2 = u_1 + h (v_1 + v_2)/2`: the trapezoidal
+/// rule, whose error is
 ///
 /// ```math
 /// du = h^3/12 u''',    u''' ~ 2 (a_n - a_(n-1)) / (h_n + h_(n-1)),    a_n = (v_(n+1) - v_n) / h_n

@@ -5,7 +5,8 @@ use crate::quadrature::gauss;
 
 /// The superconvergent reconstruction of a step of an element of degree k.
 ///
-/// The element's velocity is the polynomial of degree k with `v^h(0) = v_1` and `v^h(c_i) = x_i/h` at the k Gauss points, and ends with v_2. Its integral
+/// The element's velocity is the polynomial of degree k with `v^h(0) = v_1` and `v^h(c_i) = x_i/h` at the k Gauss
+/// points, and ends with v_2. Its integral
 ///
 /// ```math
 /// u~(alpha) = u_1 + h integral_0^alpha v^h,    u~' = h v^h,    u~(0) = u_1,    u~(1) = u_2

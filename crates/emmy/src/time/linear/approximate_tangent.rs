@@ -211,8 +211,8 @@ impl ApproximateTangent {
         self.solvers.refactorization_cost()
     }
 
-    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
-    /// iterations, `None` if a solver missed the tolerance.
+    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number
+    /// of iterations, `None` if a solver missed the tolerance.
     pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);

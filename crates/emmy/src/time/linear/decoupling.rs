@@ -96,7 +96,8 @@ impl Mode {
         }
     }
 
-    /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of basis.
+    /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of
+    /// basis.
     pub fn add_to(&self, backward: &[f64], columns: &[f64], stages: &mut [f64]) {
         let n = columns.len() / self.n_columns();
         for (stage, row) in stages.chunks_exact_mut(n).zip(backward.chunks_exact(self.n_columns())) {

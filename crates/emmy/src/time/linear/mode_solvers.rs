@@ -103,8 +103,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only when the other
-    /// kind has become clearly cheaper.
+    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only
+    /// when the other kind has become clearly cheaper.
     fn choose(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
         let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
@@ -157,8 +157,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
-    /// iterations, `None` if a solver missed the tolerance.
+    /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns
+    /// the number of iterations, `None` if a solver missed the tolerance.
     pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         let mut total = Some(0);
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {

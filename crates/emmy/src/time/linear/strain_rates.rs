@@ -4,7 +4,8 @@ use crate::average::Rule;
 use crate::sparse::eliminate;
 use crate::tensor::rotation::skew;
 
-/// Transformation C from changes of the rates to the changes that strain the body, `[3 k][3 k]`, the same at every node.
+/// Transformation C from changes of the rates to the changes that strain the body, `[3 k][3 k]`, the same at every
+/// node.
 ///
 /// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`. In a body that rotates with spins w_m, it
 /// responds to a change of the rates by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`. The rates that strain the

@@ -254,7 +254,8 @@ impl Prediction {
         }
     }
 
-    /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the step.
+    /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
+    /// step.
     fn set_resultants(&mut self, a: &[f64], rates: &[f64], residual: &[f64]) {
         let k = self.moment.len();
         let n = self.arm.len();

@@ -43,8 +43,8 @@ pub enum Scheme {
     TimeElement(TimeElement),
     /// Newmark's family: Newmark, HHT, generalized-alpha.
     Newmark(NewmarkFamily),
-    /// `Bathe`: composite of the trapezoidal rule and the three-point backward Euler method (Bathe and Baig 2005), split at
-    /// `2 - sqrt 2` of the step (Bank and others 1985), where both parts have the same matrix.
+    /// `Bathe`: composite of the trapezoidal rule and the three-point backward Euler method (Bathe and Baig 2005),
+    /// split at `2 - sqrt 2` of the step (Bank and others 1985), where both parts have the same matrix.
     Bathe,
     /// `central-differences`: explicit, lumped mass; steps beyond the critical one are rejected.
     CentralDifferences,

@@ -82,7 +82,8 @@ impl<'a> StageSystem<'a> {
         })
     }
 
-    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of `followers`.
+    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of
+    /// `followers`.
     pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.floor = 0.0;
@@ -120,8 +121,8 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of its
-    /// three parts over the free ones.
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of
+    /// its three parts over the free ones.
     pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(x, Request::Stress)?;
         self.evaluate_followers(x);
@@ -162,8 +163,8 @@ impl<'a> StageSystem<'a> {
         Ok([0, 1, 2].map(total))
     }
 
-    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and loads, the
-    /// followers at the rates x.
+    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
+    /// loads, the followers at the rates x.
     ///
     /// ```math
     /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
@@ -263,8 +264,8 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities; `velocity`: at the start
-    /// of the step.
+    /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities;
+    /// `velocity`: at the start of the step.
     pub fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
         if self.projection.is_none() {
             return 0.0;

@@ -261,8 +261,9 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
     }
 }
 
-/// `R_kk(z) - e^z = -(-1)^k c_k z^(2k+1)`, c_k = (k!)^2/((2k)! (2k+1)!), is the error of the Gauss method of degree k (Hairer and Wanner 1996, Solving
-/// ordinary differential equations II, theorem IV.3.11): on `u'' = -omega^2 u` that is `-c_k z^(2k+1) v/omega` in u, `c_k z^(2k+1) omega u` in v, z = h omega.
+/// `R_kk(z) - e^z = -(-1)^k c_k z^(2k+1)`, c_k = (k!)^2/((2k)! (2k+1)!), is the error of the Gauss method of degree k
+/// (Hairer and Wanner 1996, Solving ordinary differential equations II, theorem IV.3.11): on `u'' = -omega^2 u` that is
+/// `-c_k z^(2k+1) v/omega` in u, `c_k z^(2k+1) omega u` in v, z = h omega.
 #[test]
 fn errors_on_the_linear_oscillator_match_the_pade_approximation() {
     // Two masses of 2 on a spring of 9 that vibrate along it: linear for FE(k), in their distance s.

@@ -358,8 +358,8 @@ fn a_short_phase_after_a_long_one_is_done() {
     assert_eq!(end.time, 1e8 + 2.0);
 }
 
-/// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across for x and z, and along y
-/// a sixth of the mass at 3/2 on both sides, a third at 1/2.
+/// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across
+/// for x and z, and along y a sixth of the mass at 3/2 on both sides, a third at 1/2.
 #[test]
 fn the_radius_of_gyration_matches_the_lumped_masses() {
     let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 2.0);

@@ -1,4 +1,5 @@
-//! Gradients by the discrete adjoint against differences of whole motions and formulae, and the error of a goal against the true one.
+//! Gradients by the discrete adjoint against differences of whole motions and formulae, and the error of a goal against
+//! the true one.
 
 mod checkpoints;
 mod goal_error;
