@@ -104,7 +104,7 @@ impl Check {
         if all_agree {
             return Ok(());
         }
-        Err(format!("kinetic and strain energy {found:?} are not those of the other programs, {expected:?}"))
+        Err(format!("kinetic and strain energy {found:?} differ from the other programs, {expected:?}"))
     }
 }
 

@@ -36,7 +36,7 @@ struct Arguments {
     verb: Option<Verb>,
     /// step (the default), schemes, degrees, stiff, large, threads; or all
     items: Vec<String>,
-    /// Runs the other programs that are installed, turn about with Emmy, instead of showing their recorded figures
+    /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures
     #[arg(long)]
     peers: bool,
     /// Interpreter of another program, such as ngsolve=venv/bin/python [default: benches/peers/environments, the
@@ -95,7 +95,7 @@ fn print_items(arguments: &Arguments) -> Result<(), String> {
     let items = arguments.items()?;
     let settings = arguments.settings()?;
     println!("{}\n", machine::heading());
-    println!("Medians over {} rounds of runs that turn about.", settings.session.rounds);
+    println!("Medians over {} rounds of runs in turns.", settings.session.rounds);
     for item in items {
         let reports = (item.measure)(&settings).map_err(|message| format!("{}: {message}", item.name))?;
         reports.iter().for_each(|report| print!("\n{}", report.markdown(!arguments.quick)));

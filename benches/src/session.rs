@@ -19,7 +19,7 @@ impl Session {
     ///
     /// # Errors
     /// The message of the first one that fails.
-    pub fn turn_about(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
+    pub fn in_turns(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
         let mut runs = vec![Runs(Vec::new()); jobs.len()];
         for round in 1..=self.rounds {
             for (index, (job, runs)) in jobs.iter().zip(&mut runs).enumerate() {
@@ -33,9 +33,9 @@ impl Session {
     /// Runs cases of Emmy in turns.
     ///
     /// # Errors
-    /// As [`Session::turn_about`].
+    /// As [`Session::in_turns`].
     pub fn cases(&self, cases: &[Case]) -> Result<Vec<Runs>, String> {
-        self.turn_about(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
+        self.in_turns(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
     }
 
     /// The first value in the quick set, otherwise the second.

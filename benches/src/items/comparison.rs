@@ -82,7 +82,7 @@ impl Comparison<'_> {
             return format!("{text} The other programs' figures were {recorded}.");
         }
         format!(
-            "{text} All were run turn about in this session, but for those with an asterisk: these were {recorded}."
+            "{text} All runs took turns in this session, except figures with an asterisk, which were {recorded}."
         )
     }
 

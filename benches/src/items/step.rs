@@ -16,7 +16,7 @@ pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let cases = sizes.iter().map(|&r| Job::case(&Case::spinning_block(r).assemblies(ASSEMBLIES)));
     let mut jobs = cases.collect::<Result<Vec<_>, _>>()?;
     jobs.extend(peers.jobs(&sizes));
-    let mut runs = session.turn_about(&jobs)?;
+    let mut runs = session.in_turns(&jobs)?;
     let of_peers = runs.split_off(sizes.len());
     Ok(vec![
         steps(&sizes, &runs),

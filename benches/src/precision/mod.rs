@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Folder for NAME.csv and NAME.svg
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How often everything runs, turn about
+    /// How often everything runs, in turns
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
     /// One round of few runs, without verdicts about time: for continuous integration
@@ -41,7 +41,7 @@ pub fn print(arguments: &Arguments) -> Result<(), String> {
     pool.map_err(|error| error.to_string())?;
     let rounds = if arguments.quick { 1 } else { usize::from(arguments.rounds) };
     println!("{}\n", machine::heading());
-    println!("Fastest of {rounds} rounds of runs that turn about, one thread.");
+    println!("Fastest of {rounds} rounds of runs in turns, one thread.");
     let mut summary = output::summary();
     for name in names {
         // Inside the pool, like `emmy run`.

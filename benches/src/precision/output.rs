@@ -74,7 +74,7 @@ fn goals(case: &Case, sweep: &Sweep) -> Vec<Goal> {
     let least = times.reduce(f64::min);
     let faster = case.goal.zip(least).map(|(goal, least)| {
         let statement =
-            format!("{}: time of equal steps over that of adaptive ones of the same error", case.name);
+            format!("{}: time of equal steps over the time of adaptive ones of the same error", case.name);
         Goal::new(statement, Limit::AtLeast(goal), least)
     });
     let off = sweep.runs.iter().map(|run| (run.estimate / run.error).max(run.error / run.estimate));

@@ -15,7 +15,7 @@ const EXPLICIT: &str = "central-differences";
 pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-large-strain",
-        "What people use today: large strain",
+        "Schemes of other codes: large strain",
         "The block of Fig. 12 until t = 6 with the schemes of other codes, h = 0.04 as there; central differences with h = 0.004, \
         below their critical step.",
     );
@@ -50,7 +50,7 @@ pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 pub fn quasi_rigid(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-quasi-rigid",
-        "What people use today: quasi-rigid motion",
+        "Schemes of other codes: quasi-rigid motion",
         "The stiff block with h = 0.01 while it is loaded, then 0.02. None of them fails, but none keeps the angular momentum of a body that \
         is all but rigid.",
     );
@@ -140,7 +140,7 @@ pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let curves = study(&case, (1.0, 2.0), &reference, members, &pictures.folder)?;
     let mut item = Item::new(
         "classic-cost",
-        "What people use today: error over step size and over time",
+        "Schemes of other codes: error over step size and over time",
         "The large-strain block, free flight on 1 < t < 2 from the shared state at t = 1.",
     );
     curves.show_errors(&mut item, pictures, "Error over step size", &[(2, "Bathe", 1)])?;

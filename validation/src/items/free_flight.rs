@@ -59,8 +59,8 @@ pub fn free_flight(effort: Effort, pictures: &Pictures) -> Result<Item, String> 
     let mut item = Item::new(
         "free-flight",
         "Beyond the paper: long free flight",
-        "A soft bar of four cells spins, stretches and shears for 100,000 steps of h = 0.04 (2,000 in the quick set): what each scheme makes of \
-        energy and angular momentum, which the physics keeps. Central differences fly as many steps of 0.008, below their critical step.",
+        "A soft bar of four cells spins, stretches and shears for 100,000 steps of h = 0.04 (2,000 in the quick set). The physics \
+        conserves energy and angular momentum; the table shows them for each scheme. Central differences take as many steps of 0.008, below their critical step.",
     );
     let n_steps = if effort.quick { 2_000 } else { 100_000 };
     let names = CONSERVING.iter().map(|(name, _)| *name).chain(OTHERS).chain(["central-differences"]);

@@ -23,7 +23,7 @@ pub fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String>
     let mut item = Item::new(
         "inner-points",
         "Cost and conservation of AS(N) over N",
-        "Large-strain block until t = 3, one core; the least of several runs, turn about. The inner points cost constitutive calls only.",
+        "Large-strain block until t = 3, one core; the least of several runs in turns. The inner points cost constitutive calls only.",
     );
     let mut names: Vec<String> = (1..=most).map(|n| format!("AS({n})")).collect();
     names.extend(["FE(1)", "FE(5)", "DGM"].map(String::from));

@@ -93,7 +93,7 @@ fn conserved(item: &mut Item, pictures: &Pictures, name: &str, case: &Case) -> R
     let run = case.run()?;
     let (energy, momentum) = (energy_drift(run.after(1.0)), momentum_drift(run.after(1.0)));
     item.claim(
-        format!("{name} keeps energy and angular momentum whatever the step"),
+        format!("{name} conserves energy and angular momentum at any step size"),
         format!("drift of H {energy:.1e}, of L {momentum:.1e}"),
         run.failure.is_none() && energy < CONSERVED && momentum < CONSERVED,
     );

@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_of_different_density_turn_about_the_common_centre() {
+    fn halves_of_different_density_in_turns_the_common_centre() {
         // Cubes of edge 2, masses 8 and 24, centres 2 apart: I_xx = (8 + 24) 8/12 + 8 24/32 2^2, I_yy = 32 8/12.
         let body = Body::builder(halves([2.0, 4.0, 2.0]))
             .region(region("lower", 1.0))
