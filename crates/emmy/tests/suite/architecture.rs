@@ -53,7 +53,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
         "body",
         &[
             "viscosity",
-            "history",
+            "time_function",
             "field",
             "symmetry",
             "geometry",

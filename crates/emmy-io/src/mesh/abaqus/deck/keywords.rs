@@ -69,7 +69,7 @@ impl Deck {
         if self.part_index.insert(name.to_lowercase(), self.parts.len()).is_some() {
             return Err(self.malformed(
                 at,
-                format!("part \"{name}\" is there already"),
+                format!("part \"{name}\" exists already"),
                 "give it another name",
             ));
         }
@@ -82,7 +82,7 @@ impl Deck {
         let name = self.required(keyword, at, "NAME")?;
         let part = self.required(keyword, at, "PART")?;
         if self.instance_index(name).is_some() {
-            let problem = format!("instance \"{name}\" is there already");
+            let problem = format!("instance \"{name}\" exists already");
             return Err(self.malformed(at, problem, "give it another name"));
         }
         let index = self.part_index.get(&part.to_lowercase()).copied();
