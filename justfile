@@ -1,4 +1,4 @@
-# What there is to run.
+# Lists the recipes.
 default:
     @just --list
 
@@ -15,11 +15,11 @@ pyvista:
     cargo build -p emmy-cli
     python3 crates/emmy-cli/tests/pyvista/frames.py target/debug/emmy
 
-# All that CI runs.
+# Everything that CI runs.
 ci:
     bash .ci/run
 
-# The paper, reproduced, and what stands beside it, with a verdict on each claim, into validation-results (some minutes).
+# The paper, reproduced, and further items, with a verdict on each claim, into validation-results (some minutes).
 paper:
     cargo run --release -p emmy-validation -- --quick
 
@@ -28,11 +28,11 @@ validate:
     cargo run --release -p emmy-validation
     cargo test --workspace --test suite --test cli -- --ignored --skip meshes_of_a_folder --nocapture
 
-# The licence texts of everything in the program, into THIRD_PARTY_NOTICES.md: after every change of the dependencies.
+# The licence texts of everything in the program, into THIRD_PARTY_NOTICES.md; run it after every change of the dependencies.
 notices:
     python3 tests/licences/notices.py --write
 
-# Licences, duplicates, sources and advisories of the dependencies (deny.toml); installs cargo-deny where it is missing.
+# Licences, duplicates, sources and advisories of the dependencies (deny.toml); installs cargo-deny if it is missing.
 deny:
     .ci/deny
 
@@ -41,7 +41,7 @@ attack *ARGS:
     cargo build -p emmy-cli
     cargo run -p emmy-attack -- {{ARGS}}
 
-# Times and memory, beside other programs, with a verdict on each goal (benches/README.md): `just bench --peers`, `just bench schemes`.
+# Times and memory compared with other programs, with a verdict on each goal (benches/README.md): `just bench --peers`, `just bench schemes`.
 bench *ARGS:
     cargo run --release -p emmy-bench -- {{ARGS}}
 
@@ -54,11 +54,11 @@ book:
     python3 book/figures.py
     mdbook build book
 
-# Output of commands in README, docs and book, as the program prints it today; then look at the diff.
+# Writes the present output of commands into README, docs and book; review the diff.
 listings:
     UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings
 
-# The results that the book shows: the full set, computed anew on this machine.
+# The results in the book: the full set, computed on this machine.
 book-results:
     cargo run --release -p emmy-validation -- --output book/src/paper
 
@@ -71,6 +71,6 @@ test-browser:
 picture:
     cargo run --release -p emmy-io --example tumble > docs/tumble.svg
 
-# The documentation with all formulas.
+# The API documentation.
 doc:
     cargo doc --workspace --no-deps --open

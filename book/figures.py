@@ -79,7 +79,7 @@ def steps_per_period(degree, error):
     def phase_error(n):
         z = 2j * pi / n
         value = lambda x: sum(weight * x**j for j, weight in enumerate(weights))
-        # The phase of the quotient is twice that of the numerator.
+        # The phase of the quotient is twice the phase of the numerator.
         return abs(2 * phase(value(z)) / abs(z) - 1)
 
     low, high = 2.2, 1e5

@@ -1,6 +1,6 @@
 """Formulas of the book: a preprocessor of mdBook that writes LaTeX as MathML, which browsers show without a script or a network.
 
-Formulas stand in the pages as GitHub shows them, too: in blocks ```math and, within a line, between $` and `$.
+Formulas in the pages have GitHub's syntax: in blocks ```math and, within a line, between $` and `$.
 A command that is not known here ends the build.
 
     python3 -m doctest book/formulas.py
@@ -194,7 +194,7 @@ def mathml(text, display=False):
     if reader.peek() is not None:
         raise SyntaxError(f"{reader.peek()} is left over: {text}")
     shown = ' display="block"' if display else ""
-    # Markdown reads what a formula becomes: its own marks are written as references.
+    # Markdown reads the resulting text, so its own marks are written as references.
     row = re.sub(r"[~*^|\[\]_]", lambda mark: f"&#{ord(mark[0])};", row)
     return f"<math{shown}>{row}</math>"
 

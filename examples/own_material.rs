@@ -1,4 +1,4 @@
-//! A material of one's own: the whole of it, and a block of it that turns and stretches in space.
+//! A user's material: its complete definition, and a block of it that rotates and stretches in space.
 //!
 //!     cargo run --release --example own_material
 
@@ -63,7 +63,8 @@ mod tests {
     #[test]
     fn energy_is_kept_to_round_off() {
         let records = super::fly().unwrap();
-        // A block of 1 x 3 x 1 about the origin: T = 1/2 w . I w, I = [(1 + 9)/3, (1 + 1)/3, (1 + 9)/3] m less products.
+        // A block of 1 x 3 x 1 about the origin: T = 1/2 w . I w, I = [(1 + 9)/3, (1 + 1)/3, (1 + 9)/3] m less
+        // products.
         let (m, w) = (3.0, [8.0, 1.0, 3.0]);
         let squares = 10.0 * (w[0] * w[0] + w[2] * w[2]) / 3.0 + 2.0 * w[1] * w[1] / 3.0;
         let products = 0.75 * w[0] * w[1] + 0.25 * w[0] * w[2] + 0.75 * w[1] * w[2];

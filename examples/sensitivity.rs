@@ -1,4 +1,4 @@
-//! What moves the tip of a beam, and how wrong its place is: one adjoint motion answers both.
+//! Sensitivities and error of the tip displacement of a beam, from one adjoint motion.
 //!
 //!     cargo run --release --example sensitivity
 
@@ -14,9 +14,9 @@ const LAMBDA: f64 = 600.0;
 const MU: f64 = 300.0;
 const DENSITY: f64 = 1.0;
 
-/// A beam along x that is held at one end and pushed at the other for two units of time.
+/// A beam along x, fixed at one end and loaded at the other for two units of time.
 fn beam(lambda: f64, mu: f64, density: f64) -> emmy::Result<Body> {
-    // Without kinks: they would wake modes that no step resolves.
+    // Without kinks, which would excite modes that no step resolves.
     let strength = |t: f64| if t < 2.0 { (0.5 * PI * t).sin().powi(4) } else { 0.0 };
     let field = Field::new(move |_, t| [0.0, 8.0 * strength(t), 3.0 * strength(t)]);
     let push = Load {
@@ -32,7 +32,7 @@ fn beam(lambda: f64, mu: f64, density: f64) -> emmy::Result<Body> {
         .build()
 }
 
-/// Place of the tip along y at the end, what it depends on, and its estimated error.
+/// Position of the tip along y at the end, its derivatives, and its estimated error.
 #[derive(Debug)]
 struct Tip {
     place: f64,
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_and_errors_are_those_of_other_motions() {
+    fn slopes_and_errors_match_other_motions() {
         let tip = tip(0.1).unwrap();
         let slope = (place(1.001 * MU, 2, 0.1) - place(0.999 * MU, 2, 0.1)) / (0.002 * MU);
         assert!((tip.by_mu / slope - 1.0).abs() < 1e-4, "{tip:?} {slope}");
@@ -111,7 +111,7 @@ mod tests {
         assert!((0.8..1.25).contains(&(tip.error / error)), "{tip:?} {error}");
     }
 
-    /// The ratios that the book quotes.
+    /// The ratios in the book.
     #[test]
     fn errors_are_estimated_the_better_the_smaller_the_steps() {
         let exact = place(MU, 4, 0.05);

@@ -113,8 +113,8 @@ impl Campaign {
         Report { attack: *attack, trials: (done, total), findings }
     }
 
-    /// Numbers of the listed cases in the order of their trials. With a given number of trials they begin at the seed, so that a case can be
-    /// repeated.
+    /// Numbers of the listed cases in the order of their trials. With a given number of trials they begin at the seed,
+    /// so that a case can be repeated.
     fn numbers(&self, attack: &Attack) -> Option<Vec<u64>> {
         let Cases::Listed(count) = attack.cases else { return None };
         let count = count(&self.emmy) as u64;

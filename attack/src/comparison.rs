@@ -1,4 +1,4 @@
-//! Comparison of two runs in every bit.
+//! Bitwise comparison of two runs.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,8 @@ use emmy_io::vtk::SeriesReader;
 
 use crate::place::files;
 
-/// Checks that histories, frames and checkpoints of two directories of the same name are equal in every bit, except for wall times.
+/// Checks that histories, frames and checkpoints of two directories of the same name are bitwise identical, except for
+/// wall times.
 ///
 /// # Errors
 /// The first difference.

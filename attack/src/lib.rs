@@ -1,7 +1,7 @@
 //! Attacks on the command from outside, and random motions that are stopped and resumed.
 //!
-//! Each attack is a file in `attacks`. One of its trials is a function of a seed or of the number of a case. CONTRIBUTING.md describes
-//! faults and how to repeat them.
+//! Each attack is a file in `attacks`. One of its trials is a function of a seed or of the number of a case.
+//! CONTRIBUTING.md describes faults and how to repeat them.
 #![cfg(unix)]
 
 pub mod attack;

@@ -1,4 +1,4 @@
-//! A motion in one and in two parts, in the library.
+//! A motion in one part and in two, in the library.
 
 use emmy::motion::{MarchError, Motion, Observer, Record, Snapshot, State, View};
 use emmy_io::input::{self, Overrides, Problem};
@@ -10,7 +10,8 @@ use crate::place::Place;
 /// Snapshots of a motion that are resumed.
 const SNAPSHOTS: usize = 3;
 
-/// Stops a random motion after some steps and resumes it. Records, events and the last snapshot must be equal in every bit.
+/// Stops a random motion after some steps and resumes it. Records, events and the last snapshot must be bitwise
+/// identical.
 ///
 /// # Errors
 /// The difference, with the input.

@@ -31,7 +31,7 @@ fn signals_panics_and_bad_messages_are_faults() {
 }
 
 #[test]
-fn what_ends_as_documented_is_none() {
+fn documented_endings_are_no_faults() {
     assert_eq!(check(&shell("exit 0")), Ok(()));
     let rejected = shell("echo 'no such key' >&2; exit 2");
     assert_eq!(check(&rejected), Ok(()));
@@ -60,7 +60,7 @@ fn numbers_that_are_none_are_seen_in_a_history() {
 }
 
 #[test]
-fn damage_is_that_of_the_seed() {
+fn damage_depends_on_the_seed_alone() {
     let text = b"mesh.box = { size = [1, 2, 1] }\ndensity = 1.5e3\n";
     let copies =
         |seed: u64| (0..200).map(|i| damaged(text, &mut Rng::with_seed(seed + i))).collect::<Vec<_>>();

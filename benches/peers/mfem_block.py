@@ -59,7 +59,7 @@ def main(r, solver="cg"):
     force.AddDomainIntegrator(elastic)
     form = mfem.BilinearForm(space)
     form.AddDomainIntegrator(inertial)
-    form.Assemble(0)  # zeros stay: the pattern is that of the tangent
+    form.Assemble(0)  # zeros stay: the pattern belongs to the tangent
     form.Finalize(0)
     mass = scipy_matrix(form.SpMat())
     krylov, _jacobi = linear_solver(solver)

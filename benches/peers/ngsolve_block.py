@@ -8,7 +8,7 @@ import pathlib
 import sys
 import time
 
-# The compiler that NGSolve calls for its integrands lies beside the interpreter.
+# The compiler that NGSolve calls for its integrands is in the folder of the interpreter.
 os.environ["PATH"] = f"{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}"
 
 import netgen.meshing as netgen

@@ -1,4 +1,4 @@
-//! What is run in a process of its own: a case of Emmy, or another program.
+//! A job in a process of its own: a case of Emmy, or another program.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -19,19 +19,19 @@ pub struct Job {
 /// How the energies of the spinning block are checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub r: u32,
-    /// Whether material and scheme are those of the other programs; if not, the total energy only is compared, roughly.
+    /// Whether material and scheme agree with the other programs; if not, only the total energy is compared, roughly.
     pub same_equations: bool,
 }
 
-/// What tells the libraries of other programs their number of threads.
+/// Environment variables that set the number of threads for the libraries of other programs.
 const THREADS: [&str; 4] =
     ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"];
 
-/// Two programs agree on an energy to this part of it.
+/// Relative tolerance for the energies of two programs.
 const AGREEMENT: f64 = 1e-8;
-/// With another material or scheme they agree on the total energy to this part of it.
+/// The same for the total energy with another material or scheme.
 const ROUGH_AGREEMENT: f64 = 1e-3;
 
 impl Job {
@@ -42,7 +42,7 @@ impl Job {
         Job { program: python.to_path_buf(), arguments, threads: 1, check: Some(check) }
     }
 
-    /// A case of Emmy, in a process of this program: memory and CPU time are then its own.
+    /// A case of Emmy, in a process of this program with its own memory and CPU time.
     ///
     /// # Errors
     /// A message if the program cannot find itself.
@@ -52,10 +52,10 @@ impl Job {
         Ok(Job { program, arguments: case.words(), threads: case.0.threads, check })
     }
 
-    /// Runs the job and returns its figures; on one core of its own if it has one thread and a core is named.
+    /// Runs the job and returns its figures; on one core if it has one thread and a core is named.
     ///
     /// # Errors
-    /// What the process says if it fails, or if its energies are not those of the other programs.
+    /// The message of the process if it fails, or if its energies differ from the other programs.
     pub fn run(&self, core: Option<usize>) -> Result<Outcome, String> {
         let mut command = match core.filter(|_| self.threads == 1) {
             Some(core) => {
@@ -104,7 +104,7 @@ impl Check {
         if all_agree {
             return Ok(());
         }
-        Err(format!("kinetic and strain energy {found:?} are not those of the other programs, {expected:?}"))
+        Err(format!("kinetic and strain energy {found:?} differ from the other programs, {expected:?}"))
     }
 }
 
@@ -144,7 +144,7 @@ impl Case {
         self.with("time.scheme", scheme).with("time.degree", degree)
     }
 
-    /// The case with steps of one size, as many as reach a time.
+    /// The case with steps of one size until a time.
     pub fn until(self, until: f64, step_size: f64) -> Self {
         self.with("time.steps", format!("[{{ until = {until:?}, size = {step_size:?} }}]"))
     }
@@ -160,13 +160,13 @@ impl Case {
         self
     }
 
-    /// The case with some assemblies measured after the run.
+    /// The case with assemblies measured after the run.
     pub fn assemblies(mut self, count: usize) -> Self {
         self.0.assemblies = count;
         self
     }
 
-    /// The case with some factorisations measured after the run.
+    /// The case with factorisations measured after the run.
     pub fn factorizations(mut self, count: usize) -> Self {
         self.0.factorizations = count;
         self
@@ -178,7 +178,7 @@ impl Case {
         self
     }
 
-    /// r of the spinning block, if nothing but the mesh is changed: only then are the energies known.
+    /// r of the spinning block, if only the mesh is changed: the energies are known only then.
     fn known_block(&self) -> Option<u32> {
         let [size] = &self.0.set[..] else { return None };
         let size: f64 = size.strip_prefix("mesh.l-block.cell_size=")?.parse().ok()?;

@@ -1,8 +1,8 @@
-//! What the figures were measured on, as far as the system tells it.
+//! The machine of the measurements, as far as the system describes it.
 
 use std::process::Command;
 
-/// A line about machine, date and versions, to stand above the tables.
+/// A line about machine, date and versions, for the top of the tables.
 pub fn heading() -> String {
     let cpus = std::thread::available_parallelism().map_or(1, usize::from);
     let rustc = first_line("rustc", &["--version"]).unwrap_or("an unknown rustc".into());
@@ -23,7 +23,7 @@ fn processor() -> String {
     name.map_or(std::env::consts::ARCH, |(_, name)| name).to_string()
 }
 
-/// Processes that were running or waiting in the minute before: others that use the machine.
+/// Processes that were running or waiting in the last minute: other users of the machine.
 fn load() -> Option<String> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;
     Some(format!(", load {} at the start", text.split_whitespace().next()?))
@@ -36,7 +36,7 @@ fn commit() -> Option<String> {
     Some(format!(", commit {commit}{}", if changed.is_some() { " with changes" } else { "" }))
 }
 
-/// First line that a program prints; none if it cannot.
+/// First line printed by a program; `None` if it does not run.
 fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout);

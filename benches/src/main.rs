@@ -4,9 +4,9 @@
 //!     cargo run --release -p emmy-bench -- case INPUT [--set KEY=VALUE]...
 //!     cargo run --release -p emmy-bench -- precision [CASE]... [--output DIR]
 //!
-//! What is compared runs turn about, each in a process of its own, and medians over the rounds are taken: machines are shared,
-//! and times of different hours are not comparable. Prints Markdown. Ends with exit code 2 if something cannot be run, or if an
-//! energy is not that of the other programs; a goal that does not hold is a result, not a failure.
+//! Compared runs take turns, each in a process of its own, and medians over the rounds are taken: machines are shared,
+//! and times of different hours are not comparable. Prints Markdown. Ends with exit code 2 if something cannot be run,
+//! or if an energy differs from the other programs; a missed goal is a result, not a failure.
 
 mod items;
 mod job;
@@ -36,10 +36,11 @@ struct Arguments {
     verb: Option<Verb>,
     /// step (the default), schemes, degrees, stiff, large, threads; or all
     items: Vec<String>,
-    /// Runs the other programs that are installed, turn about with Emmy, instead of showing their recorded figures
+    /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures
     #[arg(long)]
     peers: bool,
-    /// Interpreter of another program, such as ngsolve=venv/bin/python [default: benches/peers/environments, the system's]
+    /// Interpreter of another program, such as ngsolve=venv/bin/python [default: benches/peers/environments, the
+    /// system's]
     #[arg(long, value_name = "NAME=PATH")]
     python: Vec<String>,
     /// How often everything runs
@@ -59,7 +60,7 @@ struct Arguments {
     quick: bool,
 }
 
-/// What else the program does.
+/// Other modes of the program.
 #[derive(Debug, Subcommand)]
 enum Verb {
     /// Runs one input in this process and prints its figures as one line of JSON
@@ -94,7 +95,7 @@ fn print_items(arguments: &Arguments) -> Result<(), String> {
     let items = arguments.items()?;
     let settings = arguments.settings()?;
     println!("{}\n", machine::heading());
-    println!("Medians over {} rounds of runs that turn about.", settings.session.rounds);
+    println!("Medians over {} rounds of runs in turns.", settings.session.rounds);
     for item in items {
         let reports = (item.measure)(&settings).map_err(|message| format!("{}: {message}", item.name))?;
         reports.iter().for_each(|report| print!("\n{}", report.markdown(!arguments.quick)));
@@ -103,7 +104,7 @@ fn print_items(arguments: &Arguments) -> Result<(), String> {
 }
 
 impl Arguments {
-    /// The items asked for; the first one if none is named.
+    /// The requested items; the first one if none is named.
     fn items(&self) -> Result<Vec<Item>, String> {
         if self.items.is_empty() {
             return Ok(vec![items::ALL[0]]);

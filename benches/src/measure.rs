@@ -40,12 +40,12 @@ pub struct Arguments {
 /// Runs the case and returns its figures.
 ///
 /// # Errors
-/// The message of whatever fails.
+/// The message of any failure.
 pub fn measure(arguments: &Arguments) -> Result<Outcome, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global();
     pool.map_err(|error| text(&error))?;
-    // Inside the pool, as `emmy run` works.
+    // Inside the pool, like `emmy run`.
     rayon::scope(|_| measure_here(arguments))
 }
 
@@ -60,7 +60,7 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     let mut motion = motion.map_err(|error| text(&error))?;
     let mut steps = Steps::default();
     motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| text(&error))?;
-    // Before anything else is allocated.
+    // Before any other allocation.
     let peak_megabytes = peak_megabytes();
     if let Some(path) = &arguments.state {
         save(path, motion.state(), &steps.records).map_err(|error| text(&error))?;
@@ -116,7 +116,7 @@ impl Steps {
     }
 }
 
-/// Cells a second in the assembly of residual and tangent, median of some; for time elements, at the state reached.
+/// Cells per second in the assembly of residual and tangent, median of some; for time elements, at the state reached.
 fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Option<f64>, String> {
     if count == 0 {
         return Ok(None);
@@ -141,8 +141,8 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     Ok(Some(body.mesh().n_cells() as f64 / seconds))
 }
 
-/// CPU time of one numerical factorisation on the body's pattern, median of some. The numbers in the matrix do not matter to
-/// it, as long as it is positive definite: here it is the mass.
+/// CPU time of one numerical factorisation on the body's pattern, median of some. The values of the matrix do not
+/// matter, as long as it is positive definite: here it is the mass.
 fn factorization_seconds(body: &Body, count: usize) -> Result<Option<f64>, String> {
     if count == 0 {
         return Ok(None);
@@ -160,7 +160,7 @@ fn factorization_seconds(body: &Body, count: usize) -> Result<Option<f64>, Strin
     timed(count, || factor.factorize(entry)).map(Some)
 }
 
-/// CPU time of a piece of work, median of some, after one that does not count.
+/// CPU time of a piece of work, median of some, after one that is not counted.
 fn timed(count: usize, mut work: impl FnMut() -> emmy::Result<()>) -> Result<f64, String> {
     let mut seconds = Vec::with_capacity(count);
     for _ in 0..=count {
@@ -171,7 +171,7 @@ fn timed(count: usize, mut work: impl FnMut() -> emmy::Result<()>) -> Result<f64
     Ok(median(&seconds[1..]))
 }
 
-/// Writes displacement, momentum, velocity and the records' energies and momenta, 8 bytes a number.
+/// Writes displacement, momentum, velocity and the records' energies and momenta, 8 bytes per number.
 fn save(path: &Path, state: &State, records: &[Record]) -> std::io::Result<()> {
     let numbers = [&state.displacement, &state.momentum, &state.velocity].into_iter().flatten().copied();
     let of_record = |record: &Record| {

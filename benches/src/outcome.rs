@@ -1,10 +1,10 @@
-//! What one run came to: one line of JSON, of Emmy and of the other programs alike.
+//! Outcome of one run: one line of JSON, with the same form for Emmy and other programs.
 
 use serde::{Deserialize, Serialize};
 
-/// Figures of a run. What a program does not tell is left out of its line.
+/// Figures of a run. Figures that a program does not report are left out of its line.
 ///
-/// The first step is left out of all times a step: what is done only once for a run is done there.
+/// The first step is left out of all times per step, because it contains the set-up of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Outcome {
@@ -24,13 +24,13 @@ pub struct Outcome {
     pub cpu_seconds_per_step_mean: f64,
     /// Wall time of a step, mean \[s\].
     pub wall_seconds_per_step_mean: f64,
-    /// CPU time of all steps, the first one too \[s\].
+    /// CPU time of all steps, including the first \[s\].
     pub cpu_seconds: f64,
-    /// Newton iterations a step.
+    /// Newton iterations per step.
     pub newton_per_step: f64,
-    /// Iterations of the linear solver a step.
+    /// Iterations of the linear solver per step.
     pub linear_per_step: f64,
-    /// Cells a second and core in the assembly of residual and tangent.
+    /// Cells per second and core in the assembly of residual and tangent.
     pub assembled_cells_per_second: Option<f64>,
     /// CPU time of one sparse Cholesky factorisation \[s\].
     pub factorization_seconds: Option<f64>,
@@ -43,7 +43,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The outcome in the last line of what a program prints.
+    /// The outcome in the last line printed by a program.
     ///
     /// # Errors
     /// A message if there is no such line.
@@ -52,7 +52,7 @@ impl Outcome {
         serde_json::from_str(line).map_err(|error| format!("{error} in: {line}"))
     }
 
-    /// Bytes of memory a degree of freedom.
+    /// Bytes of memory per degree of freedom.
     pub fn bytes_per_dof(&self) -> Option<f64> {
         self.peak_megabytes.map(|megabytes| megabytes * f64::from(1 << 20) / self.dofs as f64)
     }
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_counts_and_what_is_left_out_is_empty() {
+    fn the_last_line_counts_and_missing_columns_are_empty() {
         let outcome =
             Outcome::in_output("a warning\n{\"program\": \"P\", \"dofs\": 1024, \"peak_megabytes\": 2}\n");
         let outcome = outcome.unwrap();

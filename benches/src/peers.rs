@@ -1,4 +1,4 @@
-//! The other programs: what they once took, and how they are run.
+//! The other programs: recorded figures, and how to run them.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::job::{Check, Job};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// What they were measured on.
+    /// The machine of the recorded figures.
     pub machine: String,
     /// The programs.
     #[serde(rename = "peer")]
@@ -23,22 +23,22 @@ pub struct Recorded {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Peer {
-    /// Name: that of its script `NAME_block.py`, of its environment, and of the module to import.
+    /// Name of its script (`NAME_block.py`), of its environment, and of the module to import.
     pub name: String,
     /// Argument of the script.
     pub solver: String,
-    /// What stands in the tables.
+    /// Name in the tables.
     pub label: String,
     /// Finest mesh at which it is run.
     pub largest_r: u32,
-    /// Whether material and scheme are those of the others, and so the energies.
+    /// Whether material and scheme, and so the energies, agree with the others.
     #[serde(default = "yes")]
     pub same_equations: bool,
-    /// How many times faster than this Emmy is to be, by r.
+    /// Goal for Emmy's speed relative to this program, by r.
     #[serde(default)]
     pub times_faster: BTreeMap<String, f64>,
     cpu_seconds_per_step: BTreeMap<String, f64>,
-    /// Cells a second and core in the assembly of residual and tangent.
+    /// Cells per second and core in the assembly of residual and tangent.
     pub assembled_cells_per_second: Option<f64>,
     /// Largest resident memory at r = 4 \[MB\].
     pub peak_megabytes: Option<f64>,
@@ -52,14 +52,14 @@ impl Recorded {
     /// The recorded figures.
     ///
     /// # Errors
-    /// A message if the file is not as it should be.
+    /// A message if the file is invalid.
     pub fn read() -> Result<Recorded, String> {
         toml::from_str(include_str!("../peers/recorded.toml")).map_err(|error| error.to_string())
     }
 }
 
 impl Peer {
-    /// Recorded CPU seconds of a step.
+    /// Recorded CPU seconds per step.
     pub fn recorded_seconds(&self, r: u32) -> Option<f64> {
         self.cpu_seconds_per_step.get(&r.to_string()).copied()
     }
@@ -77,10 +77,10 @@ impl Peer {
 pub struct Interpreters(HashMap<String, PathBuf>);
 
 impl Interpreters {
-    /// Those of a command line: `NAME=PATH`, several.
+    /// Interpreters from a command line: `NAME=PATH`, several.
     ///
     /// # Errors
-    /// A message for a name that no program has.
+    /// A message for a name that is not a program.
     pub fn new(words: &[String]) -> Result<Self, String> {
         let peers = Recorded::read()?.peers;
         let mut paths = HashMap::new();
@@ -94,8 +94,8 @@ impl Interpreters {
         Ok(Interpreters(paths))
     }
 
-    /// The interpreter that can import a program's module: the one named, else that of its environment below
-    /// `benches/peers`, else the system's.
+    /// The interpreter that can import a program's module: the one named, else the environment below `benches/peers`,
+    /// else the system's.
     pub fn of(&self, peer: &Peer) -> Option<PathBuf> {
         let own = folder().join("environments").join(&peer.name).join("bin/python");
         let of_system = [own, "/usr/bin/python3".into(), "python3".into()];
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn interpreters_are_those_of_programs_that_there_are() {
+    fn interpreters_belong_to_installed_programs() {
         assert!(Interpreters::new(&["ngsolve=/x/python".into()]).is_ok());
         assert!(Interpreters::new(&["ngsolv=/x/python".into()]).is_err());
         assert!(Interpreters::new(&["ngsolve".into()]).is_err());

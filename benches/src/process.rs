@@ -1,4 +1,4 @@
-//! What this process has used.
+//! Resources used by this process.
 
 use std::time::Duration;
 
@@ -9,15 +9,15 @@ pub fn cpu_time() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-/// Wall time since the first call: elsewhere there is no portable clock of CPU time, and on a quiet machine a run with one
-/// thread has about the same of both.
+/// Wall time since the first call: other systems have no portable clock of CPU time, and on a quiet machine both are
+/// nearly equal for a run with one thread.
 #[cfg(not(unix))]
 pub fn cpu_time() -> Duration {
     static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
     START.get_or_init(std::time::Instant::now).elapsed()
 }
 
-/// Largest resident memory so far \[MB = 2^20 bytes\], where the system tells it (Linux).
+/// Largest resident memory so far \[MB = 2^20 bytes\], if the system reports it (Linux).
 pub fn peak_megabytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,13 +1,13 @@
-//! What is printed: Markdown tables, and goals with their verdicts.
+//! Output: Markdown tables, and goals with their verdicts.
 
 use std::fmt::Write;
 
-/// What came out of an item.
+/// The result of an item.
 #[derive(Debug, Clone)]
 pub struct Report {
     /// Heading.
     pub title: &'static str,
-    /// What was measured.
+    /// Description of the measurements.
     pub note: String,
     /// Tables.
     pub tables: Vec<Table>,
@@ -46,7 +46,7 @@ impl Table {
         Table { texts, rows: vec![heading.iter().map(|word| word.to_string()).collect()] }
     }
 
-    /// An empty table with a heading that is made.
+    /// An empty table with a given heading.
     pub fn with_heading(texts: usize, heading: Vec<String>) -> Self {
         Table { texts, rows: vec![heading] }
     }
@@ -98,13 +98,13 @@ impl Table {
 /// A limit for a measured number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
-    /// The number is to be this or more.
+    /// The number must be at least this.
     AtLeast(f64),
-    /// The number is to be this or less.
+    /// The number must be at most this.
     AtMost(f64),
 }
 
-/// Something to reach, with what was measured.
+/// A goal with its measurement.
 #[derive(Debug, Clone)]
 pub struct Goal {
     statement: String,
@@ -119,7 +119,7 @@ impl Goal {
         Goal { statement: statement.into(), limit, measured, is_time: true }
     }
 
-    /// A goal that must hold always, whatever the machine.
+    /// A goal that must hold on every machine.
     pub fn always(statement: impl Into<String>, limit: Limit, measured: f64) -> Self {
         Goal { is_time: false, ..Goal::new(statement, limit, measured) }
     }
@@ -146,7 +146,7 @@ impl Goal {
     }
 }
 
-/// A number with three significant digits, or all that stand before the point.
+/// A number with three significant digits, or with all digits before the point.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

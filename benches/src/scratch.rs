@@ -1,8 +1,8 @@
-//! States that runs leave for the program that compares them.
+//! States of runs, written for the program that compares them.
 
 use std::path::PathBuf;
 
-/// A folder that goes when it is no longer needed.
+/// A folder that is removed when it is dropped.
 #[derive(Debug)]
 pub struct Scratch(PathBuf);
 
@@ -10,7 +10,7 @@ impl Scratch {
     /// A new folder with a name of its own.
     ///
     /// # Errors
-    /// What the system says if it cannot be made.
+    /// The message of the system if it cannot be created.
     pub fn new(name: &str) -> Result<Self, String> {
         let folder = std::env::temp_dir().join(format!("emmy-bench-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -22,10 +22,10 @@ impl Scratch {
         self.0.join(name)
     }
 
-    /// Numbers that a run left, in order: displacement, momentum, velocity, then energies and momenta of every step.
+    /// Numbers of a run, in order: displacement, momentum, velocity, then energies and momenta of every step.
     ///
     /// # Errors
-    /// What the system says if there is no such file.
+    /// The message of the system if there is no such file.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
         let path = self.file(name);
         let bytes = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -34,7 +34,7 @@ impl Scratch {
 }
 
 impl Drop for Scratch {
-    /// Removes the folder; what is left of it where that fails harms nobody.
+    /// Removes the folder; files left after a failure do no harm.
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }

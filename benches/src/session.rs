@@ -1,9 +1,9 @@
-//! Runs that turn about: what is compared runs in the same session, one after the other, several times.
+//! Runs that take turns: compared runs are in the same session, one after the other, several times.
 
 use crate::job::{Case, Job};
 use crate::outcome::{Outcome, median};
 
-/// How runs are made.
+/// Options of the runs.
 #[derive(Debug, Clone)]
 pub struct Session {
     /// Small meshes and few steps, without verdicts about time: for continuous integration.
@@ -15,11 +15,11 @@ pub struct Session {
 }
 
 impl Session {
-    /// Runs jobs turn about; one [`Runs`] a job.
+    /// Runs jobs in turns; one [`Runs`] per job.
     ///
     /// # Errors
     /// The message of the first one that fails.
-    pub fn turn_about(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
+    pub fn in_turns(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
         let mut runs = vec![Runs(Vec::new()); jobs.len()];
         for round in 1..=self.rounds {
             for (index, (job, runs)) in jobs.iter().zip(&mut runs).enumerate() {
@@ -30,15 +30,15 @@ impl Session {
         Ok(runs)
     }
 
-    /// Runs cases of Emmy turn about.
+    /// Runs cases of Emmy in turns.
     ///
     /// # Errors
-    /// Those of [`Session::turn_about`].
+    /// As [`Session::in_turns`].
     pub fn cases(&self, cases: &[Case]) -> Result<Vec<Runs>, String> {
-        self.turn_about(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
+        self.in_turns(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
     }
 
-    /// The first in the quick set, the second else.
+    /// The first value in the quick set, otherwise the second.
     pub fn choose<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
     }
@@ -49,7 +49,7 @@ impl Session {
 pub struct Runs(Vec<Outcome>);
 
 impl Runs {
-    /// The last round, for what is the same in all of them.
+    /// The last round, for figures that are equal in all rounds.
     pub fn last(&self) -> &Outcome {
         &self.0[self.0.len() - 1]
     }
@@ -59,13 +59,13 @@ impl Runs {
         median(&self.0.iter().map(figure).collect::<Vec<_>>())
     }
 
-    /// Median of a figure that not every run has.
+    /// Median of a figure that some runs lack.
     pub fn median_of_some(&self, figure: impl Fn(&Outcome) -> Option<f64>) -> Option<f64> {
         let figures: Option<Vec<f64>> = self.0.iter().map(figure).collect();
         figures.map(|figures| median(&figures))
     }
 
-    /// Median of the ratios of a figure to that of another job in the same round.
+    /// Median of the ratios of a figure to the figure of another job in the same round.
     pub fn ratio(&self, other: &Runs, figure: impl Fn(&Outcome) -> f64) -> f64 {
         let ratios = self.0.iter().zip(&other.0).map(|(a, b)| figure(a) / figure(b));
         median(&ratios.collect::<Vec<_>>())
@@ -74,7 +74,7 @@ impl Runs {
 
 /// Mean CPU time of a step \[s\].
 ///
-/// Emmy's steps are not all alike: some take an iteration more, or new factors. A median would hide these.
+/// Emmy's steps differ: some take an additional iteration, or new factors. A median would hide these.
 pub fn step_seconds(outcome: &Outcome) -> f64 {
     outcome.cpu_seconds_per_step_mean
 }

@@ -39,7 +39,7 @@ fn a_case_prints_one_line_of_json() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((line["cells"].as_u64(), line["dofs"].as_u64()), (Some(117), Some(672)));
-    // The energy at the start by the integrals of its definition; the mid-point rule keeps it to some digits only.
+    // The energy at the start by the integrals of its definition; the mid-point rule keeps only some digits of it.
     let total = line["kinetic_energy"].as_f64().unwrap() + line["strain_energy"].as_f64().unwrap();
     assert!((total - 464.5311).abs() < 0.05, "{total}");
     assert!(line["cpu_seconds_per_step"].as_f64().unwrap() >= 0.0);
@@ -59,7 +59,7 @@ fn adaptive_steps_are_measured_beside_equal_ones() {
 }
 
 #[test]
-fn what_cannot_be_run_ends_with_a_message() {
+fn impossible_runs_end_with_a_message() {
     for (arguments, part) in [
         (&["stp"][..], "there are step, schemes"),
         (&["--python", "nothing=python"][..], "no program nothing"),

@@ -1,5 +1,5 @@
-//! Any bytes as a checkpoint: a resumed motion or an error, never a panic. The target adds a valid checksum, which no fuzzer would find;
-//! another test checks wrong ones.
+//! Any bytes as a checkpoint: a resumed motion or an error, never a panic. The target adds a valid checksum, which no
+//! fuzzer would find; another test checks wrong ones.
 
 #![no_main]
 

@@ -149,7 +149,7 @@ def check_head(page):
     for i, (text, x0, y0, x1, y1) in enumerate(lines):
         assert x0 >= left - 1 and x1 <= left + width + 1, f"{text!r} stands out of the head"
         for other, u0, v0, u1, v1 in lines[:i]:
-            # Line boxes of one paragraph touch; what overlaps is deeper than that.
+            # Line boxes of one paragraph touch; real overlaps are deeper.
             wide, high = min(x1, u1) - max(x0, u0), min(y1, v1) - max(y0, v0)
             assert wide <= 1 or high <= 4, f"{text!r} lies on {other!r}"
 

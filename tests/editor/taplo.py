@@ -29,13 +29,13 @@ def change(old, new):
     return INPUT.replace(old, new)
 
 
-# Wrong inputs, the key, what is said of it.
+# Wrong inputs, the key, and the message about it.
 WRONG = {
     "a mistyped key": (change("\ntolerance = ", "\ntolerence = "), "tolerence", "('tolerence' was unexpected)"),
     "a text for a number": (change("density = 0.5", 'density = "0.5"'), "density", '"0.5" is not of type "number"'),
     "an unknown word": (INPUT + '\n[solver]\nkind = "dircet"\n', "kind", '"dircet" is not one of'),
 }
-# Inputs with the cursor at ^, and some of what is offered there.
+# Inputs with the cursor at ^, and some of the completions there.
 OFFERED = {
     "after sch": (change('scheme = "AS(5)"', "sch^"), {"scheme"}),
     "after deg": (change("degree = 1 ", "deg^ "), {"degree"}),

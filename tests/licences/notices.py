@@ -1,7 +1,7 @@
 """THIRD_PARTY_NOTICES.md: the licence texts of every crate that `emmy` is linked with, and of the libraries in its pages.
 
-    python3 tests/licences/notices.py            # checks that the file is what it should be
-    python3 tests/licences/notices.py --write    # writes it anew
+    python3 tests/licences/notices.py            # checks the file
+    python3 tests/licences/notices.py --write    # writes it again
 """
 
 import collections
@@ -16,7 +16,7 @@ NOTICES = ROOT / "THIRD_PARTY_NOTICES.md"
 # Libraries in the pages that Emmy writes: a folder each.
 VENDOR = ROOT / "crates/emmy-io/src/report/assets/vendor"
 LICENCE_FILE = re.compile(r"(un)?licen[cs]e|copying|notice|copyright", re.IGNORECASE)
-# Not part of what is linked.
+# Not linked.
 OTHER_FOLDERS = {"tests", "benches", "examples", "src"}
 # Programs that stand inside crates, by words of their notices.
 INSIDE_CRATES = {
@@ -110,7 +110,7 @@ def main():
     if sys.argv[1:] == ["--write"]:
         NOTICES.write_text(page)
     elif not NOTICES.exists() or NOTICES.read_text() != page:
-        sys.exit("THIRD_PARTY_NOTICES.md is not that of these crates; `just notices` writes it anew")
+        sys.exit("THIRD_PARTY_NOTICES.md does not match these crates; `just notices` writes it again")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// An input as it stands.
+    /// An unchanged input.
     pub fn new(file: &'static str) -> Self {
         Case { file, set: Vec::new() }
     }
@@ -29,7 +29,7 @@ impl Case {
         self.with("time.scheme", scheme)
     }
 
-    /// The command that does the same.
+    /// The equivalent command.
     pub fn command(&self) -> String {
         let set: String = self.set.iter().map(|set| format!(" --set \"{set}\"")).collect();
         format!("emmy run validation/inputs/{}.toml{set}", self.file)
@@ -59,7 +59,7 @@ impl Case {
     }
 }
 
-/// What became of a run.
+/// Result of a run.
 #[derive(Debug, Default)]
 pub struct Run {
     /// The start and every step.
@@ -74,7 +74,7 @@ impl Run {
     /// Runs a problem; a step that fails ends the run.
     ///
     /// # Errors
-    /// The message of an initial state that cannot be.
+    /// The message of an invalid initial state.
     pub fn of(problem: &Problem) -> Result<Run, String> {
         let text = |error: emmy::Error| error.to_string();
         let body = &problem.body;

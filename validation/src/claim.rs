@@ -3,11 +3,11 @@
 /// A statement that is checked by numbers.
 #[derive(Debug, Clone)]
 pub struct Claim {
-    /// What is claimed, in one line.
+    /// The claim, in one line.
     pub statement: String,
-    /// What was measured.
+    /// The measurement.
     pub measured: String,
-    /// Whether the measurement bears it out.
+    /// Whether the measurement supports the claim.
     pub holds: bool,
 }
 
@@ -18,7 +18,7 @@ pub struct Item {
     pub name: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// What is shown there, and what there is to know about it.
+    /// Description of the item, with background.
     pub note: &'static str,
     /// Claims.
     pub claims: Vec<Claim>,

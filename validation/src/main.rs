@@ -1,5 +1,5 @@
-//! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with the claims that
-//! the paper makes there, checked by numbers; and beside them the schemes that other codes use, higher degrees, long flights.
+//! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with its claims,
+//! checked by numbers; also the schemes of other codes, higher degrees, and long flights.
 //!
 //!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
 //!
@@ -39,7 +39,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    // Inside the pool, as `emmy run` works.
+    // Inside the pool, like `emmy run`.
     match rayon::scope(|_| run(&Arguments::parse())) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -75,7 +75,7 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
 }
 
 impl Arguments {
-    /// The items asked for; all if none is named.
+    /// The requested items; all if none is named.
     fn entries(&self) -> Result<Vec<Entry>, String> {
         let names: Vec<&str> = items::ALL.iter().map(|entry| entry.name).collect();
         if let Some(unknown) = self.only.iter().find(|name| !names.contains(&name.as_str())) {
@@ -87,7 +87,7 @@ impl Arguments {
     }
 }
 
-/// All items in their order: side by side, each on one thread, but for those that measure times, which run alone.
+/// All items in their order: in parallel, each on one thread, except items that measure times, which run alone.
 fn items(entries: &[Entry], effort: Effort, pictures: &Pictures) -> Result<Vec<Item>, String> {
     let reproduce = |entry: &Entry| {
         let item = on_one_thread(|| (entry.reproduce)(effort, pictures)).and_then(|item| item);

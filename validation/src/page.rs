@@ -12,13 +12,13 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60rem;margin:2rem a
     table{border-collapse:collapse;margin:.5rem 0}td,th{border:1px solid #bbb;padding:.2rem .6rem;text-align:left}\
     img{max-width:100%}code{font-size:.85em}";
 
-/// What the page shows.
+/// Contents of the page.
 pub struct Page<'a> {
     /// The items.
     pub items: &'a [Item],
     /// Whether it is the quick set.
     pub quick: bool,
-    /// Seconds that all of it took.
+    /// Duration of the computation in seconds.
     pub seconds: f64,
 }
 
@@ -26,7 +26,7 @@ impl Page<'_> {
     /// Writes `results.md` and `index.html` into a folder.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         let text = self.markdown();
         std::fs::write(folder.join("results.md"), &text)?;
@@ -55,7 +55,7 @@ impl Page<'_> {
     }
 }
 
-/// The processor, as far as the system tells it, and the number of threads.
+/// The processor, as far as the system reports it, and the number of threads.
 fn machine() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
@@ -101,7 +101,7 @@ fn table(rows: &[Vec<String>]) -> String {
     text + "\n"
 }
 
-/// A text without what Markdown would take for its own.
+/// A text with the characters of Markdown escaped.
 fn escaped(text: &str) -> String {
     let own = ['\\', '|', '*', '_', '<', '>', '`', '['];
     text.chars().flat_map(|c| own.contains(&c).then_some('\\').into_iter().chain([c])).collect()

@@ -1,4 +1,4 @@
-//! The book takes code, inputs and numbers from files that are tested: every one that it names is there.
+//! The book takes code, inputs and numbers from tested files; all files that it names must exist.
 
 use std::path::{Path, PathBuf};
 

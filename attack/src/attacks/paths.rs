@@ -180,10 +180,7 @@ fn is_complete(directory: &Path) -> Result<(), String> {
         let files = document.descendants().filter_map(|node| node.attribute("file"));
         for file in files {
             if !directory.join(file).is_file() {
-                return Err(format!(
-                    "collection names what is not there: {file:?} in {}",
-                    directory.display()
-                ));
+                return Err(format!("collection names a missing file: {file:?} in {}", directory.display()));
             }
         }
     }

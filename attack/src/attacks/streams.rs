@@ -48,7 +48,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     place::copy(&base, &place.path("done/run"));
     let mut outcome = emmy.call(place.path(""), verb).within(shell).run();
     if shell.contains("code") {
-        // The exit code of the shell would be that of the last command.
+        // The exit code of the shell would be the code of the last command.
         let code =
             std::fs::read_to_string(place.path("code")).map_err(|error| format!("no exit code: {error}"))?;
         outcome.code = code.trim().parse().ok();

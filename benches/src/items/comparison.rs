@@ -1,4 +1,4 @@
-//! Emmy beside the other programs, measured in the same session or as recorded.
+//! Comparison of Emmy with other programs, measured in the same session or recorded.
 
 use std::path::PathBuf;
 
@@ -8,10 +8,10 @@ use crate::peers::{Interpreters, Peer, Recorded};
 use crate::report::{Goal, Limit, Report, Table, number, number_or_dash};
 use crate::session::{Runs, step_seconds};
 
-/// How many times faster than the fastest of the others a step is to be, and at which r.
+/// Goal for the speed of a step relative to the fastest of the others, and the mesh (r) for it.
 const TIMES_FASTER: (f64, [u32; 2]) = (5.0, [4, 6]);
 
-/// r at which memory and rate of assembly are recorded.
+/// r of the mesh for the recorded memory and rate of assembly.
 const RECORDED_AT: u32 = 4;
 
 /// The other programs, and the interpreters of those that run.
@@ -22,7 +22,7 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// The programs; those that are installed, if they are to run.
+    /// The programs; those that are installed, if they should run.
     ///
     /// # Errors
     /// A message if the recorded figures cannot be read.
@@ -34,7 +34,7 @@ impl Peers {
         Ok(Peers { recorded, pythons })
     }
 
-    /// One job for each program that runs and each r that it takes on, in this order.
+    /// One job for each program that runs and each of its meshes (r), in this order.
     pub fn jobs(&self, sizes: &[u32]) -> Vec<Job> {
         let job =
             |(peer, r): (usize, u32)| Some(self.recorded.peers[peer].job(self.pythons[peer].as_ref()?, r));
@@ -53,7 +53,7 @@ impl Peers {
     }
 }
 
-/// The comparison; `emmy` has the runs by size, `of_peers` those of [`Peers::jobs`].
+/// The comparison; `emmy` has the runs by size, `of_peers` the runs of [`Peers::jobs`].
 pub fn report(sizes: &[u32], emmy: &[Runs], peers: &Peers, of_peers: &[Runs]) -> Report {
     let places = peers.places(sizes);
     let measured = |peer: usize, r: u32| -> Option<&Runs> {
@@ -82,7 +82,7 @@ impl Comparison<'_> {
             return format!("{text} The other programs' figures were {recorded}.");
         }
         format!(
-            "{text} All were run turn about in this session, but for those with an asterisk: these were {recorded}."
+            "{text} All runs took turns in this session, except figures with an asterisk, which were {recorded}."
         )
     }
 
@@ -118,7 +118,7 @@ impl Comparison<'_> {
         row
     }
 
-    /// Index of the finest mesh up to that of the recorded memory.
+    /// Index of the finest mesh up to the mesh of the recorded memory.
     fn finest(&self) -> usize {
         self.sizes.iter().rposition(|&r| r <= RECORDED_AT).unwrap_or(0)
     }
@@ -138,7 +138,7 @@ impl Comparison<'_> {
         first.chain(sizes).chain(more.iter().map(|word| word.to_string())).collect()
     }
 
-    /// A number, with an asterisk if it is a recorded one among measured ones.
+    /// A number, with an asterisk if it is recorded among measured ones.
     fn cell(&self, peer: usize, r: u32, value: Option<f64>) -> String {
         let some_run = self.peers.pythons.iter().any(Option::is_some);
         let mark = if some_run && value.is_some() && (self.measured)(peer, r).is_none() { "*" } else { "" };
@@ -150,7 +150,7 @@ impl Comparison<'_> {
         (self.measured)(peer, r).map(|runs| runs.median(step_seconds)).or(recorded)
     }
 
-    /// Time of a program over Emmy's at a size.
+    /// Time of a program relative to Emmy's at a size.
     fn ratio(&self, peer: usize, size: usize) -> Option<f64> {
         let (r, emmy) = (self.sizes[size], &self.emmy[size]);
         match (self.measured)(peer, r) {

@@ -1,4 +1,4 @@
-//! `degrees`: what degree k costs in a step, and the error that it reaches in a time.
+//! `degrees`: cost of a step of degree k, and the error reached in a given time.
 
 use super::Settings;
 use crate::job::Case;
@@ -7,16 +7,16 @@ use crate::scratch::Scratch;
 use crate::session::{Runs, Session, step_seconds};
 
 const DEGREES: [usize; 3] = [1, 2, 3];
-/// Limit of the time of a step of degree k over that of degree 1, over k.
+/// Limit of the time of a step of degree k, relative to degree 1 and divided by k.
 const LIMIT: f64 = 1.5;
 /// Time at which errors are measured, as in the spinning block.
 const END: f64 = 0.4;
-/// Step sizes of degree 1, 2, 3. The start, with a rate of strain at a surface without tractions, excites the highest frequencies of
-/// the mesh: `2 sqrt 3 c` over the edge, c = 63 the speed of pressure waves, is above 400 at r = 2. Orders show where the step
-/// resolves these.
+/// Step sizes of degree 1, 2, 3. The start has a strain rate at a surface without tractions, which excites the highest
+/// frequencies of the mesh: `2 sqrt 3 c` over the edge, with the speed of pressure waves c = 63, is above 400 at r = 2.
+/// The orders of convergence appear where the step resolves these frequencies.
 const STEP_SIZES: [[f64; 4]; 3] =
     [[0.01, 0.005, 0.0025, 0.00125], [0.02, 0.01, 0.005, 0.0025], [0.02, 0.01, 0.005, 0.0025]];
-/// Degree and step size of the reference: its own error is far below those of the table.
+/// Degree and step size of the reference, whose error is far below the errors in the table.
 const REFERENCE: (usize, f64) = (3, 0.00125);
 const QUICK_REFERENCE: (usize, f64) = (3, 0.01);
 
@@ -71,7 +71,7 @@ fn error(session: &Session) -> Result<Report, String> {
         let file = scratch.file(&name(member));
         Case::spinning_block(r).scheme("DGM", member.0).until(END, member.1).state(file)
     };
-    // The reference once: it takes the most time, and its time is not asked for.
+    // The reference once: it takes the longest, and its time is not needed.
     Session { rounds: 1, ..session.clone() }.cases(&[case(&reference)])?;
     let sizes = |&k: &usize| STEP_SIZES[k - 1][..n_sizes].iter().map(move |&h| (k, h));
     let members: Vec<(usize, f64)> = DEGREES.iter().flat_map(sizes).collect();

@@ -66,7 +66,7 @@ fn table(sizes: &[u32], runs: &[Runs]) -> Table {
     table
 }
 
-/// Slope of the logarithm of the cost over that of the degrees of freedom, by least squares.
+/// Slope of the logarithm of the cost over the logarithm of the degrees of freedom, by least squares.
 fn exponent(runs: &[Runs]) -> f64 {
     let points = |runs: &Runs| ((runs.last().dofs as f64).ln(), runs.median(step_seconds).ln());
     slope(&runs.iter().map(points).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! The items: what is measured, with the goal for each.
+//! The items: measurements with their goals.
 
 mod comparison;
 mod degrees;
@@ -12,16 +12,16 @@ use crate::peers::Interpreters;
 use crate::report::Report;
 use crate::session::Session;
 
-/// What the command line says about the items.
+/// Options of the command line for the items.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// How runs are made.
+    /// Options of the runs.
     pub session: Session,
-    /// Interpreters of the other programs, if these are to run.
+    /// Interpreters of the other programs, if they should run.
     pub peers: Option<Interpreters>,
-    /// Cells a unit length for `step` and `large`, ascending, in place of their own.
+    /// Cells per unit length for `step` and `large`, ascending, instead of the defaults.
     pub cells: Option<Vec<u32>>,
-    /// Whether `large` takes the mesh of 1.5 million degrees of freedom.
+    /// Whether `large` uses the mesh of 1.5 million degrees of freedom.
     pub million: bool,
 }
 

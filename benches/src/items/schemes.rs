@@ -1,15 +1,15 @@
-//! `schemes`: what the conserving schemes cost beside the mid-point rule.
+//! `schemes`: cost of the conserving schemes relative to the mid-point rule.
 
 use super::Settings;
 use crate::job::Case;
 use crate::report::{Goal, Limit, Report, Table, number};
 use crate::session::{Runs, step_seconds};
 
-/// Schemes with the limit of their step over that of FE(1), which comes first.
+/// Schemes with the limit of their step relative to FE(1), which comes first.
 const SCHEMES: [(&str, Option<f64>); 5] =
     [("FE(1)", None), ("AS(1)", Some(1.15)), ("DGM", Some(1.2)), ("AS(5)", Some(1.2)), ("FE(5)", None)];
 
-/// Whole steps of the schemes over that of FE(1).
+/// Whole steps of the schemes relative to FE(1).
 pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let (r, steps) = session.choose((1, 3), (4, 20));

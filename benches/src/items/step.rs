@@ -1,4 +1,4 @@
-//! `step`: the block in free flight by the mid-point rule, the work that every program does.
+//! `step`: the block in free flight by the mid-point rule, as computed by every program.
 
 use super::{Settings, comparison};
 use crate::job::{Case, Job};
@@ -8,7 +8,7 @@ use crate::session::{Runs, Session, step_seconds};
 /// Assemblies measured after each run.
 const ASSEMBLIES: usize = 5;
 
-/// Emmy's steps by r with one thread, and beside the other programs; then two threads.
+/// Emmy's steps by r with one thread, and the other programs; then two threads.
 pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let sizes = settings.cells.clone().unwrap_or(session.choose(vec![1], vec![1, 2, 4, 6]));
@@ -16,7 +16,7 @@ pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let cases = sizes.iter().map(|&r| Job::case(&Case::spinning_block(r).assemblies(ASSEMBLIES)));
     let mut jobs = cases.collect::<Result<Vec<_>, _>>()?;
     jobs.extend(peers.jobs(&sizes));
-    let mut runs = session.turn_about(&jobs)?;
+    let mut runs = session.in_turns(&jobs)?;
     let of_peers = runs.split_off(sizes.len());
     Ok(vec![
         steps(&sizes, &runs),
@@ -62,7 +62,7 @@ fn steps(sizes: &[u32], runs: &[Runs]) -> Report {
     report
 }
 
-/// Two threads against one, wall time, on the larger meshes: both need cores that nothing else uses.
+/// Two threads against one, wall time, on the larger meshes; this needs idle cores.
 fn two_threads(session: &Session, sizes: &[u32]) -> Result<Report, String> {
     let n_large = sizes.iter().filter(|&&r| r >= 4).count().max(1);
     let sizes = &sizes[sizes.len() - n_large..];

@@ -1,17 +1,17 @@
-//! `stiff`: the all but rigid block, where the stiffness dominates the matrix.
+//! `stiff`: the quasi-rigid block, where the stiffness dominates the matrix.
 
 use super::Settings;
 use crate::job::Case;
 use crate::report::{Goal, Limit, Report, Table, number, number_or_dash};
 use crate::session::step_seconds;
 
-/// Step sizes with the number of steps and the limit of a step over one factorisation. The large ones reach beyond the load, which
-/// ends at t = 1.
+/// Step sizes with the number of steps and the limit of a step over one factorisation. The large ones reach beyond the
+/// load, which ends at t = 1.
 const STEP_SIZES: [(f64, u32, f64); 2] = [(0.01, 20, 2.0), (0.2, 8, 8.0)];
 /// Factorisations measured after each run.
 const FACTORIZATIONS: usize = 3;
 
-/// Time of a step over that of one sparse Cholesky factorisation in the same run.
+/// Time of a step relative to one sparse Cholesky factorisation in the same run.
 pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let r = session.choose(1, 4);

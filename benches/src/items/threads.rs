@@ -8,7 +8,7 @@ use crate::scratch::Scratch;
 /// Numbers of threads; times of more threads than the machine has cores mean nothing.
 const THREADS: [usize; 4] = [1, 2, 3, 4];
 
-/// Bits that differ from those of one thread, and wall times.
+/// Bits that differ from the run with one thread, and wall times.
 pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let (r, steps) = session.choose((1, 3), (4, 20));
@@ -41,7 +41,7 @@ pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     Ok(vec![report])
 }
 
-/// Numbers of two lists that differ in any bit, or are in one of them only.
+/// Numbers of two lists that differ in any bit, or occur in one list only.
 fn n_differing(a: &[f64], b: &[f64]) -> usize {
     let differs = |(a, b): &(&f64, &f64)| a.to_bits() != b.to_bits();
     a.iter().zip(b).filter(differs).count() + a.len().abs_diff(b.len())

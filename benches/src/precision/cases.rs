@@ -13,12 +13,12 @@ use super::fork;
 /// Names of the cases.
 pub const NAMES: [&str; 5] = ["orbit", "block", "pulse", "damped", "fork"];
 
-/// A motion, and how it is computed.
+/// A motion with its numerical parameters.
 #[derive(Debug)]
 pub struct Case {
     /// Key word, and name of the files.
     pub name: &'static str,
-    /// What moves.
+    /// The moving body, in a few words.
     pub title: &'static str,
     /// The body.
     pub body: Body,
@@ -30,9 +30,9 @@ pub struct Case {
     pub counts: [Vec<usize>; 3],
     /// Tolerances for degree 1, 2, 3.
     pub tolerances: [Vec<f64>; 3],
-    /// Degrees and numbers of equal steps of the reference and of the one that it is compared with.
+    /// Degrees and numbers of equal steps of the reference, and of a second reference for comparison.
     pub references: [(usize, usize); 2],
-    /// How many times faster than equal steps of the same error adaptive ones are to be at least.
+    /// Goal for the speed of adaptive steps relative to equal steps of the same error.
     pub goal: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Case {
     /// The case of a name.
     ///
     /// # Errors
-    /// A message if the body cannot be made.
+    /// A message if the body cannot be built.
     pub fn named(name: &str) -> std::result::Result<Case, String> {
         let case = match name {
             "orbit" => orbit(),
@@ -60,7 +60,7 @@ impl Case {
     }
 }
 
-/// So many numbers, each that many times the one before.
+/// A geometric sequence of numbers.
 fn counts(first: usize, n: i32, ratio: f64) -> Vec<usize> {
     (0..n).map(|i| (first as f64 * ratio.powi(i)).round() as usize).collect()
 }
@@ -103,7 +103,7 @@ fn orbit() -> Result<Case> {
     })
 }
 
-/// The paper's block: at rest, a load until t = 1, free flight.
+/// The paper's block: at rest, a load until t = 1, then free flight.
 fn block() -> Result<Case> {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 0.5);
     let hat = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)])?;
@@ -133,7 +133,7 @@ fn block() -> Result<Case> {
     })
 }
 
-/// A beam of rubber that is hit at one end, for a thousandth of the time, and flies on.
+/// A beam of rubber that is hit at one end, for a thousandth of the time, and then flies.
 fn pulse() -> Result<Case> {
     let body = beam(rubber()?, 4.0, 0.0)?;
     let start = State::initial(&body, 0.0, &[])?;
@@ -172,12 +172,13 @@ fn rubber() -> Result<Region> {
     Ok(Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0))
 }
 
-/// A beam of 1 x 1 x 3 with a pulse on one end, across it, at the start of a motion of some duration.
+/// A beam of 1 x 1 x 3 with a transverse pulse on one end, at the start of a motion of some duration.
 fn beam(region: Region, duration: f64, drag: f64) -> Result<Body> {
-    // A table, not a smooth function: its kinks are met by adaptive steps and integrated exactly by large ones, so that neither passes over it.
+    // A table, not a smooth function: adaptive steps end at its kinks and large steps integrate them exactly, so that
+    // neither misses it.
     let width = 1e-3 * duration;
     let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5 * width, 1.0), (width, 0.0)])?;
-    // The same impulse, whatever its duration.
+    // The same impulse for any duration.
     let traction = [1.2 / width, 0.4 / width, 0.0];
     let kind = LoadKind::Traction { group: "z-max".into(), traction };
     Body::builder(mesh::block([1.0, 1.0, 3.0], [2, 1, 6])?)

@@ -1,18 +1,18 @@
-//! Adaptive steps beside equal ones of the same error.
+//! Comparison of adaptive steps with equal ones of the same error.
 
 use super::run::{Choice, Run};
 
-/// What equal steps of the same degree need for an error, over what a run needs.
+/// Cost of equal steps of the same degree and error, relative to the cost of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Advantage {
     /// In CPU time.
     pub seconds: f64,
-    /// In steps, those that are repeated counted as often as they are done.
+    /// In steps; repeated steps count each time.
     pub steps: f64,
 }
 
 impl Advantage {
-    /// That of an adaptive run; none if no two runs with equal steps have the error between them.
+    /// The ratios of an adaptive run; `None` unless its error lies between the errors of two runs with equal steps.
     pub fn of(run: &Run, runs: &[Run]) -> Option<Self> {
         let is_equal = |other: &&Run| other.degree == run.degree && matches!(other.choice, Choice::Equal(_));
         let equal: Vec<&Run> = runs.iter().filter(is_equal).collect();
@@ -29,7 +29,8 @@ impl Advantage {
     }
 }
 
-/// The least cost at which a curve of (error, cost) comes to an error, by straight lines between the logarithms of its points.
+/// The least cost at which a curve of (error, cost) reaches an error, by straight lines between the logarithms of its
+/// points.
 fn least(curve: &[(f64, f64)], error: f64) -> Option<f64> {
     let costs = curve.windows(2).filter_map(|pair| {
         let [(e0, c0), (e1, c1)] = [pair[0], pair[1]].map(|(e, c)| (e.ln(), c.ln()));
@@ -49,7 +50,7 @@ mod tests {
         let curve = [(1e-2, 10.0), (1e-4, 100.0), (1e-6, 1000.0)];
         assert!((least(&curve, 1e-5).unwrap() - 10f64.powf(2.5)).abs() < 1e-9);
         assert_eq!(least(&curve, 1e-7), None);
-        // Errors of both sides may cancel at one size; the cheaper way to the error counts.
+        // Errors may cancel at one size; the cheaper of two ways to an error counts.
         let dip = [(1e-2, 10.0), (1e-5, 20.0), (1e-3, 40.0), (1e-6, 80.0)];
         assert!(least(&dip, 1e-4).unwrap() < 20.0);
     }

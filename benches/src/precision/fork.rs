@@ -10,7 +10,7 @@ use emmy::time::Scheme;
 const PARTS: [[[usize; 2]; 2]; 4] =
     [[[2, 4], [0, 2]], [[0, 6], [2, 3]], [[0, 2], [3, 13]], [[4, 6], [3, 13]]];
 
-/// Number of cells along x and y, and where the tines begin \[length\].
+/// Number of cells along x and y, and start of the tines \[length\].
 const GRID: [usize; 2] = [6, 13];
 const TINES: f64 = 3.0;
 
@@ -22,8 +22,8 @@ pub fn body() -> emmy::Result<Body> {
     Body::builder(mesh()?).region(metal).support(held).build()
 }
 
-/// The fork while its tines swing against each other in the lowest modes: struck, and brought by Bathe's method through the
-/// first periods, which takes away what the steps of that do not resolve.
+/// The fork while its tines vibrate against each other in the lowest modes: struck, and then computed through the first
+/// periods by Bathe's method, which damps the modes that its steps do not resolve.
 pub fn start(body: &Body) -> emmy::Result<State> {
     let swing = |group: &str, rate: f64| InitialVelocity {
         group: Some(group.into()),

@@ -1,4 +1,4 @@
-//! `emmy-bench precision`: error over time and over steps, steps chosen by the error beside equal ones.
+//! `emmy-bench precision`: error over time and over steps, adaptive steps compared with equal ones.
 
 mod cases;
 mod compare;
@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Folder for NAME.csv and NAME.svg
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How often everything runs, turn about
+    /// How often everything runs, in turns
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
     /// One round of few runs, without verdicts about time: for continuous integration
@@ -34,17 +34,17 @@ pub struct Arguments {
 /// Measures the cases and prints a table of each.
 ///
 /// # Errors
-/// The message of whatever fails.
+/// The message of any failure.
 pub fn print(arguments: &Arguments) -> Result<(), String> {
     let names = named(&arguments.cases)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     pool.map_err(|error| error.to_string())?;
     let rounds = if arguments.quick { 1 } else { usize::from(arguments.rounds) };
     println!("{}\n", machine::heading());
-    println!("Fastest of {rounds} rounds of runs that turn about, one thread.");
+    println!("Fastest of {rounds} rounds of runs in turns, one thread.");
     let mut summary = output::summary();
     for name in names {
-        // Inside the pool, as `emmy run` works.
+        // Inside the pool, like `emmy run`.
         let (report, rows) = rayon::scope(|_| measure(name, arguments, rounds))?;
         print!("\n{}", report.markdown(!arguments.quick));
         rows.into_iter().for_each(|row| summary.tables[0].push(row));
@@ -64,7 +64,7 @@ fn measure(name: &str, arguments: &Arguments, rounds: usize) -> Result<(Report, 
     Ok((output::report(&case, &sweep), output::summary_rows(&case, &sweep)))
 }
 
-/// The names of the cases that are asked for.
+/// The names of the requested cases.
 fn named(names: &[String]) -> Result<Vec<&'static str>, String> {
     if names.is_empty() {
         return Ok(cases::NAMES.to_vec());

@@ -23,7 +23,7 @@ pub fn report(case: &Case, sweep: &Sweep) -> Report {
         "steps",
         "repeated",
         "corrections",
-        "renewals",
+        "refactorizations",
         "CPU s",
         "error",
         "estimated/true",
@@ -60,7 +60,7 @@ fn row(run: &Run, runs: &[Run]) -> Vec<String> {
         count(run.steps),
         count(run.repeated),
         count(run.corrections),
-        count(run.renewals),
+        count(run.refactorizations),
         number(run.seconds),
         format!("{:.1e}", run.error),
         number(run.estimate / run.error),
@@ -74,7 +74,7 @@ fn goals(case: &Case, sweep: &Sweep) -> Vec<Goal> {
     let least = times.reduce(f64::min);
     let faster = case.goal.zip(least).map(|(goal, least)| {
         let statement =
-            format!("{}: time of equal steps over that of adaptive ones of the same error", case.name);
+            format!("{}: time of equal steps over the time of adaptive ones of the same error", case.name);
         Goal::new(statement, Limit::AtLeast(goal), least)
     });
     let off = sweep.runs.iter().map(|run| (run.estimate / run.error).max(run.error / run.estimate));
@@ -92,7 +92,7 @@ pub fn summary() -> Report {
     report
 }
 
-/// The rows of a case in the summary, one a degree.
+/// The rows of a case in the summary, one per degree.
 pub fn summary_rows(case: &Case, sweep: &Sweep) -> Vec<Vec<String>> {
     let row = |degree: usize| {
         let of_degree = || sweep.runs.iter().filter(move |run| run.degree == degree);
@@ -126,24 +126,25 @@ pub fn write(case: &Case, sweep: &Sweep, folder: &Path) -> io::Result<()> {
 
 fn csv(runs: &[Run]) -> String {
     let mut text =
-        "degree,equal_steps,tolerance,steps,repeated,corrections,renewals,seconds,error,estimate\n"
+        "degree,equal_steps,tolerance,steps,repeated,corrections,refactorizations,seconds,error,estimate\n"
             .to_string();
     for run in runs {
         let choice = match run.choice {
             Choice::Equal(n) => format!("{n},"),
             Choice::Adaptive(tolerance) => format!(",{tolerance:e}"),
         };
-        let Run { degree, steps, repeated, corrections, renewals, seconds, error, estimate, .. } = run;
+        let Run { degree, steps, repeated, corrections, refactorizations, seconds, error, estimate, .. } =
+            run;
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{degree},{choice},{steps},{repeated},{corrections},{renewals},{seconds:.4e},{error:.4e},{estimate:.4e}"
+            "{degree},{choice},{steps},{repeated},{corrections},{refactorizations},{seconds:.4e},{error:.4e},{estimate:.4e}"
         );
     }
     text
 }
 
-/// Error over time beside error over steps.
+/// Error over time, and error over steps.
 fn figure(runs: &[Run]) -> Figure {
     let chart = |label: &str, cost: fn(&Run) -> f64| Chart {
         x: Axis::log(label),

@@ -30,13 +30,13 @@ pub struct Run {
     pub choice: Choice,
     /// Steps done.
     pub steps: usize,
-    /// Steps done again because of their error, or because they failed.
+    /// Repetitions of steps, because of their error or a failure.
     pub repeated: usize,
     /// Newton corrections of the steps done.
     pub corrections: usize,
-    /// How often the kept stiffness was made anew in them.
-    pub renewals: usize,
-    /// Error of the positions at the end, in the mean over the mass, over the radius of gyration.
+    /// Refactorizations of the approximate tangent in these steps.
+    pub refactorizations: usize,
+    /// Error of the positions at the end: mean over the mass, relative to the radius of gyration.
     pub error: f64,
     /// The same, estimated.
     pub estimate: f64,
@@ -49,20 +49,20 @@ pub struct Run {
 pub struct Sweep {
     /// Equal steps from large to small, adaptive ones from large tolerances to small ones, degree by degree.
     pub runs: Vec<Run>,
-    /// Distance of the two references, measured as errors are.
+    /// Distance of the two references, measured like the errors.
     pub doubt: f64,
-    /// What failed, with its reason.
+    /// Failures with their reasons.
     pub failures: Vec<String>,
 }
 
-/// A run that takes less than this is repeated until it has taken as much \[s\].
+/// A run shorter than this is repeated until this time has passed \[s\].
 const LEAST_SECONDS: f64 = 0.03;
 
-/// Largest part of the smallest error that the references may be apart.
+/// Largest distance of the references, relative to the smallest error.
 const DOUBT: f64 = 0.2;
 
 impl Sweep {
-    /// Computes everything once, then measures the times of all runs turn about.
+    /// Computes everything once, then measures the times of all runs, which take turns.
     ///
     /// # Errors
     /// A message if a reference or an adaptive run fails.
@@ -82,7 +82,7 @@ impl Sweep {
                 }
             }
         }
-        // Errors that the reference does not tell are none.
+        // Errors below the accuracy of the reference are left out.
         sweep.runs.retain(|run| run.error * DOUBT > sweep.doubt);
         for round in 1..=rounds {
             eprintln!("{}: round {round} of {rounds}", case.name);
@@ -94,13 +94,13 @@ impl Sweep {
     }
 }
 
-/// Counts what a march does.
+/// Counts the steps of a march and their work.
 #[derive(Debug, Default)]
 struct Counts {
     steps: usize,
     repeated: usize,
     corrections: usize,
-    renewals: usize,
+    refactorizations: usize,
 }
 
 impl Observer for Counts {
@@ -112,7 +112,7 @@ impl Observer for Counts {
         self.steps += usize::from(view.record.step > 0);
         self.repeated += rejections + cuts;
         self.corrections += newton_iterations;
-        self.renewals += refactorizations;
+        self.refactorizations += refactorizations;
         Ok(())
     }
 }
@@ -135,14 +135,14 @@ impl Run {
             steps: counts.steps,
             repeated: counts.repeated,
             corrections: counts.corrections,
-            renewals: counts.renewals,
+            refactorizations: counts.refactorizations,
             error: distance(&case.body, motion.state(), reference),
             estimate: case.body.mass_weighted_rms(estimate.displacement()) / length,
             seconds: f64::INFINITY,
         })
     }
 
-    /// CPU time of the whole motion, from its start, once more \[s\].
+    /// CPU time of the whole motion from its start, repeated \[s\].
     fn timed(&self, case: &Case) -> Result<f64, String> {
         let plan = self.choice.plan(case.end).map_err(|error| error.to_string())?;
         let (start, mut times) = (cpu_time(), 0);
@@ -157,7 +157,7 @@ impl Run {
         }
     }
 
-    /// Steps, those that were repeated counted as often as they were done.
+    /// Number of steps; repeated steps count each time.
     pub fn attempts(&self) -> f64 {
         (self.steps + self.repeated) as f64
     }
@@ -200,7 +200,7 @@ fn reference(case: &Case, degree: usize, n: usize) -> Result<State, String> {
     Ok(motion.state().clone())
 }
 
-/// Distance of the positions of two states in the mean over the mass, over the radius of gyration.
+/// Distance of the positions of two states: mean over the mass, relative to the radius of gyration.
 fn distance(body: &Body, a: &State, b: &State) -> f64 {
     let difference: Vec<f64> = a.displacement.iter().zip(&b.displacement).map(|(a, b)| a - b).collect();
     body.mass_weighted_rms(&difference) / body.radius_of_gyration()

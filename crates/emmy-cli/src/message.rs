@@ -1,5 +1,5 @@
-//! Messages on standard error. A message that cannot be written is dropped: a closed terminal or pipe, or a full disk behind a
-//! redirection, must not end a run.
+//! Messages on standard error. A message that cannot be written is dropped: a closed terminal or pipe, or a full disk
+//! behind a redirection, must not end a run.
 
 use std::fmt;
 use std::io::{self, Write};

@@ -7,8 +7,8 @@ use emmy_io::message::escaped;
 
 use crate::failure::Failure;
 
-/// Prints a result; control characters of names and titles are escaped. A reader that stops early (`emmy list schemes | head -1`) is not a
-/// failure.
+/// Prints a result; control characters of names and titles are escaped. A reader that stops early (`emmy list schemes |
+/// head -1`) is not a failure.
 pub fn result(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     let written = stdout.write_all(escaped(text).as_bytes()).and_then(|()| stdout.flush());

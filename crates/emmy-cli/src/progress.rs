@@ -42,7 +42,7 @@ impl Progress {
         Progress::of("", plan, quiet)
     }
 
-    /// Progress of one of several runs; `what` begins each line.
+    /// Progress of one of several runs; `what` is the beginning of each line.
     pub fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
         let n_steps = plan.n_steps();
         let form = match (quiet, stderr().is_terminal()) {

@@ -1,5 +1,5 @@
-//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, and a second one ends the program at once. After every signal that
-//! can be handled, the status in the summary is no longer `running`.
+//! Signals: Ctrl-C and SIGTERM stop a run at the end of its step, and a second one ends the program at once. After
+//! every signal that can be handled, the status in the summary is no longer `running`.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,7 +31,7 @@ fn end(why: &str) -> ! {
     std::process::exit(INTERRUPTED.into());
 }
 
-/// Handles signals besides those of `ctrlc`, which would end the program silently.
+/// Handles further signals than `ctrlc`; otherwise they would end the program silently.
 #[cfg(unix)]
 fn listen_to_others() -> std::io::Result<()> {
     use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
@@ -77,7 +77,8 @@ impl std::error::Error for Interrupted {}
 
 impl Observer for Stop {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let (step, time) = (view.record.step, view.record.time);
+        let step = view.record.step;
+        let time = view.record.time;
         if ASKED.load(Ordering::SeqCst) { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
     }
 }

@@ -1,4 +1,5 @@
-//! A frame of a block of 97,336 bricks (103,823 nodes) as a run writes it: the fields, the file of each format, and its size.
+//! A frame of a block of 97,336 bricks (103,823 nodes) as written by a run: the fields, the file of each format, and
+//! its size.
 //!
 //!     cargo bench -p emmy-io --bench frames
 
@@ -37,7 +38,7 @@ fn body() -> Body {
     Body::builder(block([1.0; 3], [46; 3]).unwrap()).region(rubber).build().unwrap()
 }
 
-/// A smooth bending with noise in the last digits, as a solution has.
+/// A smooth bending with noise in the last digits, like a solution.
 fn state(body: &Body) -> Vec<f64> {
     let noise = |i: usize| 1e-11 * (12.9898 * i as f64).sin();
     let u = |(i, X): (usize, &[f64; 3])| {
@@ -50,7 +51,7 @@ fn values(fields: &Fields, state: &[f64], names: &[FieldName]) -> Vec<FieldValue
     fields.at(state, state, names)
 }
 
-/// The fields that are written if nothing else is said.
+/// The default fields.
 fn all(fields: &Fields, state: &[f64]) -> Vec<FieldValues> {
     values(fields, state, &FieldName::ALL[..8])
 }

@@ -1,7 +1,7 @@
 //! Deformed configurations of a mesh, as SVG and PNG.
 //!
-//! The faces of the boundary are painted from far to near, shaded by a light beside the observer; faces that point away from
-//! the observer are left out. Quadratic cells are drawn by their corners.
+//! The faces of the boundary are painted from far to near, shaded by a light beside the observer; faces that point away
+//! from the observer are left out. Quadratic cells are drawn by their corners.
 
 use std::io;
 use std::path::Path;
@@ -197,8 +197,8 @@ impl<'a> Scene<'a> {
         if corners.len() < nodes.len() || corners.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
-        let (n, edge) =
-            (corners.len(), |a: usize, b: usize| [0, 1, 2].map(|i| corners[b][i] - corners[a][i]));
+        let n = corners.len();
+        let edge = |a: usize, b: usize| [0, 1, 2].map(|i| corners[b][i] - corners[a][i]);
         let normal = unit(cross(edge(0, 2), edge(1, n - 1)));
         let place = |&[x, y, _]: &[f64; 3]| self.place(configuration, [x, y]);
         (normal[2] > 0.0).then(|| Face {
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_near_is_painted_last() {
+    fn near_faces_are_painted_last() {
         let mesh = emmy::mesh::block([1.0; 3], [1; 3]).unwrap();
         let mut drawing = cubes(&mesh, Arrangement::Path);
         // The first configuration is blue, the last one red.

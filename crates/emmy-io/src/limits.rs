@@ -32,7 +32,8 @@ pub struct LimitExceeded {
 /// # Errors
 /// [`LimitExceeded`] for the first one that is exceeded; NaN exceeds every limit.
 pub fn check(limits: &Limits, statistics: &RunStatistics) -> Result<(), LimitExceeded> {
-    let (step, time) = (statistics.steps, statistics.time);
+    let step = statistics.steps;
+    let time = statistics.time;
     let checks = [
         ("energy", "T + V", limits.energy, statistics.energy_drift()),
         ("angular_momentum", "|L|", limits.angular_momentum, statistics.angular_momentum_drift()),

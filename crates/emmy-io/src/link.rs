@@ -7,8 +7,8 @@ pub(crate) fn relative(from: &Path, to: &Path) -> String {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| absolute(path));
     let (from, to) = (whole(from), whole(to));
-    let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
-        (from.components().collect(), to.components().collect());
+    let from: Vec<Component<'_>> = from.components().collect();
+    let to: Vec<Component<'_>> = to.components().collect();
     let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
     if common == 0 {
         let parts = to.iter().map(|part| part.as_os_str().to_string_lossy()).filter(|part| part != "/");

@@ -71,7 +71,8 @@ impl RunLog {
     /// Errors of the system.
     pub fn step(&mut self, record: &Record) -> io::Result<()> {
         let Record { step, newton_iterations, linear_iterations, .. } = record;
-        let (time, step_size) = (short(record.time), short(record.step_size));
+        let time = short(record.time);
+        let step_size = short(record.step_size);
         self.line(&format!(
             "step {step}  t = {time}  h = {step_size}  Newton {newton_iterations} (linear {linear_iterations})  \
              E {:.6e}  balances: E {:.1e}, p {:.1e}, L {:.1e}",

@@ -9,8 +9,8 @@ const MAX_WORD: usize = 400;
 /// Longest message in characters.
 const MAX_TEXT: usize = 4000;
 
-/// A message for a terminal. Control characters other than line feeds and tabs are escaped. A word of more than 400 characters and
-/// text of more than 4000 keep only their beginning and end.
+/// A message for a terminal. Control characters other than line feeds and tabs are escaped. A word of more than 400
+/// characters and text of more than 4000 keep only their beginning and end.
 ///
 /// ```
 /// use emmy_io::message::shown;
@@ -51,8 +51,8 @@ fn is_escaped(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
 }
 
-/// A name for XML 1.0, with `_` in place of characters that XML cannot hold: control characters other than tabs and line ends, U+FFFE
-/// and U+FFFF (XML 1.0, production 2, `Char`).
+/// A name for XML 1.0, with `_` in place of characters that XML cannot hold: control characters other than tabs and
+/// line ends, U+FFFE and U+FFFF (XML 1.0, production 2, `Char`).
 pub(crate) fn name(text: &str) -> Cow<'_, str> {
     let is_forbidden = |c: char| matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     match text.contains(is_forbidden) {
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_controls_a_terminal_is_escaped() {
+    fn control_characters_are_escaped() {
         assert_eq!(shown("a\u{1b}[2J\u{7}\u{9b}b\r\n\tc"), "a\\u{1b}[2J\\u{7}\\u{9b}b\\u{d}\n\tc");
         assert!(matches!(shown("plain — ∑\n"), Cow::Borrowed(_)));
     }
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn names_hold_what_xml_can() {
+    fn names_hold_any_character_of_xml() {
         assert_eq!(name("a\u{1b}b\u{ffff}"), "a_b_");
         assert_eq!(name("Körper\t1\r\n"), "Körper\t1\r\n");
         assert_eq!(note_on_name("body"), None);

@@ -12,8 +12,8 @@ use crate::rows::RowFile;
 /// Columns of the file.
 pub const COLUMNS: &str = "step,iteration,residual,target";
 
-/// The file: one row for each evaluation of the residual, with the number of corrections before it and the tolerance. Norms have four
-/// digits; every step is written at once.
+/// The file: one row for each evaluation of the residual, with the number of corrections before it and the tolerance.
+/// Norms have four digits; every step is written at once.
 #[derive(Debug)]
 pub struct NewtonFile {
     rows: RowFile,
@@ -73,7 +73,8 @@ pub struct NewtonStep {
 /// Errors of the system.
 pub fn read(path: &Path, mut is_wanted: impl FnMut(usize) -> bool) -> io::Result<Vec<NewtonStep>> {
     let mut reader = BufReader::new(File::open(path)?);
-    let (mut steps, mut line) = (Vec::<NewtonStep>::new(), String::new());
+    let mut steps = Vec::<NewtonStep>::new();
+    let mut line = String::new();
     loop {
         line.clear();
         if reader.read_line(&mut line)? == 0 || !line.ends_with('\n') {
@@ -114,7 +115,7 @@ mod tests {
         file.write_step(1, &[2.0, 1.234e-5], 1e-8).unwrap();
         file.write_step(2, &[f64::NAN], 0.5).unwrap();
         file.write_step(3, &[1e300, 0.0], 0.5).unwrap();
-        // Killed while it wrote a row.
+        // Killed while writing a row.
         let mut file = File::options().append(true).open(&path).unwrap();
         file.write_all(b"4,0,1.0").unwrap();
         let steps = read(&path, |step| step != 2).unwrap();

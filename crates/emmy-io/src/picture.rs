@@ -1,6 +1,7 @@
 //! Pictures, for charts and drawings: plotters writes SVG, resvg converts it to PNG.
 //!
-//! The font (DejaVu Sans, Bitstream Vera licence) is part of the program, so that pictures do not depend on installed fonts.
+//! The font (DejaVu Sans, Bitstream Vera licence) is part of the program, so that pictures do not depend on installed
+//! fonts.
 
 use std::io;
 use std::path::Path;

@@ -54,17 +54,20 @@ impl Recording {
         if is_same { Ok(()) } else { Err(OtherFields { path: path.display().to_string(), before, now }) }
     }
 
-    /// The frames of a run. A run that is resumed continues the frames up to its checkpoint; they are returned with those that are
-    /// missing.
+    /// The frames of a run. A run that is resumed continues the frames up to its checkpoint; they are returned with
+    /// those that are missing.
     ///
     /// # Errors
     /// Errors of the system.
     pub(crate) fn open(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<(Self, Vec<FrameTime>)> {
-        let (body, output) = (&problem.body, &problem.output);
+        let body = &problem.body;
+        let output = &problem.output;
         let fields = Fields::new(body);
         let names = names(problem, &fields);
-        let (form, directory) = ((output.format, output.precision), &output.directory);
-        let (mesh, regions) = (body.mesh(), body.region_of_cell());
+        let form = (output.format, output.precision);
+        let directory = &output.directory;
+        let mesh = body.mesh();
+        let regions = body.region_of_cell();
         let Some(checkpoint) = after else {
             let files = FrameWriter::create(form, directory, mesh, regions)?;
             return Ok((Recording { files, fields, names, written: Vec::new() }, Vec::new()));

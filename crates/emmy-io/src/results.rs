@@ -38,8 +38,8 @@ pub enum ResumeError {
     System(#[from] io::Error),
 }
 
-/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and `report.html` into the
-/// output directory, and checks the limits.
+/// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and
+/// `report.html` into the output directory, and checks the limits.
 #[derive(Debug)]
 pub struct Results {
     output: Output,
@@ -95,7 +95,8 @@ impl Results {
     /// # Errors
     /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
     pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
-        let (directory, state) = (&problem.output.directory, &checkpoint.snapshot.state);
+        let directory = &problem.output.directory;
+        let state = &checkpoint.snapshot.state;
         let path = directory.join("history.csv");
         // The first file is the input in the directory, which is replaced by itself.
         directory::check_sources(directory, &problem.files[1..])?;
@@ -113,7 +114,8 @@ impl Results {
         history: HistoryFile,
         after: Option<&Checkpoint>,
     ) -> io::Result<Self> {
-        let (output, directory) = (problem.output.clone(), problem.output.directory.as_path());
+        let output = problem.output.clone();
+        let directory = problem.output.directory.as_path();
         let start = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
         let events = directory.join("events.csv");
         let mut events = match start {
@@ -166,8 +168,8 @@ impl Results {
         })
     }
 
-    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary. Each file is
-    /// tried even if another one fails; a run with the status `done` has then failed.
+    /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
+    /// Each file is tried even if another one fails; a run with the status `done` has then failed.
     pub fn finish(&mut self, motion: &Motion<'_>, status: Status, message: Option<&str>) -> Ending {
         // A run cannot resume from a step that could not be written.
         let is_sound = status != Status::Failed;
@@ -206,7 +208,8 @@ impl Results {
         &self.notes
     }
 
-    /// Sets the estimated error of the positions at the end for the summary: a root mean square over the mass \[length\].
+    /// Sets the estimated error of the positions at the end for the summary: a root mean square over the mass
+    /// \[length\].
     pub fn set_error(&mut self, error: f64) {
         self.estimated_error = Some(error);
     }
@@ -219,8 +222,8 @@ impl Results {
         report::write(self.directory())
     }
 
-    /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they are reported at
-    /// its end.
+    /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they
+    /// are reported at its end.
     fn report_progress(&mut self) -> io::Result<()> {
         let begin = self.wall_seconds();
         if begin >= self.report_due {

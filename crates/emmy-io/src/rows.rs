@@ -102,7 +102,9 @@ pub(crate) fn step_of(line: &[u8]) -> Option<usize> {
 
 /// Bytes of the header and of the complete rows up to a step.
 fn kept(mut reader: impl BufRead, step: usize) -> io::Result<u64> {
-    let (mut length, mut line, mut is_first) = (0, Vec::new(), true);
+    let mut length = 0;
+    let mut line = Vec::new();
+    let mut is_first = true;
     loop {
         line.clear();
         reader.read_until(b'\n', &mut line)?;

@@ -51,9 +51,11 @@ impl Sizes {
     }
 }
 
-/// Bytes of a frame before compression: its fields; with a file each also points, cells and groups, and as text of 64 characters.
+/// Bytes of a frame before compression: its fields; with a file each also points, cells and groups, and as text of 64
+/// characters.
 fn frame(problem: &Problem) -> f64 {
-    let (mesh, output) = (problem.body.mesh(), &problem.output);
+    let mesh = problem.body.mesh();
+    let output = &problem.output;
     let there = Fields::new(&problem.body);
     let fields = output.fields.iter().filter(|name| there.has(**name)).map(|name| {
         let n = if name.place() == Place::Nodes { mesh.n_nodes() } else { mesh.n_cells() };

@@ -73,8 +73,8 @@ impl SummaryHeader {
         }
     }
 
-    /// The summary as JSON: this header, the fields of the statistics by their names, and the end of the run. Numbers that are not
-    /// finite become `null`.
+    /// The summary as JSON: this header, the fields of the statistics by their names, and the end of the run. Numbers
+    /// that are not finite become `null`.
     pub fn summary(
         &self,
         statistics: &RunStatistics,
@@ -101,7 +101,7 @@ impl SummaryHeader {
     }
 }
 
-/// Inserts the fields of an object. Those of an object inside it become `NAME_FIELD`, and its `value` becomes `NAME`.
+/// Inserts the fields of an object. Fields of an object inside it become `NAME_FIELD`, and its `value` becomes `NAME`.
 fn insert_fields(summary: &mut Map<String, Value>, prefix: &str, fields: &Value) {
     for (name, value) in fields.as_object().into_iter().flatten() {
         let name = match (prefix, name.as_str()) {

@@ -2,11 +2,11 @@
 //!
 //! ```sh
 //! cargo bench -p emmy --bench assembly               # all
-//! cargo bench -p emmy --bench assembly hex8          # what has hex8 in its name
+//! cargo bench -p emmy --bench assembly hex8          # names with hex8
 //! ```
 //!
-//! Share of the peak. Floating-point operations of a hex8 cell of neo-Hooke material under FE(1), counted by the formulas (a
-//! fused multiplication and addition is two, a division, root or comparison is one), at each of 8 points:
+//! Share of the peak. Floating-point operations of a hex8 cell of neo-Hooke material under FE(1), counted by the
+//! formulas (a fused multiplication and addition is two, a division, root or comparison is one), at each of 8 points:
 //!
 //! ```text
 //! residual                                               tangent, beside the residual
@@ -21,7 +21,7 @@
 //!   sum                                          659       sum                            3912
 //! ```
 //!
-//! So 5300 for a residual and 36600 for both. The peak is that of `peak` below, its items being operations.
+//! So 5300 for a residual and 36600 for both. The peak is measured by `peak` below, whose items are operations.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use emmy::body::{Body, Region};

@@ -1,4 +1,5 @@
-//! Assembly of hex8 cells under the mid-point rule on one core, material by material: cells per second (divan's "items").
+//! Assembly of hex8 cells under the mid-point rule on one core, material by material: cells per second (divan's
+//! "items").
 //!
 //! ```sh
 //! cargo bench -p emmy --bench materials

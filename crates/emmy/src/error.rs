@@ -15,7 +15,7 @@ use crate::number::{short, short_vector};
 /// ```
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// An error of the library. Every message says what, where, and what to try.
+/// An error of the library. Every message names the fault, its place, and something to try.
 ///
 /// ```
 /// let error = emmy::material::NeoHooke::from_engineering(1000.0, 0.5).unwrap_err();
@@ -27,7 +27,7 @@ pub enum Error {
     /// A mesh without cells.
     #[error("the mesh has no cells that carry a body (see `emmy list elements`)")]
     EmptyMesh,
-    /// A cell that names a node which does not exist.
+    /// A cell with a node that does not exist.
     #[error("cell {cell} names node {node}, but the mesh has {n_nodes} nodes")]
     NodeOutOfRange {
         /// Index of the cell.
@@ -43,7 +43,7 @@ pub enum Error {
         /// Index of the point.
         node: usize,
     },
-    /// A node of a group which does not exist.
+    /// A node of a group that does not exist.
     #[error("group \"{group}\" names node {node}, but the mesh has {n_nodes} nodes")]
     GroupNodeOutOfRange {
         /// Name of the group.
@@ -53,14 +53,14 @@ pub enum Error {
         /// Number of nodes.
         n_nodes: usize,
     },
-    /// A cell with a number of nodes that its kind does not have.
+    /// A cell whose number of nodes does not fit its kind.
     #[error("a {kind} cell has {expected} nodes, not {found}")]
     WrongNodeCount {
         /// Kind of the cell.
         kind: CellKind,
-        /// What the kind has.
+        /// Number of nodes of the kind.
         expected: usize,
-        /// What was given.
+        /// Number of nodes given.
         found: usize,
     },
     /// A node whose coordinates are NaN or infinite.
@@ -81,7 +81,7 @@ pub enum Error {
         node: usize,
         /// Its coordinate.
         z: f64,
-        /// That of the first node of a plane cell.
+        /// Coordinate of the first node of a plane cell.
         plane: f64,
     },
     /// A scale factor or size that must be positive and finite.
@@ -135,11 +135,11 @@ pub enum Error {
     /// A group that the mesh does not have.
     #[error("there is no {what} group \"{group}\" in the mesh; it has: {available}")]
     UnknownGroup {
-        /// What kind of group was asked for (`cell`, `facet`, ...).
+        /// Kind of the group (`cell`, `facet`, ...).
         what: &'static str,
         /// Name of the group.
         group: String,
-        /// Names of the groups that are there.
+        /// Names of the existing groups.
         available: String,
     },
     /// A mesh whose cells do not all have a material, or have several.
@@ -181,7 +181,17 @@ pub enum Error {
         parameter: &'static str,
         /// Its value.
         value: f64,
-        /// What it must fulfil.
+        /// Condition on the value.
+        requirement: &'static str,
+    },
+    /// A direction of a material that is not one, or that is parallel to another.
+    #[error("{material}: {parameter} {requirement}")]
+    Direction {
+        /// Key word of the material.
+        material: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Condition on the direction.
         requirement: &'static str,
     },
     /// A time function whose times go back, or with an entry that is not finite.
@@ -189,18 +199,18 @@ pub enum Error {
     TimeFunction {
         /// Index of the entry.
         entry: usize,
-        /// What is wrong.
+        /// Reason.
         reason: &'static str,
     },
-    /// A support that cannot be.
+    /// An impossible support.
     #[error("support of \"{group}\": {reason}")]
     Support {
         /// Group of the support.
         group: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// A prescribed motion that does not start at rest's place: the body is undeformed then.
+    /// A prescribed motion that is not zero at the start, where the body is undeformed.
     #[error(
         "a prescribed motion starts with a displacement of {} at t = {}, where the body is undeformed; let it \
          start from zero",
@@ -213,12 +223,12 @@ pub enum Error {
         /// Largest displacement.
         distance: f64,
     },
-    /// A scheme that does not parse or cannot go with the degree.
+    /// A scheme that does not parse or does not exist for the degree.
     #[error("scheme \"{scheme}\": {reason}")]
     Scheme {
         /// The text.
         scheme: String,
-        /// What is wrong, and what there is.
+        /// Reason, and the possible values.
         reason: String,
     },
     /// A step plan that goes back in time or has a step size that is not positive.
@@ -226,7 +236,7 @@ pub enum Error {
     Plan {
         /// Index of the phase.
         phase: usize,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// A step whose error is above the tolerance of adaptive steps.
@@ -245,15 +255,15 @@ pub enum Error {
         /// Size of the step.
         size: f64,
     },
-    /// A setting of adaptive steps that cannot be, or that contradicts another.
+    /// A setting of adaptive steps that is out of range, or that contradicts another.
     #[error("adaptive steps: {setting} {reason}")]
     Adaptivity {
-        /// Name of the setting, as it stands in an input.
+        /// Name of the setting in an input.
         setting: &'static str,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// A body whose determinant of the deformation gradient became zero or negative, or NaN.
+    /// A determinant of the deformation gradient that became zero or negative, or NaN.
     #[error("cell {cell} is turned inside out: det F = {}; try a smaller step", short(.det))]
     Inverted {
         /// Index of the cell.
@@ -271,7 +281,7 @@ pub enum Error {
         limit = short(.limit)
     )]
     StepTooLarge {
-        /// Number of the step that was refused.
+        /// Number of the step that was rejected.
         step: usize,
         /// Time at its end.
         time: f64,
@@ -306,7 +316,7 @@ pub enum Error {
         iterations: usize,
         /// Norm of the last residual.
         residual: f64,
-        /// What the norm had to fall below.
+        /// Bound on the norm.
         target: f64,
         /// Node with the largest residual.
         node: usize,
@@ -336,11 +346,11 @@ pub enum Error {
         step: usize,
         /// Time at its end.
         time: f64,
-        /// Why.
+        /// Reason.
         #[source]
         cause: Box<Error>,
     },
-    /// A step in which a cell is turned inside out.
+    /// A step in which a cell is inverted.
     #[error(
         "step {step}, to t = {time}: cell {cell} ({kind}) near {position} is turned inside out, det F = {det}; try a smaller \
          step, a finer mesh there, or a material that resists compression, and look at the loads there",
@@ -362,7 +372,7 @@ pub enum Error {
         /// Smallest determinant seen.
         det: f64,
     },
-    /// A step in which something is not a number.
+    /// A step in which a number is not finite.
     #[error(
         "step {step}, to t = {}: the forces at node {node} near {} are not numbers; look at the time functions of the \
          loads and at the material there",
@@ -374,7 +384,7 @@ pub enum Error {
         step: usize,
         /// Time at its end.
         time: f64,
-        /// First node at which it shows.
+        /// First node with such a number.
         node: usize,
         /// Its last good position.
         position: [f64; 3],
@@ -397,26 +407,26 @@ pub enum Error {
         #[source]
         cause: Box<Error>,
     },
-    /// A state or a stepper's memory that is not of the same problem.
+    /// A state or a stepper's memory that belongs to another problem.
     #[error("the snapshot of the motion does not fit: `{name}` {reason}")]
     Memory {
         /// Name of the list.
         name: String,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// A mesh too large for the memory of the machine.
     #[error("not enough memory for {what} ({gigabytes:.1} GB); try a coarser mesh")]
     OutOfMemory {
-        /// What the memory is for.
+        /// Purpose of the memory.
         what: &'static str,
-        /// How much is needed for it.
+        /// Memory needed.
         gigabytes: f64,
     },
-    /// What the adjoint of a motion does not cover.
+    /// A motion that the adjoint does not cover.
     #[error("adjoint: {reason}")]
     Adjoint {
-        /// What is not covered, and what there is.
+        /// The unsupported feature, and the supported ones.
         reason: String,
     },
     /// An observer of a march that failed.
@@ -428,7 +438,7 @@ pub enum Error {
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {
-        /// What went wrong.
+        /// Reason.
         reason: String,
     },
 }

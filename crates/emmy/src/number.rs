@@ -16,7 +16,7 @@ pub fn short(value: impl Borrow<f64>) -> String {
     if !value.is_finite() {
         return value.to_string();
     }
-    // Rounding comes first: it may carry into a digit more.
+    // Rounding comes first: it may carry into another digit.
     let rounded = format!("{value:.5e}");
     let (digits, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
@@ -30,7 +30,7 @@ pub fn short(value: impl Borrow<f64>) -> String {
     }
 }
 
-/// The components of a vector in brackets, each as [`short`] has it.
+/// The components of a vector in brackets, each by [`short`].
 pub fn short_vector(vector: impl Borrow<[f64; 3]>) -> String {
     let vector: &[f64; 3] = vector.borrow();
     format!("[{}]", vector.map(short).join(", "))

@@ -56,7 +56,8 @@ pub fn lagrange_integral(nodes: &[f64], i: usize, alpha: f64) -> f64 {
 /// ```
 pub fn legendre(degree: usize, alpha: f64) -> f64 {
     let x = 2.0 * alpha - 1.0;
-    let (mut before, mut value) = (0.0, 1.0);
+    let mut before = 0.0;
+    let mut value = 1.0;
     for n in 0..degree {
         // Bonnet: (n + 1) P_(n+1) = (2 n + 1) x P_n - n P_(n-1)
         (before, value) = (value, ((2 * n + 1) as f64 * x * value - n as f64 * before) / (n + 1) as f64);

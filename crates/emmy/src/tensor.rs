@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case)]
 
-/// A closure that is inlined wherever it is called. Code over lanes must be inlined: a separate function would be compiled for the
-/// oldest instruction set (see [`Batch`]).
+/// A closure that is inlined wherever it is called. Code over lanes must be inlined: a separate function would be
+/// compiled for the oldest instruction set (see [`Batch`]).
 macro_rules! inlined {
     ($($closure:tt)*) => {
         std::convert::identity(#[inline(always)] $($closure)*)
@@ -13,115 +13,12 @@ pub(crate) use inlined;
 
 mod batch;
 mod eigen;
+mod lane;
 pub(crate) mod rotation;
-
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 pub use batch::{Batch, LANES, Packed, Register};
 pub use eigen::eigen;
-
-/// A number that stands for one material point (`f64`) or for a batch of points in the lanes of a SIMD register.
-///
-/// Everything between the mesh and a material is written once over this trait. Constants are made from a number that
-/// already exists ([`Lane::splat`]), because a SIMD type may carry a proof of the instruction set. Eigenvalues, for which there is
-/// no SIMD instruction, are a function of the lane type ([`Lane::eigen`]): a batch takes its points one by one, and a number that
-/// carries derivatives differentiates.
-pub trait Lane:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + Mul<f64, Output = Self>
-    + AddAssign
-    + Send
-    + Sync
-    + 'static
-{
-    /// The constant in every lane.
-    fn splat(self, constant: f64) -> Self;
-    /// `self * factor + addend`, in one rounding where that costs nothing: operators alone are never fused.
-    #[inline(always)]
-    fn mul_add(self, factor: Self, addend: Self) -> Self {
-        self * factor + addend
-    }
-    /// Square root.
-    fn sqrt(self) -> Self;
-    /// Logarithm of 1 + self, accurate for small self.
-    fn ln_1p(self) -> Self;
-    /// `z - ln(1 + z)` without cancellation: a series where z is small.
-    ///
-    /// ```math
-    /// z - ln(1 + z) = z^2 / 2 - z^3 / 3 + z^4 / 4 - ...
-    /// ```
-    ///
-    /// ```
-    /// use emmy::internals::tensor::Lane;
-    /// let z = 1e-9;
-    /// assert!((z.minus_ln_1p() - 0.5e-18 * (1.0 - 2e-9 / 3.0)).abs() < 1e-33);
-    /// ```
-    #[inline(always)]
-    fn minus_ln_1p(self) -> Self {
-        // 14 terms reach 1e-17 of the sum at |z| = 0.06; beyond, the direct form has lost less than two digits.
-        let mut sum = self.splat(1.0 / 15.0);
-        for n in (2..15).rev() {
-            sum = (-self).mul_add(sum, self.splat(1.0 / n as f64));
-        }
-        self.abs().select_below(self.splat(0.06), self * self * sum, self - self.ln_1p())
-    }
-    /// Exponential less 1, accurate for small self.
-    fn exp_m1(self) -> Self;
-    /// Absolute value.
-    fn abs(self) -> Self;
-    /// The smaller of two numbers; NaN if one of them is NaN, so that a failure is not lost.
-    fn min(self, other: Self) -> Self;
-    /// `below` where `self < bound`, `otherwise` elsewhere (also where self is NaN).
-    fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
-    /// Calls a function compiled for the instruction set of the lanes. Functions behind a table need it, because their caller cannot
-    /// inline them.
-    #[inline(always)]
-    fn vectorize<T>(self, mut function: impl FnMut() -> T) -> T {
-        function()
-    }
-    /// Eigenvalues and eigenvectors (in columns) of a symmetric tensor: [`eigen`] in every lane.
-    fn eigen(A: &Sym<Self>) -> ([Self; 3], Mat3<Self>);
-}
-
-impl Lane for f64 {
-    #[inline(always)]
-    fn splat(self, constant: f64) -> f64 {
-        constant
-    }
-    #[inline(always)]
-    fn sqrt(self) -> f64 {
-        f64::sqrt(self)
-    }
-    #[inline(always)]
-    fn ln_1p(self) -> f64 {
-        f64::ln_1p(self)
-    }
-    #[inline(always)]
-    fn exp_m1(self) -> f64 {
-        f64::exp_m1(self)
-    }
-    #[inline(always)]
-    fn abs(self) -> f64 {
-        f64::abs(self)
-    }
-    #[inline(always)]
-    fn min(self, other: f64) -> f64 {
-        if self < other || self.is_nan() { self } else { other }
-    }
-    #[inline(always)]
-    fn select_below(self, bound: f64, below: f64, otherwise: f64) -> f64 {
-        if self < bound { below } else { otherwise }
-    }
-    #[inline(always)]
-    fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
-        eigen(A)
-    }
-}
+pub use lane::Lane;
 
 /// Second-order tensor, `[row][column]`.
 ///
@@ -141,7 +38,7 @@ pub type Mat3<L> = [[L; 3]; 3];
 pub type Sym<L> = [L; 6];
 
 /// Derivative of a stress by a strain, `[stress component][strain component]`, in the order of [`Sym`]. As a shear
-/// strain stands for two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
+/// strain represents two tensor components, `dS_a = sum_b D_ab dE_b` runs over *doubled* shears `dE_b`.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -162,7 +59,7 @@ pub const SYM: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0
 /// Component of [`Sym`] at each row and column.
 pub const SYM_INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
-/// Tensor from its components. Spelt out: the compiler does not always unroll `array::map` in a kernel.
+/// Tensor from its components. Written out: the compiler does not always unroll `array::map` in a kernel.
 #[inline(always)]
 pub fn mat3<L>(entry: impl Fn(usize, usize) -> L) -> Mat3<L> {
     [
@@ -340,7 +237,7 @@ pub fn green_lagrange<L: Lane>(G: &Mat3<L>) -> Sym<L> {
     )
 }
 
-/// Symmetric part of `F^T B` with `F = I + G`: the strain rate that goes with the rate `B` of `F`.
+/// Symmetric part of `F^T B` with `F = I + G`: the strain rate of the rate `B` of `F`.
 #[inline(always)]
 pub fn sym_transposed_product<L: Lane>(G: &Mat3<L>, B: &Mat3<L>) -> Sym<L> {
     let column = inlined!(|A: &Mat3<L>, i: usize| [A[0][i], A[1][i], A[2][i]]);
@@ -373,7 +270,7 @@ pub fn identity_plus_times_sym<L: Lane>(G: &Mat3<L>, S: &Sym<L>) -> Mat3<L> {
 /// ```
 #[inline(always)]
 pub fn exp_m1_minus<L: Lane>(x: L) -> L {
-    // 16 terms reach 1e-17 of the sum at |x| = 0.6; beyond, the direct form has lost less than a digit.
+    // 16 terms reach 1e-17 of the sum at |x| = 0.6; beyond, the direct form loses less than a digit.
     let one = x.splat(1.0);
     let mut sum = one;
     for n in (3..18).rev() {
@@ -390,7 +287,7 @@ pub fn exp_m1_minus<L: Lane>(x: L) -> L {
 /// ```
 #[inline(always)]
 pub fn exp_m1_over<L: Lane>(x: L) -> L {
-    // Up to the bound the next term, x/2, is below rounding; it keeps the derivative.
+    // Up to the bound the next term, x/2, is below rounding, but its derivative matters.
     x.abs().select_below(x.splat(1e-17), x.splat(1.0) + x * 0.5, x.exp_m1() / x)
 }
 
@@ -418,7 +315,8 @@ mod tests {
         #[test]
         fn symmetric_forms_agree_with_full_ones(a in prop::array::uniform6(-1.0..1.0f64)) {
             prop_assert!((sym_det(&a) - det(&full(&a))).abs() < 1e-14);
-            let (cofactor, A) = (full(&sym_cofactor(&a)), full(&a));
+            let cofactor = full(&sym_cofactor(&a));
+            let A = full(&a);
             for i in 0..3 {
                 for j in 0..3 {
                     let product: f64 = (0..3).map(|k| A[i][k] * cofactor[k][j]).sum();
@@ -429,7 +327,7 @@ mod tests {
         }
 
         #[test]
-        fn strain_is_that_of_its_definition(g in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64))) {
+        fn strain_matches_its_definition(g in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64))) {
             let mut F = g;
             (0..3).for_each(|i| F[i][i] += 1.0);
             let E = green_lagrange(&g);
@@ -438,7 +336,8 @@ mod tests {
                 prop_assert!((2.0 * E[a] - C + f64::from(u8::from(i == j))).abs() < 1e-14);
             }
             // dE = sym(F^T dF): the strain is quadratic, so its central difference is exact.
-            let (plus, minus) = (add_scaled(&g, 1.0, &F), add_scaled(&g, -1.0, &F));
+            let plus = add_scaled(&g, 1.0, &F);
+            let minus = add_scaled(&g, -1.0, &F);
             let rate = sym_transposed_product(&g, &F);
             for a in 0..6 {
                 let difference = (green_lagrange(&plus)[a] - green_lagrange(&minus)[a]) / 2.0;

@@ -1,4 +1,4 @@
-//! The schemes that other codes use, on the paper's block.
+//! Schemes of other codes, on the paper's block.
 
 use super::study::{Curves, Member, Reference, error_within, study};
 use super::{CONSERVED, Effort, LOST};
@@ -15,7 +15,7 @@ const EXPLICIT: &str = "central-differences";
 pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-large-strain",
-        "What people use today: large strain",
+        "Schemes of other codes: large strain",
         "The block of Fig. 12 until t = 6 with the schemes of other codes, h = 0.04 as there; central differences with h = 0.004, \
         below their critical step.",
     );
@@ -50,7 +50,7 @@ pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 pub fn quasi_rigid(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-quasi-rigid",
-        "What people use today: quasi-rigid motion",
+        "Schemes of other codes: quasi-rigid motion",
         "The stiff block with h = 0.01 while it is loaded, then 0.02. None of them fails, but none keeps the angular momentum of a body that \
         is all but rigid.",
     );
@@ -110,7 +110,7 @@ fn show(item: &mut Item, pictures: &Pictures, flights: &[Flight]) -> Result<(), 
     let energy = |flight: &Flight| Series::line(flight.name, flight.run.history(1.0, |r| r.total_energy));
     let momentum = |flight: &Flight| {
         let first = &flight.free()[0];
-        // The start itself has no change, which a logarithmic axis cannot show.
+        // The start has no change, which a logarithmic axis cannot show.
         let change = flight.run.history(1.0, |r| momentum_change(first, r));
         Series::line(flight.name, change.into_iter().skip(1).collect())
     };
@@ -128,7 +128,7 @@ fn show(item: &mut Item, pictures: &Pictures, flights: &[Flight]) -> Result<(), 
     Ok(())
 }
 
-/// Error over cost, beside the paper's schemes.
+/// Error over cost, compared with the paper's schemes.
 pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let sizes = effort.sizes();
     let names = ["AS(5)", "DGM", "Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"];
@@ -140,7 +140,7 @@ pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let curves = study(&case, (1.0, 2.0), &reference, members, &pictures.folder)?;
     let mut item = Item::new(
         "classic-cost",
-        "What people use today: error over step size and over time",
+        "Schemes of other codes: error over step size and over time",
         "The large-strain block, free flight on 1 < t < 2 from the shared state at t = 1.",
     );
     curves.show_errors(&mut item, pictures, "Error over step size", &[(2, "Bathe", 1)])?;
@@ -166,7 +166,7 @@ pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     Ok(item)
 }
 
-/// Claims about time: what conservation costs at degree 1, and what degree 2 makes of it.
+/// Claims about time: the cost of conservation at degree 1, and the gain at degree 2.
 fn price(item: &mut Item, curves: &Curves) {
     const FAMILY: [&str; 3] = ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)"];
     let last = |scheme, degree| curves.costs(scheme, degree).last().copied().unwrap_or((f64::NAN, f64::NAN));

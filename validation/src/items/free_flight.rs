@@ -8,19 +8,20 @@ use crate::claim::Item;
 use crate::measure::momentum_change;
 use crate::picture::{Pictures, Series};
 
-/// The schemes that keep both, and the largest drift of H: round-off for DGM, what the inner rule leaves for the others.
+/// The schemes that conserve both, and the largest drift of H: round-off for DGM, the error of the inner rule for the
+/// others.
 const CONSERVING: [(&str, f64); 3] = [("DGM", 1e-11), ("AS(8)", CONSERVED), ("AS(5)", LOST)];
 const OTHERS: [&str; 6] =
     ["FE(1)", "FE(5)", "Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"];
 
-/// What is watched of a flight, at every hundredth step.
+/// Observations of a flight, at every hundredth step.
 #[derive(Debug, Default)]
 struct Watch {
     first: Option<Record>,
     /// (step, relative change of H, of L)
     changes: Vec<(f64, f64, f64)>,
     largest: (f64, f64),
-    /// Number of steps that went well.
+    /// Number of successful steps.
     steps: usize,
     failure: Option<String>,
 }
@@ -58,8 +59,8 @@ pub fn free_flight(effort: Effort, pictures: &Pictures) -> Result<Item, String> 
     let mut item = Item::new(
         "free-flight",
         "Beyond the paper: long free flight",
-        "A soft bar of four cells spins, stretches and shears for 100,000 steps of h = 0.04 (2,000 in the quick set): what each scheme makes of \
-        energy and angular momentum, which the physics keeps. Central differences fly as many steps of 0.008, below their critical step.",
+        "A soft bar of four cells spins, stretches and shears for 100,000 steps of h = 0.04 (2,000 in the quick set). The physics \
+        conserves energy and angular momentum; the table shows them for each scheme. Central differences take as many steps of 0.008, below their critical step.",
     );
     let n_steps = if effort.quick { 2_000 } else { 100_000 };
     let names = CONSERVING.iter().map(|(name, _)| *name).chain(OTHERS).chain(["central-differences"]);

@@ -11,7 +11,7 @@ use crate::claim::Item;
 use crate::measure::energy_drift;
 use crate::picture::{Pictures, Series};
 
-/// Seconds a step, and the drift of the energy after the load.
+/// Seconds per step, and the drift of the energy after the load.
 struct Cost {
     seconds: f64,
     drift: f64,
@@ -23,7 +23,7 @@ pub fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String>
     let mut item = Item::new(
         "inner-points",
         "Cost and conservation of AS(N) over N",
-        "Large-strain block until t = 3, one core; the least of several runs, turn about. The inner points cost constitutive calls only.",
+        "Large-strain block until t = 3, one core; the least of several runs in turns. The inner points cost constitutive calls only.",
     );
     let mut names: Vec<String> = (1..=most).map(|n| format!("AS({n})")).collect();
     names.extend(["FE(1)", "FE(5)", "DGM"].map(String::from));
@@ -75,7 +75,7 @@ pub fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String>
     Ok(item)
 }
 
-/// A run with what is built for one thread.
+/// A run, built for one thread.
 fn cost(name: &str) -> Result<Cost, String> {
     let problem = Case::new("inner-points").scheme(name).problem()?;
     let text = |error: emmy::Error| error.to_string();

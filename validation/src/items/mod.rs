@@ -1,4 +1,4 @@
-//! Every item: the table and the figures of the paper, and what stands beside them.
+//! Every item: the table and the figures of the paper, and additional ones.
 
 mod classic;
 mod degrees;
@@ -16,7 +16,7 @@ use crate::measure::{energy_drift, momentum_drift};
 use crate::picture::{Pictures, Series};
 use study::Reference;
 
-/// How much is computed: `quick` for continuous integration, the full set as in the paper.
+/// Extent of the computation: `quick` for continuous integration, the full set as in the paper.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
     /// Coarser references, fewer points, no claims about time.
@@ -29,7 +29,8 @@ impl Effort {
         if self.quick { &[0.04, 0.02, 0.01] } else { &[0.04, 0.02, 0.01, 0.005, 0.0025] }
     }
 
-    /// The paper's reference has steps of 1e-4; a time element of degree 3 with larger ones reaches the same error sooner.
+    /// The paper's reference has steps of 1e-4; a time element of degree 3 with larger ones reaches the same error
+    /// sooner.
     fn reference(self) -> Reference {
         if self.quick { Reference("DGM", 3, 0.005) } else { Reference("DGM", 1, 1e-4) }
     }
@@ -42,7 +43,7 @@ pub struct Entry {
     pub name: &'static str,
     /// Computes the item and writes its pictures.
     pub reproduce: fn(Effort, &Pictures) -> Result<Item, String>,
-    /// Whether times are measured: then nothing else may run beside it.
+    /// Whether times are measured; then nothing else may run at the same time.
     pub timed: bool,
 }
 
@@ -82,7 +83,7 @@ pub const ALL: [Entry; 20] = [
 const CONSERVED: f64 = 1e-9;
 const LOST: f64 = 1e-5;
 
-/// What was lost of the paper's test problem, and how it was completed.
+/// Lost data of the paper's test problem, and their replacement.
 pub const COMPLETED: &str = "The paper's text does not give the mesh, the magnitudes of the load or its peak. Geometry and load vector \
     are those of the group's later public examples of the same block; the peak of 1 at t = 0.5 is chosen because it reproduces what the \
     paper reports of Figs. 7 and 12.";
@@ -92,7 +93,7 @@ fn conserved(item: &mut Item, pictures: &Pictures, name: &str, case: &Case) -> R
     let run = case.run()?;
     let (energy, momentum) = (energy_drift(run.after(1.0)), momentum_drift(run.after(1.0)));
     item.claim(
-        format!("{name} keeps energy and angular momentum whatever the step"),
+        format!("{name} conserves energy and angular momentum at any step size"),
         format!("drift of H {energy:.1e}, of L {momentum:.1e}"),
         run.failure.is_none() && energy < CONSERVED && momentum < CONSERVED,
     );

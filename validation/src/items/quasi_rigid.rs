@@ -126,7 +126,7 @@ pub fn figure_7(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     Ok(item)
 }
 
-/// Fig. 8: AS(1) does not mind changes of step.
+/// Fig. 8: changes of step do not affect AS(1).
 pub fn figure_8(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "figure-8",

@@ -31,7 +31,7 @@ impl Member {
     }
 }
 
-/// What the errors are measured against: scheme, degree, step size.
+/// Reference of the errors: scheme, degree, step size.
 pub struct Reference(pub &'static str, pub usize, pub f64);
 
 /// Rows of every curve.
@@ -41,7 +41,7 @@ pub struct Curves {
     curves: Vec<(Member, Vec<MemberRun>)>,
 }
 
-/// Runs all members from the state that the case reaches at the window's start.
+/// Runs all members from the state of the case at the window's start.
 ///
 /// # Errors
 /// The message of a start, a reference or a member that fails.
@@ -83,7 +83,7 @@ pub fn study(
 /// The paper's studies: free flight on 1 < t < 2, all schemes with the same steps.
 ///
 /// # Errors
-/// Those of [`study`].
+/// As [`study`].
 pub fn of_the_paper(
     file: &'static str,
     schemes: &[&'static str],
@@ -112,7 +112,7 @@ fn samples(
     Ok(samples)
 }
 
-/// Looks on without doing anything.
+/// An observer that does nothing.
 struct Nobody;
 
 impl emmy::motion::Observer for Nobody {
@@ -127,12 +127,12 @@ fn label(scheme: &str, degree: usize) -> String {
 }
 
 impl Curves {
-    /// (step size, error) of the runs of a curve that went to their end.
+    /// (step size, error) of the completed runs of a curve.
     pub fn errors(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
         self.rows(scheme, degree).iter().filter_map(|row| Some((row.step_size, row.error()?))).collect()
     }
 
-    /// Error at one of the step sizes; not a number if that run failed.
+    /// Error at one of the step sizes; NaN if that run failed.
     pub fn error(&self, scheme: &str, degree: usize, size: f64) -> f64 {
         let errors = self.errors(scheme, degree);
         errors.iter().find(|point| point.0 == size).map_or(f64::NAN, |point| point.1)
@@ -148,7 +148,7 @@ impl Curves {
         self.curves.iter().find(|(member, _)| is_it(member)).map_or(&[], |(_, rows)| rows)
     }
 
-    /// Order between the two smallest steps; not a number if there are not two.
+    /// Order between the two smallest steps; NaN if there are not two.
     pub fn order(&self, scheme: &str, degree: usize) -> f64 {
         match self.errors(scheme, degree)[..] {
             [.., coarse, fine] => order(coarse, fine),
@@ -156,7 +156,7 @@ impl Curves {
         }
     }
 
-    /// Error at the smallest step; not a number if there is none.
+    /// Error at the smallest step; NaN if there is none.
     pub fn last(&self, scheme: &str) -> f64 {
         self.errors(scheme, 1).last().map_or(f64::NAN, |(_, error)| *error)
     }
@@ -184,7 +184,7 @@ impl Curves {
         Ok(())
     }
 
-    /// Adds a picture of the errors over the time that a run takes.
+    /// Adds a picture of the errors over the time of the runs.
     ///
     /// # Errors
     /// The message of a picture that cannot be written.
@@ -208,7 +208,7 @@ impl Curves {
         self.curves.iter().map(curve).collect()
     }
 
-    /// Errors: a row a step size, a column a curve.
+    /// Errors: a row per step size, a column per curve.
     fn table(&self) -> Vec<Vec<String>> {
         let mut sizes: Vec<f64> = self.curves.iter().flat_map(|(member, _)| member.sizes.clone()).collect();
         sizes.sort_by(|a, b| b.total_cmp(a));
@@ -227,7 +227,8 @@ impl Curves {
     }
 }
 
-/// Smallest error that a curve (cost, error) reaches at a cost or below, interpolated in logarithms; none if all of it costs more.
+/// Smallest error of a curve (cost, error) at a cost or below, interpolated in logarithms; `None` if all points cost
+/// more.
 pub fn error_within(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
     let mut points = curve.to_vec();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -6,7 +6,8 @@ use crate::claim::Item;
 use crate::measure::{energy_drift, momentum_drift};
 use crate::picture::Pictures;
 
-/// What the paper says of a scheme: whether it keeps angular momentum, energy of St. Venant-Kirchhoff, energy in general.
+/// The paper's statements on a scheme: whether it conserves angular momentum, energy of St. Venant-Kirchhoff, energy in
+/// general.
 const PAPER: [(&str, [bool; 3]); 5] = [
     ("FE(1)", [true, false, false]),
     ("FE(5)", [false, true, true]),

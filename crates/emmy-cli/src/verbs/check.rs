@@ -67,7 +67,8 @@ impl Report {
     fn mesh(&mut self, mesh: &Mesh) {
         let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-        let (nodes, cells) = (mesh.n_nodes(), mesh.n_cells());
+        let nodes = mesh.n_nodes();
+        let cells = mesh.n_cells();
         self.line("mesh", &format!("{nodes} nodes, {cells} cells ({})", kinds.join(", ")));
         let quality = quality(mesh);
         for (name, worst) in [
@@ -93,7 +94,8 @@ impl Report {
 
     fn body(&mut self, problem: &Problem) {
         let body = &problem.body;
-        let (all, free) = (body.n_dofs(), body.n_free_dofs());
+        let all = body.n_dofs();
+        let free = body.n_free_dofs();
         let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
         self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
         self.parts(body);
@@ -148,7 +150,8 @@ impl Report {
 
     fn field(&mut self, field: &InitialVelocity) {
         let group = field.group.as_deref().unwrap_or("all nodes");
-        let (velocity, spin) = (vector(field.velocity), vector(field.angular_velocity));
+        let velocity = vector(field.velocity);
+        let spin = vector(field.angular_velocity);
         let about = vector(field.about);
         self.line("initial", &format!("{group}: velocity {velocity}, angular velocity {spin} about {about}"));
         if field.gradient != [[0.0; 3]; 3] {
@@ -173,7 +176,8 @@ impl Report {
                 let group = body.regions()[region as usize].group.as_deref();
                 format!("{count} {cells} of {}", group.unwrap_or("the body"))
             });
-            let (shares, first) = (shares.collect::<Vec<_>>().join(", "), cells[0]);
+            let shares = shares.collect::<Vec<_>>().join(", ");
+            let first = cells[0];
             self.line("", &format!("{shares}, the first is cell {first}"));
         }
         if parts.len() > MAX_LISTED_PARTS {
@@ -182,7 +186,9 @@ impl Report {
     }
 
     fn region(&mut self, word: &str, group: &str, region: &RegionSummary) {
-        let (volume, mass, centre) = (number(region.volume), number(region.mass), vector(region.centre));
+        let volume = number(region.volume);
+        let mass = number(region.mass);
+        let centre = vector(region.centre);
         let cells = region.n_cells;
         self.line(word, &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"));
         let inertia = without_rounding(region.inertia).map(vector).join(", ");
@@ -190,7 +196,8 @@ impl Report {
     }
 
     fn point_masses(&mut self, group: &str, masses: &RegionSummary) {
-        let (mass, centre) = (number(masses.mass), vector(masses.centre));
+        let mass = number(masses.mass);
+        let centre = vector(masses.centre);
         self.line("mass", &format!("{group}: mass {mass}, centre {centre}"));
     }
 
@@ -201,7 +208,8 @@ impl Report {
         }
         for attraction in &nodal.attractions {
             let group = attraction.group.as_deref().unwrap_or("all nodes");
-            let (centre, strength) = (vector(attraction.centre), number(attraction.strength));
+            let centre = vector(attraction.centre);
+            let strength = number(attraction.strength);
             self.line("load", &format!("{group}: attraction to {centre}, strength {strength}"));
         }
     }
@@ -216,7 +224,8 @@ impl Report {
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
-        let (force, torque) = (vector(resultant.force), vector(resultant.torque));
+        let force = vector(resultant.force);
+        let torque = vector(resultant.torque);
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
         let history = summary(&load.time_function);
         match load.kind.field() {
@@ -233,7 +242,8 @@ impl Report {
         let components = |is_in: &dyn Fn(usize) -> bool| -> Vec<&str> {
             (0..3).filter(|&i| is_in(i)).map(|i| ["x", "y", "z"][i]).collect()
         };
-        let (fixed, moved) = (components(&|i| fix[i]), components(&|i| support.drives(i)));
+        let fixed = components(&|i| fix[i]);
+        let moved = components(&|i| support.drives(i));
         let dofs = n_nodes * (fixed.len() + moved.len());
         let parts = [(fixed, "fixed"), (moved, "driven")];
         let parts = parts.into_iter().filter(|(components, _)| !components.is_empty());
@@ -252,7 +262,8 @@ impl Report {
             self.line("", &format!("released at t = {}", number(time)));
         }
         if let Some(rotation) = &support.rotation {
-            let (axis, about) = (vector(rotation.axis), vector(rotation.about));
+            let axis = vector(rotation.axis);
+            let about = vector(rotation.about);
             self.line(
                 "",
                 &format!("turns about the axis {axis} through {about}: {}", summary(&rotation.angle)),
@@ -263,7 +274,9 @@ impl Report {
     fn time(&mut self, problem: &Problem) {
         let plan = &problem.plan;
         self.line("scheme", &format!("{}, degree {}", problem.scheme.name(), problem.scheme.degree()));
-        let (steps, start, end) = (plan.n_steps(), number(plan.start()), number(plan.end()));
+        let steps = plan.n_steps();
+        let start = number(plan.start());
+        let end = number(plan.end());
         match plan.adaptivity() {
             Some(adaptivity) => self.adaptivity(adaptivity, problem),
             None => {
@@ -274,12 +287,14 @@ impl Report {
             }
         }
         let newton = &problem.newton;
-        let (tolerance, most) = (number(newton.tolerance), newton.max_iterations);
+        let tolerance = number(newton.tolerance);
+        let most = newton.max_iterations;
         self.line("newton", &format!("tolerance {tolerance}, at most {most} iterations a step"));
     }
 
     fn adaptivity(&mut self, adaptivity: &Adaptivity, problem: &Problem) {
-        let (start, end) = (number(problem.plan.start()), number(problem.plan.end()));
+        let start = number(problem.plan.start());
+        let end = number(problem.plan.end());
         let tolerance = number(adaptivity.tolerance);
         self.line(
             "plan",

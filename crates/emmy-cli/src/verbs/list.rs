@@ -1,4 +1,4 @@
-//! `emmy list WHAT`: one item a line, its key word first.
+//! `emmy list WORD`: one item per line, its key word first.
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -16,7 +16,7 @@ use crate::print;
 /// Arguments of the verb.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to list; without it, the words are listed
+    /// List to print; without it, the names of the lists are printed
     what: Option<What>,
     /// As JSON: a list of objects with `name` and `description`
     #[arg(long)]
@@ -31,7 +31,7 @@ enum What {
     Estimators,
     /// Material models
     Materials,
-    /// Elements that a mesh may be made of
+    /// Elements of meshes
     Elements,
     /// Where a mesh may come from
     Meshes,
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
 }
 
-/// Prints what can be listed.
+/// Prints the available lists.
 fn words(as_json: bool) -> Result<(), Failure> {
     let values: Vec<_> = What::value_variants().iter().filter_map(What::to_possible_value).collect();
     let help = |value: &PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();

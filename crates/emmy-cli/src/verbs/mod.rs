@@ -40,29 +40,29 @@ pub enum Verb {
     Run(run::Arguments),
     /// Write report.html of a run again
     ///
-    /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion in three
-    /// dimensions, energies, momenta, balances, and the verdict.
+    /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion
+    /// in three dimensions, energies, momenta, balances, and the verdict.
     Report(report::Arguments),
     /// Resume a run that was stopped or has failed, or extend it
     ///
-    /// The run resumes from the newest complete checkpoint in its directory. Later rows and frames are removed, so that the history is
-    /// the same as without the interruption. Step size, scheme, degree, end, output and limits may change; body, loads and supports
-    /// may not.
+    /// The run resumes from the newest complete checkpoint in its directory. Later rows and frames are removed, so that
+    /// the history is the same as without the interruption. Step size, scheme, degree, end, output and limits may
+    /// change; body, loads and supports may not.
     Resume(resume::Arguments),
     /// Show several runs side by side: a page, charts and a table
     Compare(compare::Arguments),
     /// Measure the error over the step size
     ///
-    /// From --from on, each run has one of the given step sizes instead of the sizes of the plan; before, all runs share the plan and
-    /// the state of the input. The error is the L2 norm, over nodes and time, of the distance from a reference, which is kept in the
-    /// output directory for the next study.
+    /// From --from on, each run has one of the given step sizes instead of the sizes of the plan; before, all runs
+    /// share the plan and the state of the input. The error is the L2 norm, over nodes and time, of the distance from a
+    /// reference, which is kept in the output directory for the next study.
     Converge(converge::Arguments),
     /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print the JSON schema of the input, for completion and checks in an editor
     ///
-    /// `emmy schema > emmy.schema.json`, and as first line of an input `#:schema ./emmy.schema.json`: editors with a TOML language
-    /// server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark errors.
+    /// `emmy schema > emmy.schema.json`, and as first line of an input `#:schema ./emmy.schema.json`: editors with a
+    /// TOML language server (Even Better TOML in VS Code, taplo elsewhere) then complete keys and mark errors.
     Schema,
     /// Print completions for a shell
     Completions(completions::Arguments),
@@ -133,7 +133,7 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
     let advice = "take smaller steps there, adaptive ones, or a table, which is integrated exactly";
     first.map(|first| {
         format!(
-            "warning: {count} planned steps do not resolve what acts on the body, first {first}; {advice}"
+            "warning: {count} planned steps do not resolve the loads and supports, first {first}; {advice}"
         )
     })
 }

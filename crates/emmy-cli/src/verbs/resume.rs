@@ -91,23 +91,13 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Fa
 
 /// Rejects a run that is complete, unless it ended before all its files were written.
 fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> {
-    let (state, directory) = (&checkpoint.snapshot.state, &problem.output.directory);
-    let is_unfinished = || {
-        let text = fs::read_to_string(directory.join("summary.json")).unwrap_or_default();
-        let summary: Value = serde_json::from_str(&text).unwrap_or_default();
-        let is_at_end = problem.plan.end() >= state.time;
-        let has_page = directory.join("report.html").is_file();
-        match summary["status"].as_str() {
-            Some(status) if status == Status::Done.name() => is_at_end && !has_page,
-            // The state exceeds the limit, wherever the plan ends.
-            Some(status) => is_at_end && status != Status::LimitExceeded.name(),
-            None => is_at_end,
-        }
-    };
-    if problem.plan.steps_from(state.time).next().is_some() || is_unfinished() {
+    let state = &checkpoint.snapshot.state;
+    let directory = &problem.output.directory;
+    if problem.plan.steps_from(state.time).next().is_some() || is_unfinished(problem, state.time) {
         return Ok(());
     }
-    let (time, end) = (number(state.time), number(problem.plan.end()));
+    let time = number(state.time);
+    let end = number(problem.plan.end());
     let message =
         format!("the run has already reached t = {time} (step {}); its plan ends at t = {end}", state.step);
     let help = format!(
@@ -117,13 +107,28 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
     Err(usage(message, &help))
 }
 
+/// Whether the run up to a time ended before all its files were written.
+fn is_unfinished(problem: &Problem, time: f64) -> bool {
+    let text = fs::read_to_string(problem.output.directory.join("summary.json")).unwrap_or_default();
+    let summary: Value = serde_json::from_str(&text).unwrap_or_default();
+    let is_at_end = problem.plan.end() >= time;
+    let has_page = problem.output.directory.join("report.html").is_file();
+    match summary["status"].as_str() {
+        Some(status) if status == Status::Done.name() => is_at_end && !has_page,
+        // The state exceeds the limit, wherever the plan ends.
+        Some(status) => is_at_end && status != Status::LimitExceeded.name(),
+        None => is_at_end,
+    }
+}
+
 /// Moves the time to the grid of the plan, and drops the memory of the stepper where it is no longer valid.
 fn settle(problem: &Problem, checkpoint: &mut Checkpoint, identity: &Identity) {
     let keeps_stepper = checkpoint.identity.has_same_stepper(identity);
     let snapshot = &mut checkpoint.snapshot;
     snapshot.state.time = problem.plan.on_grid(snapshot.state.time);
     snapshot.record.time = snapshot.state.time;
-    let (step, time) = (snapshot.state.step, snapshot.state.time);
+    let step = snapshot.state.step;
+    let time = snapshot.state.time;
     checkpoint.frames.iter_mut().filter(|frame| frame.step == step).for_each(|frame| frame.time = time);
     if !keeps_stepper {
         (snapshot.memory, snapshot.control) = (None, None);

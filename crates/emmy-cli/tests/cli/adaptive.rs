@@ -1,4 +1,4 @@
-//! Adaptive steps from outside: input, columns, events, going on.
+//! Adaptive steps from outside: input, columns, events, resumption.
 
 use std::process::Command;
 
@@ -27,14 +27,14 @@ fn sizes_follow_the_error_and_times_are_met() {
     }
     assert!(history["local_error"].iter().all(|error| *error <= 1e-4));
     assert!(history["local_error"][1..].iter().all(|error| *error > 0.0));
-    // The work of the load is the energy that the body has, to the end.
+    // The work of the load equals the energy of the body, to the end.
     let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
     for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
         assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
     }
     let summary = place.summary("out");
     assert!(summary["planned_steps"].is_null() && summary["rejections"].is_u64(), "{summary}");
-    // The resolved input is an input that gives the same run.
+    // The resolved input gives the same run.
     let input = place.read("out/input.toml");
     place.write("again.toml", &input);
     place.succeed(&["run", "again.toml", "--quiet", "--output", "again"]);
@@ -53,14 +53,14 @@ fn degrees_are_chosen_and_told() {
     assert!(changes > 0 && degrees[0] == 1.0 && *degrees.last().unwrap() == 3.0, "{degrees:?}");
     assert_eq!(summary["degree_changes"].as_u64(), Some(changes as u64));
     assert_eq!(place.read("out/events.csv").matches("degree,").count(), changes);
-    // The work of the load is the energy that the body has, to the end.
+    // The work of the load equals the energy of the body, to the end.
     let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
     for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
         assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
     }
     let check = place.succeed(&["check", "box.toml"]).stdout;
     assert!(check.contains("degrees from 1 to 3, chosen by cost"), "{check}");
-    // Less work than with the degree it starts from, in stages of steps.
+    // Less work than with the initial degree, in stages of steps.
     place.succeed(&[
         "run",
         "box.toml",
@@ -79,13 +79,13 @@ fn degrees_are_chosen_and_told() {
 fn planned_steps_are_taken_out_for_adaptive_ones() {
     let place = Place::with(&BOX.replace("AS(2)", "DGM"));
     let adaptive = ["--set", "time.adaptive={ tolerance = 1e-3 }", "--set", "time.until=0.1"];
-    let refused = place.emmy(&[&["check", "box.toml"], &adaptive[..]].concat());
-    assert!(refused.code == 2 && refused.stderr.contains("--set time.steps="), "{}", refused.stderr);
+    let rejected = place.emmy(&[&["check", "box.toml"], &adaptive[..]].concat());
+    assert!(rejected.code == 2 && rejected.stderr.contains("--set time.steps="), "{}", rejected.stderr);
     place.succeed(&[&["run", "box.toml", "--quiet", "--set", "time.steps="], &adaptive[..]].concat());
     assert!(place.history("out").contains_key("local_error"));
 }
 
-/// Times of the frames, as the collection has them.
+/// Times of the frames in the collection.
 fn frame_times(place: &Place, directory: &str) -> Vec<f64> {
     let text = place.read(&format!("{directory}/{directory}.pvd"));
     let parts = text.split("timestep=\"").skip(1);
@@ -104,7 +104,7 @@ fn frames_at_an_interval_are_met_exactly() {
     assert!([0.1, 0.25].iter().all(|kink| history["time"].contains(kink)), "{:?}", history["time"]);
     let check = place.succeed(&["check", "box.toml"]).stdout;
     assert!(check.contains("18 frames, one every 0.03 of time"), "{check}");
-    // The resolved input is an input that gives the same run.
+    // The resolved input gives the same run.
     place.write("again.toml", &place.read("out/input.toml"));
     place.succeed(&["run", "again.toml", "--quiet", "--output", "again"]);
     assert_eq!(frame_times(&place, "again"), expected);
@@ -132,7 +132,7 @@ fn frames_at_an_interval_go_on() {
     assert_eq!(frame_times(&place, "parts"), frames, "the frame at 0.15 is out of turn");
 }
 
-/// Its load has kinks, and no step resolves its highest modes: sizes follow the motion all the same.
+/// Its load has kinks, and no step resolves its highest modes; sizes still follow the motion.
 #[test]
 fn the_papers_block_does_no_step_twice() {
     let place = Place::new();
@@ -146,7 +146,8 @@ fn the_papers_block_does_no_step_twice() {
     assert_eq!(summary["rejections"], 0);
     let sizes = history["step_size"][1..].iter().copied();
     let (least, most) = (sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max));
-    // What the book says: 140 steps, from 2.6e-3 to 0.027. Modes that no step resolves amplify rounding: a few steps more or less.
+    // The book states 140 steps, from 2.6e-3 to 0.027. Unresolved modes amplify rounding, which adds or removes a few
+    // steps.
     let steps = summary["steps"].as_f64().unwrap();
     assert!((steps - 140.0).abs() <= 5.0, "{steps}");
     assert!((least / 2.6e-3 - 1.0).abs() < 0.05 && (most / 0.027 - 1.0).abs() < 0.05, "{least} {most}");
@@ -170,7 +171,7 @@ fn smaller_tolerances_take_more_steps() {
 
 #[cfg(unix)]
 #[test]
-fn a_run_that_is_stopped_and_goes_on_is_the_run_in_one() {
+fn a_resumed_run_equals_the_uninterrupted_one() {
     for (degree, tolerance, frames) in [
         ("1", "1e-12, max_degree = 3", "every = 200"),
         ("1", "1e-8", "every = 200"),
@@ -199,7 +200,7 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_ends_the_run() {
     assert_eq!(place.summary("out")["status"], "no-convergence");
 }
 
-/// Steps of a tenth and their halves: the errors go like h^2, and so do the estimates.
+/// Steps of a tenth, and half as large: errors and estimates are of order h^2.
 #[test]
 fn the_error_at_the_end_is_estimated() {
     let place = Place::with(&BOX.replace("energy = 1e-2", "energy = 1"));

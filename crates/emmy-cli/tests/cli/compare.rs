@@ -40,7 +40,7 @@ fn runs_are_drawn_and_listed_side_by_side() {
     }
     assert_eq!(names.len(), 19);
     assert!(place.read("compare/report.html").contains("<title>conserving, standard</title>"));
-    // Again, into the same place; and as JSON.
+    // Again, to the same place; and as JSON.
     let again = place.succeed(&["compare", "conserving", "--quiet", "--json"]);
     assert!(again.stderr.is_empty());
     let json: serde_json::Value = serde_json::from_str(&again.stdout).unwrap();
@@ -57,7 +57,7 @@ fn runs_of_the_same_name_are_told_apart() {
 }
 
 #[test]
-fn what_is_not_a_run_is_refused() {
+fn other_folders_are_rejected() {
     let place = two_runs();
     place.write("empty/notes.txt", "mine");
     place.write("other/history.csv", "a,b\n1,2\n");

@@ -1,8 +1,8 @@
-//! `emmy converge`: orders, columns, what is kept, what is refused.
+//! `emmy converge`: orders, columns, kept references, rejected options.
 
 use super::{BOX, Outcome, Place};
 
-/// A soft block that is stretched, sheared and turned, so slowly that every mode is resolved by the steps.
+/// A soft block that is stretched, sheared and rotated, so slowly that the steps resolve every mode.
 const SOFT: &str = r#"
 [mesh]
 box = { size = [1, 2, 1], cells = [1, 2, 1] }
@@ -26,7 +26,7 @@ tolerance = 1e-13
 directory = "out"
 "#;
 
-/// Rows of `convergence.csv`: cells as they stand.
+/// Rows of `convergence.csv`, as text cells.
 fn rows(place: &Place, directory: &str) -> Vec<Vec<String>> {
     let text = place.read(&format!("{directory}/convergence.csv"));
     let mut lines = text.lines();
@@ -87,7 +87,7 @@ fn results_do_not_depend_on_the_threads_and_the_shared_start() {
     let [one, three] = ["1", "3"].map(|directory| rows(&place, directory));
     assert_eq!(column(&one, 0), [0.1, 0.2, 0.05]);
     one.iter().zip(&three).for_each(|(a, b)| assert_eq!(a[..3], b[..3]));
-    // Only the steps before --from are those of the input.
+    // Only the steps before --from come from the input.
     let before = [&flags[..], &["--output", "other", "--set", "time.steps.1.size=0.4"]].concat();
     converge(&place, &before);
     assert_eq!(column(&rows(&place, "other"), 1), column(&one, 1));
@@ -130,7 +130,7 @@ fn the_reference_is_kept_and_never_trusted_blindly() {
     // Fewer sizes are served by the same file.
     let some = converge(&place, &["--sizes", "0.1", "--reference", "0.01", "--output", "out", "--json"]);
     assert!(some.stdout.contains("\"kept\":true"), "{}", some.stdout);
-    // Damaged: computed anew, with the same result.
+    // A damaged result is computed again, with the same numbers.
     let mut bytes = std::fs::read(place.path(&file)).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
@@ -139,7 +139,7 @@ fn the_reference_is_kept_and_never_trusted_blindly() {
     assert!(!kept && said.contains("is damaged"), "{said}");
     assert_eq!(errors(&first), errors(&third));
     assert!(study(&[]).0);
-    // What changes the motion has a reference of its own.
+    // A change of the motion needs another reference.
     for more in [["--set", "region.0.density=1.5"], ["--set", "newton.tolerance=1e-12"], ["--to", "0.9"]] {
         assert!(!study(&more).0, "{more:?}");
     }
@@ -197,7 +197,7 @@ fn a_reference_that_does_not_converge_ends_the_study() {
     assert_eq!(place.names("out-convergence"), ["study.toml"]);
 }
 
-/// Arguments after `--sizes 0.2,0.1`, and what the message must say.
+/// Arguments after `--sizes 0.2,0.1`, and the expected parts of the message.
 const BAD: &[(&[&str], &[&str])] = &[
     (&["--sizes", "0"], &["--sizes", "positive"]),
     (&["--sizes=-0.1,0.2"], &["--sizes", "positive"]),

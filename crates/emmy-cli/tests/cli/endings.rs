@@ -1,4 +1,4 @@
-//! How runs end when files, terminals or signals get in their way: no panic, the right exit code, and a summary that says so.
+//! How runs end despite bad files, terminals or signals: no panic, the right exit code, and a true summary.
 #![cfg(unix)]
 
 use std::ffi::OsStr;
@@ -93,9 +93,9 @@ fn results_that_cannot_be_written_end_with_1_and_without_a_reader_with_0() {
     }
 }
 
-/// A run whose reader goes away in the middle of it: `emmy run ... 2>&1 | head -1`.
+/// A run whose reader stops in the middle: `emmy run ... 2>&1 | head -1`.
 #[test]
-fn a_reader_that_goes_away_does_not_end_a_run() {
+fn a_closed_pipe_does_not_end_a_run() {
     let place = Place::with(&even_box(0.5, 0.05));
     let script =
         format!("'{}' run box.toml 2>&1 | head -1; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_emmy"));
@@ -142,7 +142,7 @@ fn paths_that_are_no_text_serve_every_verb() {
     assert!(fs::read_dir(out.join("frames")).unwrap().count() > 2);
 }
 
-/// The run is rejected, and what it would have removed is still there.
+/// The run is rejected, and the files that it would have removed still exist.
 #[track_caller]
 fn assert_kept(place: &Place, arguments: &[&str], file: &str) {
     let before = fs::read(place.path(file)).unwrap();
@@ -181,7 +181,7 @@ fn a_run_does_not_remove_its_own_mesh_or_input() {
     assert_kept(&place, &["deck.toml"], "out/run.log");
     place.write("out/events.csv", BOX);
     assert_kept(&place, &["out/events.csv"], "out/events.csv");
-    // Elsewhere the same inputs run.
+    // In other directories the same inputs run.
     place.succeed(&["run", "frame.toml", "--quiet", "--output", "elsewhere"]);
 }
 
@@ -200,7 +200,7 @@ fn a_frame_that_cannot_be_written_makes_a_run_fail_with_all_its_ends() {
     assert!(log.lines().last().unwrap().starts_with("failed at step"), "{log}");
 }
 
-/// Writes beyond the limit are errors and not the end of the process.
+/// Writes beyond the limit are errors and do not end the process.
 #[test]
 fn a_limit_on_the_size_of_files_is_an_error_as_any() {
     let place = Place::with(&long_box());
@@ -250,11 +250,11 @@ fn no_signal_that_can_be_handled_leaves_a_run_that_runs() {
 }
 
 #[test]
-fn resume_writes_what_a_finished_run_lacks() {
+fn resume_completes_the_files_of_a_finished_run() {
     let place = Place::with(&even_box(0.3, 0.05));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
     place.succeed(&["run", "box.toml", "--quiet"]);
-    // Killed after the last checkpoint, before the page; before the summary; before it said that it was done.
+    // Killed after the last checkpoint, before the page; before the summary; before its status was final.
     let running = place.read("out/summary.json").replace("\"done\"", "\"running\"");
     let spoils: [&dyn Fn(); 3] = [
         &|| fs::remove_file(place.path("out/report.html")).unwrap(),
@@ -296,7 +296,7 @@ fn a_history_with_another_digit_is_not_resumed() {
     assert_eq!(place.history("out")["step"].len(), 11);
 }
 
-/// A collection in a directory whose name has a line feed: it is the directory's own name that readers find.
+/// A collection in a directory whose name has a line feed: readers find the name of the directory itself.
 #[test]
 fn odd_names_of_directories_have_frames_and_pages() {
     for name in ["a\nb", "tab\tbed", "a & <b>"] {
@@ -354,7 +354,7 @@ fn check_tells_of_directories_that_cannot_be_made() {
 
 /// The loaded end moves most, at the last step.
 #[test]
-fn the_largest_displacement_is_that_of_the_loaded_end() {
+fn the_largest_displacement_is_at_the_loaded_end() {
     let corners = ["[0, 2, 0]", "[1, 2, 0]", "[0, 2, 1]", "[1, 2, 1]"];
     let probes: Vec<String> =
         corners.iter().enumerate().map(|(i, at)| format!("{{ name = \"c{i}\", point = {at} }}")).collect();

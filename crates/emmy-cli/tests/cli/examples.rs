@@ -1,5 +1,5 @@
-//! Every example runs as it stands, and a number says that it is right. Some of the numbers come from `examples.py` beside this file, which computes the
-//! same motions on the same meshes without Emmy, with an error in time below their last digit.
+//! Every example runs unchanged, with a number as evidence. Some of the numbers come from `examples.py` beside this
+//! file, which computes the same motions on the same meshes without Emmy, with an error in time below their last digit.
 
 use super::Place;
 
@@ -41,7 +41,7 @@ fn quasi_rigid() {
 #[test]
 fn cantilever() {
     let (_, history) = run("cantilever");
-    // What falls gains what gravity gives: T + V equals the work, all the way.
+    // The falling body gains the work of gravity: T + V equals the work, always.
     for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
         assert!((energy - work).abs() < 1e-8, "{energy} {work}");
     }
@@ -62,14 +62,15 @@ fn spinning_block() {
 #[test]
 fn plane_beam() {
     let (_, history) = run("plane-beam");
-    // From t = 1 on it swings freely, with all the energy that it was given, by more than its thickness.
+    // From t = 1 on it vibrates freely, with all its energy, by more than its thickness.
     let swing = history["time"].iter().position(|&time| time >= 1.0).unwrap();
     let energy = &history["total_energy"][swing..];
     energy.iter().for_each(|&value| close(value, energy[0], 1e-11));
     let (largest, tip) = (0.5, &history["tip_x"][swing..]);
     assert!(tip.iter().any(|&x| x > largest) && tip.iter().any(|&x| x < -largest), "{tip:?}");
-    // A clamped beam's first mode: omega = 1.8751^2 sqrt(E' I / (rho A)) / L^2, E' = E / (1 - nu^2); half a period lies between
-    // the turning points. The linear cells are stiffer than the beam (shear locking), large deflection hardly matters.
+    // A clamped beam's first mode: omega = 1.8751^2 sqrt(E' I / (rho A)) / L^2, E' = E / (1 - nu^2); half a period lies
+    // between the turning points. The linear cells are stiffer than the beam (shear locking); large deflection hardly
+    // matters.
     let crossings: Vec<f64> = (1..tip.len())
         .filter(|&i| (tip[i - 1] > 0.0) != (tip[i] > 0.0))
         .map(|i| {
@@ -89,8 +90,8 @@ fn two_body() {
     for (name, expected) in [("total_energy", 0.75 - 4.0), ("angular_momentum_z", -1.5)] {
         history[name].iter().for_each(|&value| close(value, expected, 1e-12));
     }
-    // Kepler: with mu = 2/3 and g = 6 the semi-axis is a = -g / 2E, the period 2 pi sqrt(mu a^3 / g). The planet starts at its
-    // aphelion, on the negative x axis, and is there again after every period.
+    // Kepler: with mu = 2/3 and g = 6 the semi-axis is a = -g / 2E, the period 2 pi sqrt(mu a^3 / g). The planet starts
+    // at its aphelion, on the negative x axis, and returns there after every period.
     let a = 6.0 / 6.5;
     let period = std::f64::consts::TAU * (2.0 / 3.0 * f64::powi(a, 3) / 6.0).sqrt();
     let (x, y, time) = (&history["planet_x"], &history["planet_y"], &history["time"]);
@@ -102,19 +103,20 @@ fn two_body() {
 #[test]
 fn comet() {
     let (_, history) = run("comet");
-    // a = 1.5/1.9, T = tau sqrt(a^3 mu/g): the nearest distance is a (1 - e), and after each period the comet is where it started.
+    // a = 1.5/1.9, T = tau sqrt(a^3 mu/g): the nearest distance is a (1 - e), and after each period the comet is where
+    // it started.
     let a = 1.5 / 1.9;
     let period = std::f64::consts::TAU * f64::sqrt(a * a * a / 9.0);
     let sizes = &history["step_size"][1..];
     let (least, most) =
         (sizes.iter().copied().fold(f64::INFINITY, f64::min), sizes.iter().copied().fold(0.0, f64::max));
-    // The book's factor.
+    // The factor in the book.
     assert!((60.0..90.0).contains(&(most / least)), "{}", most / least);
     let radius = |i: usize| 1.5 * history["comet_x"][i].hypot(history["comet_y"][i]);
     let nearest = (0..history["time"].len()).map(radius).fold(f64::INFINITY, f64::min);
     assert!((nearest / (0.1 * a) - 1.0).abs() < 0.02, "{nearest}");
     let energy = history["total_energy"][0];
-    // Of the largest T + |V|, forty times the total: what is kept in the difference of the two is kept of them.
+    // Relative to the largest T + |V|, forty times the total: conservation of the difference is limited by its terms.
     let parts = history["kinetic_energy"].iter().zip(&history["strain_energy"]).map(|(t, v)| t + v.abs());
     let largest = parts.fold(0.0, f64::max);
     assert!(history["total_energy"].iter().all(|e| (e - energy).abs() < 1e-11 * largest));
@@ -131,7 +133,8 @@ fn comet() {
 fn struck_block() {
     let (_, history) = run("struck-block");
     let last = history["time"].len() - 1;
-    // The pulse has the impulse 100 * 0.02, along y 20 * 0.02; its drag lets the momentum decay like exp(-t/2), with F a triangle about t = 0.02:
+    // The pulse has the impulse 100 * 0.02, along y 20 * 0.02; its drag lets the momentum decay like exp(-t/2), with F
+    // a triangle about t = 0.02:
     // P(t) = I exp(-(t - 0.02)/2) (sinh(x)/x)^2, x = 0.02/4, which is 1 + 8e-6.
     for (axis, impulse) in [("x", 2.0), ("y", 0.4)] {
         let momentum = history[&format!("linear_momentum_{axis}")][last];
@@ -142,9 +145,9 @@ fn struck_block() {
         let left = history["total_energy"][i] + history["dissipated_energy"][i] - history["external_work"][i];
         assert!(left.abs() < 1e-11 * work, "{left:e}");
     }
-    // In the end what is left is the motion of the whole, T = P^2/(2 m) and a turn that has nothing to brake it but the drag.
+    // In the end only the motion of the whole body is left, T = P^2/(2 m), and a rotation that only the drag brakes.
     assert!(history["dissipated_energy"][last] > 0.9 * work);
-    // The coast takes steps many times as long as those of the pulse, which ends at t = 0.04.
+    // The coast takes steps many times as long as in the pulse, which ends at t = 0.04.
     let in_pulse = (1..=last).filter(|&i| history["time"][i] < 0.041).map(|i| history["step_size"][i]);
     assert!(history["step_size"][last] > 10.0 * in_pulse.fold(0.0, f64::max));
 }
@@ -158,7 +161,8 @@ fn spring_network() {
     for name in ["total_energy", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"] {
         history[name].iter().for_each(|&value| close(value, history[name][0], 1e-11));
     }
-    // L_z = m (x v_y - y v_x) of the four ends in the plane, v = omega x X + gradient X, and of two bars m L^2/12 omega.
+    // L_z = m (x v_y - y v_x) of the four ends in the plane, v = omega x X + gradient X, and of two bars m L^2/12
+    // omega.
     close(history["angular_momentum_z"][0], (0.75 + 3.0 * 0.5) * 2.0 + 2.0 * 0.02 * 4.0 / 12.0 * 2.0, 1e-12);
 }
 
@@ -170,7 +174,8 @@ fn driven_beam() {
     for (energy, work) in energy.iter().zip(work) {
         assert!((energy - work).abs() < 1e-11 * last(&history["total_energy"]), "{energy} {work}");
     }
-    // `examples.py`. As a rigid body it would have the energy m (L^2/3 + a^2/12) omega^2/2 = 342,667; it bends, and swings ahead.
+    // `examples.py`. As a rigid body it would have the energy m (L^2/3 + a^2/12) omega^2/2 = 342,667; it bends, and
+    // swings ahead.
     close(energy[released], 427_374.1, 1e-3);
     for (axis, expected) in [("end_x", -10.97), ("end_y", -7.16)] {
         assert!((last(&history[axis]) - expected).abs() < 0.02 * 10.97, "{axis}: {}", last(&history[axis]));
@@ -188,8 +193,9 @@ fn balloon() {
     for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
         assert!((energy - work).abs() < 1e-11 * largest, "{energy} {work}");
     }
-    // Once the pressure is constant, at t = 0.01, its work is 30000 times the volume swept since. A square membrane that is
-    // blown up to the height w sweeps between a pyramid, L^2 w / 3, and a box, L^2 w; the middle is about the highest point.
+    // Once the pressure is constant, at t = 0.01, its work is 30000 times the volume swept since. An inflated square
+    // membrane of height w sweeps a volume between a pyramid, L^2 w / 3, and a box, L^2 w; its middle is about the
+    // highest point.
     let (time, height) = (&history["time"], &history["middle_z"]);
     let from = time.iter().position(|&t| t >= 0.01 - 1e-9).unwrap();
     let top = (from..time.len()).max_by(|&a, &b| height[a].total_cmp(&height[b])).unwrap();
@@ -201,7 +207,7 @@ fn balloon() {
     close(last(height), 0.073290, 1e-2);
 }
 
-/// Runs an example where it stands, because its mesh lies beside it.
+/// Runs an example in its own folder, because its mesh is there.
 fn run_in_place(name: &str) -> (Place, std::collections::BTreeMap<String, Vec<f64>>) {
     let place = Place::new();
     let file = format!("{}/../../examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -216,8 +222,8 @@ fn tuning_fork() {
     let energy = &history["total_energy"];
     energy.iter().for_each(|&value| close(value, energy[0], 1e-11));
     assert!(place.summary("tuning-fork")["worst_angular_momentum_residual"].as_f64().unwrap() < 1e-13);
-    // A tine is nearly a clamped beam (4 mm thick, 55 mm free): Euler and Bernoulli give it half a period of
-    // pi L^2 / (1.8751^2 h c / sqrt(12)), c^2 = E / rho. The yoke gives way, so the tip is back a little later.
+    // A tine is nearly a clamped beam (4 mm thick, 55 mm free). By Euler and Bernoulli, half a period is pi L^2 /
+    // (1.8751^2 h c / sqrt(12)), c^2 = E / rho. The yoke deforms too, so the tip returns a little later.
     let c = (2.1e5f64 / 7.85e-9).sqrt();
     let half_period = std::f64::consts::PI * 55.0 * 55.0 / (1.8751f64.powi(2) * 4.0 * c / 12f64.sqrt());
     let outside = history["tip_x"].iter().skip(1).take_while(|&&x| x > 7.0).count();
@@ -248,8 +254,9 @@ fn bracket() {
     for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
         assert!((energy - work).abs() < 1e-10 * largest, "{energy} {work}");
     }
-    // The upright, 30 mm wide and 4 mm thick, alone would be a clamped strip: Euler and Bernoulli give it the period
-    // tau L^2 / (1.8751^2 t c / sqrt(12)), c^2 = E / rho. The base between bolts and bend gives way as well, and is about half as long.
+    // The upright alone, 30 mm wide and 4 mm thick, would be a clamped strip. By Euler and Bernoulli, its period is tau
+    // L^2 / (1.8751^2 t c / sqrt(12)), c^2 = E / rho. The base between bolts and bend deforms as well, and is about
+    // half as long.
     let c = (7.0e4f64 / 2.7e-9).sqrt();
     let strip =
         |length: f64| std::f64::consts::TAU * length * length / (1.8751f64.powi(2) * 4.0 * c / 12f64.sqrt());

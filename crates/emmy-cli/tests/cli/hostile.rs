@@ -1,4 +1,4 @@
-//! Inputs that are made to do harm, or do so by accident: what they reach the terminal with, how long they keep the program busy.
+//! Malicious or unlucky inputs: characters that reach the terminal, and time that they keep the program busy.
 
 use std::time::{Duration, Instant};
 
@@ -6,7 +6,7 @@ use super::{BOX, Outcome, Place};
 
 const MESH: &str = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
 
-/// A tetrahedron in the format of Gmsh, its group being called as is said.
+/// A tetrahedron in the format of Gmsh with a group of a given name.
 fn gmsh(group: &str) -> String {
     format!(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"{group}\"\n$EndPhysicalNames\n\
@@ -43,11 +43,11 @@ fn control_characters_reach_neither_the_terminal_nor_the_frames() {
         outcome.stderr
     );
     assert_printable(&place.succeed(&["run", "box.toml"]));
-    // A frame that is no XML could not be read.
+    // An invalid XML frame could not be read.
     let frame = emmy_io::mesh::read(&place.path("out/frames/out_000002.vtu")).unwrap();
     assert_eq!(frame.mesh.groups().cells("a_b").unwrap(), [0]);
     assert!(place.path("out/report.html").exists());
-    // The name as it stands in the file finds the group as well.
+    // The name in the file also finds the group.
     let place = Place::with(&tetrahedron("a\\u001bb"));
     place.write("part.msh", &gmsh("a\u{1b}b"));
     place.succeed(&["check", "box.toml"]);
@@ -83,7 +83,7 @@ fn control_characters_are_escaped_in_every_failure() {
 
 #[cfg(unix)]
 #[test]
-fn special_files_are_refused_at_once() {
+fn special_files_are_rejected_at_once() {
     let place = Place::with(BOX);
     let made = std::process::Command::new("mkfifo").arg(place.path("pipe")).status().unwrap();
     assert!(made.success());
@@ -134,7 +134,7 @@ fn a_mark_in_a_long_line_keeps_its_column() {
 }
 
 #[test]
-fn what_follows_from_the_values_must_be_a_number() {
+fn derived_values_must_be_finite() {
     let velocity = ("velocity = [0, 0, 0]", "velocity = [1e200, 0, 0]");
     for ((from, to), says) in [
         (

@@ -1,4 +1,4 @@
-//! Frames of runs that are killed and resumed: those of a run in one piece, in either format.
+//! Frames of runs that are killed and resumed equal the frames of an uninterrupted run, in either format.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use emmy_io::vtk::SeriesReader;
 use super::Place;
 use super::resume::{even_box, frames, start, wait_for_rows};
 
-/// A box with a frame each step, and checkpoints now and then.
+/// A box with a frame per step, and some checkpoints.
 fn filmed_box(format: &str) -> String {
     let output = format!("every = 1\ncheckpoint_every = 20\nformat = \"{format}\"");
     even_box(1.6, 0.002).replace("every = 2", &output)
@@ -37,7 +37,7 @@ fn a_run_that_is_killed_has_every_frame_once_it_is_resumed() {
             run.wait().unwrap();
             run = start(&place, &["resume", "out"]);
         }
-        // Also while what was there is copied.
+        // Also while the earlier frames are copied.
         std::thread::sleep(Duration::from_millis(30));
         run.kill().unwrap();
         run.wait().unwrap();

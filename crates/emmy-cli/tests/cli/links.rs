@@ -1,4 +1,4 @@
-//! Networks: links, point masses, springs and attraction to the ground from an input, and what is wrong with it.
+//! Networks: links, point masses, springs and attraction to the ground from an input, and their mistakes.
 
 use super::Place;
 
@@ -38,7 +38,7 @@ steps = [{ until = 0.5, size = 0.05 }]
 directory = \"out\"
 ";
 
-/// What is changed, on its line, and what the message must say.
+/// A change of a line, and the expected parts of the message.
 const CASES: &[(&str, &str, &[&str])] = &[
     // The network.
     ("[0, 1], [1, 2]", "[0, 1], [1, 3]", &["no number 3 among the 3 points"]),
@@ -101,14 +101,14 @@ fn every_fault_is_shown_on_its_line() {
         assert!(NETWORK.contains(from), "{from}");
         let input = NETWORK.replacen(from, to, 1);
         let first = NETWORK.lines().zip(input.lines()).position(|(a, b)| a != b).unwrap() + 1;
-        let stderr = refused(&input, says);
-        // Of two loads in one table the first may be the one that is shown.
+        let stderr = rejected(&input, says);
+        // Of two loads in one table, the first may be the one that is shown.
         let lines = (first - 1..=first + to.matches('\n').count()).map(|line| format!("box.toml:{line}:"));
         assert!(lines.into_iter().any(|line| stderr.contains(&line)), "{to}: line {first}\n{stderr}");
     }
 }
 
-fn refused(input: &str, says: &[&str]) -> String {
+fn rejected(input: &str, says: &[&str]) -> String {
     let place = Place::with(input);
     let outcome = place.emmy(&["run", "box.toml"]);
     assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{input}\n{}", outcome.stderr);
@@ -124,7 +124,7 @@ fn materials_and_masses_go_with_their_cells() {
         "material.bar = { youngs_modulus = 100.0, area = 0.5 }",
         "material.neo-hooke = { lambda = 1, mu = 1 }",
     );
-    refused(&rubber, &["cell 1 is a line2", "not for this material", "`bar`, `spring` or `attraction`"]);
+    rejected(&rubber, &["cell 1 is a line2", "not for this material", "`bar`, `spring` or `attraction`"]);
     let light = NETWORK.replace("group = \"rest\"", "group = \"links\"").replacen(
         "[[region]]\ngroup = \"first\"\n",
         "",
@@ -134,7 +134,7 @@ fn materials_and_masses_go_with_their_cells() {
         "density = 0.1\nmaterial.bar = { youngs_modulus = 100.0, area = 0.5 }",
         "material.attraction = { strength = 1.0 }",
     );
-    refused(&light, &["node 0 at [0, 0, 0] has no mass", "give it a point mass"]);
+    rejected(&light, &["node 0 at [0, 0, 0] has no mass", "give it a point mass"]);
 }
 
 #[test]
@@ -149,11 +149,11 @@ fn a_network_on_the_ground_keeps_its_balances() {
             history[column]
         );
     }
-    // At rest it begins to fall towards the centre, and its energy stays that of the start.
+    // From rest it begins to fall towards the centre, and its energy is conserved.
     let energy = &history["total_energy"];
     assert!(energy.iter().all(|e| (e - energy[0]).abs() < 1e-12));
     assert!(history["linear_momentum_x"][10].abs() > 0.01);
-    // What holds is written down, and gives the same run.
+    // The resolved input gives the same run.
     place.succeed(&["run", "out/input.toml", "--quiet", "--output", "again"]);
     assert_eq!(place.history("again")["total_energy"], history["total_energy"]);
     let report = place.succeed(&["check", "box.toml"]).stdout;
@@ -164,7 +164,7 @@ fn a_network_on_the_ground_keeps_its_balances() {
     }
 }
 
-/// Frames of a network are mesh files: their lines are cells where a region of links names their group.
+/// Frames of a network are mesh files: their lines are cells if a region of links names their group.
 #[test]
 fn a_frame_is_a_network_again() {
     let place = Place::with(NETWORK);

@@ -1,17 +1,17 @@
 //! Every listing of README.md, CONTRIBUTING.md, `docs` and `book` is run, or is a part of a file that is tested.
 //!
-//! The listings of a page are a session in one folder. The words behind the three backticks say what becomes of each:
+//! The listings of a page are a session in one folder. The words after the three backticks select the test:
 //!
 //! | listing | test |
 //! |---|---|
 //! | `toml NAME` | written to NAME, for the commands below it |
-//! | `toml` | parts of an input: with them in the place of its own, a small input passes `emmy check` |
-//! | `sh`, `sh exit N` | the commands of `emmy` are run; those of cargo name packages and tests that exist |
-//! | `text output` | lines of what the last commands printed, but for numbers; `...` stands for any others |
-//! | `rust FILE`, `python FILE`, `geo FILE` | lines of FILE, which a test of its own runs |
-//! | `text FILE` | what the Python program FILE prints, for `tests/pyvista/frames.py` |
+//! | `toml` | parts of an input: a small input with them passes `emmy check` |
+//! | `sh`, `sh exit N` | the commands of `emmy` are run; commands of cargo must name existing packages and tests |
+//! | `text output` | lines of the last output, except for numbers; `...` stands for any others |
+//! | `rust FILE`, `python FILE`, `geo FILE` | lines of FILE, which another test runs |
+//! | `text FILE` | output of the Python program FILE, for `tests/pyvista/frames.py` |
 //!
-//! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes into the pages what the commands print.
+//! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes the present output into the pages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ use super::{BOX, Place};
 /// Pages whose listings are tested elsewhere (`tests/editor/taplo.py`), or are computed (`validation/tests/book.rs`).
 const ELSEWHERE: [&str; 2] = ["docs/editors.md", "book/src/paper"];
 
-/// Programs that a page may name and this test does not start.
+/// Programs in the pages that this test does not start.
 const OTHERS: [&str; 13] = [
     "cargo",
     "just",
@@ -64,11 +64,11 @@ fn pages() -> Vec<String> {
     pages
 }
 
-/// A listing: the words of its first line, and its text with files that it includes.
+/// A listing: the words of its first line, and its text with included files.
 struct Listing {
     words: Vec<String>,
     text: String,
-    /// Place of the text in the page.
+    /// Position of the text in the page.
     place: std::ops::Range<usize>,
 }
 
@@ -94,7 +94,7 @@ fn with_includes(page: &str, text: &str) -> String {
     text.lines().map(include).collect()
 }
 
-/// A page that is gone through, with the folder in which its commands run.
+/// A page in the test, with the folder for its commands.
 struct Session<'a> {
     page: &'a str,
     place: Place,
@@ -111,7 +111,7 @@ impl<'a> Session<'a> {
         Session { page, place, output: String::new() }
     }
 
-    /// Runs a listing; returns the text that belongs in its place where it shows output.
+    /// Runs a listing; returns its new text if it shows output.
     fn run(&mut self, listing: &Listing) -> Option<String> {
         let words: Vec<&str> = listing.words.iter().map(String::as_str).collect();
         match words[..] {
@@ -129,12 +129,12 @@ impl<'a> Session<'a> {
         None
     }
 
-    /// Puts parts of an input into a small one.
+    /// Inserts parts of an input into a small one.
     fn check_parts(&self, text: &str) {
         if let Ok(parts) = text.parse::<toml::Table>() {
             return self.check(parts);
         }
-        // Lines that do not go together are alternatives.
+        // Incompatible lines are alternatives.
         text.lines().filter(|line| !line.is_empty()).for_each(|line| self.check(line.parse().unwrap()));
     }
 
@@ -180,7 +180,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Exit code, and what was printed.
+    /// Exit code and output.
     fn shell(&self, command: &str) -> (i32, String) {
         let binary = Path::new(env!("CARGO_BIN_EXE_emmy")).parent().unwrap();
         let path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
@@ -195,7 +195,7 @@ impl<'a> Session<'a> {
         (output.status.code().unwrap(), text(output.stdout) + &text(output.stderr))
     }
 
-    /// The shown lines of an output as they are now.
+    /// The shown lines of an output with their present text.
     fn shown(&self, shown: &str) -> String {
         let mut lines = self.output.lines().map(str::trim_end);
         let now = shown.lines().map(|line| match line {
@@ -282,7 +282,7 @@ fn links_lead_to_files() {
     }
 }
 
-/// `cargo test -p PACKAGE --test TARGET FILTER` names what exists.
+/// `cargo test -p PACKAGE --test TARGET FILTER` names an existing test.
 #[test]
 fn commands_of_cargo_name_tests_that_exist() {
     let command = Regex::new(r"cargo test [^`\n#|(;]*").unwrap();

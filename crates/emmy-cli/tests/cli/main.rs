@@ -26,7 +26,7 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// A small box that runs in no time, with every section.
+/// A small box that runs very fast, with every section.
 const BOX: &str = r#"title = "box"
 
 [mesh]
@@ -70,12 +70,12 @@ probes = [{ name = "tip", point = [0, 2, 0] }]
 energy = 1e-2
 "#;
 
-/// A directory of its own to run in.
+/// A directory for the files of a test.
 struct Place {
     directory: TempDir,
 }
 
-/// What a run of the binary left.
+/// Result of a call of the binary.
 #[derive(Debug)]
 struct Outcome {
     code: i32,

@@ -1,10 +1,10 @@
-//! Materials of the input: each one runs, and is written down whole.
+//! Materials of the input: each one runs, and appears in the resolved input.
 
 use super::{BOX, Place};
 
 const MATERIAL: &str = "material.neo-hooke = { lambda = 1000.0, mu = 500.0 }";
 
-/// Every model with good parameters.
+/// Every model with valid parameters.
 const GOOD: [&str; 12] = [
     "saint-venant-kirchhoff = { lambda = 1000.0, mu = 500.0 }",
     "neo-hooke = { lambda = 1000.0, mu = 500.0 }",
@@ -23,13 +23,13 @@ const GOOD: [&str; 12] = [
      bulk_modulus = 1e3, volumetric = 'simo-taylor' }",
 ];
 
-/// The good parameters of a model.
+/// The valid parameters of a model.
 pub(crate) fn good(model: &str) -> &'static str {
     let is_model = |text: &&str| text.split(' ').next() == Some(model);
     GOOD.into_iter().find(is_model).unwrap_or_else(|| panic!("no model {model}"))
 }
 
-/// [`BOX`] of another material.
+/// [`BOX`] with another material.
 fn with_material(material: &str) -> String {
     BOX.replacen(MATERIAL, &format!("material.{material}"), 1)
 }
@@ -39,7 +39,7 @@ fn every_model_runs_with_good_parameters() {
     for material in GOOD {
         let place = Place::with(&with_material(material));
         place.succeed(&["run", "box.toml", "--quiet"]);
-        // What holds is written down, and gives the same run.
+        // The resolved input gives the same run.
         place.succeed(&["run", "out/input.toml", "--quiet", "--output", "again"]);
         assert_eq!(
             place.history("out")["total_energy"],

@@ -2,7 +2,7 @@
 
 use super::{BOX, Place};
 
-/// What stands in the page as JSON.
+/// JSON data in the page.
 fn manifest(place: &Place, page: &str) -> serde_json::Value {
     let page = place.read(page);
     let text = page.split_once("id=\"manifest\">").unwrap().1;
@@ -26,12 +26,12 @@ fn the_page_has_the_summary_digit_for_digit_and_the_loaded_interval() {
 }
 
 #[test]
-fn a_page_is_made_anew_from_the_directory_alone() {
+fn a_page_is_written_again_from_the_directory_alone() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
     let mut expected = manifest(&place, "out/report.html");
     std::fs::remove_file(place.path("out/report.html")).unwrap();
-    // The directory may be somewhere else by now.
+    // The directory may have been moved.
     std::fs::rename(place.path("out"), place.path("moved")).unwrap();
     let outcome = place.succeed(&["report", "moved"]);
     assert_eq!(outcome.stdout, "moved/report.html\n");
@@ -39,7 +39,7 @@ fn a_page_is_made_anew_from_the_directory_alone() {
     assert_eq!(manifest(&place, "moved/report.html"), expected);
 }
 
-/// The surface, its motion and its colours are the same numbers, whatever the form of the frames.
+/// Surface, motion and colours have the same numbers for all formats of the frames.
 #[test]
 fn frames_in_one_file_are_seen_as_those_in_many() {
     let place = Place::with(BOX);
@@ -50,11 +50,11 @@ fn frames_in_one_file_are_seen_as_those_in_many() {
     assert!(one["files"].as_array().unwrap().contains(&"one.vtkhdf".into()));
     assert_eq!(one["frames"], many["frames"]);
     assert!(one["frames"]["fields"].as_array().unwrap().len() > 3, "{}", one["frames"]);
-    // Where the history ends and frames begin depends on nothing but their numbers.
+    // The boundary between history and frames depends only on their numbers.
     assert_eq!(one["arrays"], many["arrays"]);
 }
 
-/// A run that was killed leaves a frame that is not listed, and half a row.
+/// A killed run leaves a frame that is not listed, and half a row.
 #[test]
 fn a_run_that_is_going_on_has_a_page() {
     let place = Place::with(BOX);
@@ -72,7 +72,7 @@ fn a_run_that_is_going_on_has_a_page() {
 }
 
 #[test]
-fn what_is_not_a_run_gets_no_page() {
+fn other_folders_get_no_page() {
     let place = Place::with(BOX);
     std::fs::create_dir(place.path("mine")).unwrap();
     std::fs::write(place.path("mine/input.toml"), "title = 1").unwrap();

@@ -1,4 +1,4 @@
-//! What a run writes.
+//! Files of a run.
 
 use super::{BOX, Place};
 
@@ -63,7 +63,7 @@ fn newton_and_determinants_are_recorded() {
 }
 
 #[test]
-fn the_summary_says_what_ran() {
+fn the_summary_describes_the_run() {
     let place = Place::with(BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
     let summary = place.summary("out");

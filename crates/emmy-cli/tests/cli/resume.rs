@@ -1,4 +1,4 @@
-//! `emmy resume`: a run that was stopped, killed or has ended goes on as if it had never been.
+//! `emmy resume`: a stopped, killed or finished run continues as if uninterrupted.
 
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -22,7 +22,7 @@ pub fn long_box() -> String {
     even_box(4.0, 0.002).replace("every = 2", "every = 500\ncheckpoint_every = 20")
 }
 
-/// The rows of a history without the last of the columns that every history has, `wall_seconds`.
+/// The rows of a history without the last column of every history, `wall_seconds`.
 fn rows(place: &Place, directory: &str) -> Vec<String> {
     let text = place.read(&format!("{directory}/history.csv"));
     let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
@@ -50,7 +50,7 @@ pub fn frames(place: &Place, directory: &str) -> Vec<String> {
 
 #[test]
 fn a_run_in_two_parts_is_the_run_in_one() {
-    // 0.3 is not 3 times 0.1 in floating point: the plan that ends there has another time than the one that does not.
+    // 0.3 is not 3 times 0.1 in floating point: a plan that ends there has another time than a longer plan.
     for (scheme, degree, size) in [("AS(2)", 1, 0.05), ("DGM", 2, 0.1), ("Newmark(0.25, 0.5)", 1, 0.05)] {
         let input =
             even_box(1.0, size).replace("AS(2)", scheme).replace("degree = 1", &format!("degree = {degree}"));
@@ -82,14 +82,14 @@ fn a_body_force_by_expression_goes_on() {
 }
 
 #[test]
-fn a_series_of_frames_goes_on() {
+fn a_series_of_frames_is_resumed() {
     let place = Place::with(&even_box(0.4, 0.05).replace("every = 2", "every = 2\nformat = \"vtkhdf\""));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
     place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.15"]);
     place.succeed(&["resume", "parts", "--quiet", "--until", "0.4"]);
     let open = |name: &str| SeriesReader::open(&place.path(&format!("{name}/{name}.vtkhdf"))).unwrap();
     let (whole, parts) = (open("whole"), open("parts"));
-    // The last frame of the first part, of step 3, was out of turn.
+    // The last frame of the first part, of step 3, was additional.
     assert_eq!((parts.times(), parts.times().len()), (whole.times(), 5));
     assert_eq!(parts.fields(), whole.fields());
     for (frame, field) in (0..5).flat_map(|frame| whole.fields().into_iter().map(move |field| (frame, field)))
@@ -115,10 +115,10 @@ fn step_scheme_degree_and_output_may_change() {
     place.succeed(&[&["resume", "out", "--quiet", "--until", "0.7"][..], &changes].concat());
     let summary = place.summary("out");
     assert_eq!((summary["scheme"].as_str(), summary["steps"].as_u64()), (Some("DGM"), Some(10)));
-    // The input that is left holds for what was done: the sizes of all parts.
+    // The resolved input describes the steps done: the sizes of all parts.
     let input = place.read("out/input.toml");
     assert!(input.contains("{ until = 0.3, size = 0.05 }, { until = 0.7, size = 0.1 }"), "{input}");
-    // Without a load the energy of the state is kept, whatever comes next: here the balance of every step closes.
+    // Without a load, the energy of the state is conserved in the future: here the balance of every step closes.
     let history = place.history("out");
     let largest = history["total_energy"].iter().copied().fold(0.0, f64::max);
     assert!(history["energy_residual"][9..].iter().all(|residual| residual.abs() < 1e-12 * largest));
@@ -180,8 +180,8 @@ fn signals_stop_a_run_at_the_end_of_a_step() {
     }
 }
 
-/// Kills a run, and what goes on with it, at moments that differ; after each the directory is readable and the run goes on to the
-/// history of one that was never killed. Returns how often it was killed before the first checkpoint, and after.
+/// Kills a run and its continuations at different moments. After each kill the directory is readable, and the run
+/// reaches the history of an uninterrupted run. Returns the number of kills before the first checkpoint, and after.
 fn kill_again_and_again(times: u64) -> [usize; 2] {
     let place = Place::with(&long_box());
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
@@ -199,7 +199,7 @@ fn kill_again_and_again(times: u64) -> [usize; 2] {
         let has_checkpoint = place.path("out/checkpoint/a.checkpoint").exists();
         killed[usize::from(has_checkpoint)] += 1;
         if has_checkpoint {
-            // Nothing that a reader would trip over: the last row may be cut short, no other, and every frame is whole.
+            // Valid for any reader: only the last row may be incomplete, and every frame is complete.
             assert!(History::read(&place.path("out/history.csv")).unwrap().n_rows() > 0);
             for frame in frames(&place, "out") {
                 let file = frame.split("file=\"").nth(1).unwrap().split('"').next().unwrap();
@@ -227,13 +227,13 @@ fn kill_again_and_again(times: u64) -> [usize; 2] {
 }
 
 #[test]
-fn a_run_that_is_killed_goes_on() {
+fn a_killed_run_is_resumed() {
     kill_again_and_again(10);
 }
 
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
-fn a_run_that_is_killed_two_hundred_times_goes_on() {
+fn a_run_killed_two_hundred_times_is_resumed() {
     let [early, late] = kill_again_and_again(200);
     println!(
         "killed {early} times before the first checkpoint, {late} times after; every history was that of the whole run"
@@ -245,7 +245,7 @@ fn a_run_that_is_killed_two_hundred_times_goes_on() {
 fn a_disk_that_is_full_leaves_whole_rows() {
     let place = Place::with(&long_box().replace("until = 4.0", "until = 1.0"));
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
-    // A limit on the size of files is a full disk to a program that does not mind the signal of it.
+    // To a program that handles its signal, a limit on the size of files is a full disk.
     let script =
         format!("trap '' XFSZ; ulimit -f 100; exec '{}' run box.toml --quiet", env!("CARGO_BIN_EXE_emmy"));
     let output = Command::new("sh").args(["-c", &script]).current_dir(place.path("")).output().unwrap();
@@ -269,7 +269,7 @@ fn walk(directory: &std::path::Path) -> Vec<String> {
     entries.flat_map(below).collect()
 }
 
-/// A soft box that starts with velocities so large that cells are turned inside out at h = 0.5.
+/// A soft box with initial velocities so large that cells are inverted at h = 0.5.
 const VIOLENT: &str = "mesh.box = { size = [1, 2, 1], cells = [1, 2, 1] }\n\
     region = { density = 1.0, material.neo-hooke = { lambda = 10.0, mu = 5.0 } }\n\
     initial = { gradient = [[0.0, 9.0, 0.0], [-3.0, -6.0, 0.0], [0.0, 0.0, 5.0]], about = [0.5, 1.0, 0.5] }\n\
@@ -312,7 +312,7 @@ fn cuts_end_at_the_smallest_step_with_3() {
     {
         assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
     }
-    // What was reached is a state to go on from, with other settings.
+    // The run can be resumed from the last state with other settings.
     place.succeed(&[
         "resume",
         "box",

@@ -91,7 +91,7 @@ fn damaged_checkpoints_are_not_used() {
     place.succeed(&["run", "box.toml", "--quiet", "--output", "whole", "--until", "0.5"]);
     place.succeed(&["run", "box.toml", "--quiet"]);
     assert_eq!(place.names("out/checkpoint"), ["a.checkpoint", "b.checkpoint"]);
-    // The newer one is of step 6, the older one of the last step that waited for the disk. A bit of the newer one falls over.
+    // The newer one is of step 6, the older one of the last synced step. A bit of the newer one is flipped.
     let file = |name: &str| place.path(&format!("out/checkpoint/{name}.checkpoint"));
     let step = |name: &str| parse(&std::fs::read(file(name)).unwrap()).unwrap().snapshot.state.step;
     let (newer, older) = if step("a") > step("b") { ("a", "b") } else { ("b", "a") };

@@ -1,4 +1,4 @@
-//! `emmy run`: how it ends, and what it may write to.
+//! `emmy run`: its endings, and the directories it may write to.
 
 use super::{BOX, Place};
 
@@ -35,7 +35,7 @@ fn json_has_one_object_a_step_and_the_summary() {
 
 #[test]
 fn a_step_that_does_not_converge_ends_with_3_and_leaves_the_last_good_state() {
-    // Nothing acts before t = 0.2; the first step that has anything to solve is the third.
+    // Nothing acts before t = 0.2; the third step is the first with a system to solve.
     let input = BOX
         .replace("[[0.0, 0.0], [0.5, 1.0]]", "[[0.2, 0.0], [0.2, 1.0]]")
         .replace("max_iterations = 20", "max_iterations = 1")
@@ -88,11 +88,11 @@ fn an_earlier_run_is_replaced_and_foreign_files_stay() {
     place.succeed(&["run", "box.toml", "--quiet"]);
     place.write("out/notes.txt", "mine");
     place.succeed(&["run", "box.toml", "--quiet", "--until", "0.1"]);
-    // The last state is a frame although one step is no multiple of `every`.
+    // The last state is a frame although its step is not a multiple of `every`.
     assert_eq!(place.names("out/frames"), ["out_000000.vtu", "out_000001.vtu"]);
     assert_eq!(place.history("out")["step"].len(), 2);
     assert_eq!(place.read("out/notes.txt"), "mine");
-    // Bad input leaves the earlier run as it is.
+    // Bad input leaves the earlier run unchanged.
     let before = place.read("out/history.csv");
     assert_eq!(place.emmy(&["run", "box.toml", "--set", "time.scheme=FE(0)"]).code, 2);
     assert_eq!(place.read("out/history.csv"), before);

@@ -1,4 +1,4 @@
-//! Folders and files that the system keeps from us: exit code 2, a message that says why, and nothing half-written.
+//! Protected folders and files: exit code 2, a message with the reason, and nothing half-written.
 #![cfg(unix)]
 
 use std::fs::{self, Permissions};
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use super::{BOX, Outcome, Place, names};
 
-/// A user without rights of its own, under whom the binary runs where the tests run as root: root may write everywhere.
+/// A user without privileges, for tests that run as root: root may write everywhere.
 const NOBODY: u32 = 65534;
 
 impl Place {
@@ -32,9 +32,9 @@ impl Place {
     }
 }
 
-/// Refused with these words, in a folder that is as it was.
+/// Checks a rejection with these words, which leaves the folder unchanged.
 #[track_caller]
-fn refused(place: &Place, arguments: &[&str], says: &[&str]) {
+fn rejected(place: &Place, arguments: &[&str], says: &[&str]) {
     let before = names(&place.path(""));
     let outcome = place.emmy_without_rights(arguments);
     assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{}", outcome.stderr);
@@ -48,11 +48,11 @@ fn refused(place: &Place, arguments: &[&str], says: &[&str]) {
 fn a_folder_in_which_nothing_may_be_made() {
     let place = Place::with(BOX);
     place.permit("", 0o555);
-    refused(&place, &["run", "box.toml"], &["cannot write to out"]);
-    refused(&place, &["new", "l-block"], &["cannot write l-block.toml"]);
+    rejected(&place, &["run", "box.toml"], &["cannot write to out"]);
+    rejected(&place, &["new", "l-block"], &["cannot write l-block.toml"]);
     let sizes = ["converge", "box.toml", "--sizes", "0.1,0.05", "--output", "study"];
-    refused(&place, &sizes, &["cannot write to study"]);
-    // Reading is all that `check` does.
+    rejected(&place, &sizes, &["cannot write to study"]);
+    // `check` only reads.
     assert_eq!(place.emmy_without_rights(&["check", "box.toml"]).code, 0);
 }
 
@@ -62,7 +62,7 @@ fn an_empty_output_directory_of_somebody_else() {
     fs::create_dir(place.path("out")).unwrap();
     place.permit("out", 0o555);
     place.permit("", 0o777);
-    refused(&place, &["run", "box.toml"], &["cannot write to out"]);
+    rejected(&place, &["run", "box.toml"], &["cannot write to out"]);
     assert!(names(&place.path("out")).is_empty());
 }
 
@@ -74,7 +74,7 @@ fn an_earlier_run_that_may_not_be_replaced_stays_whole() {
     let before = files.clone().map(|file| place.read(&file));
     place.permit("out", 0o555);
     place.permit("", 0o777);
-    refused(&place, &["run", "box.toml", "--set", "time.scheme=DGM"], &["cannot write to out"]);
+    rejected(&place, &["run", "box.toml", "--set", "time.scheme=DGM"], &["cannot write to out"]);
     assert_eq!(files.map(|file| place.read(&file)), before);
 }
 
@@ -83,12 +83,12 @@ fn files_that_may_not_be_read() {
     let place = Place::with(BOX);
     place.permit("", 0o777);
     place.permit("box.toml", 0o000);
-    refused(&place, &["run", "box.toml"], &["cannot read box.toml"]);
+    rejected(&place, &["run", "box.toml"], &["cannot read box.toml"]);
 
     let mesh = "box = { size = [1, 2, 1], cells = [1, 2, 1] }";
     place.permit("box.toml", 0o644);
     place.write("box.toml", &BOX.replacen(mesh, "file = \"part.msh\"", 1));
     place.write("part.msh", "$MeshFormat\n");
     place.permit("part.msh", 0o000);
-    refused(&place, &["run", "box.toml"], &["part.msh: cannot be read"]);
+    rejected(&place, &["run", "box.toml"], &["part.msh: cannot be read"]);
 }

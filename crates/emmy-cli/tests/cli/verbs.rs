@@ -85,7 +85,7 @@ fn symmetry_fixes_the_normal_component_of_its_plane() {
     assert!(report.contains("floor: z fixed, 3 degrees of freedom"), "{report}");
 }
 
-/// Two unit cubes side by side that have no node in common, and one node of no cell.
+/// Two unit cubes side by side without a common node, and one node without a cell.
 const CUBES: &str = "*Node\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
                      11,1,0,0\n12,2,0,0\n13,2,1,0\n14,1,1,0\n15,1,0,1\n16,2,0,1\n17,2,1,1\n18,1,1,1\n99,9,9,9\n\
                      *Element, type=C3D8, elset=steel\n7, 1,2,3,4,5,6,7,8\n\

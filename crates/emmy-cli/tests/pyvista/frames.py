@@ -64,7 +64,7 @@ def expected(t, points):
     second = J * np.linalg.inv(F) @ cauchy @ np.linalg.inv(F).T
     deviator = cauchy - np.trace(cauchy) / 3 * np.eye(3)
     energy = MU / 2 * (np.trace(C) - 3) - MU * np.log(J) + LAMBDA / 2 * np.log(J) ** 2
-    # The block starts from rest, and its velocity is that of its faces from then on.
+    # The block starts from rest, and then has the velocity of its faces.
     velocity = points @ rate.T
     return {
         "displacement": t * points @ rate.T,

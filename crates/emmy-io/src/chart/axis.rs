@@ -33,7 +33,8 @@ impl Ruler {
             Scale::Linear => (0.01 * low.abs().max(high.abs())).max(1e-300),
             Scale::Log => 0.3,
         };
-        let (middle, span) = (0.5 * low + 0.5 * high, (high - low).max(least));
+        let middle = 0.5 * low + 0.5 * high;
+        let span = (high - low).max(least);
         let half = if high - low < least { (0.5 + room.max(0.06)) * span } else { (0.5 + room) * span };
         bare.with_range(middle - half, middle + half, is_whole)
     }

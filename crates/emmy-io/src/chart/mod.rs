@@ -1,7 +1,7 @@
 //! Charts: lines and points over linear or logarithmic axes, as SVG and PNG.
 //!
-//! A [`Chart`] is data, which plotters lays out. The colours of Okabe and Ito (2008) can be distinguished by colour-blind readers;
-//! points also differ in shape.
+//! A [`Chart`] is data, which plotters lays out. The colours of Okabe and Ito (2008) can be distinguished by
+//! colour-blind readers; points also differ in shape.
 
 mod axis;
 mod panel;
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn both_files_are_written_whatever_the_values() {
+    fn both_files_are_written_for_any_values() {
         let temp = tempfile::tempdir().unwrap();
         let log = || Axis::log("x");
         let linear = || Axis::linear("x");

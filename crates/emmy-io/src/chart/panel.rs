@@ -64,7 +64,8 @@ impl<'a> Legend<'a> {
 
     /// Draws the legend with its rows centred.
     pub(super) fn draw(&self, area: &Area<'_>) -> Drawn {
-        let (sample, gap) = (units(SAMPLE), units(8.0));
+        let sample = units(SAMPLE);
+        let gap = units(8.0);
         for (i, row) in self.rows.iter().enumerate() {
             let whole: i32 = row.iter().map(|(_, own)| own).sum();
             let mut x = ((area.dim_in_pixel().0 as i32 - whole) / 2).max(gap);

@@ -73,8 +73,8 @@ impl Identity {
         Ok(())
     }
 
-    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and linear solver are the
-    /// same.
+    /// Whether the memory of the stepper is still valid: scheme, degree, error estimator, limits of the degree and
+    /// linear solver are the same.
     pub fn has_same_stepper(&self, now: &Identity) -> bool {
         let of = |text: &str| {
             let table = text.parse::<toml::Table>().unwrap_or_default();
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_change_and_what_may_not() {
+    fn changes_that_are_allowed_and_changes_that_are_not() {
         let old = "mesh = { file = '/a/m.msh', scale = 1.0 }\n[[load]]\ntraction = [1, 2, 3]\n[time]\nscheme = 'DGM'\ndegree = 1\n";
         let check = |new: &str| identity(old).check(&identity(new)).map_err(|error| error.to_string());
         assert_eq!(check(&old.replace("/a/", "/b/").replace("DGM", "AS(2)")), Ok(()));

@@ -1,8 +1,8 @@
 //! Checkpoints: everything that a run needs to resume, with the same bits.
 //!
-//! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One of them has been synced to the disk; the next
-//! checkpoint replaces the other. Syncing takes as long as a hundred steps of a small body, so it is done at most once a second;
-//! then the files change roles. [`newest`] takes the later one that is complete.
+//! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One of them has been synced to the
+//! disk; the next checkpoint replaces the other. Syncing takes as long as a hundred steps of a small body, so it is
+//! done at most once a second; then the files change roles. [`newest`] takes the later one that is complete.
 
 mod file;
 mod identity;
@@ -162,8 +162,8 @@ impl Checkpoints {
         self.synced.is_none_or(|then| then.elapsed() >= BETWEEN_SYNCS)
     }
 
-    /// Writes a checkpoint of a motion, once a step, and synced if `is_safe`. A state that is not finite is not written, since nothing could
-    /// resume from it.
+    /// Writes a checkpoint of a motion, once a step, and synced if `is_safe`. A state that is not finite is not
+    /// written, since nothing could resume from it.
     ///
     /// # Errors
     /// Errors of the system; the checkpoint before is then still there.
@@ -180,7 +180,8 @@ impl Checkpoints {
             wall_seconds: progress.wall_seconds,
         };
         let other = 1 - self.safe;
-        let (path, bytes) = (self.folder.join(FILES[other]), file::bytes(&checkpoint)?);
+        let path = self.folder.join(FILES[other]);
+        let bytes = file::bytes(&checkpoint)?;
         if is_safe {
             replace_durably(&path, &bytes)?;
             (self.safe, self.synced) = (other, Some(Instant::now()));

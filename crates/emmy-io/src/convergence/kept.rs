@@ -1,7 +1,7 @@
 //! References kept on disk, each under a key with everything that it depends on.
 //!
-//! A file consists of the key, the samples, and a checksum. It is used only if it is complete and its key is the same; otherwise the
-//! reference is computed again.
+//! A file consists of the key, the samples, and a checksum. It is used only if it is complete and its key is the same;
+//! otherwise the reference is computed again.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -54,7 +54,8 @@ impl Key {
     }
 }
 
-/// The part of the resolved input on which a motion from a given state depends, with a checksum of the mesh file in place of its path.
+/// The part of the resolved input that determines a motion from a given state, with a checksum of the mesh file instead
+/// of its path.
 fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     let mut input: toml::Table = resolved.parse().map_err(io::Error::other)?;
     ["title", "output", "limits", "initial"].into_iter().for_each(|section| drop(input.remove(section)));
@@ -165,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_found_and_nothing_else() {
+    fn kept_results_are_found_and_nothing_else() {
         let temp = tempfile::tempdir().unwrap();
         let find = |key: &Key, times: &[f64]| find(temp.path(), key, times, 1e-15);
         let key = Key("scheme = DGM".into());
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn the_key_has_only_what_a_motion_depends_on() {
+    fn the_key_has_only_the_data_of_a_motion() {
         let input = |output: &str, mu: &str| {
             format!(
                 "title = 'a'\n[mesh]\nscale = 2.0\n[time]\nscheme = 'DGM'\n[region]\nmu = {mu}\n[output]\n{output}\n"

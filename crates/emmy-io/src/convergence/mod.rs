@@ -1,8 +1,8 @@
 //! Convergence studies: the error of runs as a function of their step size, measured against a reference.
 //!
-//! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The reference is
-//! sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each member is compared with it
-//! while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
+//! Members and reference start from the same state and have the same phases with steps of their own ([`Study`]). The
+//! reference is sampled at the times of the members ([`emmy::motion::Samples`]) and kept on disk ([`kept`]). Each
+//! member is compared with it while it marches ([`emmy::motion::ErrorNorm`]) and yields a [`MemberRun`].
 
 pub mod kept;
 mod runs;
@@ -83,7 +83,7 @@ impl Study {
         Ok(times.len() - times.iter().filter(is_own).count())
     }
 
-    /// Times nearer than this differ by round-off only.
+    /// Times closer together than this differ by round-off only.
     pub fn tolerance(&self) -> f64 {
         16.0 * f64::EPSILON * self.window.0.abs().max(self.window.1.abs())
     }
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_those_of_the_members_each_once() {
+    fn times_of_the_members_occur_once() {
         let study = study(1.0, (1.0, 2.0), &[0.5, 0.25, 0.1]);
         let times = study.sample_times().unwrap();
         let expected = [1.0, 1.1, 1.2, 1.25, 1.3, 1.4, 1.5, 1.6, 1.7, 1.75, 1.8, 1.9, 2.0];

@@ -1,4 +1,4 @@
-//! The runs of a study: the shared start, the reference, the members side by side.
+//! The runs of a study: the shared start, the reference, and the members in parallel.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -55,7 +55,8 @@ pub fn reference(
     Ok(sampler.finish())
 }
 
-/// All members, side by side, the longest first. They are reported when they are done, and returned in the order of their sizes.
+/// All members in parallel, the longest first. They are reported when they are done, and returned in the order of their
+/// sizes.
 ///
 /// Every member has one thread, so the body must have been built for one ([`on_one_thread`]).
 pub fn members(
@@ -67,7 +68,8 @@ pub fn members(
 ) -> Vec<MemberRun> {
     let mut order: Vec<usize> = (0..study.sizes.len()).collect();
     order.sort_by(|&a, &b| study.sizes[a].total_cmp(&study.sizes[b]));
-    let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let next = AtomicUsize::new(0);
+    let rows = Mutex::new(Vec::new());
     let work = || {
         while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
             let size = study.sizes[index];
@@ -117,7 +119,8 @@ fn measure(
     let mut motion = Motion::starting(&problem.body, study.scheme, problem.newton, state.clone())?;
     let mut norm = ErrorNorm::new(samples, study.window.0, study.tolerance());
     motion.march(&study.plan(step_size)?, &mut [&mut norm])?;
-    let (error, relative_error) = (norm.error(), norm.relative_error());
+    let error = norm.error();
+    let relative_error = norm.relative_error();
     Ok(Measure { error, relative_error, newton_iterations: motion.statistics().newton_iterations })
 }
 

@@ -65,7 +65,8 @@ pub fn write(directory: &Path, study: &Study, rows: &[MemberRun]) -> io::Result<
 fn csv(rows: &[MemberRun]) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.16e}"));
     let line = |(row, order): (&MemberRun, Option<f64>)| {
-        let (size, error) = (number(Some(row.step_size)), number(row.error()));
+        let size = number(Some(row.step_size));
+        let error = number(row.error());
         format!("{size},{error},{},{}\n", number(order), number(Some(row.wall_seconds)))
     };
     let lines: String = rows.iter().zip(orders(rows)).map(line).collect();

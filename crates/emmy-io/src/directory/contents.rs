@@ -74,7 +74,7 @@ fn is_unfinished(name: &str) -> bool {
     UNFINISHED.iter().any(|ending| name.ends_with(ending))
 }
 
-/// Removes the unfinished files of a killed run, except those of a series of frames that will be continued.
+/// Removes the unfinished files of a killed run, except the files of a series of frames that will be continued.
 pub(crate) fn remove_unfinished(path: &Path, has_series: bool) -> io::Result<()> {
     let is_of_series = |name: &str| name.ends_with(".vtkhdf.part") || name.ends_with(".vtkhdf.journal");
     for name in names(path)? {

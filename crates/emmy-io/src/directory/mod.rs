@@ -1,8 +1,9 @@
 //! The output directory. Files of others are never overwritten or removed.
 //!
 //! A run may write into a directory that does not exist, that is empty, or that holds an earlier run of Emmy (its
-//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames of its
-//! collections and its series of frames (`.vtkhdf`) are removed, all other files stay. Any other directory is rejected.
+//! `input.toml` begins with [`MARK`]). An earlier run is replaced: `input.toml`, [`FILES`], its checkpoints, the frames
+//! of its collections and its series of frames (`.vtkhdf`) are removed, all other files stay. Any other directory is
+//! rejected.
 //!
 //! Studies and comparisons have directories of their own kind, recognized by one of their files ([`check_kind`]).
 
@@ -35,7 +36,8 @@ pub fn check(path: &Path) -> Result<(), DirectoryError> {
     }
 }
 
-/// Checks that a run may write into its directory, and that it would not overwrite a file that it reads. Nothing is changed.
+/// Checks that a run may write into its directory, and that it would not overwrite a file that it reads. Nothing is
+/// changed.
 ///
 /// # Errors
 /// [`DirectoryError`].
@@ -45,8 +47,8 @@ pub fn check_run(problem: &Problem) -> Result<(), DirectoryError> {
     check_sources(directory, &problem.files)
 }
 
-/// Creates a directory for results other than those of a run. It may be new, empty, or hold earlier results, which are recognized
-/// by a file that Emmy wrote, the witness. Nothing is removed.
+/// Creates a directory for other results than a run. It may be new, empty, or hold earlier results, which are
+/// recognized by a file that Emmy wrote, the witness. Nothing is removed.
 ///
 /// # Errors
 /// [`DirectoryError`] if it is a file or holds other files, and errors of the system.
@@ -90,7 +92,7 @@ fn first_name(path: &Path) -> Result<Option<String>, DirectoryError> {
 /// Prepares a directory for a run: creates it, and removes the files of an earlier run.
 ///
 /// # Errors
-/// Those of [`check`], and errors of the system.
+/// As [`check`], and errors of the system.
 pub fn prepare(path: &Path) -> Result<(), DirectoryError> {
     check(path)?;
     fs::create_dir_all(path).map_err(|error| system(path, error))?;

@@ -9,8 +9,8 @@ use crate::checkpoint;
 use crate::vtk::{name_of, step_of_frame};
 use crate::whole_file::PART;
 
-/// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`, which is replaced
-/// by the same input.
+/// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`,
+/// which is replaced by the same input.
 ///
 /// # Errors
 /// [`DirectoryError::Source`].
@@ -32,7 +32,8 @@ const MAX_LINKS: usize = 40;
 
 /// Place of a file, and of the links that lead to it.
 fn places(file: &Path) -> Vec<PathBuf> {
-    let (mut places, mut next) = (Vec::new(), Some(file.to_path_buf()));
+    let mut places = Vec::new();
+    let mut next = Some(file.to_path_buf());
     while let Some(path) = next.take().filter(|_| places.len() < MAX_LINKS) {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let (Ok(folder), Some(name)) = (folder.canonicalize(), path.file_name()) else { break };

@@ -5,7 +5,7 @@ use emmy::motion::{Record, View};
 use super::Number::{self, Real, Whole};
 use crate::input::{Probe, Problem};
 
-/// The numbers that a row is made of.
+/// The numbers of a row.
 struct Step<'a> {
     record: &'a Record,
     /// Duration of the run so far.
@@ -22,7 +22,7 @@ struct Column {
 /// Number of the first columns, which every history has.
 const N_REQUIRED: usize = 19;
 
-/// All columns before those of the probes, in their order in the file.
+/// All columns before the probes, in their order in the file.
 const COLUMNS: [Column; 22] = [
     always("step", |step| Whole(step.record.step)),
     always("time", |step| Real(step.record.time)),
@@ -107,7 +107,7 @@ impl HistoryColumns {
         row
     }
 
-    /// The numbers of a step before those of the probes.
+    /// The numbers of a step before the probes.
     pub(super) fn numbers(&self, record: &Record, wall_seconds: f64) -> Vec<Number> {
         let step = Step { record, wall_seconds };
         COLUMNS.iter().filter(|column| (column.is_in)(self)).map(|column| (column.number)(&step)).collect()

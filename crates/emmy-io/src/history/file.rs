@@ -49,8 +49,9 @@ impl HistoryFile {
         Ok(HistoryFile { rows, sum: RowSum::default() })
     }
 
-    /// The history of a run that is resumed after a step; later rows are removed. `checksum`: of the rows up to that step. The time in the
-    /// last row becomes the time of the state, which differs in the last bit if the plan had ended there.
+    /// The history of a run that is resumed after a step; later rows are removed. `checksum`: of the rows up to that
+    /// step. The time in the last row becomes the time of the state, which differs in the last bit if the plan had
+    /// ended there.
     ///
     /// # Errors
     /// [`HistoryError`] if the file is damaged, has other columns or other rows, or ends before the step.
@@ -68,7 +69,8 @@ impl HistoryFile {
         if line.trim_ascii_end() != columns.names().join(",").as_bytes() {
             return Err(HistoryError::Columns { path: path.to_path_buf() });
         }
-        let (mut own, mut last) = (RowSum::default(), None);
+        let mut own = RowSum::default();
+        let mut last = None;
         loop {
             line.clear();
             reader.read_until(b'\n', &mut line).map_err(system)?;
@@ -109,7 +111,9 @@ impl HistoryFile {
         self.rows.verify()?;
         let path = self.rows.path();
         let mut reader = BufReader::with_capacity(1 << 16, File::open(path).map_err(named(path))?);
-        let (mut found, mut line, mut is_row) = (RowSum::default(), Vec::new(), false);
+        let mut found = RowSum::default();
+        let mut line = Vec::new();
+        let mut is_row = false;
         while reader.read_until(b'\n', &mut line).map_err(named(path))? > 0 {
             if is_row {
                 found.add(&line);

@@ -50,9 +50,10 @@ mod tests {
             History::read(&path).map(|history| history.n_rows()).map_err(|error| error.to_string())
         };
         let columns: Vec<&str> = required().collect();
-        let (head, row) = (columns.join(","), vec!["1.0"; columns.len()].join(","));
+        let head = columns.join(",");
+        let row = vec!["1.0"; columns.len()].join(",");
         assert_eq!(read(format!("{head}\n{row}\n{row}\n")), Ok(2));
-        // Killed while it wrote a row.
+        // Killed while writing a row.
         assert_eq!(read(format!("{head}\n{row}\n1.0,1.")), Ok(1));
         assert_eq!(read(format!("{head}\n")), Ok(0));
         for (text, part) in [

@@ -26,9 +26,9 @@ pub enum HistoryError {
         /// Name of the column.
         column: &'static str,
     },
-    /// Its columns are not those of the run to resume.
+    /// Its columns differ from the columns of the run to resume.
     #[error(
-        "{path}: its columns are not those of the input now; a resumed run cannot change `output.probes`, or switch between adaptive and planned steps"
+        "{path}: its columns do not fit the present input; a resumed run cannot change `output.probes`, or switch between adaptive and planned steps"
     )]
     Columns {
         /// The path.
@@ -60,7 +60,7 @@ pub enum HistoryError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! `time.adaptive`: steps whose sizes are chosen by the error.
+//! `time.adaptive`: steps chosen by their error.
 
 use emmy::body::Body;
 use emmy::internals::time::ESTIMATORS;
@@ -36,7 +36,7 @@ pub(super) static ADAPTIVE: Described = Described::new(|| {
         .absent("`degree` stays")
 });
 
-/// The plan of a `[time]` with `adaptive` in place of `steps`; `until` is the end that the command line asks for.
+/// The plan of a `[time]` with `adaptive` instead of `steps`; `until` is the end given on the command line.
 pub(super) fn plan(
     time: &Table<'_>,
     adaptive: &Item<'_>,
@@ -46,7 +46,7 @@ pub(super) fn plan(
 ) -> Result<StepPlan, Fault> {
     check_beside(time, adaptive)?;
     let Scheme::TimeElement(element) = scheme else {
-        let fault = scheme_item.fault("`adaptive` goes with time elements only", "not a time element");
+        let fault = scheme_item.fault("`adaptive` needs a time element", "not a time element");
         return Err(fault.help("`emmy list schemes` explains them"));
     };
     if element.degree >= MAX_DEGREE {
@@ -84,7 +84,7 @@ fn flag(until: f64) -> (f64, Place) {
     (until, Place::start_of("--until", &flag).at("--until ".len()..flag.len()))
 }
 
-/// Checks that nothing stands beside it which it takes the place of.
+/// Checks that no key is given that it replaces.
 fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
     let beside = |key: &str, message: &str, help: &str| match time.get(key) {
         Some(item) => {
@@ -95,12 +95,12 @@ fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
     };
     beside(
         "steps",
-        "`adaptive` takes the place of `steps`: give one of them",
+        "`adaptive` replaces `steps`: give one of them",
         "the end of adaptive steps is `until = T`; `--set time.steps=` takes the planned ones out",
     )?;
     beside(
         "smallest_step",
-        "`smallest_step` goes with `steps`",
+        "`smallest_step` needs `steps`",
         "the smallest adaptive step is `adaptive.min_size`",
     )
 }
@@ -146,7 +146,7 @@ pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
 pub(super) fn check_until(time: &Table<'_>) -> Result<(), Fault> {
     match time.get("until") {
         Some(item) => {
-            let fault = Fault::at(item.key_place, "`until` of [time] goes with `adaptive`", "not here");
+            let fault = Fault::at(item.key_place, "`until` of [time] needs `adaptive`", "not here");
             Err(fault.help("every phase of `steps` has its own `until`"))
         }
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! The tree made complete: values of keys that are left out, and what the reading found out.
+//! Completes the tree: defaults of missing keys, and results of the reading.
 
 use std::path::{Path, PathBuf};
 
@@ -11,9 +11,9 @@ use super::problem::ROOT;
 use super::tree::{self, Node, Value};
 use crate::{link, message};
 
-/// Puts in the values of keys that are left out.
+/// Inserts the defaults of missing keys.
 pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
-    // Frames by time take the place of those by steps.
+    // Frames by time replace frames by steps.
     let by_time = tree
         .get_mut("output")
         .is_some_and(|own| own.get_mut("interval").is_some() && own.get_mut("every").is_none());
@@ -26,7 +26,7 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Puts in the values of keys that a table leaves out; they are said to stand where the table does.
+/// Inserts the defaults of the missing keys of a table; their place is the place of the table.
 fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
     for key in &section.keys {
         if let (None, IfAbsent::Value(value)) = (own.get_mut(key.name), key.if_absent) {
@@ -47,7 +47,7 @@ fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Replaces what a file cannot hold in the title, with a remark if there is any.
+/// Replaces characters of the title that a file cannot hold, with a remark.
 pub(super) fn clean_title(tree: &mut Node) -> Option<String> {
     let Value::String(title) = &mut tree.get_mut("title")?.value else { return None };
     let note = message::note_on_name(title).map(|note| note.replacen("the name", "the title", 1));
@@ -55,8 +55,8 @@ pub(super) fn clean_title(tree: &mut Node) -> Option<String> {
     note
 }
 
-/// Puts in the directory of the command line, else that of the file, else the name of the file; returns it where it is not that of
-/// the file.
+/// Inserts the directory of the command line, else of the file, else the name of the file; returns it if it differs
+/// from the directory of the file.
 pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>) -> Option<PathBuf> {
     let place = tree.place.clone();
     let output = tree.get_mut("output")?;
@@ -69,7 +69,7 @@ pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>)
     directory
 }
 
-/// The path of a mesh file as text can hold it: absolute, or else by the way from the output directory, in which the text stands.
+/// The path of a mesh file as text: absolute, or else relative to the output directory, which holds the text.
 pub(super) fn spellable(file: PathBuf, output: &Path) -> PathBuf {
     if file.to_str().is_some() {
         return file;
@@ -84,7 +84,7 @@ fn string(text: &str, place: &Place) -> Node {
     Node { value: Value::String(text.to_string()), place: place.clone() }
 }
 
-/// Puts what was found out back into the tree: the path of the mesh, the plan.
+/// Puts the results of the reading back into the tree: the path of the mesh, the plan.
 pub(super) fn resolve(
     tree: &mut Node,
     mesh_file: Option<PathBuf>,

@@ -1,4 +1,4 @@
-//! What follows from the values of an input must be numbers too, and so must its squares: masses, volumes, resultants, energies.
+//! Values derived from an input, and their squares, must be finite: masses, volumes, resultants, energies.
 
 use emmy::body::{Body, InitialVelocity, Load, Region, Support};
 use emmy::internals::number::short;
@@ -11,10 +11,11 @@ use super::nodal::PlacedNodal;
 use super::region::Placed;
 use super::table::Item;
 
-/// Numbers up to this have squares that are numbers; numbers of its inverse and more have squares that are not zero.
+/// Numbers up to this have finite squares; numbers from its inverse on have squares that are not zero.
 const LARGEST: f64 = 1e150;
 
-/// Lengths up to this have cubes below [`LARGEST`]; those of its inverse and more have cubes above its inverse.
+/// Lengths up to this have cubes below [`LARGEST`]; lengths from its inverse on have cubes above the inverse of
+/// [`LARGEST`].
 const LARGEST_LENGTH: f64 = 1e50;
 
 const HELP: &str = "choose other units: squares of numbers above 1e150 are infinite for a computer, those of numbers below 1e-150 \
@@ -24,7 +25,7 @@ const HELP: &str = "choose other units: squares of numbers above 1e150 are infin
 pub(super) const NOTHING_MOVES: &str =
     "nothing moves this body: there is no load, no support that moves, and no initial velocity";
 
-/// Whether anything sets the body in motion, attractions to points aside.
+/// Whether anything sets the body in motion, apart from attractions to points.
 pub(super) fn is_moved(
     regions: &[Placed<Region>],
     loads: &[Placed<(Load, Members)>],
@@ -44,7 +45,7 @@ fn is_motion(field: &InitialVelocity) -> bool {
     numbers.into_iter().any(|&value| value != 0.0)
 }
 
-/// The value of an item, if its square is a number.
+/// The value of an item, if its square is finite.
 pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
     match value.abs() <= LARGEST {
         true => Ok(value),
@@ -55,9 +56,9 @@ pub(super) fn within(item: &Item<'_>, value: f64) -> Result<f64, Fault> {
     }
 }
 
-/// Checks the Lame parameters that follow from Young's modulus and Poisson's ratio.
+/// Checks the Lame parameters derived from Young's modulus and Poisson's ratio.
 pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), Fault> {
-    // Parameters out of their ranges have a fault of their own.
+    // Parameters out of their ranges have their own fault.
     match emmy::material::lame("", youngs_modulus, poissons_ratio) {
         Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
             let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
@@ -82,9 +83,9 @@ pub(super) fn check_extent(mesh: &Mesh, place: &Place) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Places of what a body is made of, in its order.
+/// Places of the parts of a body, in its order.
 pub(super) struct Places {
-    /// Of regions and point masses, and whether they have a mass.
+    /// Places of regions and point masses, and whether they have a mass.
     masses: Vec<(Place, bool)>,
     loads: Vec<Place>,
     initial: Option<Place>,
@@ -105,7 +106,7 @@ impl Places {
         }
     }
 
-    /// Checks masses, volumes, resultants of loads, energy and momenta of the start.
+    /// Checks masses, volumes, resultants of loads, energy and momenta at the start.
     pub(super) fn check(
         &self,
         body: &Body,
@@ -144,7 +145,7 @@ impl Places {
     }
 
     fn check_start(&self, body: &Body, initial: &[InitialVelocity], start: f64) -> Result<(), Fault> {
-        // A start that cannot be has a fault of its own.
+        // An impossible start has its own fault.
         let (Some(place), Ok(state)) = (&self.initial, State::initial(body, start, initial)) else {
             return Ok(());
         };

@@ -1,4 +1,4 @@
-//! A fault as it is shown: the lines it speaks of, cut to the neighbourhood of the marks.
+//! The display of a fault: its lines, cut to the neighbourhood of the marks.
 
 use std::fmt;
 use std::ops::Range;
@@ -16,20 +16,21 @@ const MAX_LINE: usize = 200;
 /// Bytes shown before and after the ends of a mark in a longer line.
 const AROUND: usize = 50;
 
-/// Most lines of one mark; of a longer one the first line is marked.
+/// Most lines of one mark; only the first line of a longer mark is marked.
 const MAX_LINES: usize = 10;
 
 /// Lines shown before and after those with marks.
 const CONTEXT: usize = 1;
 
-/// A fault with as much of its source as is shown; control characters are escaped everywhere.
+/// A fault with the part of its source that is shown; control characters are escaped everywhere.
 #[derive(Debug)]
 pub struct Excerpt {
     message: String,
     help: Option<String>,
     /// Name of the source.
     name: String,
-    /// Lines of the source: those near the marks, cut, and empty ones in place of the others, so that all keep their numbers.
+    /// Lines of the source: those near the marks, cut, and empty lines instead of the others, so that line numbers stay
+    /// the same.
     text: String,
     labels: Vec<LabeledSpan>,
     /// Where marks begin in the text, and their columns in the source.
@@ -59,7 +60,7 @@ impl Excerpt {
     }
 }
 
-/// The span of a place, without its later lines where it has many.
+/// The span of a place; only its first line if it has many.
 fn first_lines(place: &Place) -> Range<usize> {
     let Range { start, end } = place.span();
     let marked = place.text().get(start..end).unwrap_or_default();
@@ -89,7 +90,7 @@ fn cut(source: &str, marks: &[Range<usize>]) -> (String, Vec<Range<usize>>) {
         }
         begin += line.len();
     }
-    // A mark at the very end of the source stands behind its last line.
+    // A mark at the very end of the source is placed behind its last line.
     let moved = moved.into_iter().map(|[start, end]| {
         let start = start.min(text.len());
         start..end.clamp(start, text.len())
@@ -98,9 +99,9 @@ fn cut(source: &str, marks: &[Range<usize>]) -> (String, Vec<Range<usize>>) {
     (text, moved)
 }
 
-/// Adds a line of the source, which begins there at an offset, and says where the ends of marks in it have come.
+/// Adds a line of the source that begins at an offset, and returns the new positions of the ends of marks in it.
 fn push_line(text: &mut String, line: &str, begin: usize, marks: &[Range<usize>], moved: &mut [[usize; 2]]) {
-    // The end of a line counts as a place in it.
+    // The end of a line is a valid place in it.
     let within = |at: usize| (begin..=begin + line.len()).contains(&at);
     let ends: Vec<usize> = marks
         .iter()
@@ -159,7 +160,7 @@ impl Diagnostic for Excerpt {
     }
 }
 
-/// Columns are those of the source.
+/// Columns refer to the source.
 impl SourceCode for Excerpt {
     fn read_span<'a>(
         &'a self,

@@ -1,4 +1,4 @@
-//! Faults of the input: what is wrong, where, and one thing to try.
+//! Faults of the input: reason, place, and something to try.
 
 use std::fmt;
 use std::ops::Range;
@@ -28,8 +28,8 @@ impl Place {
         Place { source: self.source.clone(), span: span.start.min(end)..end }
     }
 
-    /// A part of a text that stands at this place between quotes, by the bytes of the text; the whole place where the quotes
-    /// hold something else, such as escapes.
+    /// A part of a quoted text at this place, by the bytes of the text; the whole place if the quotes contain anything
+    /// else, such as escapes.
     pub(super) fn inside(&self, text: &str, part: Range<usize>) -> Self {
         let written = self.text().get(self.span.clone()).unwrap_or("");
         match written.find(text) {
@@ -100,7 +100,7 @@ impl Fault {
         Fault::new(message).label(place, label)
     }
 
-    /// The same fault with one more label; a place that is the whole source becomes part of the message.
+    /// The same fault with another label; a place that is the whole source becomes part of the message.
     pub(super) fn label(mut self, place: &Place, label: impl Into<String>) -> Self {
         if place.is_whole_source() {
             self.message = format!("{}: {}", place.source_name(), self.message);
@@ -122,22 +122,22 @@ impl Fault {
         self
     }
 
-    /// What is wrong.
+    /// Reason.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// Where, if it is at one place.
+    /// Place, if there is exactly one.
     pub fn place(&self) -> Option<&Place> {
         self.labels.first().map(|(place, _)| place)
     }
 
-    /// The places with what is said about them.
+    /// The places with their labels.
     pub(super) fn labels(&self) -> &[(Place, String)] {
         &self.labels
     }
 
-    /// The fault with the lines it speaks of, ready to be shown.
+    /// The fault with the relevant lines, ready to be shown.
     pub fn excerpt(&self) -> Excerpt {
         Excerpt::new(self)
     }
@@ -156,7 +156,7 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// Everything that is wrong with an input, in the order of the reading.
+/// All faults of an input, in the order of reading.
 #[derive(Debug, Clone)]
 pub struct InputError {
     faults: Vec<Fault>,
@@ -192,22 +192,22 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// More faults than anyone reads: looking for the nearest word of each takes its time.
+/// Limit on the number of faults: nobody reads more, and the search for similar words takes time.
 const MANY: usize = 100;
 
-/// Faults gathered on the way, so that one reading shows all of them.
+/// Faults collected so that one reading shows all of them.
 #[derive(Debug, Default)]
 pub(super) struct Faults {
     faults: Vec<Fault>,
 }
 
 impl Faults {
-    /// The value, or `None` with the fault kept.
+    /// The value, or `None` after storing the fault.
     pub(super) fn keep<T>(&mut self, result: Result<T, Fault>) -> Option<T> {
         result.map_err(|fault| self.faults.push(fault)).ok()
     }
 
-    /// Whether there are more than anyone reads.
+    /// Whether the limit on the number of faults is reached.
     pub(super) fn are_many(&self) -> bool {
         self.faults.len() >= MANY
     }

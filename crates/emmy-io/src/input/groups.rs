@@ -7,7 +7,7 @@ use super::fault::{Fault, Faults, Place};
 use super::region::Placed;
 use super::suggest::{did_you_mean, listed};
 
-/// What a group must consist of.
+/// Required members of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Members {
     Cells,
@@ -38,7 +38,7 @@ pub(super) fn check(
     }
 }
 
-/// Checks groups that may be of anything.
+/// Checks groups with members of any kind.
 pub(super) fn check_nodes<'a>(
     mesh: &Mesh,
     groups: impl Iterator<Item = &'a Option<(String, Place)>>,
@@ -72,7 +72,7 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
         Members::Facets => ("facets", groups.facets.keys().map(String::as_str).collect()),
         Members::Nodes => ("nodes, facets or cells", groups.names()),
     };
-    let other = is_there.then(|| format!("`{name}` is there, but has no {what}"));
+    let other = is_there.then(|| format!("`{name}` exists, but has no {what}"));
     let label =
         other.or_else(|| did_you_mean(name, known.iter().copied())).unwrap_or_else(|| "not there".into());
     let message = format!("the mesh has no group `{name}` of {what}");
@@ -87,7 +87,7 @@ pub(super) fn check_regions(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<(
         let members = cells(mesh, region, regions.len())?;
         if region.value.thickness != 1.0 && members.iter().all(|&cell| mesh.cell(cell).kind.dimension() != 2)
         {
-            let message = "`thickness` is that of cells in plane strain, and this region has none";
+            let message = "`thickness` needs cells in plane strain, and this region has none";
             return Err(Fault::at(&region.place, message, "leave `thickness` out"));
         }
         for cell in members {

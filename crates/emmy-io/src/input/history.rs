@@ -1,4 +1,4 @@
-//! Histories: tables of the time, or expressions.
+//! `history`: tables of the time, or expressions.
 
 use emmy::body::TimeFunction;
 use emmy::internals::number::short;
@@ -34,10 +34,10 @@ fn is_history(key: &str) -> bool {
     description::all().into_iter().any(of)
 }
 
-/// Times at which an expression is tried before a run.
+/// Number of times at which an expression is checked before a run.
 const SAMPLES: usize = 1000;
 
-/// Checks that the expressions of a part of the tree are finite numbers, with their rates, all through a plan.
+/// Checks that the expressions in a part of the tree, and their rates, are finite throughout a plan.
 pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
     match &node.value {
         Value::Array(items) => items.iter().for_each(|item| check_finite(item, plan, faults)),
@@ -56,10 +56,11 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
 }
 
 fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
-    // What cannot be read has a fault of its own.
+    // Unreadable expressions have their own fault.
     let Ok(expression) = expression::parse(text, expression::TIME) else { return Ok(()) };
     let time_function = expression.time_function(text);
-    let (start, end) = (plan.start(), plan.end());
+    let start = plan.start();
+    let end = plan.end();
     let times = (0..=SAMPLES).map(|i| start + (end - start) * i as f64 / SAMPLES as f64);
     for time in times {
         for (what, value) in [("", time_function.value(time)), ("the rate of ", time_function.rate(time))] {

@@ -1,4 +1,4 @@
-//! `[[load]]`: one row a kind of load.
+//! `[[load]]`: one row per kind of load.
 
 use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::internals::material::{Bounds, IfAbsent};
@@ -19,14 +19,14 @@ struct Row {
     read: fn(Given<'_>) -> Result<Acting, Fault>,
 }
 
-/// A load as it is given: its table, the value of its kind, its group (empty where there is none).
+/// A load in the input: its table, the value of its kind, its group (empty if there is none).
 struct Given<'a> {
     table: &'a Table<'a>,
     value: Item<'a>,
     group: Option<String>,
 }
 
-/// What acts on the body.
+/// The action on the body.
 #[derive(Debug)]
 pub(super) enum Acting {
     /// A load on a group of these members.

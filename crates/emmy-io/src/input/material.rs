@@ -62,12 +62,12 @@ pub fn materials() -> Vec<(&'static str, String)> {
     MODELS.iter().map(line).collect()
 }
 
-/// Models that a material names, whatever else is wrong with it.
+/// Models named by a material, despite other faults.
 pub(super) fn given(material: &Item<'_>) -> impl Iterator<Item = &'static Model> {
     MODELS.iter().map(|model| &model.model).filter(|model| material.has_key(model.name).is_some())
 }
 
-/// Reads the one model of a material and makes the region of it.
+/// Reads the one model of a material and creates its region.
 pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     let item = item.table(&MATERIAL)?.exactly_one("one model")?;
     let found = MODELS.iter().zip(sections()).find(|(model, _)| model.model.name == item.key());
@@ -85,14 +85,16 @@ pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     engineering.map_or(Ok(()), |(youngs, poissons)| derived::check_lame(&item, youngs, poissons))?;
     model.region(density, &values).map_err(|error| {
         let guilty = match &error {
-            emmy::Error::MaterialParameter { parameter, .. } => table.get(parameter),
+            emmy::Error::MaterialParameter { parameter, .. } | emmy::Error::Direction { parameter, .. } => {
+                table.get(parameter)
+            }
             _ => None,
         };
         guilty.unwrap_or(item).fault(error.to_string(), "out of range")
     })
 }
 
-/// The set of parameters that is given.
+/// The given set of parameters.
 fn parameters(item: &Item<'_>, table: &Table<'_>, model: &Model) -> Result<&'static [Parameter], Fault> {
     if let [only] = model.parameters {
         return Ok(only);
@@ -109,7 +111,7 @@ fn parameters(item: &Item<'_>, table: &Table<'_>, model: &Model) -> Result<&'sta
     })
 }
 
-/// The value of a parameter, if it is given or must be.
+/// The value of a parameter, if it is given or required.
 fn value(table: &Table<'_>, parameter: &Parameter) -> Result<Option<(&'static str, Value)>, Fault> {
     let item = match (table.get(parameter.name), parameter.if_absent) {
         (None, IfAbsent::Means(_)) => return Ok(None),
@@ -127,7 +129,7 @@ fn value(table: &Table<'_>, parameter: &Parameter) -> Result<Option<(&'static st
     Ok(Some((parameter.name, value)))
 }
 
-/// The entries of a list, of which there is one at least.
+/// The entries of a list, at least one.
 fn each<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Result<T, Fault>) -> Result<Vec<T>, Fault> {
     match item.list()? {
         entries if entries.is_empty() => Err(item.fault(format!("`{}` is empty", item.key()), "empty")),
@@ -135,7 +137,7 @@ fn each<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Result<T, Fault>) -> Res
     }
 }
 
-/// Checks that all lists of numbers have an entry a term.
+/// Checks that all lists of numbers have one entry per term.
 fn check_terms(table: &Table<'_>, values: &[(&'static str, Value)]) -> Result<(), Fault> {
     let mut lists = values.iter().filter_map(|(name, value)| match value {
         Value::Numbers(list) => Some((*name, list.len())),
@@ -156,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_default_law_of_volume_is_that_of_the_library() {
+    fn the_default_law_of_volume_matches_the_library() {
         let is_law = |parameter: &&Parameter| parameter.kind == ParameterKind::Law;
         let laws = MODELS.iter().flat_map(|model| model.model.every_parameter().filter(is_law));
         let defaults: Vec<IfAbsent> = laws.map(|law| law.if_absent).collect();

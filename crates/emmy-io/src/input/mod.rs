@@ -1,9 +1,9 @@
-//! The input: TOML, checked key by key, in which every fault knows its line.
+//! The input: TOML, checked key by key; every fault knows its line.
 //!
-//! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`); each
-//! section is described and read by a file of its own, into the types of the library. A key that no section knows is an
-//! error. The same descriptions (`description`) make the defaults, the JSON schema for editors (`schema`) and the key tables
-//! of `docs/input.md` (`reference`).
+//! The text becomes a tree whose keys and values know their places (`tree`); `--set` changes the tree (`set`). Each
+//! section has its own file with its description and its reader, which returns types of the library. An unknown key is
+//! an error. The descriptions (`description`) also yield the defaults, the JSON schema for editors (`schema`) and the
+//! key tables of `docs/input.md` (`reference`).
 
 mod adaptive;
 mod complete;

@@ -17,7 +17,7 @@ pub(super) static MASS: Described = Described::new(|| {
         .must("mass", POSITIVE, "mass", "Mass at each of its nodes; several entries add up")
 });
 
-/// What is read, with the places of the groups.
+/// Point terms, with the places of the groups.
 #[derive(Debug, Default)]
 pub(super) struct PlacedNodal {
     masses: Vec<Placed<PointMass>>,
@@ -26,7 +26,7 @@ pub(super) struct PlacedNodal {
     drags: Vec<Placed<f64>>,
 }
 
-/// Reads masses and springs, to which attractions and drags are added; what fails leaves its fault.
+/// Reads masses and springs, to which attractions and drags are added; each failure stores its fault.
 pub(super) fn read(
     root: &Table<'_>,
     attractions: Vec<Placed<GroundAttraction>>,
@@ -42,7 +42,7 @@ pub(super) fn read(
 }
 
 impl PlacedNodal {
-    /// Groups that are named, each with its place.
+    /// The named groups with their places.
     pub(super) fn groups(&self) -> impl Iterator<Item = &Option<(String, Place)>> {
         let masses = self.masses.iter().map(|mass| &mass.group);
         let springs = self.springs.iter().map(|spring| &spring.group);
@@ -54,12 +54,12 @@ impl PlacedNodal {
         self.masses.iter().map(|mass| &mass.place)
     }
 
-    /// Rate of the drag, that of all of them together.
+    /// Sum of the rates of all drags.
     pub(super) fn drag(&self) -> f64 {
         self.drags.iter().map(|drag| drag.value).sum()
     }
 
-    /// Checks that the scheme goes with what takes energy out of the body.
+    /// Checks that the scheme permits damping.
     pub(super) fn check_damping(&self, regions: &[Placed<Region>], time: &Time) -> Result<(), Fault> {
         if time.scheme.check_feature(BodyFeature::Damping).is_ok() {
             return Ok(());
@@ -70,12 +70,11 @@ impl PlacedNodal {
         else {
             return Ok(());
         };
-        let message =
-            format!("the scheme {} has no damping: that goes with time elements only", time.scheme.name());
+        let message = format!("the scheme {} has no damping, which needs a time element", time.scheme.name());
         Err(Fault::at(place, message, label).help("such as scheme = \"DGM\""))
     }
 
-    /// The values alone.
+    /// The values without their places.
     pub(super) fn values(self) -> PointTerms {
         PointTerms {
             masses: self.masses.into_iter().map(|mass| mass.value).collect(),
@@ -85,7 +84,7 @@ impl PlacedNodal {
     }
 }
 
-/// Reads the tables of a section, or those of them that have a key.
+/// Reads the tables of a section, or only the tables with a key.
 fn each<T>(
     root: &Table<'_>,
     section: &str,
@@ -105,7 +104,7 @@ fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
     Placed::new(&table, PointMass { group, mass })
 }
 
-/// Whether a support has springs and nothing else.
+/// Whether a support consists of springs only.
 pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
     let has = |key: &str| item.has_key(key).is_some();
     has("spring") && !["fix", "move", "rotate", "symmetry"].into_iter().any(has)
@@ -116,7 +115,7 @@ fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {
     let group = table.require("group")?.name()?;
     let stiffness = table.require("spring")?.positive()?;
     if let Some(until) = table.get("until") {
-        let message = "`until` does not go with `spring`: springs to the ground stay; give what is released a support of its own";
+        let message = "`until` cannot be used with `spring`: springs to the ground stay; use a separate support for the components that are released";
         return Err(until.fault(message, "with a spring"));
     }
     Placed::new(&table, GroundSpring { group, stiffness })

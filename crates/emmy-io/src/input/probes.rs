@@ -1,14 +1,14 @@
-//! Probes: the nodes that are nearest to their points.
+//! Probes: the nodes nearest to their points.
 
 use emmy::internals::number::{short, short_vector};
 use emmy::mesh::Mesh;
 
 use super::settings::Probe;
 
-/// Distance from a probe's point to its node, by the size of the mesh, that is worth a remark.
+/// Distance between a probe's point and its node, relative to the size of the mesh, above which there is a remark.
 const FAR: f64 = 1e-6;
 
-/// Finds the node of every probe; one that is not where it was asked for gets a note.
+/// Finds the node of every probe, with a note if it is not at the requested point.
 pub(super) fn find(mesh: &Mesh, probes: &mut [Probe], notes: &mut Vec<String>) {
     let size = size(mesh);
     for probe in probes {

@@ -47,20 +47,20 @@ pub(super) static ROOT: Described = Described::new(|| {
         .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
 });
 
-/// What the command line says about an input.
+/// Options of the command line for an input.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     /// `--set KEY=VALUE`, in order.
     pub set: Vec<String>,
-    /// `--until T`: end of the run; the plan is cut, or its last phase goes on.
+    /// `--until T`: end of the run; the plan is cut, or its last phase is extended.
     pub until: Option<f64>,
     /// `--output DIR`.
     pub output: Option<PathBuf>,
-    /// `--step H` of a run that goes on: a time, and the size of the steps from then on.
+    /// `--step H` of a resumed run: a time, and the size of the later steps.
     pub step: Option<(f64, f64)>,
 }
 
-/// A problem, complete and checked: what the library needs to compute a motion, and what to write of it.
+/// A complete, checked problem: everything that the library needs to compute a motion, and the output to write.
 ///
 /// ```
 /// use emmy_io::input::{self, Overrides};
@@ -93,19 +93,19 @@ pub struct Problem {
     pub scheme: Scheme,
     /// Step plan.
     pub plan: StepPlan,
-    /// Size down to which a step that fails is cut; `None`: 1/1024 of the planned one.
+    /// Smallest size of a cut step; `None`: 1/1024 of the planned one.
     pub smallest_step: Option<f64>,
-    /// When Newton's iteration ends.
+    /// Settings of Newton's iteration.
     pub newton: NewtonSettings,
-    /// What is written, and where.
+    /// Output files and directory.
     pub output: Output,
-    /// What makes a run end early.
+    /// Limits that end a run early.
     pub limits: Limits,
-    /// Remarks: of the mesh reader, and on keys without effect.
+    /// Remarks from the mesh reader, and on keys without effect.
     pub notes: Vec<String>,
-    /// The files that it was read from: the input, then those of the mesh.
+    /// The source files: the input, then the files of the mesh.
     pub files: Vec<PathBuf>,
-    /// The input with all values that hold, as TOML that gives the same run.
+    /// The input with all values in effect, as TOML that gives the same run.
     pub resolved: String,
 }
 
@@ -123,7 +123,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
     let directory = path.parent().unwrap_or(Path::new(""));
     let mut parts = Parts::read(&tree, directory, overrides)?;
-    // As text it may have lost what is not UTF-8.
+    // The text may have lost characters that are not UTF-8.
     parts.output.directory = output.unwrap_or(parts.output.directory);
     let mesh_file =
         parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
@@ -142,7 +142,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
 const LOST_MESH: &str = "the path of the mesh is not UTF-8, which the input of the output directory cannot hold: `emmy resume` \
                          needs `--set mesh.file=PATH` with another name of it";
 
-/// What is read from the tree, before the mesh is made.
+/// Data read from the tree before the mesh is made.
 struct Parts {
     title: Option<String>,
     shape: Shape,
@@ -267,7 +267,7 @@ impl Parts {
     }
 }
 
-/// What else is wrong: the groups, if the mesh can be made in spite of faults elsewhere.
+/// Further faults: the groups, if the mesh can be made despite faults elsewhere.
 fn with_groups(
     shape: &Shape,
     regions: &[Placed<Region>],
@@ -305,13 +305,13 @@ fn at_least_one(item: Item<'_>) -> Result<Item<'_>, Fault> {
     Ok(item)
 }
 
-/// Reads one table or a list of them; every one that fails leaves its fault.
+/// Reads one table or a list of them; each failure stores its fault.
 fn each<T>(item: Item<'_>, read: fn(Item<'_>) -> Result<T, Fault>, faults: &mut Faults) -> Vec<T> {
     let items = faults.keep(item.one_or_more()).unwrap_or_default();
     items.into_iter().filter_map(|item| faults.keep(read(item))).collect()
 }
 
-/// Reads those of the tables that are of a kind.
+/// Reads only the tables of a kind.
 fn optional_where<T>(
     root: &Table<'_>,
     key: &str,

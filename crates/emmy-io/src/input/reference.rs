@@ -1,7 +1,7 @@
-//! Tables of `docs/input.md` and `docs/results.md`, made of the descriptions.
+//! Tables of `docs/input.md` and `docs/results.md`, written from the descriptions.
 //!
-//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is that of a table of the input, or one of
-//! [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
+//! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input,
+//! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
 
 use emmy::body::FieldName;
 use emmy::internals::body::MODELS;
@@ -60,7 +60,7 @@ fn chosen(section: &Section) -> &'static str {
     }
 }
 
-/// A default; the text of the page says what a long list is.
+/// A default; the page describes long lists in its text.
 fn shortened(value: &str) -> String {
     match value.len() {
         0..60 => code(&value.replace('\'', "\"")),
@@ -114,7 +114,7 @@ fn models() -> String {
     table(&["model", "strain energy", "for"], MODELS.iter().map(row))
 }
 
-/// Parameters of all models, those that several models share once.
+/// Parameters of all models; parameters shared by several models are listed once.
 fn parameters() -> String {
     let mut rows: Vec<(Parameter, bool, Vec<&str>)> = Vec::new();
     for model in MODELS.iter().map(|model| &model.model) {
@@ -126,18 +126,19 @@ fn parameters() -> String {
             }
         }
     }
-    let row = |(parameter, is_choice, models): (Parameter, bool, Vec<&str>)| {
-        let key = Key::from(&parameter);
-        let absent = match key.if_absent {
-            IfAbsent::Required if is_choice => "one of the pairs".to_string(),
-            IfAbsent::Required => "required".to_string(),
-            IfAbsent::Value(value) => shortened(value),
-            IfAbsent::Means(meaning) => meaning.to_string(),
-        };
-        let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
-        vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
+    table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(parameter))
+}
+
+fn parameter((parameter, is_choice, models): (Parameter, bool, Vec<&str>)) -> Vec<String> {
+    let key = Key::from(&parameter);
+    let absent = match key.if_absent {
+        IfAbsent::Required if is_choice => "one of the pairs".to_string(),
+        IfAbsent::Required => "required".to_string(),
+        IfAbsent::Value(value) => shortened(value),
+        IfAbsent::Means(meaning) => meaning.to_string(),
     };
-    table(&["model", "parameter", "value", "default", "meaning"], rows.into_iter().map(row))
+    let models = models.into_iter().map(code).collect::<Vec<_>>().join(", ");
+    vec![models, code(key.name), value(&key.kind, key.unit), absent, key.doc]
 }
 
 fn cells() -> String {
@@ -157,20 +158,21 @@ fn schemes() -> String {
 }
 
 fn fields() -> String {
-    let row = |field: FieldName| {
-        let place = match field.place() {
-            emmy::body::Place::Nodes => "nodes",
-            emmy::body::Place::Cells => "cells",
-        };
-        let n = field.components().len();
-        vec![
-            code(field.name()),
-            place.to_string(),
-            n.to_string(),
-            field.description().replace('[', "\\[").replace(']', "\\]"),
-        ]
+    table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(field))
+}
+
+fn field(field: FieldName) -> Vec<String> {
+    let place = match field.place() {
+        emmy::body::Place::Nodes => "nodes",
+        emmy::body::Place::Cells => "cells",
     };
-    table(&["field", "at the", "numbers", "description"], FieldName::ALL.map(row))
+    let n = field.components().len();
+    vec![
+        code(field.name()),
+        place.to_string(),
+        n.to_string(),
+        field.description().replace('[', "\\[").replace(']', "\\]"),
+    ]
 }
 
 /// The table of a name.
@@ -184,7 +186,8 @@ const END: &str = "<!-- end of table -->";
 
 /// A page with its tables written again, and their names.
 fn filled(page: &str) -> (String, Vec<String>) {
-    let (mut parts, mut names) = (page.split(START), Vec::new());
+    let mut parts = page.split(START);
+    let mut names = Vec::new();
     let mut text = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let (name, rest) = part.split_once(" -->").expect("the name ends");
@@ -197,7 +200,7 @@ fn filled(page: &str) -> (String, Vec<String>) {
 }
 
 #[test]
-fn the_tables_of_the_reference_are_those_of_the_program() {
+fn the_tables_of_the_reference_match_the_program() {
     let mut all = Vec::new();
     for page in ["input", "results"] {
         let path = format!("{}/../../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));

@@ -43,7 +43,7 @@ static VISCOSITY: Described = Described::new(|| {
         .at_least_one(&["time", "shear", "bulk"])
 });
 
-/// A part of the input with the place of its group's name, if it has one, and its own.
+/// A part of the input with its place, and the place of its group's name, if it has one.
 #[derive(Debug)]
 pub(super) struct Placed<T> {
     pub(super) value: T,

@@ -1,6 +1,7 @@
-//! The input as a JSON schema (draft 7), for editors: completion, descriptions of keys, and marks on what is wrong.
+//! JSON schema (draft 7) of the input, for editors: completion, descriptions of keys, and marks on mistakes.
 //!
-//! It is made of the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that go across tables.
+//! It is generated from the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that
+//! involve several tables.
 
 use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
@@ -43,12 +44,13 @@ fn table(section: &Section) -> Value {
     schema
 }
 
-/// Schema of one table or a list of them. Written without a choice of two schemas, because a validator can only say of a
-/// choice that none of it fits, and not which key is wrong.
+/// Schema of one table or a list of them. It is not a choice of two schemas, because a validator can only report that
+/// no alternative fits, and not which key is wrong.
 fn tables(section: &Section) -> Value {
-    let (one, rules) = (table(section), rules(section));
+    let one = table(section);
+    let rules = rules(section);
     let mut schema = one.clone();
-    // A list fits all of the choices between keys, which is too many for `oneOf`: they are for tables only.
+    // A list fits all of the choices between keys, which is too many for `oneOf`: they apply to tables only.
     schema.as_object_mut().into_iter().for_each(|schema| schema.retain(|rule, _| !rules.contains_key(rule)));
     schema["if"] = json!({ "type": "object" });
     schema["then"] = rules.into();
@@ -57,12 +59,12 @@ fn tables(section: &Section) -> Value {
     schema
 }
 
-/// Which keys go together.
+/// Rules between keys.
 fn rules(section: &Section) -> Map<String, Value> {
     let required = |keys: &[&str]| json!({ "required": keys });
     let rules = match &section.rule {
         Rule::Free => json!({}),
-        // A table of nothing but the keys to choose from.
+        // A table with nothing but the keys of the choice.
         Rule::ExactlyOne(sets) if sets.len() == section.keys.len() => {
             json!({ "minProperties": 1, "maxProperties": 1 })
         }
@@ -111,7 +113,7 @@ fn property(key: &Key) -> Value {
     schema
 }
 
-/// A value as TOML has it.
+/// A value as written in TOML.
 fn default(value: &str) -> Value {
     let table = format!("value = {value}").parse::<toml::Table>().unwrap_or_default();
     json!(table.get("value"))
@@ -159,7 +161,7 @@ fn number(bounds: Bounds) -> Value {
     }
 }
 
-/// A bound, without a point where it is a whole number.
+/// A bound, without a decimal point if it is a whole number.
 fn bound(value: f64) -> Value {
     if value.fract() == 0.0 { json!(value as i64) } else { json!(value) }
 }
@@ -170,7 +172,7 @@ fn history() -> Value {
     json!({ "type": ["string", "array"], "pattern": "\\S", "items": entry, "minItems": 1 })
 }
 
-/// Schemes that an editor offers; the numbers in them may be others.
+/// Schemes offered by an editor; their numbers may differ.
 const SCHEMES: [&str; 15] = [
     "DGM",
     "DGM(0.8)",
@@ -226,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_the_reader() {
+    fn defaults_match_the_reader() {
         let schema = schema();
         let default =
             |section: &str, key: &str| schema["properties"][section]["properties"][key]["default"].clone();

@@ -1,12 +1,12 @@
-//! `--set KEY=VALUE`: values of the command line that take the place of those in the file.
+//! `--set KEY=VALUE`: values of the command line that replace values of the file.
 
 use super::fault::{Fault, InputError, Place};
 use super::suggest::listed;
 use super::tree::{self, Entry, Node, Value};
 
-/// Applies one `KEY=VALUE`. The key is dotted, numbers in it count the items of a list from 0 (that of an only table may be left
-/// out); the value is TOML, or
-/// else a string; what begins like a list, a table or a quoted text must be TOML. `KEY=` takes the key out.
+/// Applies one `KEY=VALUE`. The key is dotted; numbers in it count the items of a list from 0 (optional for the only
+/// table of a list). The value is TOML, or else a string; a value that begins like a list, a table or a quoted text
+/// must be TOML. `KEY=` removes the key.
 pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     let start = Place::start_of("--set", flag);
     let Some((key, _)) = flag.split_once('=') else {
@@ -59,14 +59,14 @@ fn value(start: &Place, flag: &str, key: &str, depth: usize) -> Result<Node, Inp
     Ok(node)
 }
 
-/// The error of a value, in words of the flag.
+/// The error of a value, in terms of the flag.
 fn as_flag(error: InputError, flag: &str) -> InputError {
     let Some(fault) = error.faults().first() else { return error };
     let help = "lists, tables and quoted texts are TOML; put the whole flag in quotes of the shell: --set 'KEY=[1, 2, 3]'";
     fault.clone().before(&format!("--set {flag}: ")).help(help).into()
 }
 
-/// Puts the value where the rest of the path leads from a node of the given name.
+/// Sets the value at the end of the path from a node of the given name.
 fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) -> Result<(), Fault> {
     let [(name, place), rest @ ..] = path else {
         *node = value;
@@ -86,7 +86,7 @@ fn assign(node: &mut Node, parent: &str, path: &[(String, Place)], value: Node) 
     }
 }
 
-/// Takes out the key to which a path leads from a node of the given name.
+/// Removes the key at the end of the path from a node of the given name.
 fn take_out(node: &mut Node, parent: &str, path: &[(String, Place)]) -> Result<(), Fault> {
     let [(name, place), rest @ ..] = path else { return Ok(()) };
     match &mut node.value {
@@ -110,7 +110,7 @@ fn nothing_there(parent: &str, name: &str, place: &Place) -> Fault {
     Fault::at(place, message, "not there").help(format!("an empty text is --set '{name}=\"\"'"))
 }
 
-/// Whether a list has one table alone, to which a key that is no number belongs.
+/// Whether a list has exactly one table, to which a key without a number belongs.
 fn is_only_table(items: &[Node], name: &str) -> bool {
     name.parse::<usize>().is_err() && matches!(items, [Node { value: Value::Table(_), .. }])
 }
@@ -118,7 +118,7 @@ fn is_only_table(items: &[Node], name: &str) -> bool {
 /// Tables in which a key may be a number.
 const OF_ANY_KEYS: [&str; 2] = ["groups", "link_groups"];
 
-/// Refuses the number of an item where there is one table and no list.
+/// Rejects an item number if there is one table and no list.
 fn not_a_list(entries: &[Entry], parent: &str, name: &str, place: &Place) -> Result<(), Fault> {
     let is_number = name.parse::<usize>().is_ok() && !entries.iter().any(|entry| entry.key == name);
     if !is_number || entries.is_empty() || OF_ANY_KEYS.contains(&parent) {
@@ -138,7 +138,8 @@ fn key_of<'a>(entries: &'a mut Vec<Entry>, name: &str, place: &Place) -> &'a mut
 }
 
 fn item_of<'a>(items: &'a mut [Node], parent: &str, path: &[(String, Place)]) -> Result<&'a mut Node, Fault> {
-    let (n, (name, place)) = (items.len(), &path[0]);
+    let n = items.len();
+    let (name, place) = &path[0];
     if name.parse::<usize>().is_err() {
         let keys: Vec<&str> = path.iter().map(|(key, _)| key.as_str()).collect();
         let message = format!("--set: `{parent}` is a list; say which item of it, counted from 0");
@@ -183,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_begins_like_toml_is_toml_alone() {
+    fn values_that_begin_like_toml_must_be_toml() {
         for flag in ["title=\"a\" # c\nx=1", "a=[1]\nb=2", "a={ b = 1 }\nc=2", "a='x'\n[b]"] {
             let error = set("", flag).unwrap_err().to_string();
             assert!(error.contains("more than one value"), "{flag:?}: {error}");

@@ -12,26 +12,26 @@ use super::fault::{Fault, Place};
 use super::table::{Item, Table, spelled};
 use crate::vtk::{Format, Precision};
 
-/// What is written, and where.
+/// Output files and directory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
     /// Directory of the results, relative to the working directory.
     pub directory: PathBuf,
-    /// Steps between frames, beside the first and the last; 0: none of these.
+    /// Steps between frames, besides the first and the last; 0: only these two.
     pub every: usize,
-    /// Time between frames, in place of steps.
+    /// Time between frames, instead of steps.
     pub interval: Option<f64>,
-    /// Which files the frames are.
+    /// Format of the frames.
     pub format: Format,
     /// Precision of their fields.
     pub precision: Precision,
-    /// Fields in the frames; those that the body does not have are left out.
+    /// Fields in the frames; fields that the body does not have are left out.
     pub fields: Vec<FieldName>,
     /// Steps between checkpoints; 0: no checkpoints.
     pub checkpoint_every: usize,
-    /// Steps between rows of `newton.csv` and between steps in `run.log`; 0: none of these.
+    /// Steps between rows of `newton.csv` and between steps in `run.log`; 0: none.
     pub log_every: usize,
-    /// Points whose path is written into the history.
+    /// Points whose paths are written to the history.
     pub probes: Vec<Probe>,
 }
 
@@ -40,13 +40,13 @@ pub struct Output {
 pub struct Probe {
     /// Name in the columns of the history.
     pub name: String,
-    /// The point that was asked for, in the reference configuration \[length\].
+    /// The requested point, in the reference configuration \[length\].
     pub point: [f64; 3],
     /// Index of the nearest node.
     pub node: usize,
 }
 
-/// What makes a run end early (exit code 4).
+/// Limits that end a run early (exit code 4).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
     /// Largest accumulated energy residual over the largest T + |V|.
@@ -89,7 +89,12 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "Directory of the results, relative to the working directory; `--output` overrides it",
         )
         .absent("the name of the input file without `.toml`")
-        .may("every", whole(0), "", "Steps between frames, beside the first and the last state; 0: no frames")
+        .may(
+            "every",
+            whole(0),
+            "",
+            "Steps between frames, besides the first and the last state; 0: no frames",
+        )
         .default("1")
         .may(
             "interval",
@@ -107,7 +112,7 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "checkpoint_every",
             whole(0),
             "",
-            "Steps between checkpoints, beside the start and the last state; 0: none",
+            "Steps between checkpoints, besides the start and the last state; 0: none",
         )
         .default("50")
         .may(
@@ -232,11 +237,11 @@ impl Output {
         self.every > 0 || self.interval.is_some()
     }
 
-    /// Number of the frames of a plan; not known where every so many adaptive steps are one.
+    /// Number of the frames of a plan; unknown if frames are written every n adaptive steps.
     pub fn n_frames(&self, plan: &StepPlan) -> Option<usize> {
         let duration = plan.end() - plan.start();
         match (self.interval, self.every) {
-            // The last one may lie on the end, or differ from it by rounding.
+            // The last one may lie at the end, or differ from it by rounding.
             (Some(interval), _) => Some((duration / interval * (1.0 - 1e-12)).ceil() as usize + 1),
             (None, 0) => Some(0),
             (None, _) if plan.adaptivity().is_some() => None,
@@ -244,7 +249,7 @@ impl Output {
         }
     }
 
-    /// Whether a state is one for a frame, by its step or by its time in a plan.
+    /// Whether a state gets a frame, by its step or by its time in a plan.
     pub fn is_frame(&self, plan: &StepPlan, step: usize, time: f64) -> bool {
         match self.interval {
             Some(_) => step == 0 || plan.is_output(time),
@@ -263,7 +268,7 @@ fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
     Ok(fields)
 }
 
-/// Names that would make columns which are there already.
+/// Names that would repeat existing columns.
 const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
 
 fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {

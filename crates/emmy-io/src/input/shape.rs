@@ -213,7 +213,7 @@ impl Network {
     }
 }
 
-/// A link between two of the points.
+/// A link between two points.
 fn link(item: &Item<'_>, n_points: usize) -> Result<[u32; 2], Fault> {
     let [a, b]: [usize; 2] = item.wholes(0)?;
     if a == b {
@@ -239,7 +239,7 @@ fn members(name: &str, item: &Item<'_>, what: &str, n: usize) -> Result<(String,
     Ok((name.to_string(), item.list()?.iter().map(number).collect::<Result<_, Fault>>()?))
 }
 
-/// More cells than this are more likely a slip than a wish, and would not fit into memory.
+/// Largest plausible number of cells: more are probably a typing error, and would not fit into memory.
 const MAX_CELLS: f64 = 2e7;
 
 /// Reads the table; paths are relative to `directory`.
@@ -278,12 +278,13 @@ fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
     Err(item.fault(format!("this makes {count:.1e} cells; the most is {MAX_CELLS:.0e}"), "too many cells"))
 }
 
-/// The file in the folder of a path that is not there that was meant: one with nearly its name, or with its name and a suffix.
+/// The intended file in the folder of a missing path: one with a similar name, or with the name and an extension.
 fn neighbour(path: &Path) -> Option<String> {
     if path.exists() {
         return None;
     }
-    let (folder, wanted) = (path.parent()?, path.file_name()?.to_str()?);
+    let folder = path.parent()?;
+    let wanted = path.file_name()?.to_str()?;
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let names =
         std::fs::read_dir(folder).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
@@ -293,12 +294,12 @@ fn neighbour(path: &Path) -> Option<String> {
     with_suffix.cloned().or_else(|| nearest(wanted, names.iter().map(String::as_str)).map(str::to_string))
 }
 
-/// What to do about an inverted cell of a file.
+/// Advice on an inverted cell of a file.
 const INVERTED: &str = "cells count from 0 in the order of the file; check the orientation of this one (the order of its \
                         nodes) and its shape in the mesher";
 
 impl Shape {
-    /// The mesh, scaled, with what its reader remarked. Lines of a file in one of the groups `links` are cells.
+    /// The mesh, scaled, with the remarks of its reader. Lines of a file in one of the groups `links` are cells.
     pub(super) fn mesh(&self, links: &[String]) -> Result<MeshFile, Fault> {
         let at = |error: &dyn std::fmt::Display| Fault::at(&self.place, error.to_string(), "from here");
         let made = |mesh: emmy::Result<Mesh>, notes| -> Result<MeshFile, Fault> {
@@ -322,7 +323,7 @@ impl Shape {
         Ok(MeshFile { mesh, ..file })
     }
 
-    /// The fault of a mesh that no body can be made of.
+    /// The fault of a mesh that cannot become a body.
     pub(super) fn fault(&self, error: &emmy::Error) -> Fault {
         let Source::File(path) = &self.source else {
             return Fault::at(&self.place, error.to_string(), "this mesh");
@@ -334,7 +335,7 @@ impl Shape {
         }
     }
 
-    /// The mesh file as a path that can be opened from everywhere.
+    /// The mesh file as a path that is valid in any working directory.
     pub(super) fn absolute_file(&self) -> Option<PathBuf> {
         match &self.source {
             Source::File(path) => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),

@@ -1,17 +1,17 @@
-//! The nearest word to one that is not known.
+//! The nearest word to an unknown one.
 
-/// Letters of a word that may be the beginning of another.
+/// Smallest length of a word that may be the beginning of another.
 const SHORTEST_BEGINNING: usize = 3;
 
-/// Most words of a list in a message.
+/// Largest number of words in a message.
 const MAX_WORDS: usize = 60;
 
-/// The nearest of the known words, if one is near enough to be meant; else the first that begins with the word.
+/// The nearest of the known words, if one is similar enough; else the first that begins with the word.
 pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = plain(word);
     let distance = |known: &&str| strsim::damerau_levenshtein(&plain, &self::plain(known));
     let length = plain.chars().count();
-    // One letter is as near to every other one.
+    // A single letter is similar to any other.
     let allowed = (length / 3).max(1).min(length.saturating_sub(1));
     let known: Vec<&str> = known.into_iter().collect();
     let near = known.iter().map(|word| (distance(word), *word)).filter(|(d, _)| *d <= allowed).min();
@@ -24,7 +24,7 @@ pub(super) fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a s
     nearest(word, known).map(|word| format!("did you mean `{word}`?"))
 }
 
-/// Words in one line, each in back-quotes; of very many the first.
+/// Words in one line, each in back-quotes; only the first of very many.
 pub(super) fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     let mut words = words.into_iter();
     let first: Vec<String> = words.by_ref().take(MAX_WORDS).map(|word| format!("`{word}`")).collect();
@@ -35,7 +35,7 @@ pub(super) fn listed<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
-/// Case, hyphens and underscores make no difference to what is meant.
+/// Case, hyphens and underscores make no difference.
 fn plain(word: &str) -> String {
     word.to_lowercase().replace(['_', ' '], "-")
 }

@@ -1,4 +1,4 @@
-//! `[[support]]`: what is held, moved or turned.
+//! `[[support]]`: fixed and driven parts of the body.
 
 use emmy::body::{Rotation, Support, TimeFunction};
 use emmy::internals::number::{short, short_vector};
@@ -25,7 +25,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
         .may("fix", list(1, Kind::Word(COMPONENTS.to_vec())), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
-        .may("rotate", Kind::Table(&ROTATE), "", "Rotation of the group as a rigid body; a `move` beside it is added")
+        .may("rotate", Kind::Table(&ROTATE), "", "Rotation of the group as a rigid body; a `move` is added to it")
         .may("symmetry", Kind::True, "", symmetry)
         .may(
             "spring",
@@ -78,7 +78,8 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
 }
 
 fn fixed(item: Item<'_>) -> Result<[bool; 3], Fault> {
-    let (mut fixed, components) = ([false; 3], item.list()?);
+    let mut fixed = [false; 3];
+    let components = item.list()?;
     if components.is_empty() {
         let message = "`fix` is empty: it lists the components that do not move";
         return Err(item.fault(message, "such as [\"x\", \"y\"]"));
@@ -122,16 +123,18 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
     Ok(Rotation { axis, about, angle: motion(table.require("angle")?)? })
 }
 
-/// A history that nodes can follow: from zero, without jumps.
+/// A time function that nodes can follow: from zero, without jumps.
 fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
-    let (history, key) = (history::read(item)?, item.key());
+    let history = history::read(item)?;
+    let key = item.key();
     if let Some(time) = history.first_jump() {
         let message =
             format!("`{key}`: a motion that jumps, at t = {}; give the way there some time", short(time));
         return Err(item.fault(message, "two values at one time"));
     }
     let start = history.value(0.0);
-    // Rounding of an expression that is zero in mathematics is no displacement; other values wait for the size of the mesh.
+    // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
+    // mesh.
     if start.abs() > 1e-9 {
         let message = format!(
             "`{key}` is {} at t = 0, where the body is undeformed; let it start from 0",
@@ -156,8 +159,8 @@ fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
     })
 }
 
-/// What can be wrong with supports that are right one by one: that two hold the same component of a node, or that the scheme
-/// cannot move them.
+/// Checks supports against each other and the scheme: two may fix the same component of a node, or the scheme may not
+/// permit driven supports.
 pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &Time) -> Result<(), Fault> {
     for support in supports.iter().filter(|support| support.value.symmetry) {
         symmetry_axis(mesh, support)?;
@@ -165,9 +168,8 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
     let Some(driven) = supports.iter().find(|support| support.value.is_driven()) else { return Ok(()) };
     if time.scheme.check_feature(BodyFeature::PrescribedMotion).is_err() {
         let is_element = time.scheme.is_time_element();
-        let kind = if is_element { "schemes that do not dissipate" } else { "time elements only" };
-        let message =
-            format!("the scheme {} cannot move a support: that goes with {kind}", time.scheme.name());
+        let kind = if is_element { "a scheme without dissipation" } else { "a time element" };
+        let message = format!("the scheme {} cannot move a support: this needs {kind}", time.scheme.name());
         let other = if is_element { time.scheme.conserving().name() } else { "DGM".to_string() };
         return Err(Fault::at(&driven.place, message, "moves").help(format!("such as scheme = \"{other}\"")));
     }
@@ -182,7 +184,8 @@ pub(super) fn check_together(mesh: &Mesh, supports: &[Placed<Support>], time: &T
             let other: Option<&Placed<Support>> = by[dof].replace(index).map(|other: usize| &supports[other]);
             let moves = |support: &Placed<Support>| support.value.drives(dof % 3);
             let Some(other) = other.filter(|other| moves(other) || moves(support)) else { continue };
-            let (component, point) = (COMPONENTS[dof % 3], short_vector(mesh.points()[dof / 3]));
+            let component = COMPONENTS[dof % 3];
+            let point = short_vector(mesh.points()[dof / 3]);
             let message = format!("component `{component}` of the node at {point} is given by two supports");
             return Err(Fault::at(&support.place, message, "second").label(&other.place, "first"));
         }
@@ -211,7 +214,7 @@ pub(super) fn places(supports: &[Placed<Support>]) -> Vec<(String, Place)> {
     supports.iter().filter_map(|support| support.group.clone()).collect()
 }
 
-/// The fault of a body that cannot be supported so.
+/// The fault of a body with invalid supports.
 pub(super) fn fault(error: &emmy::Error, places: &[(String, Place)]) -> Option<Fault> {
     let emmy::Error::Support { group, .. } = error else { return None };
     let (_, place) = places.iter().find(|(name, _)| name == group)?;

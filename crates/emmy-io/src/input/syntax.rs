@@ -1,6 +1,6 @@
-//! Advice on text that is not TOML: what people write instead.
+//! Advice on text that is not TOML, for common mistakes.
 
-/// What to write, judged by what the parser says, by the line of the fault and by how the text begins.
+/// Advice, from the message of the parser, the line of the fault and the beginning of the text.
 pub(super) fn advice(message: &str, text: &str, at: usize) -> Option<&'static str> {
     of_a_message(message).or_else(|| of_a_text(text, at))
 }
@@ -8,7 +8,7 @@ pub(super) fn advice(message: &str, text: &str, at: usize) -> Option<&'static st
 fn of_a_message(message: &str) -> Option<&'static str> {
     match message {
         "duplicate key" => Some(
-            "it is there already: leave one of the two; several regions, loads and so on are written [[region]], [[load]]",
+            "it is given already: remove one of the two; several regions, loads and so on are written [[region]], [[load]]",
         ),
         _ if message.starts_with("missing comma between array elements") => {
             Some("or the `]` of the list is missing before this")
@@ -52,8 +52,8 @@ fn of_a_value(key: &str, value: &str) -> Option<&'static str> {
         _ if first == '"' && value.contains('\\') => Some(
             "in \"...\" a backslash begins an escape: write paths with /, or in single quotes: 'C:\\part.msh'",
         ),
-        _ if first == '(' => Some("a list stands in square brackets: [1.0, 2.0, 3.0]"),
-        _ if first.is_alphabetic() => Some("a text stands in quotes, such as scheme = \"DGM\""),
+        _ if first == '(' => Some("a list is written in square brackets: [1.0, 2.0, 3.0]"),
+        _ if first.is_alphabetic() => Some("a text is written in quotes, such as scheme = \"DGM\""),
         _ if digits.starts_with('.') || is_number && value.ends_with('.') => {
             Some("a number has digits on both sides of its point: 0.5, 2.0")
         }

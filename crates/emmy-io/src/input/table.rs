@@ -29,13 +29,13 @@ impl<'a> Table<'a> {
         Item { key: "input", node, key_place: &node.place }.table(section)
     }
 
-    /// The value of a key, if it is there.
+    /// The value of an optional key.
     pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
         let entry = self.entries.iter().find(|entry| entry.key == key)?;
         Some(Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
     }
 
-    /// The value of a key that must be there.
+    /// The value of a required key.
     pub(super) fn require(&self, key: &str) -> Result<Item<'a>, Fault> {
         self.get(key).ok_or_else(|| {
             let message = format!("`{key}` is missing in {}", self.section.name);
@@ -43,7 +43,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The one that is there of the keys of which the table must have one.
+    /// The given key of several, of which the table must have exactly one.
     pub(super) fn exactly_one(&self, what: &str) -> Result<Item<'a>, Fault> {
         let keys = self.section.choice();
         let found: Vec<Item> = keys.iter().filter_map(|key| self.get(key)).collect();
@@ -64,7 +64,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Where the table begins.
+    /// Start of the table.
     pub(super) fn place(&self) -> &'a Place {
         self.place
     }
@@ -81,7 +81,7 @@ impl<'a> Table<'a> {
 }
 
 impl<'a> Item<'a> {
-    /// Where the value stands.
+    /// Place of the value.
     pub(super) fn place(&self) -> &'a Place {
         &self.node.place
     }
@@ -112,14 +112,14 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// Keys and values of a table of any keys.
+    /// Keys and values of a table with arbitrary keys.
     pub(super) fn any_table(&self) -> Result<Vec<(String, Item<'a>)>, Fault> {
         let Value::Table(entries) = &self.node.value else { return Err(self.mismatch("a table")) };
         let item = |entry: &'a Entry| Item { key: &entry.key, node: &entry.node, key_place: &entry.place };
         Ok(entries.iter().map(|entry| (entry.key.clone(), item(entry))).collect())
     }
 
-    /// Place of a key of a table, whatever its other keys.
+    /// Place of a key of a table, even if other keys are unknown.
     pub(super) fn has_key(&self, key: &str) -> Option<&'a Place> {
         match &self.node.value {
             Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.place),
@@ -141,7 +141,7 @@ impl<'a> Item<'a> {
         self.list_or("a list")
     }
 
-    /// The items of a list; `wanted` is what the value must be, in the message.
+    /// The items of a list; `wanted` describes the value in the message.
     pub(super) fn list_or(&self, wanted: &str) -> Result<Vec<Item<'a>>, Fault> {
         let Value::Array(nodes) = &self.node.value else {
             let fault = self.mismatch(wanted);
@@ -172,7 +172,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A name that files can hold, read as the names in meshes are.
+    /// A name that files can hold, read like the names in meshes.
     pub(super) fn name(&self) -> Result<String, Fault> {
         Ok(message::name(self.string()?).into_owned())
     }
@@ -199,7 +199,7 @@ impl<'a> Item<'a> {
         Err(self.fault(message, label))
     }
 
-    /// The value that one of the known words stands for.
+    /// The value meant by one of the known words.
     pub(super) fn one_of<T: Copy>(&self, what: &str, known: &[(&str, T)]) -> Result<T, Fault> {
         let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
         let word = self.word(what, &words)?;
@@ -221,7 +221,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// The fault of a value that is no number; texts that hold one get advice.
+    /// The fault of a value that is not a number; text that contains one gets advice.
     fn not_a_number(&self, wanted: &str) -> Fault {
         let fault = self.mismatch(wanted);
         match self.text().map(str::trim) {
@@ -244,7 +244,7 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A whole number that is not below a least one.
+    /// A whole number not below a smallest one.
     pub(super) fn whole(&self, least: usize) -> Result<usize, Fault> {
         let value = match self.node.value {
             Value::Integer(value) => value,
@@ -260,7 +260,7 @@ impl<'a> Item<'a> {
         })
     }
 
-    /// As many values as there should be.
+    /// The given number of values.
     pub(super) fn exactly<const N: usize>(&self, what: &str) -> Result<[Item<'a>; N], Fault> {
         let Value::Array(nodes) = &self.node.value else {
             return Err(self.mismatch(&format!("a list of {N} {what}")));
@@ -288,13 +288,13 @@ impl<'a> Item<'a> {
     }
 }
 
-/// A number, with an exponent where it would have many digits otherwise.
+/// A number, with an exponent if it would otherwise have many digits.
 pub(super) fn spelled(value: f64) -> String {
     let text = decimal(value);
     text.strip_suffix(".0").unwrap_or(&text).to_string()
 }
 
-/// A number that shows that it is not written as a whole one: `2.0`.
+/// A number that is recognizably not whole: `2.0`.
 fn decimal(value: f64) -> String {
     format!("{value:?}")
 }

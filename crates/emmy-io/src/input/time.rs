@@ -51,11 +51,11 @@ pub(super) struct Time {
     pub(super) plan: StepPlan,
     /// Place of `adaptive`.
     pub(super) adaptive: Option<Place>,
-    /// Size down to which a step that fails is cut.
+    /// Smallest size of a cut step.
     pub(super) smallest_step: Option<f64>,
 }
 
-/// Reads the table; `until` is the end that the command line asks for, `step` a time and the step size that it asks for from then on.
+/// Reads the table; `until` is the end given on the command line, `step` a time and the step size after it.
 pub(super) fn read(item: Item<'_>, until: Option<f64>, step: Option<(f64, f64)>) -> Result<Time, Fault> {
     let table = item.table(&TIME)?;
     let scheme_item = table.require("scheme")?;
@@ -106,7 +106,7 @@ const WORDS: [&str; 10] = [
     "centraldifferences",
 ];
 
-/// The scheme that was meant by a text in another case, without brackets, or by another name.
+/// The scheme meant by a text in another case, without brackets, or with another name.
 fn meant(text: &str) -> Option<String> {
     let plain: String = text.to_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
     let word = plain.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -148,7 +148,7 @@ fn plan(item: Item<'_>) -> Result<StepPlan, Fault> {
     })
 }
 
-/// What is wrong with a plan.
+/// Message about an invalid plan.
 fn plan_reason(error: emmy::Error) -> String {
     match error {
         emmy::Error::Plan { reason, .. } => reason,
@@ -161,7 +161,7 @@ fn phase(item: &Item<'_>) -> Result<Phase, Fault> {
     Ok(Phase { until: table.require("until")?.number()?, size: table.require("size")?.positive()? })
 }
 
-/// The plan with another end: later phases are left out, or the last one goes on.
+/// The plan with another end: later phases are left out, or the last one is extended.
 fn cut_or_extended(plan: &StepPlan, until: f64) -> Result<StepPlan, Fault> {
     let flag = format!("--until {}", spelled(until));
     let place = Place::start_of("--until", &flag).at("--until ".len()..flag.len());

@@ -1,4 +1,4 @@
-//! The input as a tree in which every key and value knows its place.
+//! The input as a tree whose keys and values know their places.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::fault::{Fault, InputError, Place};
 use super::syntax;
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub(super) value: Value,
@@ -36,7 +36,7 @@ pub(super) struct Entry {
 }
 
 impl Value {
-    /// What the value is, for messages.
+    /// Description of the value, for messages.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Value::String(_) => "a string",
@@ -64,7 +64,7 @@ impl Node {
         self.entries_mut()?.iter_mut().find(|entry| entry.key == key).map(|entry| &mut entry.node)
     }
 
-    /// Puts a value at a key of a table; anything else is left alone.
+    /// Sets a key of a table; any other node is unchanged.
     pub(super) fn put(&mut self, key: &str, node: Node) {
         let Some(entries) = self.entries_mut() else { return };
         match entries.iter_mut().find(|entry| entry.key == key) {
@@ -104,7 +104,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Fault {
     }
 }
 
-/// The tree of a text; `name` is what messages call it.
+/// The tree of a text; `name` is its name in messages.
 pub(super) fn parse(name: &str, text: &str) -> Result<Node, InputError> {
     let start = Place::start_of(name, text);
     let table = DeTable::parse(text).map_err(|error| syntax_fault(&start, &error))?;

@@ -1,10 +1,10 @@
-//! The tree as TOML again: the resolved input.
+//! The tree as TOML text: the resolved input.
 
 use std::fmt::Write;
 
 use super::tree::{Entry, Node, Value};
 
-/// Text of a tree. Numbers are written with as many digits as it takes to read back the same.
+/// Text of a tree. Numbers have as many digits as needed to read back the same value.
 pub(super) fn toml(root: &Node) -> String {
     let mut text = String::new();
     let Value::Table(entries) = &root.value else { return text };
@@ -69,7 +69,7 @@ fn string(text: &str) -> String {
     toml::Value::String(text.to_string()).to_string()
 }
 
-/// A key, quoted where TOML asks for it.
+/// A key, quoted if TOML requires it.
 fn name(key: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if !key.is_empty() && key.chars().all(bare) { key.to_string() } else { string(key) }
@@ -81,7 +81,7 @@ mod tests {
     use crate::input::tree::parse;
 
     #[test]
-    fn what_is_written_reads_back() {
+    fn written_inputs_read_back() {
         let text = "title = \"a \\\"b\\\" \\\\ c\"\n\n[mesh]\nbox = { size = [2, 8.5, 1e-300], cells = [1, 1, 1] }\n\n\
                     [[load]]\ngroup = \"x-min\"\n\n[[load]]\n\"odd key\" = [{ a = 0.1 }, 1e300]\n";
         let once = toml(&parse("test", text).unwrap());

@@ -39,19 +39,19 @@ impl fmt::Display for Place {
     }
 }
 
-/// Error of a mesh file. Every message says what, where, and what to try; numbers are those of the file.
+/// Error of a mesh file. Every message names the fault, its place, and something to try, with the numbers of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A file that the system does not let us read.
+    /// A file that cannot be opened.
     #[error("{}: cannot be read: {reason}", file.display())]
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         reason: io::Error,
     },
-    /// A file of a format that is not known.
+    /// A file of an unknown format.
     #[error(
         "{}: not a mesh file of a known format; Emmy reads Gmsh (.msh, versions 2.2 and 4.1, ASCII or binary), \
          Abaqus (.inp) and VTK (.vtu)", file.display()
@@ -60,7 +60,7 @@ pub enum MeshError {
         /// The file.
         file: PathBuf,
     },
-    /// A file of a format of other programs that is not read.
+    /// A file in an unsupported format of another program.
     #[error(
         "{}: {format} is not read; {command}; Emmy reads Gmsh (.msh), Abaqus (.inp) and VTK (.vtu)", file.display()
     )]
@@ -69,61 +69,61 @@ pub enum MeshError {
         file: PathBuf,
         /// The format.
         format: &'static str,
-        /// What converts it.
+        /// The converter.
         command: String,
     },
-    /// A file with elements of surfaces alone, which do not lie in a plane.
+    /// A file that has only surface elements, which do not lie in a plane.
     #[error("{}: the file has {found} only and no solid cells, and they do not lie in one plane z = const ({place}); {advice}", file.display())]
     SurfaceAlone {
         /// The file.
         file: PathBuf,
-        /// What there is.
+        /// The elements found.
         found: &'static str,
         /// The first node that is not in the plane.
         place: String,
-        /// What to try.
+        /// Something to try.
         advice: &'static str,
     },
-    /// A version of the MSH format that is not read.
+    /// An unsupported version of the MSH format.
     #[error(
         "{place}: version {version} of the MSH format is not read, only 2.2 and 4.1; \
          try `gmsh OLD.msh -save -format msh41 -o NEW.msh`"
     )]
     UnsupportedVersion {
-        /// Where it says so.
+        /// Place of the version.
         place: Place,
         /// The version.
         version: String,
     },
-    /// Elements that are no cells that a body can be made of.
+    /// Elements that cannot be cells of a body.
     #[error("{place}: elements of type {kind} are not supported; make the body of {supported}")]
     UnsupportedElement {
-        /// Where they begin.
+        /// Place of the first one.
         place: Place,
         /// Name of the type.
         kind: String,
-        /// What is supported.
+        /// The supported types.
         supported: &'static str,
     },
-    /// A count that the rest of the file has no room for.
+    /// A count that exceeds the rest of the file.
     #[error(
         "{place}: {count} {what} are announced, but the rest of the file has room for at most {room}; \
          the file is damaged or cut off, write it again"
     )]
     Count {
-        /// Where the count stands.
+        /// Place of the count.
         place: Place,
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
         /// The count.
         count: u64,
-        /// How many would fit.
+        /// Number that would fit.
         room: u64,
     },
-    /// A node or element number that was there before.
-    #[error("{place}: {what} {number} is there already; renumber, or remove the repetition")]
+    /// A repeated node or element number.
+    #[error("{place}: {what} {number} exists already; renumber it, or remove the repetition")]
     Duplicate {
-        /// Where the second one stands.
+        /// Place of the second one.
         place: Place,
         /// `node` or `element`.
         what: &'static str,
@@ -135,7 +135,7 @@ pub enum MeshError {
         "{place}: element {element} names node {node}, which the file does not define; write the mesh again"
     )]
     UnknownNode {
-        /// Where the element stands.
+        /// Place of the element.
         place: Place,
         /// Number of the element.
         element: u64,
@@ -145,7 +145,7 @@ pub enum MeshError {
     /// A node whose coordinates are NaN or infinite.
     #[error("{place}: node {node} has a coordinate that is not a finite number; correct it or mesh again")]
     CoordinateNotFinite {
-        /// Where the node stands.
+        /// Place of the node.
         place: Place,
         /// Number of the node.
         node: u64,
@@ -163,7 +163,7 @@ pub enum MeshError {
         /// Corner nodes of the facet, as numbered in the file.
         nodes: Vec<u64>,
     },
-    /// A cell that is there already, with its nodes in the same or in another order.
+    /// A repeated cell, with its nodes in the same or in another order.
     #[error(
         "{}: {repeated} has the nodes of {first}; remove one of the two, or their stiffness and mass would add up",
         file.display()
@@ -196,20 +196,20 @@ pub enum MeshError {
     NoCells {
         /// The file.
         file: PathBuf,
-        /// What to try.
+        /// Something to try.
         advice: &'static str,
     },
-    /// Text or bytes that are not what the format wants in this place.
+    /// Text or bytes that the format does not permit at this place.
     #[error("{place}: {problem}; {advice}")]
     Malformed {
-        /// Where.
+        /// Place.
         place: Place,
-        /// What is wrong.
+        /// Reason.
         problem: String,
-        /// What to try.
+        /// Something to try.
         advice: &'static str,
     },
-    /// What the checks of the mesh itself found.
+    /// A fault found by the checks of the mesh itself.
     #[error("{}: {reason}", file.display())]
     Mesh {
         /// The file.

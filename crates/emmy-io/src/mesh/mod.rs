@@ -14,7 +14,7 @@ use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 
 pub use error::{MeshError, Place, Position};
 
-/// Kinds of cells that files may hold, for messages.
+/// Kinds of cells in files, for messages.
 fn kinds() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let names = |kinds: &[CellKind]| {
@@ -35,56 +35,56 @@ pub(crate) fn numbers(kind: CellKind) -> (Option<i64>, &'static [&'static str]) 
 
 type Result<T, E = MeshError> = std::result::Result<T, E>;
 
-/// A mesh from a file, and what its user should be told once about the way it was read.
+/// A mesh from a file, with remarks on how it was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
     /// The mesh; groups have the names of the file.
     pub mesh: Mesh,
     /// Sentences such as `C3D8R is read as hex8 and integrated fully`.
     pub notes: Vec<String>,
-    /// The files that it was read from: itself, and what it includes.
+    /// The source files: itself and its includes.
     pub files: Vec<PathBuf>,
 }
 
-/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input) or of VTK (unstructured grid in XML,
-/// ASCII or binary, appended or not, compressed by zlib or not).
+/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input) or of VTK (unstructured grid in
+/// XML, ASCII or binary, appended or not, with or without zlib compression).
 ///
-/// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups;
-/// a physical group without a name is called by its number. Volume elements in no group are kept.
+/// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups. A
+/// physical group without a name is named by its number. Volume elements without a group are kept.
 ///
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
-/// A set of a part is found under its own name (in all instances together) and as `Instance.Set`; the cells of an
-/// instance are a group of the instance's name.
+/// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
+/// instance form a group of the instance's name.
 ///
-/// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of surfaces are
-/// cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane z = const; cells whose
-/// nodes go round clockwise are turned over, with a note.
+/// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
+/// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane z
+/// = const; clockwise cells are reversed, with a note.
 ///
-/// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the file) and
-/// the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell stands for its
-/// face i. Any other array with up to 64 values: groups of solid cells called `ARRAY=VALUE`. Emmy's own frames come back
-/// with all their groups.
+/// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the
+/// file) and the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell
+/// denotes its face i. Any other array with up to 64 values: groups of solid cells called `ARRAY=VALUE`. Emmy's own
+/// frames keep all their groups.
 ///
-/// No cell may be inverted or be there twice. Nodes at one place are noted.
+/// Inverted or repeated cells are errors. Nodes at one position are noted.
 ///
 /// # Errors
-/// [`MeshError`]: file unreadable, of no known format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
+/// [`MeshError`]: file unreadable, of unknown format or damaged; elements of other kinds than [`emmy::mesh::CellKind`].
 pub fn read(path: &Path) -> Result<MeshFile> {
     read_with_links(path, &[])
 }
 
-/// Mesh in a file as [`read`], in which the lines of two nodes in some groups are cells (line2) of groups of cells. Those of
-/// Abaqus (T3D2, T2D2, CONN3D2, SPRINGA) are cells in any case.
+/// As [`read`], but lines of two nodes in some groups are cells (line2). The links of Abaqus (T3D2, T2D2, CONN3D2,
+/// SPRINGA) are always cells.
 ///
 /// # Errors
-/// Those of [`read`].
+/// As [`read`].
 pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
     let bytes = crate::whole_file::read(path)
         .map_err(|reason| MeshError::Unreadable { file: path.to_path_buf(), reason })?;
     parse_with_links(path, &bytes, links)
 }
 
-/// Mesh in the bytes of a file, as [`read`]; `path` names it in messages and is where its includes are looked for.
+/// Mesh in the bytes of a file, as [`read`]; `path` is its name in messages and the base of its includes.
 ///
 /// ```
 /// let deck = b"*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*Element, type=C3D4, elset=body\n1, 1,2,3,4\n";
@@ -94,7 +94,7 @@ pub fn read_with_links(path: &Path, links: &[String]) -> Result<MeshFile> {
 /// ```
 ///
 /// # Errors
-/// Those of [`read`].
+/// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
     parse_with_links(path, bytes, &[])
 }
@@ -102,7 +102,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
 /// Mesh in the bytes of a file, as [`read_with_links`].
 ///
 /// # Errors
-/// Those of [`read`].
+/// As [`read`].
 pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFile> {
     if let Some(error) = other::format(path) {
         return Err(error);
@@ -129,7 +129,8 @@ enum Format {
     Vtu,
 }
 
-/// Format by the first character (where the extension is not that of a known other one), else (for the message of its reader) by the extension.
+/// Format by the first character, unless the extension belongs to another known format; otherwise by the extension, for
+/// the message of its reader.
 fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
     match without_mark(bytes).trim_ascii_start().first() {
         Some(b'$') => return Some(Format::Gmsh),
@@ -146,21 +147,21 @@ fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Bytes after the mark that some editors put before UTF-8 text.
+/// Bytes after the byte order mark that some editors write before UTF-8 text.
 fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// What the check of a mesh needs to know of its file.
+/// Data of the file for the check of a mesh.
 struct Origin<'a> {
     file: &'a Path,
-    /// Number of nodes that the file has.
+    /// Number of nodes in the file.
     n_nodes: usize,
     /// The cell with an index, by the file's own number: `element 17`.
     name: &'a dyn Fn(usize) -> String,
 }
 
-/// Builds the mesh, checks its cells, and says what was left out of it.
+/// Builds the mesh, checks its cells, and notes omitted parts.
 fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String>) -> Result<MeshFile> {
     let file = || origin.file.to_path_buf();
     let turned = builder.orient_plane_cells();
@@ -185,9 +186,10 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     Ok(MeshFile { mesh, notes, files: vec![file()] })
 }
 
-/// No cell may be there twice or be inverted.
+/// Cells must not be repeated or inverted.
 fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
-    let (file, name) = (|| origin.file.to_path_buf(), |cell: u32| (origin.name)(cell as usize));
+    let file = || origin.file.to_path_buf();
+    let name = |cell: u32| (origin.name)(cell as usize);
     if let Some(&[first, repeated]) = mesh.repeated_cells().first() {
         return Err(MeshError::RepeatedCell { file: file(), repeated: name(repeated), first: name(first) });
     }
@@ -199,7 +201,7 @@ fn check_cells(mesh: &Mesh, origin: &Origin<'_>) -> Result<()> {
     })
 }
 
-/// Nodes at one place are what contact and cracks are made of, or else a mesh that was not joined.
+/// Nodes at one position belong to contact or cracks, or to a mesh that was not joined.
 fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
     let pairs = mesh.coincident_nodes();
     let place = short_vector(mesh.points()[pairs.first()?[1] as usize]);
@@ -209,7 +211,8 @@ fn note_on_coincident_nodes(mesh: &Mesh) -> Option<String> {
     ))
 }
 
-/// Cells with two corners at one place are integrated as they are, but more likely they should have been wedges or pyramids.
+/// Cells with two corners at one position are integrated as they are, but more likely they should be wedges or
+/// pyramids.
 fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
     let is_collapsed = |cell: &Cell<'_>| {
         let corners = &cell.nodes[..cell.kind.n_corners()];
@@ -219,7 +222,8 @@ fn note_on_collapsed_cells(mesh: &Mesh, origin: &Origin<'_>) -> Option<String> {
     let mut collapsed = mesh.cells().enumerate().filter(|(_, cell)| is_collapsed(cell));
     let (first, cell) = collapsed.next()?;
     let have = counted(1 + collapsed.count(), "cell has", "cells have");
-    let (name, kind) = ((origin.name)(first), cell.kind);
+    let name = (origin.name)(first);
+    let kind = cell.kind;
     Some(format!(
         "{have} two corners at one place (aspect ratio inf), the first is {name} ({kind}); is another kind of cell meant?"
     ))

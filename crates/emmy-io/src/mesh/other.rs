@@ -1,17 +1,17 @@
-//! Formats of other programs, and what converts them.
+//! Formats of other programs, and their converters.
 
 use std::path::Path;
 
 use super::MeshError;
 
-/// What a format needs to become a mesh that is read.
+/// Steps that turn a format into a supported mesh.
 #[derive(Debug, Clone, Copy)]
 enum Way {
-    /// A mesh, which meshio converts.
+    /// A mesh for meshio.
     Meshio,
-    /// A mesh or a geometry, which Gmsh reads; the volume is meshed where that has not been done.
+    /// A mesh or a geometry for Gmsh; the volume is meshed if necessary.
     Gmsh,
-    /// A surface, of which Gmsh makes a volume.
+    /// A surface, from which Gmsh creates a volume.
     Surface,
     /// A script of Gmsh.
     Script,
@@ -41,11 +41,12 @@ const FORMATS: [(&str, &str, Way); 20] = [
     ("geo", "a script of Gmsh", Way::Script),
 ];
 
-/// The error of a file whose extension is that of a known format that is not read.
+/// The error of a file with the extension of a known but unsupported format.
 pub(super) fn format(file: &Path) -> Option<MeshError> {
     let extension = file.extension()?.to_str()?.to_ascii_lowercase();
     let (_, format, way) = FORMATS.into_iter().find(|(known, ..)| *known == extension)?;
-    let (from, to) = (file.display(), file.with_extension("msh"));
+    let from = file.display();
+    let to = file.with_extension("msh");
     let to = to.display();
     let command = match way {
         Way::Meshio => format!(

@@ -1,10 +1,12 @@
-//! Coarsening of a surface: the nodes in each box of a grid become one of them (vertex clustering, Rossignac and Borrel 1993).
+//! Coarsening of a surface: the nodes in each box of a grid become one of them (vertex clustering, Rossignac and Borrel
+//! 1993).
 
 use std::collections::{BTreeSet, HashMap};
 
 use super::surface::Surface;
 
-/// The surface with at most `limit` of its nodes: of the nodes in a box, the one nearest to their mean stays. `points`: of the mesh.
+/// The surface with at most `limit` of its nodes: of the nodes in a box, the one nearest to their mean stays. `points`:
+/// of the mesh.
 pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> Surface {
     if surface.nodes.len() <= limit {
         return surface;
@@ -28,7 +30,8 @@ pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> 
         boxes
     };
     // The largest number of divisions that leaves few enough boxes.
-    let (mut few, mut many) = (1, 2 * n);
+    let mut few = 1;
+    let mut many = 2 * n;
     while many - few > 1 {
         let middle = few + (many - few) / 2;
         if boxes(middle).len() <= limit { few = middle } else { many = middle }
@@ -48,7 +51,9 @@ pub(super) fn coarsened(surface: Surface, points: &[[f64; 3]], limit: usize) -> 
 /// The surface with nodes replaced by others; collapsed triangles and lines are left out.
 fn replaced(surface: &Surface, representative: &[u32]) -> Surface {
     let new = |node: u32| representative[node as usize];
-    let (mut seen, mut triangles, mut edges) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
+    let mut seen = BTreeSet::new();
+    let mut triangles = Vec::new();
+    let mut edges = BTreeSet::new();
     for triangle in surface.triangles.iter().map(|triangle| triangle.map(new)) {
         let [a, b, c] = triangle;
         let mut key = triangle;

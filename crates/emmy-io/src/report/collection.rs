@@ -142,7 +142,8 @@ fn listed(directory: &Path, text: &str) -> Option<Vec<Listed>> {
     let document = Document::parse(text).ok()?;
     let sets = document.descendants().filter(|node| node.has_tag_name("DataSet"));
     let frame = |(index, node): (usize, roxmltree::Node<'_, '_>)| {
-        let (time, file) = (node.attribute("timestep")?.parse().ok()?, node.attribute("file")?);
+        let time = node.attribute("timestep")?.parse().ok()?;
+        let file = node.attribute("file")?;
         let number = file.trim_end_matches(".vtu").rsplit('_').next().and_then(|digits| digits.parse().ok());
         Some(Listed { time, step: number.unwrap_or(index as u32), path: directory.join(file) })
     };

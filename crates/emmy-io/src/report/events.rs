@@ -48,7 +48,10 @@ fn events(text: &str) -> Vec<Value> {
 
 /// Records of comma-separated values; cells with commas, quotation marks or line ends are in quotation marks.
 fn records(text: &str) -> Vec<Vec<String>> {
-    let (mut records, mut record, mut cell, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut records = Vec::new();
+    let mut record = Vec::new();
+    let mut cell = String::new();
+    let mut is_quoted = false;
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {

@@ -67,7 +67,8 @@ fn norm(vector: &[f64]) -> f64 {
 /// Bytes for the displacement of a node in a frame.
 const DISPLACEMENT: usize = 6;
 
-/// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a frame.
+/// Packs mesh and frames into at most `room` bytes before compression. Returns their manifest, or `None` without a
+/// frame.
 pub(super) fn gather(
     frames: &FrameSource,
     room: usize,
@@ -154,7 +155,8 @@ fn pack_frames(
 ) -> Result<(), ReportError> {
     let names: Vec<&str> =
         ["displacement"].into_iter().chain(fields.iter().map(|field| field.array.0)).collect();
-    let (mut displacement, mut bounds) = (Vec::new(), [Vec::new(), Vec::new()]);
+    let mut displacement = Vec::new();
+    let mut bounds = [Vec::new(), Vec::new()];
     let mut packed: Vec<(Vec<u8>, [Vec<f64>; 2])> = vec![Default::default(); fields.len()];
     for &frame in kept {
         let arrays = frames.values(frame, &names)?;

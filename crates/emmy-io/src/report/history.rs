@@ -27,7 +27,8 @@ pub(super) struct Thinned {
 const MAX_NUMBERS: usize = 600_000;
 
 impl Thinned {
-    /// Reads a history, keeps at most `limit` rows, and finds the steps at some ascending times: the first rows that are not before them.
+    /// Reads a history, keeps at most `limit` rows, and finds the steps at some ascending times: the first rows that
+    /// are not before them.
     pub(super) fn read(path: &Path, limit: usize, times: &[f64]) -> Result<Self, HistoryError> {
         let rows = Rows::open(path)?;
         let system = |error| HistoryError::System { path: path.to_path_buf(), error };
@@ -39,7 +40,8 @@ impl Thinned {
             (0..columns.len().min(required().count() + 12)).filter(|&i| !is_steady(&columns[i])).collect();
         let limit = limit.min(MAX_NUMBERS / columns.len()).max(1);
         let (step, time) = (index_of(&columns, "step"), index_of(&columns, "time"));
-        let (mut steps, mut last) = (Vec::new(), 0);
+        let mut steps = Vec::new();
+        let mut last = 0;
         let rows = rows.inspect(|row| {
             let Ok(row) = row else { return };
             last = row[step] as u32;
@@ -60,7 +62,8 @@ impl Thinned {
         for (index, name) in self.columns.iter().enumerate() {
             pack.push(&format!("history/{name}"), &self.column(index));
         }
-        let (written, kept) = (self.written, self.rows.len());
+        let written = self.written;
+        let kept = self.rows.len();
         json!({ "columns": self.columns, "written": written, "kept": kept, "buckets": self.stretches })
     }
 
@@ -95,7 +98,8 @@ fn index_of(columns: &[String], name: &str) -> usize {
 
 /// Number of complete lines.
 fn count(path: &Path) -> io::Result<usize> {
-    let (mut reader, mut n) = (BufReader::with_capacity(1 << 16, File::open(path)?), 0);
+    let mut reader = BufReader::with_capacity(1 << 16, File::open(path)?);
+    let mut n = 0;
     loop {
         let bytes = reader.fill_buf()?;
         if bytes.is_empty() {

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 use toml::Table;
 
-/// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always acts; the end of an
-/// interval is null if it does not end. Attractions are part of the strain energy and not included.
+/// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always
+/// acts; the end of an interval is null if it does not end. Attractions are part of the strain energy and not included.
 pub(super) fn loads(input: &Table) -> Vec<Value> {
     let entries = |name: &str| {
         let list = input.get(name).and_then(toml::Value::as_array);

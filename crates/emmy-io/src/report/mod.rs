@@ -1,9 +1,9 @@
 //! `report.html`: one run, or several side by side, as a page that opens from disk and loads nothing.
 //!
-//! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`, `input.toml`
-//! and the frames. The page is replaced as a whole, also during a run.
+//! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
+//! `input.toml` and the frames. The page is replaced as a whole, also during a run.
 //!
-//! | module | what it does |
+//! | module | task |
 //! |---|---|
 //! | `run` | gathers a directory: a manifest in JSON, numbers in packed arrays |
 //! | `history` | histories, reduced to a limited number of rows |

@@ -29,8 +29,8 @@ macro_rules! items {
 }
 items! { f64, "f64"; f32, "f32"; u32, "u32"; u16, "u16"; u8, "u8"; }
 
-/// Arrays with names. All first bytes of an array come first, then all second ones, and so on: exponents and high bytes are similar,
-/// and compress well.
+/// Arrays with names. All first bytes of an array come first, then all second ones, and so on: exponents and high bytes
+/// are similar, and compress well.
 #[derive(Debug, Default)]
 pub(super) struct Pack {
     bytes: Vec<u8>,
@@ -57,8 +57,8 @@ impl Pack {
     }
 }
 
-/// Numbers as integers from 0 (the smallest) to 65535 or 255 (the largest), each stored as the difference from the one before, since
-/// neighbours are similar. Numbers that are not finite become the smallest. Returns the bounds.
+/// Numbers as integers from 0 (the smallest) to 65535 or 255 (the largest), each stored as the difference from the
+/// previous one, since neighbours are similar. Numbers that are not finite become the smallest. Returns the bounds.
 pub(super) fn quantised<T: Item>(
     values: impl Iterator<Item = f64> + Clone,
     whole: impl Fn(u32) -> T,

@@ -91,7 +91,7 @@ mod tests {
     use std::io::Read;
 
     #[test]
-    fn arrays_decode_to_what_they_were() {
+    fn arrays_decode_to_their_values() {
         for n in [0, 1, 1000, BLOCK / 8, BLOCK / 8 + 1, BLOCK / 4] {
             let numbers: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
             let text = data_array("x", 1, numbers.iter().copied());

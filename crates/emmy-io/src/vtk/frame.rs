@@ -79,7 +79,9 @@ impl Frame {
 }
 
 fn array(field: &FieldValues, precision: Precision) -> String {
-    let (name, components, numbers) = (field.name.name(), field.name.components(), field.numbers.iter());
+    let name = field.name.name();
+    let components = field.name.components();
+    let numbers = field.numbers.iter();
     match precision {
         Precision::Double => named_components(name, components, numbers.copied()),
         Precision::Single => named_components(name, components, numbers.map(|&number| number as f32)),

@@ -12,11 +12,11 @@ use super::frame::Frame;
 use super::{FrameTime, Precision, escaped, name_of};
 use crate::whole_file::{PART, names, remove, replace};
 
-/// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell data, cell
-/// data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
+/// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell
+/// data, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
 ///
-/// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand frames, then less
-/// often, so that the bytes written are linear in the number of frames.
+/// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand
+/// frames, then less often, so that the bytes written are linear in the number of frames.
 #[derive(Debug)]
 pub struct FrameFiles {
     directory: PathBuf,
@@ -45,14 +45,16 @@ impl FrameFiles {
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
         fs::create_dir_all(directory.join("frames"))?;
-        let (name, frame) = (name_of(directory), Frame::new(precision, mesh, region_of_cell));
+        let name = name_of(directory);
+        let frame = Frame::new(precision, mesh, region_of_cell);
         let mut frames =
             FrameFiles { directory: directory.to_path_buf(), name, frame, written: Vec::new(), listed: 0 };
         frames.write_collection()?;
         Ok(frames)
     }
 
-    /// Resumes the collection with the given frames, up to a step; all others are removed. Returns the given frames that are missing.
+    /// Resumes the collection with the given frames, up to a step; all others are removed. Returns the given frames
+    /// that are missing.
     ///
     /// # Errors
     /// Errors of the system.
@@ -185,7 +187,7 @@ mod tests {
             }
             assert!(n - listed <= n / ALL_LISTED);
         }
-        // 1000^2/2 of the first thousand, about 1000 for each of the others, where each time would make 5e9.
+        // 1000^2/2 for the first thousand, about 1000 for each of the others; rewriting for every frame would need 5e9.
         assert!(entries < 101_000_000, "{entries}");
     }
 }

@@ -17,7 +17,9 @@ pub(super) struct Marks {
 
 /// The arrays of all groups of a mesh: of nodes, of cells, of facets.
 pub(super) fn marks(mesh: &Mesh) -> Vec<Marks> {
-    let (groups, [n_nodes, n_cells]) = (mesh.groups(), [mesh.n_nodes(), mesh.n_cells()]);
+    let groups = mesh.groups();
+    let n_nodes = mesh.n_nodes();
+    let n_cells = mesh.n_cells();
     let member = |&member: &u32| (member, 1);
     let facet = |facet: &Facet| (facet.cell, 1 << facet.local);
     let nodes = groups.nodes.iter().map(|(name, nodes)| {

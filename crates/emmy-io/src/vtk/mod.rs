@@ -53,9 +53,9 @@ impl Format {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// 8 bytes a number: all digits.
+    /// 8 bytes per number: all digits.
     Double,
-    /// 4 bytes a number: 7 digits, for pictures.
+    /// 4 bytes per number: 7 digits, for pictures.
     Single,
 }
 
@@ -118,7 +118,8 @@ impl FrameWriter {
         })
     }
 
-    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are missing.
+    /// Frames of a run that is resumed after a step, continuing the given ones. Returned with the given frames that are
+    /// missing.
     ///
     /// # Errors
     /// Errors of the system.
@@ -184,10 +185,11 @@ impl FrameWriter {
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
 pub(crate) const GROUP: &str = "group:";
 
-/// Array of a group of facets, as cell data: bit i stands for face i of the cell. `facets:NAME`.
+/// Array of a group of facets, as cell data: bit i denotes face i of the cell. `facets:NAME`.
 pub(crate) const FACETS: &str = "facets:";
 
-/// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of faces.
+/// Number of a kind of cell in VTK. The wedges' base is seen counter-clockwise from the top, as in VTK's tables of
+/// faces.
 pub(crate) fn cell_type(kind: CellKind) -> u8 {
     kind.info().vtk_type
 }

@@ -1,4 +1,4 @@
-//! Meshes as other programs write them, in motion: every kind of cell keeps its balances for 50 steps of DGM.
+//! Meshes of other programs in motion: every kind of cell keeps its balances for 50 steps of DGM.
 
 use std::path::{Path, PathBuf};
 
@@ -10,10 +10,10 @@ use emmy::time::TimeElement;
 
 const STEPS: usize = 50;
 
-/// Marches with strains well above 1e-3 and checks every step's balances against T + V and against the momentum that
-/// the body carries.
+/// Marches with strains well above 1e-3 and checks the balances of every step against T + V and the momentum of the
+/// body.
 fn assert_balances(mesh: Mesh, supports: &[Support], degree: usize) {
-    // Sizes that any mesh has: its extent, and the time that a wave takes to cross it.
+    // Sizes of a mesh: its extent, and the time of a wave across it.
     let extent = |i: usize| {
         let x = mesh.points().iter().map(move |p| p[i]);
         x.clone().fold(f64::MIN, f64::max) - x.fold(f64::MAX, f64::min)
@@ -55,7 +55,7 @@ fn assert_balances(mesh: Mesh, supports: &[Support], degree: usize) {
     assert!(strained > 1e-3, "mean strain {strained:e}");
 }
 
-/// Strain that would store the energy evenly: V = E/2 strain^2 volume.
+/// Uniform strain with the same energy: V = E/2 strain^2 volume.
 fn mean_strain(record: &Record, body: &Body) -> f64 {
     let volume: f64 = body.regions().iter().map(|region| region.volume).sum();
     (2.0 * record.strain_energy / (1000.0 * volume)).sqrt()
@@ -98,7 +98,7 @@ fn a_clamped_body_vibrates() {
     }
 }
 
-/// Meshes of your own: `EMMY_MESHES=folder cargo test -p emmy-io --test suite flights:: -- --ignored`.
+/// User meshes: `EMMY_MESHES=folder cargo test -p emmy-io --test suite flights:: -- --ignored`.
 #[test]
 #[ignore = "needs a folder of meshes in EMMY_MESHES"]
 fn meshes_of_a_folder_fly_free() {

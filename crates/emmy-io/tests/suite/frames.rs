@@ -1,4 +1,4 @@
-//! Frames read back: the arrays of a `.vtu` are the state, bit by bit, and those of a `.vtkhdf` are the same.
+//! Frames read back: the arrays of a `.vtu` are the state, bit for bit, and the arrays of a `.vtkhdf` are the same.
 
 use std::io::Read;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn problem(directory: &Path, set: &[&str]) -> Problem {
     input::read(&file, &Overrides { output, set, ..Default::default() }).unwrap()
 }
 
-/// The last state of a run that ends, or that is given up before its end.
+/// The last state of a run that ends, or that is dropped before its end.
 fn run(problem: &Problem, ends: bool) -> State {
     let state = State::initial(&problem.body, 0.0, &problem.initial).unwrap();
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
@@ -64,7 +64,7 @@ fn run(problem: &Problem, ends: bool) -> State {
     motion.state().clone()
 }
 
-/// The frame of the last state of a run, and what the run knew.
+/// The frame of the last state of a run, with the state.
 fn frame(directory: &Path) -> (String, State, emmy::mesh::Mesh) {
     let problem = problem(directory, &[]);
     let state = run(&problem, true);
@@ -116,7 +116,7 @@ const NODAL: [(&str, usize); 8] = [
 ];
 
 #[test]
-fn frames_have_the_fields_of_their_state_and_those_of_the_start_no_stress() {
+fn frames_have_the_fields_of_their_state_and_no_stress_at_the_start() {
     let temp = tempfile::tempdir().unwrap();
     let (xml, state, mesh) = frame(temp.path());
     let problem = problem(temp.path(), &[]);
@@ -153,7 +153,7 @@ fn fields_are_those_that_are_asked_for() {
 const ONE_FILE: &str = "output.format=vtkhdf";
 
 #[test]
-fn one_file_holds_what_the_frames_hold() {
+fn one_file_holds_the_same_data_as_the_frames() {
     let (frames, series) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let names_set = format!("output.fields={:?}", FieldName::ALL.map(FieldName::name));
     run(&problem(frames.path(), &[&names_set, "output.every=1"]), true);
@@ -188,7 +188,7 @@ fn one_file_holds_what_the_frames_hold() {
     assert!(series.values(FieldName::AxialForce, 0).is_err());
 }
 
-/// As a run that is killed, which writes nothing more.
+/// Like a killed run, which writes nothing more.
 #[test]
 fn a_run_that_is_given_up_leaves_a_whole_file() {
     let temp = tempfile::tempdir().unwrap();
@@ -199,7 +199,7 @@ fn a_run_that_is_given_up_leaves_a_whole_file() {
     assert!((1..=6).contains(&n));
     let last = series.values(FieldName::Velocity, n - 1).unwrap();
     assert!(last.iter().any(|v| v.abs() > 0.01));
-    // The next run removes what this one left.
+    // The next run removes the files of this one.
     run(&problem(temp.path(), &[]), true);
     assert_eq!(
         names(temp.path()),

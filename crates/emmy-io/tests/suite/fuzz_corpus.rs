@@ -1,4 +1,4 @@
-//! The inputs that fuzzing kept (`fuzz/corpus`), read once more: none may panic, whatever the toolchain.
+//! The inputs that fuzzing kept (`fuzz/corpus`), read with the stable toolchain: none may panic.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,9 @@ fn mesh_files() {
 
 #[test]
 fn checkpoints() {
+    if std::env::var_os("EMMY_UPDATE_SEEDS").is_some() {
+        write_seeds();
+    }
     for file in corpus("checkpoint") {
         // The corpus has no checksums: the fuzz target adds them.
         let mut bytes = fs::read(&file).unwrap();
@@ -48,7 +51,7 @@ fn checkpoints() {
     }
 }
 
-/// Checkpoints of one cell, with the tables of the input that differ.
+/// Checkpoints of one cell, with the tables that differ between the inputs.
 const SEEDS: [(&str, &str); 4] = [
     ("dgm", "[time]\nscheme = 'DGM'\nsteps = [{ until = 0.1, size = 0.01 }]\n"),
     ("newmark", "[time]\nscheme = 'Newmark(0.25, 0.5)'\nsteps = [{ until = 0.1, size = 0.01 }]\n"),
@@ -60,10 +63,7 @@ const SEEDS: [(&str, &str); 4] = [
     ),
 ];
 
-/// Run this after a change of the format: `cargo test -p emmy-io --test suite write_checkpoint_seeds -- --ignored`.
-#[test]
-#[ignore = "writes fuzz/corpus/checkpoint"]
-fn write_checkpoint_seeds() {
+fn write_seeds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/checkpoint");
     fs::create_dir_all(&folder).unwrap();
     for (name, tables) in SEEDS {
@@ -73,22 +73,26 @@ fn write_checkpoint_seeds() {
 
 /// The last checkpoint of a run, without its checksum.
 fn checkpoint(tables: &str) -> Vec<u8> {
-    let temp = tempfile::tempdir().unwrap();
-    let file = temp.path().join("cell.toml");
+    // A relative path, because the checkpoint contains the directory.
+    let folder = Path::new("seed-of-a-checkpoint");
+    fs::create_dir_all(folder).unwrap();
+    let file = folder.join("cell.toml");
     let head = "mesh.box = { size = [1, 1, 1], cells = [1, 1, 1] }\n\
                 region = { density = 2.0, material.neo-hooke = { lambda = 1000.0, mu = 500.0 } }\n\
                 initial = { angular_velocity = [1, 2, 3], about = [0.5, 0.5, 0.5] }\n";
     fs::write(&file, format!("{head}[output]\nevery = 0\n{tables}")).unwrap();
-    let overrides = Overrides { output: Some(temp.path().join("cell")), ..Overrides::default() };
+    let overrides = Overrides { output: Some(folder.join("cell")), ..Overrides::default() };
     let problem = input::read(&file, &overrides).unwrap();
     let state = State::initial(&problem.body, 0.0, &problem.initial).unwrap();
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state).unwrap();
     let mut results = Results::create(&problem).unwrap();
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     assert!(results.finish(&motion, Status::Done, None).error.is_none());
-    let mut bytes = fs::read(temp.path().join("cell/checkpoint/b.checkpoint"))
-        .or_else(|_| fs::read(temp.path().join("cell/checkpoint/a.checkpoint")))
+    let checkpoints = folder.join("cell/checkpoint");
+    let mut bytes = fs::read(checkpoints.join("b.checkpoint"))
+        .or_else(|_| fs::read(checkpoints.join("a.checkpoint")))
         .unwrap();
+    fs::remove_dir_all(folder).unwrap();
     bytes.truncate(bytes.len() - 4);
     bytes
 }

@@ -1,4 +1,4 @@
-//! Whatever stands in an input file, reading it ends with a problem or with faults, never with a panic.
+//! Reading any input file ends with a problem or with faults, never with a panic.
 
 use emmy_io::input::{self, Overrides};
 use miette::Diagnostic;
@@ -29,7 +29,7 @@ steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]
 probes = [{ name = "tip", point = [0, 2, 0] }]
 "#;
 
-/// Reads a text and renders what is wrong with it.
+/// Reads a text and renders its faults.
 fn read(text: &str, set: Vec<String>) {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("input.toml");
@@ -48,7 +48,7 @@ fn read(text: &str, set: Vec<String>) {
     }
 }
 
-/// Characters that stand somewhere in an input.
+/// Characters of inputs.
 fn character() -> impl Strategy<Value = char> {
     prop::sample::select("[]{}=\"'\n .,#-+einx0157_ø∑\u{feff}\u{0}".chars().collect::<Vec<_>>())
 }

@@ -1,4 +1,4 @@
-//! Random valid inputs: the resolved input, which a run writes beside its results, is read as the same problem.
+//! Random valid inputs: the resolved input in the directory of a run is read as the same problem.
 
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn valid_input() -> impl Strategy<Value = String> {
     )
 }
 
-/// Everything of a problem that its input says.
+/// All data of a problem from its input.
 fn said(problem: &Problem) -> String {
     let Problem {
         title,
@@ -142,7 +142,7 @@ proptest! {
         prop_assert_eq!(&first.resolved, &second.resolved);
     }
 
-    /// A value is the same in the file and in a flag.
+    /// A value has the same meaning in the file and in a flag.
     #[test]
     fn a_flag_is_as_good_as_the_file(text in valid_input(), density in number(), points in 3..9_usize) {
         let directory = tempfile::tempdir().unwrap();

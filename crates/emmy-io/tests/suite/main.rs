@@ -1,4 +1,5 @@
-//! The tests of readers and writers from outside, in one binary, because linking the library takes longer than most of them.
+//! The tests of readers and writers from outside, in one binary, because linking the library takes longer than most of
+//! them.
 
 mod body_force;
 mod flights;

@@ -1,4 +1,4 @@
-//! Abaqus input by hand: flat, with parts and instances, and the forms that lines may take.
+//! Abaqus input by hand: flat, with parts and instances, and all forms of lines.
 
 use crate::meshes::{assert_plane, assert_straight, close, parse_text, read, volume};
 use emmy::mesh::CellKind;
@@ -36,7 +36,7 @@ fn a_flat_file() {
 
 #[test]
 fn an_instance_is_translated_and_then_rotated() {
-    // The tetrahedron is moved by (1, 0, 0) and turned by 90 degrees about the axis through (0, 1, 0) along z.
+    // The tetrahedron is moved by (1, 0, 0) and rotated by 90 degrees about the axis through (0, 1, 0) along z.
     let mesh = read("assembly.inp").mesh;
     assert!(close(mesh.points()[0], [1.0, 2.0, 0.0]));
     assert!(close(mesh.points()[1], [1.0, 3.0, 0.0]));
@@ -123,7 +123,7 @@ fn a_brick_that_is_whole_has_no_notes() {
 
 #[test]
 fn plane_stress_elements_beside_solid_ones_are_faces() {
-    // Of Gmsh: a box [0, 1] x [0, 1] x [0, 2] with the groups body, foot (z = 0) and top (z = 2), all elements saved.
+    // From Gmsh: a box [0, 1] x [0, 1] x [0, 2] with the groups body, foot (z = 0) and top (z = 2), all elements saved.
     for (name, kind, faces) in
         [("gmsh-solid.inp", CellKind::Tet4, "CPS3"), ("gmsh-solid-quadratic.inp", CellKind::Tet10, "CPS6")]
     {
@@ -160,7 +160,7 @@ fn area(mesh: &emmy::mesh::Mesh, group: &str) -> f64 {
 #[test]
 fn lines_beside_faces_are_edges_unless_links_are_asked_for() {
     let file = read("gmsh-solid.inp");
-    // A curve of a box is parallel to an axis: two coordinates are those of a corner.
+    // A curve of a box is parallel to an axis: two coordinates equal those of a corner.
     let nodes = &file.mesh.groups().nodes["Line1"];
     let points: Vec<[f64; 3]> = nodes.iter().map(|&node| file.mesh.points()[node as usize]).collect();
     let constant = |axis: usize| points.iter().all(|point| point[axis] == points[0][axis]);
@@ -225,7 +225,7 @@ fn the_time_for_an_assembly_grows_with_its_instances_alone() {
         });
         text
     };
-    // Sixteen times as many take sixteen times as long, and would take 256 times as long if each were looked for among all.
+    // Sixteen times as many take sixteen times as long; a search among all would take 256 times as long.
     let ratio = seconds(&assembly(16_000)) / seconds(&assembly(1_000));
     assert!(ratio < 64.0, "{ratio}");
 }

@@ -1,4 +1,4 @@
-//! Damaged files never make a reader panic, whatever the damage.
+//! Damaged files never make a reader panic.
 
 use crate::meshes::{bytes, path};
 use emmy_io::mesh::parse;
@@ -47,7 +47,7 @@ proptest! {
         let _ = parse(&path(FILES[file]), &bytes);
     }
 
-    /// Other digits in text make other counts, numbers and types.
+    /// Changed digits in text change counts, numbers and types.
     #[test]
     fn other_digits(
         file in 0..FILES.len(),

@@ -1,4 +1,4 @@
-//! Bad files, each with a message that says what, where, and what to try.
+//! Bad files, each with a message that names the fault, its place, and something to try.
 
 use crate::meshes::{bytes, parse_text, path};
 
@@ -24,7 +24,7 @@ fn files_of_no_known_format() {
     let no_such = emmy_io::mesh::read("no/such.msh".as_ref()).unwrap_err().to_string();
     assert!(no_such.starts_with("no/such.msh: cannot be read: "), "{no_such}");
     assert_message("a.xyz", "solid cube", &["a.xyz: not a mesh file", ".msh", ".inp"]);
-    // Known other formats by their extension, whatever stands in them.
+    // Known other formats by their extension, with any content.
     assert_message(
         "a.bdf",
         "$ Nastran\n",
@@ -77,7 +77,7 @@ fn bad_gmsh_headers() {
 fn bad_gmsh_sections() {
     let header = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
     let cases: [(&str, &[&str]); 9] = [
-        ("$Nodes\n3\n1 0 0 0\n1 1 0 0\n", &["line 7: node 1 is there already"]),
+        ("$Nodes\n3\n1 0 0 0\n1 1 0 0\n", &["line 7: node 1 exists already"]),
         ("$Nodes\n1\n1 0 nan 0\n", &["line 6: node 1 has a coordinate that is not a finite number"]),
         ("$Nodes\n1\n1 0 1e999 0\n", &["line 6: node 1 has a coordinate"]),
         ("$Nodes\n9999999999\n1 0 0 0\n", &["line 5: 9999999999 nodes are announced", "cut off"]),
@@ -106,7 +106,7 @@ fn bad_gmsh_elements() {
         ),
         ("1\n1 777 2 0 1\n", &["line 13: elements of type 777 of Gmsh"]),
         ("1\n1 4 99999 0 1\n", &["line 13: 99999 tags are announced"]),
-        ("2\n1 4 2 0 1 1 2 3 4\n1 4 2 0 1 4 3 2 1\n", &["line 14: element 1 is there already"]),
+        ("2\n1 4 2 0 1 1 2 3 4\n1 4 2 0 1 4 3 2 1\n", &["line 14: element 1 exists already"]),
         (
             "2\n1 4 2 7 1 1 2 3 4\n2 4 2 7 1 1 2 3 4\n",
             &["line 14: element 2 has the nodes and the group of element 1"],
@@ -119,7 +119,7 @@ fn bad_gmsh_elements() {
     let v4: [(&str, &[&str]); 4] = [
         ("1 1 1 1\n3 1 4 1\n1 1 2 3 5\n", &["line 16: element 1 names node 5"]),
         ("1 1 1 1\n3 1 4 88888888\n1 1 2 3 4\n", &["line 15: 88888888 elements are announced"]),
-        ("1 2 1 2\n3 1 4 2\n1 1 2 3 4\n1 1 2 3 4\n", &["line 17: element 1 is there already"]),
+        ("1 2 1 2\n3 1 4 2\n1 1 2 3 4\n1 1 2 3 4\n", &["line 17: element 1 exists already"]),
         ("1 1 1 1\n3 1 14 1\n1 1 2 3 4 1 2 3 4 1 2 3 4 1 2\n", &["elements of type pyramid14"]),
     ];
     for (text, parts) in v4 {
@@ -167,14 +167,14 @@ fn bad_abaqus_nodes_and_elements() {
         ("*Element, type=C3D4\n1, 1, 2, 3,\n", &["line 7: element 1 of type C3D4 has 3 nodes instead of 4"]),
         ("*Element, type=C3D4\n1, 1, 2, 3, 4, 1\n", &["has 5 nodes instead of 4"]),
         ("*Element, type=C3D4\n1, 1, 2, 3, x\n", &["line 7: expected a whole number, found \"x\""]),
-        ("*Element, type=C3D4\n1,1,2,3,4\n1,1,2,3,4\n", &["line 8: element 1 is there already"]),
+        ("*Element, type=C3D4\n1,1,2,3,4\n1,1,2,3,4\n", &["line 8: element 1 exists already"]),
         (
             "*Element, type=S4\n1,1,2,3,4\n",
             &["line 6: elements of type S4 are not supported", "C3D8", "C3D10"],
         ),
         ("*Element, type=c3d15v\n", &["line 6: elements of type C3D15V"]),
         ("*Element\n", &["line 6: *ELEMENT without type="]),
-        ("*Node\n4, 0, 0, 0\n", &["line 7: node 4 is there already"]),
+        ("*Node\n4, 0, 0, 0\n", &["line 7: node 4 exists already"]),
         ("*Node\n5, 0, nan, 0\n", &["line 7: node 5 has a coordinate that is not a finite number"]),
         ("*Node\n5, 0\n", &["line 7: node 5 has fewer than two coordinates"]),
         ("*Node\n5, 0, 0, zero\n", &["line 7: expected a number, found \"zero\""]),
@@ -213,7 +213,7 @@ fn bad_abaqus_assemblies() {
     let part = format!("*Part, name=Tet\n{INP}*Element, type=C3D4\n1, 1, 2, 3, 4\n*End Part\n");
     let cases: [(&str, &[&str]); 8] = [
         ("", &["the mesh has no solid or plane cells; it has parts but no *Instance"]),
-        ("*Part, name=TET\n", &["line 10: part \"TET\" is there already"]),
+        ("*Part, name=TET\n", &["line 10: part \"TET\" exists already"]),
         ("*Instance, name=a, part=Arm\n", &["line 10: there is no part \"Arm\" above, only: Tet"]),
         ("*Instance, name=a\n", &["line 10: *INSTANCE without part="]),
         ("*Instance, name=a, part=Tet\n*Instance, name=A, part=Tet\n", &["line 11: instance \"A\" is there"]),

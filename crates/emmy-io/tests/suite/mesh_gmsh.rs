@@ -1,4 +1,4 @@
-//! Gmsh files as Gmsh wrote them (`meshes/generate.py`), and a few by hand.
+//! Gmsh files written by Gmsh (`meshes/generate.py`), and a few by hand.
 
 use crate::meshes::{assert_plane, assert_straight, close, parse_text, read, volume};
 use emmy::mesh::{CellKind, Mesh};
@@ -77,7 +77,7 @@ fn kinds_are_mixed_with_triangles_and_quadrilaterals_between_them() {
         assert_straight(mesh);
         assert!((volume(mesh) - 2.0).abs() < 1e-12);
         assert!(emmy::mesh::quality(mesh).inverted.is_empty());
-        // The face of the hexahedron on which the pyramid stands is found once, as one of the first cell's.
+        // The face of the hexahedron below the pyramid is found once, as a face of the first cell.
         let n_facets = ["clamp", "tip", "7", "skin"].map(|name| groups.facets(name).unwrap().len());
         assert_eq!(n_facets, [1, 4, 1, 9]);
         for (name, value) in [("clamp", 0.0), ("7", 1.0), ("tip", 2.0)] {
@@ -122,7 +122,7 @@ fn node_numbers_may_have_gaps_and_nodes_without_cell_are_told() {
     assert_eq!(file.notes, ["2 nodes belong to no cell and are left out"]);
 }
 
-/// A tetrahedron in MSH 2.2, binary with the largest byte first.
+/// A tetrahedron in MSH 2.2, binary with the most significant byte first.
 fn big_endian() -> Vec<u8> {
     let mut bytes = b"$MeshFormat\n2.2 1 8\n".to_vec();
     let ints =

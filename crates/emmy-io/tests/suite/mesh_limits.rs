@@ -1,4 +1,4 @@
-//! Files that ask for very much with few bytes are refused before anything is allocated.
+//! Small files that request very much are rejected before anything is allocated.
 
 use std::fmt::Write;
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 use crate::meshes::parse_text;
 
 #[track_caller]
-fn assert_refused(name: &str, text: &str, parts: &[&str]) {
+fn assert_rejected(name: &str, text: &str, parts: &[&str]) {
     let message = parse_text(name, text).expect_err(text).to_string();
     for part in parts {
         assert!(message.contains(part), "\"{part}\" is not in: {message}");
@@ -21,7 +21,7 @@ fn counts_of_gmsh() {
         "$Elements\n9000000000 1 1 1\n3 1 4 1\n",
         "$Entities\n0 0 0 9000000000\n",
     ] {
-        assert_refused("a.msh", &format!("{header}{section}"), &["9000000000", "room for at most"]);
+        assert_rejected("a.msh", &format!("{header}{section}"), &["9000000000", "room for at most"]);
     }
 }
 
@@ -34,7 +34,7 @@ fn counts_of_vtu() {
         let text = format!(
             "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n<Piece {counts}></Piece></UnstructuredGrid></VTKFile>"
         );
-        assert_refused("a.vtu", &text, &["line 2", "4294967295", "more than the 100000000"]);
+        assert_rejected("a.vtu", &text, &["line 2", "4294967295", "more than the 100000000"]);
     }
 }
 
@@ -45,10 +45,10 @@ fn entities_of_xml_are_not_expanded() {
         let before = char::from(letter as u8 - 1);
         let _ = writeln!(text, "<!ENTITY {letter} \"{}\">", format!("&{before};").repeat(10));
     }
-    assert_refused("a.vtu", &(text + "]>\n<VTKFile>&z;</VTKFile>"), &["the XML cannot be read"]);
+    assert_rejected("a.vtu", &(text + "]>\n<VTKFile>&z;</VTKFile>"), &["the XML cannot be read"]);
 }
 
-/// Forty lines each in forty files, three deep, would be 64,000 files to read.
+/// Forty lines each in forty files, three levels deep, would be 64,000 files to read.
 #[test]
 fn includes_of_includes() {
     let directory = tempfile::tempdir().unwrap();
@@ -64,5 +64,5 @@ fn includes_of_includes() {
 #[cfg(unix)]
 #[test]
 fn includes_that_never_end() {
-    assert_refused("a.inp", "*Include, input=/dev/zero\n", &["line 1", "/dev/zero", "not a regular file"]);
+    assert_rejected("a.inp", "*Include, input=/dev/zero\n", &["line 1", "/dev/zero", "not a regular file"]);
 }

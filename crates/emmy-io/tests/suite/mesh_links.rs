@@ -1,4 +1,4 @@
-//! Lines of mesh files as links: cells where they are asked for, and as ever elsewhere.
+//! Lines of mesh files as links: cells on request, edges otherwise.
 
 use emmy::mesh::CellKind;
 use emmy_io::mesh::{parse, parse_with_links};
@@ -51,7 +51,7 @@ fn trusses_of_abaqus_are_links_in_any_case() {
 }
 
 #[test]
-fn a_link_without_length_is_refused() {
+fn a_link_without_length_is_rejected() {
     let deck = "*Node\n1, 0, 0, 0\n2, 0, 0, 0\n*Element, type=T3D2\n7, 1,2\n";
     let message = parse("a.inp".as_ref(), deck.as_bytes()).unwrap_err().to_string();
     assert!(message.contains("element 7 (line2) is inverted or degenerate"), "{message}");

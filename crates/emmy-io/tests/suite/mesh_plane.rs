@@ -6,8 +6,8 @@ use emmy::mesh::{CellKind, Facet, Mesh};
 use emmy_io::mesh::MeshFile;
 use emmy_io::vtk::{FrameFiles, Precision};
 
-/// A square of two triangles of Gmsh, the second clockwise, beside a quadrilateral; the left edge is a physical curve, and a
-/// line and a point are in no group.
+/// A square of two triangles of Gmsh, the second clockwise, beside a quadrilateral; the left edge is a physical curve,
+/// and a line and a point are in no group.
 fn v2() -> String {
     let nodes = "6\n1 0 0 0.5\n2 1 0 0.5\n3 1 1 0.5\n4 0 1 0.5\n5 2 0 0.5\n6 2 1 0.5\n";
     let elements = "6\n1 15 2 0 1 1\n2 1 2 0 1 1 2\n3 1 2 8 4 4 1\n4 2 2 7 1 1 2 3\n5 2 2 7 1 1 4 3\n6 3 2 9 2 2 5 6 3\n";

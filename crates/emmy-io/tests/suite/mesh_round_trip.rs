@@ -1,4 +1,4 @@
-//! Random meshes, written as Gmsh, Abaqus and VTK by this test, come back as they are.
+//! Random meshes, written as Gmsh, Abaqus and VTK by this test, are read unchanged.
 
 use std::fmt::Write;
 
@@ -6,11 +6,11 @@ use crate::meshes::parse_text;
 use emmy::mesh::{Cell, CellKind, Mesh, MeshBuilder};
 use proptest::prelude::*;
 
-/// A mesh, and what a file of it needs beside.
+/// A mesh, and the additional data of its file.
 #[derive(Debug)]
 struct Sample {
     mesh: Mesh,
-    /// Number of each node in the file, in no order.
+    /// Number of each node in the file, without order.
     numbers: Vec<usize>,
     /// Group of each cell: `left` or `right`.
     is_left: Vec<bool>,
@@ -24,7 +24,7 @@ struct Sample {
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
 
-/// Kind and nodes of the cells of a block, which is cut into tetrahedra or not.
+/// Kind and nodes of the cells of a block, optionally cut into tetrahedra.
 fn cells(block: &Mesh, tetrahedra: bool) -> Vec<(CellKind, Vec<u32>)> {
     let cut = |cell: Cell<'_>| -> Vec<(CellKind, Vec<u32>)> {
         match tetrahedra {
@@ -35,7 +35,7 @@ fn cells(block: &Mesh, tetrahedra: bool) -> Vec<(CellKind, Vec<u32>)> {
     block.cells().flat_map(cut).collect()
 }
 
-/// Some of many, by the bits of random numbers.
+/// Some of many, chosen by the bits of random numbers.
 fn is_chosen(bits: &[u64], index: usize) -> bool {
     bits[index / 64 % bits.len()] >> (index % 64) & 1 == 1
 }
@@ -54,7 +54,7 @@ fn sample() -> impl Strategy<Value = Sample> {
             };
             let points: Vec<[f64; 3]> = block.points().iter().enumerate().map(shaken).collect();
             let n = points.len();
-            // Times a number without a factor in common with the prime 1009: no two are alike, and they are in no order.
+            // Multiples of a number coprime to the prime 1009: all different, and in no order.
             let numbers = (0..n).map(|index| (index + first) * 389 % 1009 + 1).collect();
             built(points, numbers, &cells(&block, tetrahedra), &bits)
         },
@@ -75,7 +75,7 @@ fn built(points: Vec<[f64; 3]>, numbers: Vec<usize>, cells: &[(CellKind, Vec<u32
         let facet = &kind.facets()[0];
         facet.nodes[..facet.kind.n_corners()].iter().map(|&local| nodes[local]).collect()
     };
-    // The first cell has a facet in the group always, so that there is one.
+    // The first cell always has a facet in the group, so that the group is not empty.
     let in_skin = |index: &usize| *index == 0 || is_chosen(bits, index + 300);
     let skin: Vec<Vec<u32>> = (0..cells.len()).filter(in_skin).map(|index| corners(&cells[index])).collect();
     builder.facet_group_by_nodes("skin", skin.clone());
@@ -90,7 +90,7 @@ impl Sample {
         self.numbers[node as usize]
     }
 
-    /// Numbers of nodes, one behind the other.
+    /// Numbers of nodes in a row.
     fn joined(&self, nodes: &[u32], between: &str) -> String {
         nodes.iter().map(|&node| self.number(node).to_string()).collect::<Vec<_>>().join(between)
     }
@@ -243,7 +243,7 @@ impl Sample {
         )
     }
 
-    /// Compares what was read, in the coordinates of its nodes: a file may number them in any order.
+    /// Compares a mesh read back by the coordinates of its nodes: a file may number them in any order.
     fn assert_same(&self, name: &str, text: &str, with_facets: bool) {
         let read = parse_text(name, text).unwrap_or_else(|error| panic!("{error}\n{text}")).mesh;
         let corners = |mesh: &Mesh| -> Vec<Vec<[f64; 3]>> {
@@ -251,7 +251,7 @@ impl Sample {
             mesh.cells().map(|cell| cell.nodes.iter().map(point).collect()).collect()
         };
         assert_eq!(corners(&read), corners(&self.mesh), "{name}");
-        // A group that a VTU file has without a cell in it is an empty one.
+        // A group of a VTU file without a cell is empty.
         let side = |mesh: &Mesh, name: &str| mesh.groups().cells.get(name).cloned().unwrap_or_default();
         for group in ["left", "right"] {
             assert_eq!(side(&read, group), side(&self.mesh, group), "{name}");

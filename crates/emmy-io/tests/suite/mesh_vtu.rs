@@ -1,4 +1,4 @@
-//! VTU files as VTK and meshio wrote them (`meshes/generate_vtu.py`), and Emmy's own frames read back.
+//! VTU files written by VTK and meshio (`meshes/generate_vtu.py`), and Emmy's own frames read back.
 
 use std::path::Path;
 
@@ -52,7 +52,7 @@ fn one_mesh_is_the_same_in_every_way_of_writing() {
         assert!((volume(&file.mesh) - 2.0).abs() < 1e-14);
         assert_groups(&file.mesh);
         assert_eq!(file.mesh, read("vtk-ascii.vtu").mesh, "{way}");
-        // meshio turns the wedges of VTK round.
+        // meshio reverses the wedges of VTK.
         let notes: &[&str] = if way.starts_with("meshio") { &[MIRRORED] } else { &[] };
         assert_eq!(file.notes, notes, "{way}");
     }
@@ -77,7 +77,7 @@ fn quadratic_cells_and_voxels_have_their_nodes_where_vtk_has_them() {
     assert!((volume(&file.mesh) - 1.0 - 1.0 - 1.0 / 6.0 - 0.5 - 1.0).abs() < 1e-14);
 }
 
-/// The frame of a mesh at rest, as a run writes it.
+/// The frame of a mesh at rest, as written by a run.
 fn frame(mesh: &Mesh, directory: &Path) -> Mesh {
     let (n, region_of_cell) = (mesh.n_dofs(), vec![0; mesh.n_cells()]);
     let displacement = FieldValues { name: FieldName::Displacement, numbers: vec![0.0; n] };

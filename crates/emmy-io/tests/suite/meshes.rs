@@ -1,4 +1,4 @@
-//! What the tests of the mesh readers share.
+//! Functions shared by the tests of the mesh readers.
 
 use std::fs;
 use std::path::PathBuf;
@@ -62,8 +62,8 @@ pub fn assert_plane(mesh: &Mesh, group: &str, axis: usize, value: f64) {
     }
 }
 
-/// Checks that every node beyond the corners is in the middle of the corners of its edge, face or cell: a wrong
-/// reordering puts one elsewhere.
+/// Checks that every node beyond the corners is in the middle of the corners of its edge, face or cell: a wrong order
+/// would displace one.
 pub fn assert_straight(mesh: &Mesh) {
     for cell in mesh.cells() {
         assert!(cell_volume(mesh, cell) > 0.0);

@@ -1,4 +1,4 @@
-//! The libraries in the report are those that their list says.
+//! The libraries in the report match their list.
 
 use std::fs;
 use std::path::Path;

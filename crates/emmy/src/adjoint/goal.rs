@@ -10,7 +10,7 @@ use crate::time::State;
 /// J(u, v) = g_u . u + g_v . v
 /// ```
 ///
-/// For a function that is not linear, give its gradients at the state that the motion ends in.
+/// For a non-linear function, give its gradients at the last state of the motion.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -30,7 +30,7 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// Displacement of a node along a direction; but for a constant, its position along it.
+    /// Displacement of a node along a direction; up to a constant, its position along it.
     pub fn displacement_at(body: &Body, node: usize, direction: [f64; 3]) -> Self {
         let mut goal = Goal::zero(body);
         goal.displacement[3 * node..3 * node + 3].copy_from_slice(&direction);

@@ -18,11 +18,12 @@
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gradient {
-    /// By the displacement at the start, `[n_nodes][3]` \[goal/length\]; zero at fixed degrees of freedom, as the others.
+    /// By the displacement at the start, `[n_nodes][3]` \[goal/length\]; zero at fixed degrees of freedom, like the
+    /// others.
     pub displacement: Vec<f64>,
-    /// By the velocity at the start \[goal time/length\], with the momentum that goes with it.
+    /// By the velocity at the start \[goal time/length\]; the momentum changes with it.
     pub velocity: Vec<f64>,
-    /// By the momentum at the start, `M^-1` times that by the velocity \[goal time/(mass length)\].
+    /// By the momentum at the start, `M^-1` times the derivative by the velocity \[goal time/(mass length)\].
     pub momentum: Vec<f64>,
     /// By the parameters, in their order; displacement and velocity at the start do not change with them.
     pub parameters: Vec<f64>,
@@ -46,7 +47,7 @@ impl GoalError {
         self.steps.iter().sum()
     }
 
-    /// The sum of the sizes of the terms: what the error would be if none of them cancelled.
+    /// Sum of the sizes of the terms: the error if none of them cancelled.
     pub fn size(&self) -> f64 {
         self.steps.iter().map(|term| term.abs()).sum()
     }

@@ -1,15 +1,17 @@
-//! The discrete adjoint of a motion: gradients of a goal by the initial state and by parameters, and the error of a goal.
+//! The discrete adjoint of a motion: gradients of a goal by the initial state and by parameters, and the error of a
+//! goal.
 //!
-//! The step of a time element takes the displacement u_1 and the velocity v_1 to those at its end by the rates x_j that solve
+//! The step of a time element takes the displacement u_1 and the velocity v_1 to those at its end by the rates x_j that
+//! solve
 //!
 //! ```math
 //! R_i = sum_j (a^-1)_ij M (x_j - h v_1) + h^2 (f_i(u_1, x) - f_i^ext) = 0
 //! u_2 = u_1 + sum_j b_j x_j,      v_2 = v_1 + sum_j beta_j (x_j/h - v_1),      beta_j = sum_i b_i (a^-1)_ij
 //! ```
 //!
-//! A goal J is a function of the state at the end of the motion. Let ubar, vbar be its derivatives by the displacement and the
-//! velocity at the end of a step. With multipliers mu_i of the stage equations, those by the state at the start of the step and by a
-//! parameter theta follow from one linear system with the transposed tangent:
+//! A goal J is a function of the state at the end of the motion. Let ubar, vbar be its derivatives by the displacement
+//! and the velocity at the end of a step. With multipliers mu_i of the stage equations, the derivatives by the state at
+//! the start of the step and by a parameter theta follow from one linear system with the transposed tangent:
 //!
 //! ```math
 //! sum_i K_ij^T mu_i = b_j ubar_2 + beta_j/h vbar_2,      K_ij = (a^-1)_ij M + h^2 df_i/dx_j
@@ -18,32 +20,36 @@
 //! dJ/dtheta -= sum_i mu_i . dR_i/dtheta
 //! ```
 //!
-//! K is the true tangent, which is not symmetric for AS and DGM with any degree, nor for FE with k > 1. Fixed degrees of freedom have no
-//! part in it. With the momentum p = M v the derivatives by it are `pbar = M^-1 vbar`. The gradients are those of the discrete motion, to the
-//! tolerance of Newton's iteration: an optimiser sees the function that it evaluates.
+//! K is the exact tangent, which is not symmetric for AS and DGM of any degree, nor for FE with k > 1. Fixed degrees of
+//! freedom are left out. With the momentum p = M v the derivatives by it are `pbar = M^-1 vbar`. The gradients belong
+//! to the discrete motion, to the tolerance of Newton's iteration: an optimiser gets the gradient of the function that
+//! it evaluates.
 //!
-//! *Sizes of steps are data.* Where they are chosen by the error, the gradient is that of the motion with these very sizes; the choice is
-//! not differentiated.
+//! *Step sizes are data.* If they are chosen by the error, the gradient is the gradient of the motion with these step
+//! sizes; the choice is not differentiated.
 //!
-//! *Checkpoints.* The steps are needed in reverse order. A [`Trajectory`] keeps all that the motion is every sqrt(N) steps or so, and
-//! does the steps in between once more, segment by segment (Griewank and Walther 2000, Algorithm 799: revolve, ACM Transactions on Mathematical Software
-//! 26; theirs spends more evaluations for less memory). Memory grows with sqrt(N), and the cost is one motion more.
+//! *Checkpoints.* The steps are needed in reverse order. A [`Trajectory`] keeps the complete motion about every sqrt(N)
+//! steps, and repeats the steps in between, segment by segment. (Griewank and Walther 2000, Algorithm 799: revolve, ACM
+//! Transactions on Mathematical Software 26, spend more evaluations for less memory.) Memory grows with sqrt(N); the
+//! cost is one more motion.
 //!
-//! *The error of a goal.* To first order an error of the state at the end of step n changes the goal by its product with the adjoint there.
-//! With the local error eps_n of each step, what the step makes of a state less what the motion makes of it,
+//! *The error of a goal.* To first order, an error of the state at the end of step n changes the goal by its product
+//! with the adjoint there. With the local error eps_n of each step, the difference of the computed step and the motion
+//! from the same state,
 //!
 //! ```math
 //! J(u_h) - J(u) ~ sum_n ubar_n . eps_u,n + vbar_n . eps_v,n
 //! ```
 //!
-//! This is the dual-weighted estimate of Becker and Rannacher (2001, An optimal control approach to a posteriori error estimation in finite
-//! element methods, Acta Numerica 10), with the discrete adjoint in the place of the continuous one. Local errors are the differences to
-//! the element of degree k + 1 over the same step from the same state, as in [`crate::time::LocalError`]. It is exact in the limit of small
-//! steps, has a sign, and its terms say which steps the error comes from. The mesh is taken as it is. Being linear in the errors it fails where the
-//! steps lose the phase of modes by a radian and more; where these matter, size and sign may be wrong.
+//! This is the dual-weighted estimate of Becker and Rannacher (2001, An optimal control approach to a posteriori error
+//! estimation in finite element methods, Acta Numerica 10), with the discrete instead of the continuous adjoint. Local
+//! errors are the differences to the element of degree k + 1 over the same step from the same state, as in
+//! [`crate::time::LocalError`]. The estimate is exact in the limit of small steps and has a sign, and its terms show
+//! which steps cause the error. It does not contain the error of the mesh. Because it is linear in the errors, it fails
+//! if the steps lose the phase of important modes by a radian or more; then size and sign may be wrong.
 //!
-//! Covered are time elements of every scheme and degree, dead loads, and supports at rest; driven or released supports, pressures that follow the
-//! motion and other steppers are rejected ([`crate::Error::Adjoint`]).
+//! The adjoint covers time elements of every scheme and degree, dead loads, and supports at rest. It rejects driven or
+//! released supports, follower pressures and other steppers ([`crate::Error::Adjoint`]).
 
 mod goal;
 mod gradient;

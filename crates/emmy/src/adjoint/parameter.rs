@@ -1,4 +1,4 @@
-//! Parameters of a body: whatever a body can be made with.
+//! Parameters of a body.
 
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
@@ -6,18 +6,21 @@ use crate::body::{Assembly, Body, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
 
-/// A parameter theta of a body, by which a goal is differentiated: of a material, a density, a load, anything that a body is made with.
+/// A parameter theta of a body, by which a goal is differentiated: of a material, a density, a load, or any other part
+/// of the body.
 ///
-/// The derivatives of the stage equations are central differences between bodies with varied values, at fixed state and rates:
+/// The derivatives of the stage equations are central differences between bodies with varied values, at fixed state and
+/// rates:
 ///
 /// ```math
 /// mu . dR/dtheta = sum_m c_m mu . [R(theta + m d) - R(theta - m d)] / (2 m d)
 /// ```
 ///
-/// Energies are linear in most parameters of materials (both of Lame, stiffnesses, those of Mooney and Rivlin), and densities and dead
-/// loads enter linearly, too: then one difference is exact but for rounding, and wide ([`Parameter::linear`]). For others three of them
-/// (c = 3/2, -3/5, 1/10) have an error of order d^6, with d a 200th of the scale on which the equations change: relative 1e-12
-/// ([`Parameter::smooth`]). Either way the difference of motions, which would lose the digits that Newton's tolerance takes, does not enter.
+/// Energies are linear in most parameters of materials (Lame's parameters, stiffnesses, the parameters of Mooney and
+/// Rivlin), and densities and dead loads enter linearly as well. Then one difference is exact up to rounding, and it
+/// may be wide ([`Parameter::linear`]). Otherwise, three of them (c = 3/2, -3/5, 1/10) have an error of order d^6, with
+/// d a 200th of the scale on which the equations change: relative 1e-12 ([`Parameter::smooth`]). No difference of
+/// motions is taken; it would lose digits to Newton's tolerance.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -40,8 +43,8 @@ pub struct Parameter {
 const SMOOTH: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
 
 impl Parameter {
-    /// A parameter in which the equations of a step are linear; `scale`: a positive size of it, such as its value. The bodies have
-    /// values that differ by half of that.
+    /// A parameter in which the equations of a step are linear; `scale`: a positive size of it, such as its value. The
+    /// values of the bodies differ by half of the scale.
     ///
     /// # Errors
     /// As `body`; [`Error::NotPositive`] for the scale.
@@ -49,8 +52,8 @@ impl Parameter {
         Parameter::new(value, 0.5 * scale, &[0.5], body)
     }
 
-    /// A parameter in which the equations of a step are smooth; `scale`: the size of a change of it that matters, such as its value. The
-    /// bodies have values that differ by 3/200 of that at most.
+    /// A parameter in which the equations of a step are smooth; `scale`: the size of a significant change, such as its
+    /// value. The values of the bodies differ by at most 3/200 of the scale.
     ///
     /// # Errors
     /// As `body`; [`Error::NotPositive`] for the scale.
@@ -117,7 +120,8 @@ pub(super) struct Residual {
 
 impl Residual {
     pub fn new(body: &Body, degree: usize) -> Self {
-        let (n, k) = (body.n_dofs(), degree);
+        let n = body.n_dofs();
+        let k = degree;
         Residual {
             assembly: body.assembly(k),
             force: vec![0.0; k * n],

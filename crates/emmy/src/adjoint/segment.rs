@@ -1,17 +1,17 @@
-//! Steps between two checkpoints, done once more.
+//! Steps between two checkpoints, repeated.
 
 use super::step::StepData;
 use crate::error::Result;
 use crate::time::{Memory, StageCoefficients, State, Stepper, TimeElementStepper};
 
-/// All that a motion is after a step.
+/// The complete motion after a step.
 #[derive(Debug, Clone)]
 pub struct Checkpoint {
     pub state: State,
     pub memory: Memory,
 }
 
-/// Size and end of a step that is repeated as it was.
+/// Size and end of a step to repeat.
 #[derive(Debug, Clone, Copy)]
 pub struct StepSize {
     pub size: f64,
@@ -30,7 +30,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Does the steps that follow a checkpoint.
+    /// Repeats the steps that follow a checkpoint.
     ///
     /// # Errors
     /// As [`Stepper::restore`] and [`Stepper::advance`].

@@ -43,7 +43,7 @@ impl AdjointState {
     }
 }
 
-/// Takes the derivatives of a goal back over steps, with the memory for it.
+/// Takes the derivatives of a goal back over steps; holds the memory for this.
 #[derive(Debug)]
 pub struct AdjointStep<'a> {
     body: &'a Body,
@@ -51,7 +51,7 @@ pub struct AdjointStep<'a> {
     /// Weights beta_j of the rates in the velocity at the end.
     end_weights: Vec<f64>,
     assembly: Assembly,
-    /// Of the transposed equations.
+    /// Right-hand side of the transposed equations.
     approximate_tangent: ApproximateTangent,
     gmres: Gmres,
     right: Vec<f64>,
@@ -63,16 +63,17 @@ pub struct AdjointStep<'a> {
     combined: Vec<f64>,
     sum: Vec<f64>,
     product: Vec<f64>,
-    /// Iterations that the last system took, and those that took one with a stiffness of its own; `None`: there is no stiffness.
+    /// Iterations of the last system, and of the first one after the stiffness was refactorised; `None`: there is no
+    /// stiffness.
     iterations: Option<[usize; 2]>,
-    /// Whether GMRES has failed: then the systems are factorised, one by one.
+    /// Whether GMRES has failed; then each system is factorised.
     is_direct: bool,
 }
 
 /// Relative residual of the transposed systems.
 const TOLERANCE: f64 = 1e-13;
 
-/// Relative residual above which a system counts as not solved: rounding may keep it above the tolerance.
+/// Relative residual above which a system counts as unsolved: rounding may keep it above the tolerance.
 const UNSOLVED: f64 = 1e-10;
 
 /// Relative residual of one solution by GMRES.
@@ -81,14 +82,15 @@ const PRECISION: f64 = 1e-4;
 /// Iterations of one solution by GMRES.
 const MAX_ITERATIONS: usize = 300;
 
-/// Extra iterations, over a solution with the stiffness of its own step, beyond which the stiffness is refactorised.
+/// Iterations beyond those with a fresh stiffness after which the stiffness is refactorised.
 const SLOWER: usize = 6;
 
 impl<'a> AdjointStep<'a> {
     /// # Errors
     /// As [`ApproximateTangent::new`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree);
+        let n = body.n_dofs();
+        let k = element.degree;
         let coefficients = element.coefficients();
         let transposed_coefficients = StageCoefficients {
             rule: coefficients.rule.clone(),
@@ -128,7 +130,8 @@ impl<'a> AdjointStep<'a> {
     pub fn take_back(&mut self, step: &StepData<'_>, adjoint: &mut AdjointState) -> Result<()> {
         self.set_right_side(step.size, adjoint);
         self.solve(step)?;
-        let (n, h) = (self.sum.len(), step.size);
+        let n = self.sum.len();
+        let h = step.size;
         let input = input(step);
         self.body.start_gradient(&input, &self.multipliers, &mut self.sum);
         adjoint.displacement.iter_mut().zip(&self.sum).for_each(|(u, sum)| *u -= h * h * sum);
@@ -182,8 +185,9 @@ impl<'a> AdjointStep<'a> {
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }
-        let (mut gmres, mut iterations) = (std::mem::take(&mut self.gmres), 0);
-        // The preconditioner may work in single precision, which GMRES does not see: it is started again from the true residual.
+        let mut gmres = std::mem::take(&mut self.gmres);
+        let mut iterations = 0;
+        // The preconditioner may work in single precision, which GMRES does not notice: restart from the true residual.
         let left = self.refine(|system, residual, correction| {
             iterations += gmres.solve(system, residual, correction, PRECISION, MAX_ITERATIONS).iterations;
             Ok(())
@@ -194,8 +198,8 @@ impl<'a> AdjointStep<'a> {
         Ok(left <= UNSOLVED)
     }
 
-    /// Corrects the multipliers by solutions for the residual, from zero, until it is small or no longer falls; what is left of the
-    /// right side then.
+    /// Corrects the multipliers by solutions for the residual, from zero, until the residual is small or no longer
+    /// falls. The right side then holds the remaining residual.
     fn refine(
         &mut self,
         mut solve: impl FnMut(&mut Transposed<'_>, &[f64], &mut [f64]) -> Result<()>,
@@ -204,7 +208,8 @@ impl<'a> AdjointStep<'a> {
         let mut system = Transposed { body, assembly, approximate_tangent };
         self.multipliers.fill(0.0);
         self.residual.copy_from_slice(&self.right);
-        let (size, mut left) = (norm(&self.right), 1.0);
+        let size = norm(&self.right);
+        let mut left = 1.0;
         while size > 0.0 && left > TOLERANCE {
             solve(&mut system, &self.residual, &mut self.correction)?;
             self.multipliers.iter_mut().zip(&self.correction).for_each(|(mu, d)| *mu += d);

@@ -12,8 +12,8 @@ use crate::time::{Scheme, State, Stepper, TimeElement, TimeElementStepper};
 
 /// The trajectory of a motion: an observer that keeps checkpoints, from which goals are differentiated.
 ///
-/// It begins with the first state that it sees. The steps between checkpoints are done once more as they were; if none of
-/// them was rejected or cut, they are bit-identical, and the gradient does not depend on where the checkpoints are.
+/// It begins with the first state that it observes. The steps between checkpoints are repeated exactly; if none of them
+/// was rejected or cut, they are bit-identical, and the gradient does not depend on the checkpoints.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -35,7 +35,7 @@ pub struct Trajectory<'a> {
     body: &'a Body,
     element: TimeElement,
     settings: NewtonSettings,
-    /// Every so many steps there is a checkpoint.
+    /// Number of steps between checkpoints.
     spacing: usize,
     /// Whether the spacing grows with the number of steps.
     grows: bool,
@@ -44,16 +44,16 @@ pub struct Trajectory<'a> {
 }
 
 impl<'a> Trajectory<'a> {
-    /// The trajectory of a motion, with about sqrt(N) checkpoints for N steps: the distance between them is doubled as their number
-    /// grows.
+    /// The trajectory of a motion, with about sqrt(N) checkpoints for N steps: the distance between them doubles as
+    /// their number grows.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] for what the adjoint does not cover.
+    /// [`Error::Adjoint`] for a motion that the adjoint does not cover.
     pub fn new(motion: &Motion<'a>) -> Result<Self> {
         let body = motion.body();
         let Scheme::TimeElement(element @ TimeElement { spectral_radius: None, .. }) = motion.scheme() else {
             return Err(Error::Adjoint {
-                reason: "it goes with time elements only that do not dissipate (FE, AS, DGM)".to_string(),
+                reason: "it needs a time element without dissipation (FE, AS, DGM)".to_string(),
             });
         };
         check_body(body)?;
@@ -68,20 +68,20 @@ impl<'a> Trajectory<'a> {
         })
     }
 
-    /// The trajectory with a checkpoint every so many steps.
+    /// The trajectory with a checkpoint every given number of steps.
     pub fn with_spacing(self, steps: usize) -> Self {
         Trajectory { spacing: steps.max(1), grows: false, ..self }
     }
 
-    /// Takes in the present state of the motion; a march does so for its observers.
+    /// Records the present state of the motion; a march does this for its observers.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] for a motion other than the trajectory's, or one that has done more than one step meanwhile.
+    /// [`Error::Adjoint`] for another motion, or if the motion has done more than one step since.
     pub fn record(&mut self, motion: &Motion<'_>) -> Result<()> {
         let fail = |reason: &str| Err(Error::Adjoint { reason: reason.to_string() });
         let settings = (motion.scheme(), motion.settings());
         if !std::ptr::eq(motion.body(), self.body) || settings != (self.element.into(), self.settings) {
-            return fail("the motion has another body, scheme or settings than that of the trajectory");
+            return fail("the motion has another body, scheme or settings than the trajectory");
         }
         let record = motion.record();
         if let Some(first) = self.checkpoints.first() {
@@ -92,7 +92,8 @@ impl<'a> Trajectory<'a> {
             }
         }
         if self.steps.len().is_multiple_of(self.spacing) {
-            let (state, memory) = (motion.state().clone(), motion.stepper().memory());
+            let state = motion.state().clone();
+            let memory = motion.stepper().memory();
             self.checkpoints.push(Checkpoint { state, memory });
             self.thin_out();
         }
@@ -112,7 +113,8 @@ impl<'a> Trajectory<'a> {
     /// Derivatives of a goal at the last state by the first one and by parameters.
     ///
     /// # Errors
-    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the errors of a step.
+    /// [`Error::Adjoint`] if there is no step, or the goal or a parameter is of another body; [`Error::Linear`]; the
+    /// errors of a step.
     pub fn gradient(&self, goal: &Goal, parameters: &[Parameter]) -> Result<Gradient> {
         parameters.iter().try_for_each(|parameter| parameter.check(self.body))?;
         let mut sums = vec![0.0; parameters.len()];
@@ -129,8 +131,8 @@ impl<'a> Trajectory<'a> {
         Ok(Gradient { displacement, velocity, momentum, parameters: sums })
     }
 
-    /// Estimated error of a goal at the last state, by the local errors of the steps; see [`crate::adjoint`]. Newton's tolerance must be
-    /// small against them.
+    /// Estimated error of a goal at the last state, by the local errors of the steps; see [`crate::adjoint`]. Newton's
+    /// tolerance must be small compared with them.
     ///
     /// # Errors
     /// As [`Trajectory::gradient`], and the errors of steps of degree k + 1.
@@ -159,7 +161,8 @@ impl<'a> Trajectory<'a> {
         for (checkpoint, steps) in self.checkpoints.iter().zip(self.steps.chunks(self.spacing)).rev() {
             segment.redo(&mut stepper, checkpoint, steps)?;
             for index in (0..segment.len()).rev() {
-                let (step, [start, end]) = (segment.step(&coefficients, index), segment.ends(index));
+                let step = segment.step(&coefficients, index);
+                let [start, end] = segment.ends(index);
                 let at_end = adjoint.clone();
                 adjoint_step.take_back(&step, &mut adjoint)?;
                 let multipliers = adjoint_step.multipliers();
@@ -180,7 +183,7 @@ impl<'a> Trajectory<'a> {
         Ok(())
     }
 
-    /// Doubles the spacing where there are more than twice as many checkpoints as steps between them.
+    /// Doubles the spacing if there are more than twice as many checkpoints as steps between them.
     fn thin_out(&mut self) {
         while self.grows && self.checkpoints.len() > 2 * self.spacing + 1 {
             let mut index = 0;

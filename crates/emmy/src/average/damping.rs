@@ -12,9 +12,9 @@ use crate::tensor::{
 /// S_i = V : E'_i + p_i D : sum_j b_j p_j E'_j,    E'_i = sym(F(c_i)^T F'_i)
 /// ```
 ///
-/// with the Legendre polynomial p of degree k - 1, `sum_j b_j p_j^2 = 1`. V is the tensor of Kelvin and Voigt's viscosity over the
-/// step size. D acts on the highest Legendre mode of the strain rates, which is of order k in the step size; a dissipative scheme
-/// uses a multiple of the elasticity at rest. The dissipated energy per volume is
+/// with the Legendre polynomial p of degree k - 1, `sum_j b_j p_j^2 = 1`. V is the tensor of Kelvin and Voigt's
+/// viscosity over the step size. D acts on the highest Legendre mode of the strain rates, which is of order k in the
+/// step size; a dissipative scheme uses a multiple of the elasticity at rest. The dissipated energy per volume is
 ///
 /// ```math
 /// sum_i b_i S_i : E'_i >= 0
@@ -30,8 +30,8 @@ pub struct Damping {
 }
 
 impl Rule {
-    /// Adds the stage averages of a damping, and their derivatives if wanted, to the result of [`Rule::average`]. Takes the same
-    /// `start`, `rates` and `average`; all rates must be given.
+    /// Adds the stage averages of a damping, and their derivatives if wanted, to the result of [`Rule::average`]. Takes
+    /// the same `start`, `rates` and `average`; all rates must be given.
     #[inline(always)]
     pub fn add_damping<L: Lane>(
         &self,
@@ -55,7 +55,8 @@ impl Rule {
         }
     }
 
-    /// Adds the second Piola-Kirchhoff stress of a damping and its derivatives by the strain rates, which must be set in `average`.
+    /// Adds the second Piola-Kirchhoff stress of a damping and its derivatives by the strain rates, which must be set
+    /// in `average`.
     #[inline(always)]
     pub(super) fn add_damping_stress<L: Lane>(
         &self,
@@ -181,7 +182,8 @@ mod tests {
             for rule in rules(k) {
                 let rates = rates(k);
                 let stress = averaged(&rule, &damping, &rates, Request::Stress).stress;
-                let (mut work, mut moment) = (0.0, [[0.0; 3]; 3]);
+                let mut work = 0.0;
+                let mut moment = [[0.0; 3]; 3];
                 for i in 0..k {
                     let G = Rule::gradient_at(&START, &rule.a[i * k..(i + 1) * k], &rates);
                     for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
@@ -204,7 +206,8 @@ mod tests {
 
     #[test]
     fn the_dissipative_part_sees_the_highest_mode() {
-        // E' = A + B p_(k-1): the constant does nothing for k > 1. At rest, with rates that strain without turning, E' = sym F' to first order.
+        // E' = A + B p_(k-1): the constant does nothing for k > 1. At rest, with rates that strain without turning, E'
+        // = sym F' to first order.
         let damping = Damping { viscous: [[0.0; 6]; 6], dissipative: tensor(0.7) };
         for k in 2..=4 {
             let rule = Rule::assumed_strain(k, k);
@@ -237,7 +240,8 @@ mod tests {
                         rates[j][r][c] += shift;
                         averaged(&rule, &damping, &rates, Request::Stress).stress
                     };
-                    let (plus, minus) = (at(1e-5), at(-1e-5));
+                    let plus = at(1e-5);
+                    let minus = at(-1e-5);
                     for (i, n) in (0..9 * k).map(|n| (n / 9, n % 9)) {
                         let slope = (plus[i][n / 3][n % 3] - minus[i][n / 3][n % 3]) / 2e-5;
                         assert!((tangent[i * k + j][n][3 * r + c] - slope).abs() < 1e-7, "{k} {i} {j} {n}");

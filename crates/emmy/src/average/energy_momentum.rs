@@ -52,8 +52,8 @@ impl Rule {
         }
     }
 
-    /// Assumed strain at a point inside the step. For k >= 2 it may not be the strain of any deformation; then the smallest
-    /// determinant is not positive.
+    /// Assumed strain at a point inside the step. For k >= 2 it may not be the strain of any deformation; then the
+    /// smallest determinant is not positive.
     #[inline(always)]
     pub(super) fn assumed_strain_at<L: Lane>(
         &self,
@@ -82,7 +82,8 @@ impl Rule {
         request: Request,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
+        let k = self.degree();
+        let zero = E_1[0].splat(0.0);
         average.stresses.fill([zero; 6]);
         let is_straight = k == 1 && self.points.len() > 1;
         if is_straight {
@@ -93,7 +94,8 @@ impl Rule {
         } else if is_straight {
             return;
         }
-        let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
+        let mut S = [zero; 6];
+        let mut D = [[zero; 6]; 6];
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, average);
             match request {
@@ -132,13 +134,17 @@ impl Rule {
         request: Request,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), E_1[0].splat(0.0));
-        let (mut work, mut square, mut change) = (zero, zero, [zero; 6]);
+        let k = self.degree();
+        let zero = E_1[0].splat(0.0);
+        let mut work = zero;
+        let mut square = zero;
+        let mut change = [zero; 6];
         for i in 0..k {
             let E = self.assumed_strain_at(E_1, &self.a[i * k..(i + 1) * k], average);
             let rate = average.strain_rates[i];
             change = sym_add_scaled(&change, zero.splat(self.b[i]), &rate);
-            let (stress, elasticity) = (&mut average.stresses[i], &mut average.elasticities[i]);
+            let stress = &mut average.stresses[i];
+            let elasticity = &mut average.elasticities[i];
             match request {
                 Request::Stress => material.stress(&E, stress),
                 Request::Tangent => material.stress_and_elasticity(&E, stress, elasticity),
@@ -152,8 +158,8 @@ impl Rule {
             None => self.energy_difference(material, E_1, &green_lagrange(end), average),
         };
         let numerator = energy_change - work;
-        // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the one is
-        // lost in the other. The constant only keeps the division from overflowing.
+        // The correction r E' is of the order |E'|^2, the rounding of S of the order eps |E|: below this rate the
+        // correction is lost in rounding. The constant only keeps the division from overflowing.
         let strain_square = double_dot(E_1, E_1) + double_dot(&change, &change);
         let resting = strain_square * 1e-36 + zero.splat(1e-300);
         let inverse = (square * square).select_below(resting, zero, zero.splat(1.0) / square);
@@ -168,8 +174,8 @@ impl Rule {
         }
     }
 
-    /// W_2 - W_1 of a material without a closed form: the difference, or the Gauss quadrature along the assumed strain if both agree
-    /// within the rounding of the difference, because the quadrature is then less noisy.
+    /// W_2 - W_1 of a material without a closed form: the difference, or the Gauss quadrature along the assumed strain
+    /// if both agree within the rounding of the difference, because the quadrature is then less noisy.
     #[inline(always)]
     fn energy_difference<L: Lane>(
         &self,
@@ -180,7 +186,9 @@ impl Rule {
     ) -> L {
         let zero = E_1[0].splat(0.0);
         let (W_1, W_2) = (material.strain_energy(E_1), material.strain_energy(E_2));
-        let (mut integral, mut stress_norm, mut S) = (zero, zero, [zero; 6]);
+        let mut integral = zero;
+        let mut stress_norm = zero;
+        let mut S = [zero; 6];
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, average);
             material.stress(&E, &mut S);
@@ -191,7 +199,7 @@ impl Rule {
             integral += double_dot(&S, &rate) * point.weight;
             stress_norm += double_dot(&S, &S).sqrt() * point.weight;
         }
-        // Strains come with an absolute error of eps times the products they are the difference of, C ~ 1 + |E|.
+        // Strains have an absolute error of eps times the products whose difference they are, C ~ 1 + |E|.
         let strain_size = zero.splat(1.0) + (trace(E_1) + trace(E_2)).abs();
         let rounding = (W_1.abs() + W_2.abs() + stress_norm * strain_size) * (4.0 * f64::EPSILON);
         let direct = W_2 - W_1;
@@ -208,7 +216,8 @@ impl Rule {
         is_link: bool,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), r.splat(0.0));
+        let k = self.degree();
+        let zero = r.splat(0.0);
         for m in 0..k {
             let mut dr = sym_add_scaled(
                 &sym_scaled(zero.splat(self.b[m]), S_2),
@@ -288,11 +297,12 @@ impl Rule {
     }
 }
 
-/// `1/3 tr E' I`, the strain rate of a link: its energy depends on tr E alone. A correction along it is a multiple of I, which
-/// pulls along the link and has no moment.
+/// `1/3 tr E' I`, the strain rate of a link: its energy depends on tr E alone. A correction along it is a multiple of
+/// I, which pulls along the link and has no moment.
 #[inline(always)]
 fn trace_part<L: Lane>(rate: &Sym<L>) -> Sym<L> {
-    let (third, zero) = (trace(rate) * (1.0 / 3.0), rate[0].splat(0.0));
+    let third = trace(rate) * (1.0 / 3.0);
+    let zero = rate[0].splat(0.0);
     [third, third, third, zero, zero, zero]
 }
 
@@ -321,7 +331,7 @@ fn add_elasticity<L: Lane>(X: &mut Elasticity<L>, weight: f64, D: &Elasticity<L>
     }
 }
 
-/// `D : E` with E in plain components: its shears are doubled on the way.
+/// `D : E` with E in plain components, whose shears are doubled here.
 #[inline(always)]
 pub(super) fn times_doubled<L: Lane>(D: &Elasticity<L>, E: &Sym<L>) -> Sym<L> {
     let row = inlined!(|a: usize| double_dot(&D[a], E));

@@ -1,21 +1,22 @@
-//! Quadrature in time of loads that follow the motion.
+//! Quadrature in time of follower loads.
 
 use super::{Kind, Rule, TimePoint};
 use crate::polynomial::lagrange;
 use crate::quadrature::gauss;
 
-/// Points of a step at which a scheme evaluates a load that follows the motion.
+/// Points of a step at which a scheme evaluates a follower load.
 ///
-/// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage averages are
+/// The load is `p(t) F(q)` with a factor p over time and a force F that is quadratic in the positions. Its stage
+/// averages are
 ///
 /// ```math
 /// f_i = (1/b_i) integral_0^1 l_i p F(q^h) dalpha = sum_m s_im p_m F(q^h(alpha_m)),
 /// p_m = (1/w_m) integral_0^1 Lambda_m(alpha) p dalpha
 /// ```
 ///
-/// with the Lagrange basis `Lambda_m` on the points. Energy-momentum rules take 3k Gauss points: `l_i F` has degree 3k - 1 in
-/// alpha, which is interpolated exactly, so that f_i is exact for every history. Standard rules evaluate the load at the
-/// points where they evaluate the stress.
+/// with the Lagrange basis `Lambda_m` on the points. Energy-momentum rules take 3k Gauss points: `l_i F` has degree 3k
+/// - 1 in alpha, so it is interpolated exactly, and f_i is exact for every time function. Standard rules evaluate the
+/// load at the same points as the stress.
 ///
 /// ```
 /// use emmy::internals::average::{FollowerRule, Rule};
@@ -42,7 +43,8 @@ impl FollowerRule {
         let nodes: Vec<f64> = points.iter().map(|point| point.alpha).collect();
         let fine = Rule::standard(nodes.len(), &gauss(1));
         let mean = points.iter().enumerate().flat_map(|(m, point)| {
-            let (nodes, fine) = (&nodes, &fine);
+            let nodes = &nodes;
+            let fine = &fine;
             let weight = move |(&c, &b): (&f64, &f64)| b / point.weight * lagrange(nodes, m, c);
             fine.nodes().iter().zip(fine.weights()).map(weight)
         });
@@ -69,12 +71,12 @@ impl FollowerRule {
         &self.points[m].stage_weights
     }
 
-    /// The rule on whose basis a history is averaged for [`FollowerRule::factors`]; its degree is the number of points.
+    /// The rule whose basis averages a time function for [`FollowerRule::factors`]; its degree is the number of points.
     pub fn fine(&self) -> &Rule {
         &self.fine
     }
 
-    /// Factors p_m from the averages of a history on the basis of [`FollowerRule::fine`]; both `[n_points]`.
+    /// Factors p_m from the averages of a time function on the basis of [`FollowerRule::fine`]; both `[n_points]`.
     pub fn factors(&self, averages: &[f64], factors: &mut [f64]) {
         for (factor, mean) in factors.iter_mut().zip(self.mean.chunks_exact(averages.len())) {
             *factor = mean.iter().zip(averages).map(|(mean, average)| mean * average).sum();
@@ -91,7 +93,8 @@ mod tests {
     fn moment(rule: &Rule, d: i32, e: i32) -> f64 {
         let follower = FollowerRule::new(rule);
         // The averages (1/B_r) integral of the fine basis times alpha^e, by a quadrature that is exact for them.
-        let (fine, inner) = (follower.fine(), gauss(20));
+        let fine = follower.fine();
+        let inner = gauss(20);
         let average = |r: usize| {
             let terms = inner.iter().map(|(&[a], w)| w * fine.basis(r, a) * a.powi(e));
             terms.sum::<f64>() / fine.weights()[r]

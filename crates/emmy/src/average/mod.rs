@@ -1,4 +1,4 @@
-//! The seam: averaging rules at a material point.
+//! Averaging rules at a material point.
 //!
 //! A time integration scheme is, at a material point, a rule that averages the first Piola-Kirchhoff stress over a
 //! step. It sees the displacement gradient at the start of the step, the rates of the deformation gradient at the time
@@ -56,7 +56,7 @@ pub struct Rule {
     smooth_quadrature: Quadrature<1>,
 }
 
-/// An averaging rule as a value. A new one has its file in this folder, a variant here and a row in the table of
+/// An averaging rule as a value. A new rule has its own file in this folder, a variant here and a row in the table of
 /// [`crate::time::scheme::SCHEMES`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AveragingRule {
@@ -72,11 +72,11 @@ pub enum AveragingRule {
     DiscreteGradient,
 }
 
-/// Rules with more points than this gain nothing and cost much; more likely a slip of the keyboard.
+/// Largest sensible number of points: more gain nothing, and are probably a slip of the keyboard.
 const MAX_POINTS: usize = 64;
 
 impl AveragingRule {
-    /// Key word of its scheme, and the number of points that follows it.
+    /// Key word of its scheme, and the number of points after it.
     pub fn word_and_points(self) -> (&'static str, Option<usize>) {
         match self {
             AveragingRule::Standard(n) => ("FE", Some(n)),
@@ -112,9 +112,7 @@ impl AveragingRule {
             }
             AveragingRule::Lobatto(n) => (n, degree + 1, "Lobatto points"),
             AveragingRule::Trapezoidal if degree != 1 => {
-                return Err(format!(
-                    "it goes with degree 1 only, not {degree}; Lobatto(n) is its kin for higher degrees"
-                ));
+                return Err(format!("it has degree 1 only, not {degree}; use Lobatto(n) for higher degrees"));
             }
             AveragingRule::Trapezoidal | AveragingRule::DiscreteGradient => return Ok(()),
         };
@@ -124,7 +122,7 @@ impl AveragingRule {
         if n > MAX_POINTS { Err(format!("at most {MAX_POINTS} points")) } else { Ok(()) }
     }
 
-    /// Whether the rule takes an algorithmic stress of the strain rates: AS and DGM.
+    /// Whether the rule has an algorithmic stress, a function of the strain rates: AS and DGM.
     pub fn is_energy_momentum(self) -> bool {
         match self {
             AveragingRule::Standard(_) | AveragingRule::Trapezoidal | AveragingRule::Lobatto(_) => false,
@@ -191,7 +189,8 @@ pub struct Average<L> {
 impl<L: Lane> Average<L> {
     /// Memory for a rule of a degree; `zero` is any number of the lane type.
     pub fn new(degree: usize, zero: L) -> Self {
-        let (k, zero) = (degree, zero.splat(0.0));
+        let k = degree;
+        let zero = zero.splat(0.0);
         Average {
             stress: vec![[[zero; 3]; 3]; k],
             tangent: vec![[[zero; 9]; 9]; k * k],
@@ -229,18 +228,19 @@ impl Rule {
 
     /// Discrete gradient, DGM (equations (63)-(65)).
     pub fn discrete_gradient(degree: usize) -> Rule {
-        // The inner rule stands in for the energy difference where that is lost in rounding.
+        // The inner rule replaces the energy difference if that is lost in rounding.
         Rule::with(degree, Kind::EnergyMomentum(StressKind::DiscreteGradient), &gauss(degree + 3))
     }
 
-    /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates that strain only.
+    /// The symmetric part of energy-momentum rules with k = 1: AS(1), with derivatives along rates without rotation.
     ///
     /// ```math
     /// dP = a dF' S + F(c) dS/dE' : sym(F(c)^T dF'),    a = c = 1/2
     /// ```
     ///
-    /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules see no strain
-    /// in that, but the mid-point rule does: in a stiff body its tangent does not approximate theirs.
+    /// In a body that rotates by an angle t, the configuration at c is shrunk by `cos(t/2)`. The energy-momentum rules
+    /// see no strain in this shrinkage, but the mid-point rule does: in a stiff body, its tangent does not approximate
+    /// theirs.
     pub fn straining_rates() -> Rule {
         Rule::with(1, Kind::EnergyMomentum(StressKind::StrainingRates), &gauss(1))
     }
@@ -264,7 +264,8 @@ impl Rule {
             // The outer quadrature, which integrates the path exactly.
             Kind::EnergyMomentum(_) => Mean { start: vec![1.0; degree], rates: Vec::clone(&a) },
         };
-        let (load_quadrature, smooth_quadrature) = (gauss(degree.div_ceil(2) + 1), gauss(degree + 4));
+        let load_quadrature = gauss(degree.div_ceil(2) + 1);
+        let smooth_quadrature = gauss(degree + 4);
         let highest_mode = c.iter().map(|&c| legendre(degree - 1, c)).collect();
         Rule { c, b, a, highest_mode, kind, points, path, mean, load_quadrature, smooth_quadrature }
     }
@@ -294,7 +295,8 @@ impl Rule {
         &self.a
     }
 
-    /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`, `[k]`.
+    /// Values p_i of the highest-degree Legendre mode of the test space at the Gauss points, `sum_i b_i p_i^2 = 1`,
+    /// `[k]`.
     pub fn highest_mode(&self) -> &[f64] {
         &self.highest_mode
     }
@@ -324,15 +326,15 @@ impl Rule {
         }
     }
 
-    /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a load history.
+    /// Quadrature on [0, 1] that is exact for the basis times a linear function: for pieces of a table.
     pub fn load_quadrature(&self) -> &Quadrature<1> {
         &self.load_quadrature
     }
 
     /// Quadrature for smooth functions of time times a test function: k + 4 Gauss points.
     ///
-    /// It is exact for functions of degree k + 8, so that averages have an error of order k + 9, at least the order 2k of the time
-    /// element for all degrees.
+    /// It is exact for functions of degree k + 8, so that averages have an error of order k + 9, at least the order 2k
+    /// of the time element for all degrees.
     pub fn smooth_quadrature(&self) -> &Quadrature<1> {
         &self.smooth_quadrature
     }
@@ -342,8 +344,8 @@ impl Rule {
         lagrange_rate(&self.c, i, alpha)
     }
 
-    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k = 1 and without
-    /// damping.
+    /// Whether the derivatives of the averages are symmetric, `dP/dF' = (dP/dF')^T`: true for a standard rule with k =
+    /// 1 and without damping.
     pub fn is_symmetric(&self, is_damped: bool) -> bool {
         let is_symmetric = match self.kind {
             Kind::Standard => !is_damped,
@@ -363,8 +365,8 @@ impl Rule {
 
     /// Stage averages of the stress over a step, and their derivatives if wanted.
     ///
-    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] also takes the
-    /// gradient at that point and no rates. The result is in `average`.
+    /// `start`: displacement gradient G_1 = F_1 - I; `rates`: F'_j, `[k]`. A rule with an [`Rule::only_point`] also
+    /// takes the gradient at that point and no rates. The result is in `average`.
     #[inline(always)]
     pub fn average<L: Lane>(
         &self,

@@ -20,9 +20,11 @@ impl Rule {
         request: Request,
         average: &mut Average<L>,
     ) {
-        let (k, zero) = (self.degree(), start[0][0].splat(0.0));
+        let k = self.degree();
+        let zero = start[0][0].splat(0.0);
         average.min_det = zero.splat(f64::INFINITY);
-        let (mut S, mut D) = ([zero; 6], [[zero; 6]; 6]);
+        let mut S = [zero; 6];
+        let mut D = [[zero; 6]; 6];
         for (index, point) in self.points.iter().enumerate() {
             let is_first = index == 0;
             let G = Rule::gradient_at(start, &point.integrals, rates);
@@ -49,7 +51,8 @@ impl Rule {
 /// Adds `(I + G) S` times the stage weights, or sets it.
 #[inline(always)]
 fn add_stress<L: Lane>(stress: &mut [Mat3<L>], stage_weights: &[f64], sets: bool, G: &Mat3<L>, S: &Sym<L>) {
-    let (P, zero) = (identity_plus_times_sym(G, S), [[G[0][0].splat(0.0); 3]; 3]);
+    let P = identity_plus_times_sym(G, S);
+    let zero = [[G[0][0].splat(0.0); 3]; 3];
     for (average, &weight) in stress.iter_mut().zip(stage_weights) {
         *average = add_scaled(if sets { &zero } else { average }, weight, &P);
     }
@@ -72,7 +75,8 @@ pub(super) fn first_elasticity<L: Lane>(G: &Mat3<L>, S: &Sym<L>, D: &Elasticity<
     let Y = strain_response(D, &F);
     // The upper half, then its mirror image.
     let entry = inlined!(|row: usize, c: usize| {
-        let (r, J) = (row / 3, row % 3);
+        let r = row / 3;
+        let J = row % 3;
         let material = dot3(F[r], [Y[SYM_INDEX[0][J]][c], Y[SYM_INDEX[1][J]][c], Y[SYM_INDEX[2][J]][c]]);
         if c / 3 == r { material + S[SYM_INDEX[J][c % 3]] } else { material }
     });
@@ -157,7 +161,7 @@ mod tests {
     use crate::tensor::SYM;
 
     #[test]
-    fn shear_convention_is_that_of_the_elasticity() {
+    fn shear_convention_matches_the_elasticity() {
         // For X = unit response to one strain component, strain_response must give that component of sym(H^T dF).
         let H = [[1.0, 2.0, -1.0], [0.5, 3.0, 0.2], [0.1, -0.4, 2.0]];
         for (a, (i, j)) in SYM.into_iter().enumerate() {

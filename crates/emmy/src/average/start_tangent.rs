@@ -65,7 +65,8 @@ impl Rule {
         result: &mut StartTangent,
     ) {
         result.tangent.fill([[0.0; 9]; 9]);
-        let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
+        let mut S = [0.0; 6];
+        let mut D = [[0.0; 6]; 6];
         for point in &self.points {
             let G = Rule::gradient_at(start, &point.integrals, rates);
             material.stress_and_elasticity(&green_lagrange(&G), &mut S, &mut D);
@@ -87,7 +88,8 @@ impl Rule {
         result: &mut StartTangent,
     ) {
         result.stiffness.fill([[0.0; 6]; 6]);
-        let (mut S, mut D) = ([0.0; 6], [[0.0; 6]; 6]);
+        let mut S = [0.0; 6];
+        let mut D = [[0.0; 6]; 6];
         for point in &self.points {
             let E = self.assumed_strain_at(E_1, &point.integrals, &mut result.average);
             material.stress_and_elasticity(&E, &mut S, &mut D);
@@ -109,12 +111,14 @@ impl Rule {
         result: &mut StartTangent,
     ) {
         let average = &result.average;
-        let (E_1, E_2) = (green_lagrange(start), green_lagrange(&Rule::gradient_at(start, &self.b, rates)));
+        let E_1 = green_lagrange(start);
+        let E_2 = green_lagrange(&Rule::gradient_at(start, &self.b, rates));
         let (mut S_1, mut S_2) = ([0.0; 6], [0.0; 6]);
         material.stress(&E_1, &mut S_1);
         material.stress(&E_2, &mut S_2);
         let mut dr = sym_add_scaled(&S_2, -1.0, &S_1);
-        let (mut square, mut change) = (0.0, [0.0; 6]);
+        let mut square = 0.0;
+        let mut change = [0.0; 6];
         for (j, rate) in average.strain_rates.iter().enumerate() {
             dr = sym_add_scaled(&dr, -self.b[j], &times_doubled(&average.elasticities[j], rate));
             square += self.b[j] * double_dot(rate, rate);
@@ -137,7 +141,9 @@ impl Rule {
         rates: &[Mat3<f64>],
         result: &mut StartTangent,
     ) {
-        let (k, F_1, average) = (self.degree(), with_identity(start), &result.average);
+        let k = self.degree();
+        let F_1 = with_identity(start);
+        let average = &result.average;
         for i in 0..k {
             let mut Y = strain_response(&result.stiffness[i], &F_1);
             for (stiffness, rate) in average.stiffness[i * k..(i + 1) * k].iter().zip(rates) {

@@ -19,7 +19,7 @@ fn tensor(size: f64) -> impl Strategy<Value = Mat3<f64>> {
     prop::array::uniform3(prop::array::uniform3(-size..size))
 }
 
-/// A rotated, strained start and rates that turn and strain the point further.
+/// A rotated, strained start, and rates that rotate and strain the point further.
 fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
     let rates = prop::collection::vec(tensor(size), k);
     (tensor(1.0), tensor(0.15), rates).prop_map(|(axis, strain, rates)| {
@@ -54,7 +54,9 @@ fn averaged<M: Material>(rule: &Rule, material: &M, step: &Step, request: Reques
 fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
     let k = rule.degree();
     let average = averaged(rule, material, step, Request::Stress);
-    let (mut work, mut size, mut moment) = (0.0, 0.0, [[0.0; 3]; 3]);
+    let mut work = 0.0;
+    let mut size = 0.0;
+    let mut moment = [[0.0; 3]; 3];
     for i in 0..k {
         let b = rule.weights()[i];
         let F = add_scaled(
@@ -80,7 +82,7 @@ fn defects<M: Material>(rule: &Rule, material: &M, step: &Step) -> (f64, f64) {
 
 const ROUNDING: f64 = 1e-12;
 
-/// An inner rule that is exact to rounding for the sizes of step used here.
+/// An inner rule that is exact to rounding for the step sizes used here.
 const MANY: usize = 16;
 
 proptest! {
@@ -88,7 +90,8 @@ proptest! {
 
     #[test]
     fn table_iii_energy_momentum_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
-        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        let svk = SaintVenantKirchhoff::new(1000.0, 500.0).unwrap();
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         // AS(k) for St. Venant-Kirchhoff, AS(n) and DGM in general: energy and angular momentum.
         for rule in [Rule::assumed_strain(k, k), Rule::assumed_strain(k, MANY), Rule::discrete_gradient(k)] {
             let (energy, momentum) = defects(&rule, &svk, &step);
@@ -105,7 +108,8 @@ proptest! {
 
     #[test]
     fn table_iii_standard_rules((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 0.1)))) {
-        let (svk, rubber) = (SaintVenantKirchhoff::new(1000.0, 500.0).unwrap(), NeoHooke::new(1000.0, 500.0).unwrap());
+        let svk = SaintVenantKirchhoff::new(1000.0, 500.0).unwrap();
+        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         // FE(k) conserves angular momentum, FE(n) with many points energy. W of St. Venant-Kirchhoff is of degree 4 in
         // F, so 2k points are exact for it.
         prop_assert!(defects(&Rule::standard(k, &gauss(k)), &rubber, &step).1 < ROUNDING);
@@ -133,7 +137,7 @@ proptest! {
     }
 
     #[test]
-    fn start_tangents_are_those_of_dual_numbers((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
+    fn start_tangents_match_dual_numbers((k, step) in (1usize..=4).prop_flat_map(|k| (Just(k), step(k, 0.05)))) {
         let svk = SaintVenantKirchhoff::new(1.0, 0.7).unwrap();
         let rubber = NeoHooke::new(1.0, 0.7).unwrap();
         let yeoh = Yeoh::new([0.4, 0.1, 0.05], 1.0, Volumetric::Logarithmic).unwrap();
@@ -154,8 +158,8 @@ proptest! {
 
     #[test]
     fn tiny_steps_keep_their_energy((k, step) in (1usize..=3).prop_flat_map(|k| (Just(k), step(k, 1.0))), exponent in 2i32..13) {
-        // A strained point that hardly moves, and a nearly unstrained one: the energy changes by little, and the defect
-        // stays at the rounding of the *work*, or of W itself where that is larger.
+        // A strained point that hardly moves, and a nearly unstrained one: the energy changes little, and the defect
+        // stays at the rounding of the *work*, or of W itself if that is larger.
         let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
         let size = 10f64.powi(-exponent);
         let rates: Vec<_> = step.rates.iter().map(|rate| rate.map(|row| row.map(|x| x * size))).collect();
@@ -164,7 +168,7 @@ proptest! {
         let reference = averaged(&Rule::assumed_strain(k, MANY), &rubber, &tiny, Request::Stress);
         for (P, Q) in average.stress.iter().zip(&reference.stress) {
             for (p, q) in P.iter().flatten().zip(Q.iter().flatten()) {
-                // Both are consistent averages: they differ by the square of the step, and by no noise.
+                // Both are consistent averages: they differ by the square of the step, without noise.
                 prop_assert!((p - q).abs() < 1e5 * size * size + 1e-9, "{:e}", p - q);
             }
         }
@@ -176,7 +180,7 @@ proptest! {
 }
 
 #[test]
-fn what_table_iii_denies_is_denied() {
+fn schemes_lack_the_properties_that_table_iii_denies() {
     let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
     let rates = vec![[[0.1, 0.4, -0.2], [-0.3, 0.2, 0.1], [0.3, 0.0, -0.1]]];
     let step = Step { start: [[0.1, 0.2, 0.0], [0.0, -0.1, 0.3], [0.1, 0.0, 0.2]], rates };
@@ -224,7 +228,8 @@ fn tangent_error<M: Material>(rule: &Rule, material: &M, step: &Step) -> f64 {
                 step.rates[j][r][c] += sign * h;
                 averaged(rule, material, &step, Request::Stress).stress
             };
-            let (plus, minus) = (shifted(1.0), shifted(-1.0));
+            let plus = shifted(1.0);
+            let minus = shifted(-1.0);
             for i in 0..k {
                 for n in 0..9 {
                     let difference = (plus[i][n / 3][n % 3] - minus[i][n / 3][n % 3]) / (2.0 * h);
@@ -265,10 +270,11 @@ fn applied(A: &[[f64; 9]; 9], X: &Mat3<f64>) -> [f64; 9] {
 }
 
 #[test]
-fn straining_rates_are_those_of_assumed_strain_in_a_turning_body() {
-    // A rigid turn from a state of no strain: F' = [w] F(1/2), and by E' = sym(F^T F')
+fn strain_rate_transform_matches_assumed_strain_in_a_rotating_body() {
+    // A rigid rotation from an unstrained state: F' = [w] F(1/2), and by E' = sym(F^T F')
     // dE' = sym(F(1/2)^T (dF' - [w] dF'/2)) exactly, so that A_AS dF' = A (dF' - [w] dF'/2).
-    let (R, material) = (rotation([0.3, -0.5, 0.9]), NeoHooke::new(1000.0, 500.0).unwrap());
+    let R = rotation([0.3, -0.5, 0.9]);
+    let material = NeoHooke::new(1000.0, 500.0).unwrap();
     let rate = add_scaled(&R, -1.0, &IDENTITY);
     let step = Step { start: [[0.0; 3]; 3], rates: vec![rate] };
     // [w] = F' F^-1 = 2 (R - I) (R + I)^-1, Cayley's transform: tan(t/2)/(t/2) times the rotation vector.

@@ -1,10 +1,10 @@
-//! Cells of one kind in batches: one cell in each lane, the same quadrature point in all of them.
+//! Cells of one kind in batches: one cell per lane, all at the same quadrature point.
 
 use super::geometry::{CellTable, reserved};
 use crate::error::Result;
 use crate::tensor::{LANES, Packed};
 
-/// Cells in batches of [`LANES`], in the order of their table. The last batch is filled up by repeating its last cell.
+/// Cells in batches of [`LANES`], in the order of their table. The last batch is completed by repeating its last cell.
 #[derive(Debug)]
 pub struct CellBatches {
     /// Indices of the cells in the mesh.
@@ -21,8 +21,8 @@ pub struct CellBatches {
     geometry: Vec<PointGeometry>,
 }
 
-/// Geometry of the cells of a batch at a quadrature point. With the reference gradients it gives the gradients of the shape
-/// functions, at less memory traffic than a table of the gradients.
+/// Geometry of the cells of a batch at a quadrature point. With the reference gradients it gives the gradients of the
+/// shape functions, with less memory traffic than a table of them.
 #[derive(Debug, Clone)]
 pub struct PointGeometry {
     /// dxi/dX, `[xi component][X component]` \[1/length\].

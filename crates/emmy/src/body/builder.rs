@@ -1,4 +1,4 @@
-//! Builder of a body: the mesh first, then everything that it consists of and that acts on it.
+//! Builder of a body: the mesh first, then regions, supports and loads.
 
 use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
@@ -41,7 +41,7 @@ impl BodyBuilder {
         BodyBuilder { mesh, regions, point_terms: PointTerms::default(), supports, loads, drag: 0.0 }
     }
 
-    /// Adds a region. The regions together cover every cell once.
+    /// Adds a region. The regions together cover every cell exactly once.
     pub fn region(mut self, region: Region) -> Self {
         self.regions.push(region);
         self
@@ -83,8 +83,8 @@ impl BodyBuilder {
         self
     }
 
-    /// Sets the drag of a surrounding medium, an external force `f = -rate M v` \[1/time\]. Alone it makes velocities decay like
-    /// `exp(-rate t)`.
+    /// Sets the drag of a surrounding medium, an external force `f = -rate M v` \[1/time\]. Alone it makes velocities
+    /// decay like `exp(-rate t)`.
     pub fn drag(mut self, rate: f64) -> Self {
         self.drag = rate;
         self
@@ -94,8 +94,8 @@ impl BodyBuilder {
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
-    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a load,
-    /// [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
+    /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
+    /// load, [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative.
     pub fn build(self) -> Result<Body> {
         Body::from_parts(self)
@@ -126,7 +126,7 @@ impl Body {
             nodes.chunks_exact(length)
         });
         let pattern = Pattern::new(mesh.n_nodes(), couplings);
-        // One part a thread; fewer where there is too little to share.
+        // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
@@ -166,7 +166,7 @@ impl Body {
         body.with_releases(&supports)
     }
 
-    /// The body with those that it is after each release of a support; they share their tables.
+    /// The body and its successors after each release of a support, which share its tables.
     fn with_releases(self, supports: &[Support]) -> Result<Self> {
         let mut times: Vec<f64> = supports.iter().filter_map(|support| support.until).collect();
         times.sort_by(f64::total_cmp);

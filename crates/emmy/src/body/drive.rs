@@ -105,7 +105,8 @@ impl Drive {
             row[3] = time_function.as_ref().map_or(0.0, &part);
         }
         let Some(rotation) = &self.rotation else { return map };
-        let (a, (s, c)) = (rotation.axis, turn(part(&rotation.angle)));
+        let a = rotation.axis;
+        let (s, c) = turn(part(&rotation.angle));
         let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
         for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
             // A^2 = a a^T - I.
@@ -121,7 +122,8 @@ impl Drive {
     /// x_i = (1/b_i) integral l_i u' dalpha = (1/b_i) ( l_i(1) w(1) - integral l_i' w dalpha ),   w = u - u(0)
     /// ```
     pub(super) fn stage_rate(&self, rule: &Rule, i: usize, time: f64, h: f64) -> Map {
-        let (start, mut rate) = (self.map(time), [[0.0; 4]; 3]);
+        let start = self.map(time);
+        let mut rate = [[0.0; 4]; 3];
         add(&mut rate, rule.basis(i, 1.0), &self.map(time + h), &start);
         self.for_each_segment(time, h, |segment| {
             for (alpha, weight) in points(rule.smooth_quadrature(), segment) {
@@ -134,7 +136,8 @@ impl Drive {
 
     /// The parts of a step between kinks, as parts of [0, 1].
     fn for_each_segment(&self, time: f64, h: f64, mut visit: impl FnMut([f64; 2])) {
-        let (mut from, mut after) = (0.0, time);
+        let mut from = 0.0;
+        let mut after = time;
         while from < 1.0 {
             let kinks = self.time_functions().filter_map(|time_function| time_function.next_kink(after));
             after = kinks.fold(f64::INFINITY, f64::min);
@@ -180,11 +183,13 @@ mod tests {
     }
 
     #[test]
-    fn rotations_keep_lengths_and_rates_are_those_of_differences() {
+    fn rotations_keep_lengths_and_rates_match_differences() {
         let drive = turning(TimeFunction::smooth("t + t^2", |t| [t + t * t, 1.0 + 2.0 * t, 2.0]));
         let at = |t: f64| displacement(&drive, &drive.map(t));
-        let (t, d) = (0.2, 1e-5);
-        let (r, mut q) = (drive.offsets[0], at(t));
+        let t = 0.2;
+        let d = 1e-5;
+        let r = drive.offsets[0];
+        let mut q = at(t);
         q[1] -= 0.1 * 0.1 / 0.17;
         (0..3).for_each(|i| q[i] += r[i]);
         let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>();
@@ -200,7 +205,8 @@ mod tests {
     #[test]
     fn stage_rates_have_the_moments_of_the_motion() {
         let drive = turning(TimeFunction::smooth("3 t", |t| [3.0 * t, 3.0, 0.0]));
-        let (time, h) = (0.1, 0.15);
+        let time = 0.1;
+        let h = 0.15;
         for degree in 1..=4 {
             let rule = Rule::discrete_gradient(degree);
             let x: Vec<[f64; 3]> =

@@ -4,7 +4,7 @@ use super::Body;
 use super::drive::{Drive, apply};
 use crate::average::Rule;
 
-/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+/// Times closer together than this part of a step are equal: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;
 
 impl Body {
@@ -18,8 +18,8 @@ impl Body {
         self.drives.iter().flat_map(Drive::dofs)
     }
 
-    /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step ends
-    /// where the given motion does; the others are left alone. `rates: [k][n_nodes][3]`.
+    /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step
+    /// ends at the given motion; the others are unchanged. `rates: [k][n_nodes][3]`.
     ///
     /// ```math
     /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
@@ -46,9 +46,9 @@ impl Body {
         }
     }
 
-    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the rate after it,
-    /// at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`: of the step that ends or
-    /// starts here.
+    /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the
+    /// rate after it, at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`:
+    /// size of the step that ends or starts here.
     pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
         for drive in &self.drives {
@@ -61,7 +61,7 @@ impl Body {
         }
     }
 
-    /// Largest displacement that the given motion has at a time \[length\].
+    /// Largest displacement of the given motion at a time \[length\].
     pub(crate) fn driven_distance(&self, time: f64) -> f64 {
         let of_drive = |drive: &Drive| {
             let map = drive.map(time);

@@ -1,4 +1,4 @@
-//! Facets that move: force and stiffness of a pressure on their current surface.
+//! Moving facets: force and stiffness of a pressure on their current surface.
 
 use super::geometry::ReferenceTable;
 use crate::element::facet_element;
@@ -6,7 +6,7 @@ use crate::mesh::{Facet, FacetKind, Mesh};
 use crate::sparse::Pattern;
 use crate::tensor::cross;
 
-/// The most nodes that a facet has.
+/// Largest number of nodes of a facet.
 const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
@@ -31,7 +31,7 @@ pub struct FacetTable {
 }
 
 impl FacetTable {
-    /// Tables of facets, one for each kind that there is; `section`: thickness of each cell of the mesh.
+    /// Tables of facets, one for each kind; `section`: thickness of each cell of the mesh.
     pub fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
         let mut tables: Vec<FacetTable> = Vec::new();
         for &facet in facets {
@@ -75,7 +75,8 @@ impl FacetTable {
         self.nodes.chunks_exact(n).zip(pairs).map(|(nodes, (pairs, &section))| (nodes, pairs, section))
     }
 
-    /// Force of the unit pressure on a facet (of unit thickness) with nodes at `q`, which pushes against the outward normal:
+    /// Force of the unit pressure on a facet (of unit thickness) with nodes at `q`, which pushes against the outward
+    /// normal:
     ///
     /// ```math
     /// F_A = - integral N_A (q_,xi x q_,eta) dxi deta
@@ -103,7 +104,8 @@ impl FacetTable {
     pub fn derivative(&self, q: &NodalVectors) -> PairVectors {
         let mut c = [[[0.0; 3]; MAX_NODES]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
-            let ([a, b], weight) = (self.tangents(q, point), self.reference.weights[point]);
+            let [a, b] = self.tangents(q, point);
+            let weight = self.reference.weights[point];
             for (row, N) in c.iter_mut().zip(self.reference.shapes_at(point)) {
                 for (c, dN) in row.iter_mut().zip(self.reference.gradients_at(point)) {
                     (0..3).for_each(|i| c[i] += weight * N * (dN[0] * b[i] - dN[1] * a[i]));
@@ -113,10 +115,11 @@ impl FacetTable {
         c
     }
 
-    /// Tangents q_,xi and q_,eta at a quadrature point. Positions are taken from the first node: the gradients sum to zero,
-    /// and a body far from the origin keeps its digits.
+    /// Tangents q_,xi and q_,eta at a quadrature point. Positions are taken from the first node: the gradients sum to
+    /// zero, and a body far from the origin keeps its digits.
     fn tangents(&self, q: &NodalVectors, point: usize) -> [[f64; 3]; 2] {
-        let (mut a, mut b) = ([0.0; 3], self.across);
+        let mut a = [0.0; 3];
+        let mut b = self.across;
         for (q_B, dN) in q.iter().zip(self.reference.gradients_at(point)) {
             for i in 0..3 {
                 a[i] += (q_B[i] - q[0][i]) * dN[0];
@@ -171,11 +174,12 @@ mod tests {
         }
     }
 
-    /// The force is quadratic in q: its central difference is its derivative, whatever the step.
+    /// The force is quadratic in q: its central difference equals its derivative for any step.
     #[test]
-    fn derivative_is_that_of_the_force() {
+    fn derivative_matches_differences_of_the_force() {
         for kind in KINDS {
-            let (table, q) = (FacetTable::new(kind), facet(kind, 0.3));
+            let table = FacetTable::new(kind);
+            let q = facet(kind, 0.3);
             let c = table.derivative(&q);
             for (B, i) in (0..kind.n_nodes()).flat_map(|B| (0..3).map(move |i| (B, i))) {
                 let at = |step: f64| {
@@ -183,7 +187,8 @@ mod tests {
                     q[B][i] += step;
                     table.force(&q)
                 };
-                let (plus, minus) = (at(0.5), at(-0.5));
+                let plus = at(0.5);
+                let minus = at(-0.5);
                 let mut unit = [0.0; 3];
                 unit[i] = 1.0;
                 for A in 0..kind.n_nodes() {

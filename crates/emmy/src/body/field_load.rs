@@ -8,7 +8,7 @@ use crate::average::Rule;
 use crate::error::Result;
 use crate::mesh::Mesh;
 
-/// A load by a field, ready for use: the points at which the field is evaluated, and the weights of the nodes at each.
+/// A load by a field: the points at which the field is evaluated, and the weights of the nodes at each.
 #[derive(Debug)]
 pub struct FieldLoad {
     /// Number of the load.
@@ -17,13 +17,13 @@ pub struct FieldLoad {
     pub(super) time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
-    /// End of each point's part of `node_weights`.
+    /// End of the entries of each point in `node_weights`.
     ends: Vec<usize>,
     /// Nodes with weight times shape function \[length^2 or length^3\].
     node_weights: Vec<(u32, f64)>,
 }
 
-/// Points of a field at which its course over time is checked.
+/// Points of a field at which its change over time is checked.
 const POINTS_OF_SIGNALS: usize = 4;
 
 /// Times at which those points, and evaluations with which all points are searched for a value that is not finite.
@@ -56,14 +56,15 @@ impl FieldLoad {
         Ok(Some(table))
     }
 
-    /// Its components over time, factor included, at some of its points.
+    /// Its components over time, with the factor, at some of its points.
     pub(super) fn components(
         &self,
     ) -> impl Iterator<Item = impl Fn(f64) -> f64 + Send + Sync + 'static> + '_ {
         let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
         self.points.iter().step_by(every).flat_map(move |&X| {
             (0..3).map(move |component| {
-                let (field, time_function) = (self.field.clone(), self.time_function.clone());
+                let field = self.field.clone();
+                let time_function = self.time_function.clone();
                 move |time| time_function.value(time) * field.at(X, time)[component]
             })
         })
@@ -97,13 +98,13 @@ impl FieldLoad {
         self.ends.push(self.node_weights.len());
     }
 
-    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is other than zero.
+    /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is not zero.
     pub fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
         self.add(time, &[1.0], force)
     }
 
-    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`: memory for k
-    /// numbers. Returns whether the load acts.
+    /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`:
+    /// memory for k numbers. Returns whether the load acts.
     pub fn add_averages(
         &self,
         time: f64,
@@ -124,8 +125,9 @@ impl FieldLoad {
 
     /// Adds the nodal forces at a time to every stage, times its weight.
     fn add(&self, time: f64, stage_weights: &[f64], force: &mut [f64]) -> bool {
-        let (factor, n_dofs, mut begin) =
-            (self.time_function.value(time), force.len() / stage_weights.len(), 0);
+        let factor = self.time_function.value(time);
+        let n_dofs = force.len() / stage_weights.len();
+        let mut begin = 0;
         if factor == 0.0 {
             return false;
         }

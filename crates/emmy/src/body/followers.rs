@@ -1,15 +1,16 @@
-//! Loads of a body that follow its motion.
+//! Follower loads of a body.
 
 use super::{Assembly, Body, StepInput};
 use crate::average::FollowerRule;
 
 impl Body {
-    /// Number of loads that follow the motion.
+    /// Number of follower loads.
     pub(crate) fn n_followers(&self) -> usize {
         self.pressures.len()
     }
 
-    /// Factors p_m of the loads that follow, over a step, exact for every kink of the time functions (see [`FollowerRule`]).
+    /// Factors p_m of the follower loads over a step, exact for every kink of the time functions (see
+    /// [`FollowerRule`]).
     ///
     /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
     pub(crate) fn follower_averages(
@@ -26,7 +27,7 @@ impl Body {
         }
     }
 
-    /// Factors of the loads that follow, at the points of a step: `p_m = p(t + alpha_m h)`.
+    /// Factors of the follower loads at the points of a step: `p_m = p(t + alpha_m h)`.
     ///
     /// `factors: [n_followers][n_points]`.
     pub(crate) fn follower_values(
@@ -43,7 +44,7 @@ impl Body {
         }
     }
 
-    /// Stage averages of the loads that follow, `force: [k][n_nodes][3]`.
+    /// Stage averages of the follower loads, `force: [k][n_nodes][3]`.
     #[doc(hidden)]
     pub fn stage_followers(
         &self,
@@ -58,8 +59,8 @@ impl Body {
         }
     }
 
-    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: as external forces they stand on
-    /// the other side of the equations.
+    /// Adds the derivatives of the stage averages to a stage matrix, times `-tangent_factor`: external forces have the
+    /// opposite sign in the equations.
     #[doc(hidden)]
     pub fn add_follower_tangent(
         &self,
@@ -73,7 +74,7 @@ impl Body {
         }
     }
 
-    /// Adds the loads that follow at a displacement and time, both `[n_nodes][3]`.
+    /// Adds the follower loads at a displacement and time, both `[n_nodes][3]`.
     pub(crate) fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
         for pressure in self.pressures.iter() {
             pressure.add_force(&self.mesh, displacement, pressure.time_function.value(time), force);

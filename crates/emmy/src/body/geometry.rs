@@ -24,9 +24,10 @@ pub struct CellTable {
 }
 
 impl CellTable {
-    /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for solids.
+    /// The table of some cells of a mesh, all of one kind; `section`: thickness of plane cells \[length\], 1 for
+    /// solids.
     ///
-    /// The cells are in the order of their first nodes, so that neighbours stand together.
+    /// The cells are in the order of their first nodes, so that neighbours are close in memory.
     ///
     /// # Errors
     /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
@@ -112,8 +113,8 @@ pub(super) fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
 
 /// A point of an integral over a cell or facet: weight, position, and the shape functions of its nodes.
 pub struct QuadraturePoint<'a> {
-    /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\], without their
-    /// thickness.
+    /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\],
+    /// without their thickness.
     pub weight: f64,
     /// Reference position.
     pub position: [f64; 3],
@@ -121,7 +122,7 @@ pub struct QuadraturePoint<'a> {
     pub shapes: &'a [f64],
 }
 
-/// Visits the points of some cells with the quadrature that is exact for products of shape functions.
+/// Visits the points of some cells with the quadrature that integrates products of shape functions exactly.
 pub fn for_each_volume_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
@@ -157,8 +158,8 @@ fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
     position
 }
 
-/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness of each
-/// cell, by which the length of an edge becomes an area.
+/// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness
+/// of each cell, which turns the length of an edge into an area.
 pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
     for_each_facet_point(mesh, facets, section, |nodes, point| {
         for (&node, N) in nodes.iter().zip(point.shapes) {
@@ -167,8 +168,8 @@ pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &m
     });
 }
 
-/// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\], `section` as in
-/// [`add_facet_areas`].
+/// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\],
+/// `section` as in [`add_facet_areas`].
 pub fn for_each_facet_point(
     mesh: &Mesh,
     facets: &[Facet],

@@ -1,4 +1,4 @@
-//! What a body is made from besides its mesh: regions, supports, loads, initial velocity. Plain data.
+//! Parts of a body besides its mesh: regions, supports, loads, initial velocity. Plain data.
 
 use super::{Field, TimeFunction, Viscosity, solid::RegionMaterial};
 use crate::error::Result;
@@ -14,7 +14,7 @@ pub struct Region {
     pub density: f64,
     /// Thickness of its plane cells \[length\]; 1 unless it is set.
     pub thickness: f64,
-    /// Viscosity; none unless it is set. That of links is [`Viscosity::time`] alone.
+    /// Viscosity; none unless it is set. Links have [`Viscosity::time`] only.
     pub viscosity: Viscosity,
     pub(super) material: RegionMaterial,
 }
@@ -25,7 +25,7 @@ impl Region {
         Region::of(RegionMaterial::Solid(material.compiled()), density)
     }
 
-    /// The region of all cells, of links. The density is that of bars; springs and attractions have no mass.
+    /// The region of all cells, with links. Bars need the density; springs and attractions have no mass.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -47,7 +47,7 @@ impl Region {
         Region { group: Some(group.into()), ..self }
     }
 
-    /// The link that the region is made of, if it is one of links.
+    /// The link of a region of links.
     pub fn link(&self) -> Option<Link> {
         match self.material {
             RegionMaterial::Solid(_) => None,
@@ -124,14 +124,14 @@ pub struct PointMass {
     pub mass: f64,
 }
 
-/// Springs from the nodes of a group to the ground, alike in all directions and at rest in the reference configuration.
+/// Springs from the nodes of a group to the ground, equal in all directions and at rest in the reference configuration.
 ///
 /// ```math
 /// V = 1/2 sum_A k_A |u_A|^2
 /// ```
 ///
-/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k for each
-/// node \[force/length\].
+/// In a group of facets `k_A = k integral N_A dA`, k being a stiffness per reference area \[force/length^3\]; else k
+/// for each node \[force/length\].
 ///
 /// ```
 /// use emmy::body::GroundSpring;
@@ -146,7 +146,7 @@ pub struct GroundSpring {
     pub stiffness: f64,
 }
 
-/// Attraction of all masses of a group to a point of space, as by a heavy star.
+/// Attraction of all masses of a group to a point of space, such as a heavy star.
 ///
 /// ```math
 /// V = -sum_A g m_A / |q_A - c|
@@ -165,11 +165,11 @@ pub struct GroundAttraction {
     pub group: Option<String>,
     /// The point c \[length\].
     pub centre: [f64; 3],
-    /// Strength g, of a star the constant of gravitation times its mass \[length^3/time^2\].
+    /// Strength g; for a star, the constant of gravitation times its mass \[length^3/time^2\].
     pub strength: f64,
 }
 
-/// Components of a group whose motion is given: at rest, or driven.
+/// Components of a group with a given motion: at rest, or driven.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -187,7 +187,7 @@ pub struct Support {
     pub displacement: [Option<TimeFunction>; 3],
     /// Rotation that drives all components.
     pub rotation: Option<Rotation>,
-    /// Whether the facets of the group lie in a plane of symmetry, normal to a coordinate axis, which they do not leave.
+    /// Whether the facets of the group lie in a plane of symmetry, normal to a coordinate axis, and stay in it.
     pub symmetry: bool,
     /// Time of release. The momentum is continuous there; a step should end at this time.
     pub until: Option<f64>,
@@ -224,10 +224,10 @@ impl Support {
         Support { until: Some(time), ..self }
     }
 
-    /// Components at rest: those of `fix`, and that across the plane of symmetry.
+    /// Components at rest: `fix`, and the normal of the plane of symmetry.
     ///
     /// # Errors
-    /// Those of [`super::symmetry::symmetry_axis`].
+    /// As [`super::symmetry::symmetry_axis`].
     pub fn fixed_components(&self, mesh: &Mesh) -> Result<[bool; 3]> {
         let mut fixed = self.fix;
         if self.symmetry {
@@ -236,17 +236,17 @@ impl Support {
         Ok(fixed)
     }
 
-    /// Whether the support gives a motion.
+    /// Whether the support drives anything.
     pub fn is_driven(&self) -> bool {
         self.time_functions().next().is_some()
     }
 
-    /// Whether the support gives the motion of a component.
+    /// Whether the support drives a component.
     pub fn drives(&self, component: usize) -> bool {
         self.rotation.is_some() || self.displacement[component].is_some()
     }
 
-    /// Whether the motion has a part along z.
+    /// Whether the given motion has a component along z.
     pub(super) fn leaves_plane(&self) -> bool {
         let about_z = |rotation: &Rotation| rotation.axis[..2] == [0.0; 2];
         self.displacement[2].is_some() || self.rotation.as_ref().is_some_and(|rotation| !about_z(rotation))
@@ -326,7 +326,7 @@ impl Load {
     /// ```
     ///
     /// # Errors
-    /// Those of [`TimeFunction::new`].
+    /// As [`TimeFunction::new`].
     pub fn over(self, table: impl Into<Vec<(f64, f64)>>) -> Result<Self> {
         Ok(self.with_time_function(TimeFunction::new(table.into())?))
     }
@@ -353,8 +353,8 @@ pub enum LoadKind {
         /// Traction.
         traction: [f64; 3],
     },
-    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the current
-    /// area, and pushes onto the body where it is positive.
+    /// Pressure \[force/length^2\] on a facet group that follows the motion: it acts along the current normal on the
+    /// current area, and pushes onto the body where it is positive.
     ///
     /// ```math
     /// F_A = - p(t) integral N_A (q_,xi x q_,eta) dxi deta
@@ -393,8 +393,8 @@ pub enum LoadKind {
         /// Force at each node.
         force: [f64; 3],
     },
-    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses included,
-    /// without a group.
+    /// Acceleration \[length/time^2\] of every mass of a cell group, such as gravity; of all masses, point masses
+    /// included, without a group.
     Acceleration {
         /// Cell group; `None`: all cells.
         group: Option<String>,

@@ -1,5 +1,5 @@
-//! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into the
-//! functions that are dispatched by instruction set.
+//! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into
+//! the functions that are dispatched by instruction set.
 
 use std::any::Any;
 
@@ -54,7 +54,8 @@ impl WithSimd for NewPointMemory {
     type Output = Box<dyn Any + Send + Sync>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let (degree, zero) = (self.0, Batch::new(simd, 0.0));
+        let degree = self.0;
+        let zero = Batch::new(simd, 0.0);
         let gradients = vec![[[zero; 3]; 3]; 1 + degree];
         Box::new(PointMemory { average: Average::new(degree, zero), gradients })
     }
@@ -76,7 +77,7 @@ impl Scratch {
         Scratch { batch, points }
     }
 
-    /// The memory for registers.
+    /// The memory for the registers of a lane type.
     ///
     /// # Panics
     /// For registers that the machine does not have.
@@ -87,8 +88,8 @@ impl Scratch {
     }
 }
 
-/// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the number of
-/// fields: 1 if the rule has a single point and the rates are not wanted.
+/// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the
+/// number of fields: 1 if the rule has a single point and the rates are not wanted.
 #[inline(always)]
 pub fn gather(
     cells: &CellBatches,
@@ -97,7 +98,9 @@ pub fn gather(
     wants_rates: bool,
     nodal: &mut [[Packed; 3]],
 ) -> usize {
-    let (n, stride, u) = (cells.n_nodes, step.displacement.len(), step.displacement.as_chunks().0);
+    let n = cells.n_nodes;
+    let stride = step.displacement.len();
+    let u = step.displacement.as_chunks().0;
     if let Some(integrals) = step.rule.only_point().filter(|_| !wants_rates) {
         cells.gather(
             batch,
@@ -133,20 +136,22 @@ pub fn gather(
 pub struct RegisterCells<'a, R> {
     pub cells: &'a CellBatches,
     pub batch: usize,
-    /// Which part of the batch they are.
+    /// Number of this part of the batch.
     pub part: usize,
     pub zero: R,
 }
 
 impl<R: Register> RegisterCells<'_, R> {
-    /// Gradients of nodal fields at a quadrature point, `nodal: [n_fields][n_nodes][3]`: displacement gradients of displacements.
+    /// Gradients of nodal fields at a quadrature point, `nodal: [n_fields][n_nodes][3]`: displacement gradients of
+    /// displacements.
     ///
     /// ```math
     /// (sum_A u_A (x) dN_A/dxi) dxi/dX
     /// ```
     #[inline(always)]
     pub fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
-        let (dN, inverse) = (self.cells.reference_gradients_at(point), self.inverse_jacobian(point));
+        let dN = self.cells.reference_gradients_at(point);
+        let inverse = self.inverse_jacobian(point);
         for (gradient, field) in gradients.iter_mut().zip(nodal.chunks_exact(self.cells.n_nodes)) {
             *gradient = self.field_gradient(field, dN, &inverse);
         }
@@ -176,7 +181,8 @@ impl<R: Register> RegisterCells<'_, R> {
     /// Gradients of the shape functions at a quadrature point, `dN_A/dxi dxi/dX`.
     #[inline(always)]
     pub fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
-        let (zero, inverse) = (self.zero, self.inverse_jacobian(point));
+        let zero = self.zero;
+        let inverse = self.inverse_jacobian(point);
         for (dN, gradient) in self.cells.reference_gradients_at(point).iter().zip(gradients) {
             let dN = [zero.splat(dN[0]), zero.splat(dN[1]), zero.splat(dN[2])];
             for J in 0..3 {
@@ -210,21 +216,27 @@ pub fn integrate<R: Register>(
     (step, request): (&StepInput<'_>, Request),
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
 ) {
-    let (n, k, n_points) = (cells.cells.n_nodes, step.rule.degree(), cells.cells.n_points);
-    let (zero, part) = (cells.zero, cells.part);
+    let n = cells.cells.n_nodes;
+    let k = step.rule.degree();
+    let n_points = cells.cells.n_points;
+    let zero = cells.zero;
+    let part = cells.part;
     let PointMemory { average, gradients } = point_memory;
     let mut min_det = zero.splat(f64::INFINITY);
     for point in 0..n_points {
         cells.set_field_gradients(point, &memory.nodal[..n_fields * n], &mut gradients[..n_fields]);
-        let (start, rates) = (&gradients[0], &gradients[1..n_fields]);
+        let start = &gradients[0];
+        let rates = &gradients[1..n_fields];
         step.rule.average(material, start, rates, request, average);
         if let Some(damping) = damping {
             step.rule.add_damping(damping, start, rates, request, average);
         }
         min_det = min_det.min(average.min_det);
-        let (inverse, weight) = (cells.inverse_jacobian(point), cells.weight(point));
+        let inverse = cells.inverse_jacobian(point);
+        let weight = cells.weight(point);
         for i in 0..k {
-            let (P, stress) = (&average.stress[i], &mut memory.stress[i * n_points + point]);
+            let P = &average.stress[i];
+            let stress = &mut memory.stress[i * n_points + point];
             for r in 0..3 {
                 for m in 0..3 {
                     (dot3(P[r], inverse[m]) * weight).store(&mut stress[r][m], part);
@@ -236,7 +248,8 @@ pub fn integrate<R: Register>(
             cells.set_shape_gradients(point, &mut memory.gradients[..n]);
             let blocks = memory.stiffness.chunks_exact_mut(n * n);
             for (tangent, stiffness) in average.tangent.iter().zip(blocks) {
-                let (gradients, is_first) = (&memory.gradients[..n], point == 0);
+                let gradients = &memory.gradients[..n];
+                let is_first = point == 0;
                 let skips = step.rule.is_symmetric(damping.is_some());
                 add_stiffness(tangent, gradients, factor, (is_first, skips), stiffness, part);
             }
@@ -256,7 +269,8 @@ pub fn strain_state<R: Register>(
     material: &dyn Response<R>,
     nodal: &[[Packed; 3]],
 ) -> (R, R) {
-    let (mut energy, mut min_det) = (cells.zero, cells.zero.splat(f64::INFINITY));
+    let mut energy = cells.zero;
+    let mut min_det = cells.zero.splat(f64::INFINITY);
     let mut G = [[[cells.zero; 3]; 3]];
     for point in 0..cells.cells.n_points {
         cells.set_field_gradients(point, nodal, &mut G);
@@ -346,8 +360,8 @@ fn set_forces<R: Register, const N: usize>(
     }
 }
 
-/// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead; `skips`: leaves
-/// B < A out.
+/// Adds `w grad N_A . dP/dF . grad N_B` to the cells' stiffness, `[A][B][3 i + k]`; `is_first`: sets it instead;
+/// `skips`: leaves out B < A.
 #[inline(always)]
 fn add_stiffness<R: Register>(
     tangent: &Tangent<R>,
@@ -357,7 +371,8 @@ fn add_stiffness<R: Register>(
     stiffness: &mut [[Packed; 9]],
     part: usize,
 ) {
-    let (n, zero) = (gradients.len(), weight.splat(0.0));
+    let n = gradients.len();
+    let zero = weight.splat(0.0);
     for A in 0..n {
         let g = vector(zero, &gradients[A], part);
         let g = [g[0] * weight, g[1] * weight, g[2] * weight];

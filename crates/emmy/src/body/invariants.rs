@@ -1,6 +1,7 @@
 //! Energies and momenta of a state (section 2).
 
 use super::{Body, StrainState};
+use crate::tensor::cross;
 
 /// Sum of a nodal vector, `[n_nodes][3]`.
 pub fn sum(vector: &[f64]) -> [f64; 3] {
@@ -25,7 +26,8 @@ impl Body {
     }
 
     /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. Errors
-    /// ([`Body::mass_weighted_rms`], also over the lumped masses) are relative to it. In a coarse mesh it exceeds the body's own radius.
+    /// ([`Body::mass_weighted_rms`], also with the lumped masses) are relative to it. In a coarse mesh it exceeds the
+    /// radius of the body itself.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -35,7 +37,8 @@ impl Body {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn radius_of_gyration(&self) -> f64 {
-        let (points, masses) = (self.mesh().points(), self.lumped_mass());
+        let points = self.mesh().points();
+        let masses = self.lumped_mass();
         let mass: f64 = masses.iter().sum();
         let mut centre = [0.0; 3];
         for (X, m) in points.iter().zip(masses) {
@@ -51,9 +54,8 @@ impl Body {
         let nodes = self.mesh().points().iter().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
         for ((X, u), v) in nodes {
             let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
-            moment[0] += q[1] * v[2] - q[2] * v[1];
-            moment[1] += q[2] * v[0] - q[0] * v[2];
-            moment[2] += q[0] * v[1] - q[1] * v[0];
+            let arm_cross_v = cross(q, [v[0], v[1], v[2]]);
+            (0..3).for_each(|i| moment[i] += arm_cross_v[i]);
         }
         moment
     }
@@ -63,7 +65,7 @@ impl Body {
         self.strain_state(displacement).strain_energy
     }
 
-    /// Strain energy and smallest det F of a displacement; the latter is infinite for a body of links.
+    /// Strain energy and smallest det F of a displacement; det F is infinite for a body of links.
     ///
     /// ```
     /// use emmy::prelude::*;

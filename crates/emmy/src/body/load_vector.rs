@@ -5,7 +5,7 @@ use super::{Load, LoadKind, TimeFunction};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
-/// A load ready for use: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
+/// A dead load: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
 #[derive(Debug, Clone)]
 pub struct LoadVector {
     /// Number of the load.
@@ -15,8 +15,8 @@ pub struct LoadVector {
 }
 
 impl LoadVector {
-    /// Equivalent nodal forces of a load, `None` if these are not one vector times a factor; `section`: thickness of plane cells,
-    /// `density`: mass per measure of each cell.
+    /// Equivalent nodal forces of a load; `None` if the load is not one vector times a factor. `section`: thickness of
+    /// plane cells, `density`: mass per measure of each cell.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].

@@ -24,8 +24,8 @@ pub struct LoadResultant {
 }
 
 impl Body {
-    /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated by
-    /// [`Rule::smooth_quadrature`].
+    /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated
+    /// by [`Rule::smooth_quadrature`].
     ///
     /// ```math
     /// f_i^ext = (1/b_i) integral_0^1 l_i F_ext dalpha
@@ -57,7 +57,7 @@ impl Body {
         acts
     }
 
-    /// The first time after another at which the time function of a load or of a support that moves has a kink or a jump.
+    /// The first time after another at which the time function of a load or a driven support has a kink or a jump.
     pub(crate) fn next_kink(&self, after: f64) -> Option<f64> {
         let loads = self.loads.iter().map(|load| &load.time_function);
         let fields = self.fields.iter().map(|field| &field.time_function);
@@ -67,7 +67,7 @@ impl Body {
         all.filter_map(|time_function| time_function.next_kink(after)).min_by(f64::total_cmp)
     }
 
-    /// Dead loads at a time (after a jump of a time function that falls on it), `force: [n_nodes][3]`. Returns whether any
+    /// Dead loads at a time (after a jump of a time function at this time), `force: [n_nodes][3]`. Returns whether any
     /// load acts.
     pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {
         force.fill(0.0);
@@ -106,7 +106,8 @@ impl Body {
         })
     }
 
-    /// Resultant of every load at factor 1 in the reference configuration; of a field, with its time function, at t = 0.
+    /// Resultant of every load at factor 1 in the reference configuration; for a field, with its time function, at t =
+    /// 0.
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];
         let resultant =

@@ -6,10 +6,11 @@ use super::Body;
 use crate::error::Result;
 use crate::sparse::BlockCholesky;
 
-/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed ones.
+/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed
+/// ones.
 #[derive(Debug)]
 pub struct MassSolver {
-    /// Factorisations with the directions that share them (those with the same fixed nodes).
+    /// Factorisations with the directions that share them (directions with the same fixed nodes).
     factors: Vec<(Vec<usize>, BlockCholesky)>,
     /// p - M v_c.
     rest: Vec<f64>,
@@ -81,5 +82,5 @@ impl Body {
     }
 }
 
-/// Rows that one task works on.
+/// Rows of one task.
 const ROWS: usize = 2048;

@@ -4,7 +4,7 @@ use super::Region;
 use crate::error::Result;
 use crate::material::{Link, Material, Model, Modelled, Values, each_material};
 
-/// A model of which regions can be made.
+/// A material model for regions.
 #[derive(Debug, Clone, Copy)]
 pub struct RegionModel {
     /// Name, energy and parameters.
@@ -35,7 +35,7 @@ macro_rules! region_models {
     };
 }
 
-/// All models, those of links last.
+/// All models; links are last.
 pub const MODELS: &[RegionModel] = each_material!(region_models);
 
 fn region<M: Modelled + Material>(density: f64, values: &Values) -> Result<Region> {
@@ -43,7 +43,7 @@ fn region<M: Modelled + Material>(density: f64, values: &Values) -> Result<Regio
 }
 
 impl RegionModel {
-    /// The model with a name.
+    /// The model of a name.
     ///
     /// ```
     /// use emmy::internals::body::RegionModel;

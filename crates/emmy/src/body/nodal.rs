@@ -48,7 +48,7 @@ pub(super) fn ground_terms(
     springs.chain(attractions.map(|attraction| ground_attraction(mesh, attraction, lumped_mass))).collect()
 }
 
-/// Mass, centre and inertia of the point masses of a group, as of a region without cells.
+/// Mass, centre and inertia of the point masses of a group, like a region without cells.
 pub(super) fn summary(mesh: &Mesh, mass: &PointMass) -> Result<RegionSummary> {
     let nodes = mesh.group_nodes(&mass.group)?;
     let point = |&node: &u32| RegionSummary {
@@ -110,7 +110,9 @@ impl Term for GroundSprings {
         _: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let (k, mean, n) = (step.rule.degree(), step.rule.mean(), step.displacement.len());
+        let k = step.rule.degree();
+        let mean = step.rule.mean();
+        let n = step.displacement.len();
         let springs = self.nodes.iter().zip(&self.stiffness).zip(&self.positions);
         for ((&node, stiffness), &position) in springs {
             if !sink.owns(node) {
@@ -152,7 +154,7 @@ impl Term for GroundSprings {
     }
 }
 
-/// Term of an attraction: links from the masses to a point that does not move.
+/// Term of an attraction: links from the masses to a fixed point.
 ///
 /// Source of the potential: Newton's law of gravitation.
 fn ground_attraction(
@@ -166,7 +168,8 @@ fn ground_attraction(
     };
     let (mut gradients, mut energies) = (Vec::new(), Vec::new());
     for &node in &nodes {
-        let (X, c) = (mesh.points()[node as usize], attraction.centre);
+        let X = mesh.points()[node as usize];
+        let c = attraction.centre;
         let r = [0, 1, 2].map(|i| X[i] - c[i]);
         let square: f64 = r.iter().map(|x| x * x).sum();
         if square == 0.0 || !square.is_finite() {
@@ -177,7 +180,7 @@ fn ground_attraction(
         }
         // The gradient of the shape function of the moving end, along the first coordinate: t/L.
         gradients.push([r.map(|x| x / square), [0.0; 3], [0.0; 3]]);
-        // A node without mass is held; a strength of zero is not one.
+        // A node without mass has no attraction: a strength of zero is invalid.
         let strength = attraction.strength * lumped_mass[node as usize];
         energies.push(
             Link::attraction(if strength == 0.0 { f64::MIN_POSITIVE } else { strength })?

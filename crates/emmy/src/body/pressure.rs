@@ -1,4 +1,4 @@
-//! Follower pressures: loads that turn and grow with the surface on which they act.
+//! Follower pressures: loads that rotate and grow with their surface.
 
 use super::facets::{FacetTable, NodalVectors};
 use super::{Load, LoadKind, StepInput, TimeFunction};
@@ -18,7 +18,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// The pressure, ready for use; `None` if the load is none.
+    /// The pressure; `None` for another load.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
@@ -30,7 +30,8 @@ impl Pressure {
         section: &[f64],
     ) -> Result<Option<Self>> {
         let LoadKind::Pressure { group, pressure } = &load.kind else { return Ok(None) };
-        let (pressure, time_function) = (*pressure, load.time_function.clone());
+        let pressure = *pressure;
+        let time_function = load.time_function.clone();
         if !pressure.is_finite() {
             return Err(Error::NotFinite { what: "pressure".into(), value: pressure });
         }
@@ -42,8 +43,8 @@ impl Pressure {
     pub(super) fn add_force(&self, mesh: &Mesh, displacement: &[f64], factor: f64, force: &mut [f64]) {
         for table in &self.tables {
             for (nodes, _, section) in table.facets() {
-                let (q, factor) =
-                    (positions(mesh, nodes, |dof| displacement[dof]), section * self.pressure * factor);
+                let q = positions(mesh, nodes, |dof| displacement[dof]);
+                let factor = section * self.pressure * factor;
                 for (&node, f) in nodes.iter().zip(table.force(&q)) {
                     (0..3).for_each(|i| force[3 * node as usize + i] += factor * f[i]);
                 }
@@ -89,9 +90,12 @@ impl Pressure {
         for table in &self.tables {
             for (nodes, pairs, section) in table.facets() {
                 for (m, factor) in factors.iter().enumerate() {
-                    let (integrals, stage_weights) = (rule.integrals(m), rule.stage_weights(m));
+                    let integrals = rule.integrals(m);
+                    let stage_weights = rule.stage_weights(m);
                     let q = positions(mesh, nodes, |dof| displacement_at(step, integrals, dof));
-                    let (c, n, k) = (table.derivative(&q), nodes.len(), integrals.len());
+                    let c = table.derivative(&q);
+                    let n = nodes.len();
+                    let k = integrals.len();
                     let factor = -step.tangent_factor * section * self.pressure * factor;
                     for (A, &node) in nodes.iter().enumerate() {
                         let Some(part) = matrix.parts_mut().iter_mut().find(|part| part.owns(node)) else {

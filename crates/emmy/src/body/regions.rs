@@ -1,4 +1,4 @@
-//! Regions: which cells belong to which, their terms, masses and summaries.
+//! Regions: their cells, terms, masses and summaries.
 
 use super::geometry::{CellTable, for_each_volume_point};
 use super::term::Term;
@@ -20,7 +20,8 @@ pub struct RegionSummary {
     pub mass: f64,
     /// Centre of mass \[length\].
     pub centre: [f64; 3],
-    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the plane.
+    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the
+    /// plane.
     pub inertia: [[f64; 3]; 3],
 }
 
@@ -60,7 +61,7 @@ impl RegionSummary {
     }
 }
 
-/// Region of every cell, checked to be exactly one.
+/// Region of every cell, checked to be exactly one per cell.
 pub(super) struct RegionOfCell(Vec<u32>);
 
 impl RegionOfCell {
@@ -132,8 +133,8 @@ impl RegionOfCell {
 }
 
 impl Region {
-    /// Factor from the measure of a cell to its volume: thickness of plane cells, cross section of bars (0 for links without mass),
-    /// 1 for solids.
+    /// Factor from the measure of a cell to its volume: thickness of plane cells, cross section of bars (0 for links
+    /// without mass), 1 for solids.
     pub(super) fn section(&self, kind: CellKind) -> f64 {
         match self.link() {
             Some(link) => link.area(),
@@ -213,7 +214,10 @@ pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell)
 }
 
 fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
-    let (n_cells, mut volume, mut first, mut second) = (cells.len(), 0.0, [0.0; 3], [[0.0; 3]; 3]);
+    let n_cells = cells.len();
+    let mut volume = 0.0;
+    let mut first = [0.0; 3];
+    let mut second = [[0.0; 3]; 3];
     // Moments about a point of the region, so that a body far from the origin keeps its digits.
     let origin =
         cells.first().map_or([0.0; 3], |&cell| mesh.points()[mesh.cell(cell as usize).nodes[0] as usize]);
@@ -224,7 +228,7 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
         (0..3).for_each(|i| first[i] += weight * x[i]);
         (0..3).for_each(|i| (0..3).for_each(|j| second[i][j] += weight * x[i] * x[j]));
     });
-    // A region without volume has its centre at its first node, for want of a better place.
+    // The centre of a region without volume is its first node.
     let offset = first.map(|x| if volume > 0.0 { x / volume } else { 0.0 });
     let central = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second[i][j] - volume * offset[i] * offset[j]));
     let trace: f64 = (0..3).map(|i| central[i][i]).sum();
@@ -244,7 +248,7 @@ fn summary(mesh: &Mesh, region: &Region, cells: Vec<u32>) -> RegionSummary {
 mod tests {
     use super::super::Body;
     use super::*;
-    use crate::material::{Link, NeoHooke};
+    use crate::material::NeoHooke;
     use crate::mesh::{Mesh, MeshBuilder, block};
 
     fn region(group: &str, density: f64) -> Region {
@@ -291,35 +295,6 @@ mod tests {
         assert!(body.clone().node_order.get().is_some());
     }
 
-    /// Least time of three to make a body of links in a row, each a region of its own.
-    fn seconds(n_links: u32) -> f64 {
-        let mut builder = MeshBuilder::new();
-        (0..=n_links).for_each(|i| {
-            builder.point([i.into(), 0.0, 0.0]);
-        });
-        for i in 0..n_links {
-            let cell = builder.cell(CellKind::Line2, &[i, i + 1]).unwrap();
-            builder.cell_group(&i.to_string(), [cell]);
-        }
-        let mesh = builder.build().unwrap();
-        let region = |i: u32| Region::links(Link::bar(1.0, 1.0).unwrap(), 1.0).on(i.to_string());
-        let seconds = (0..3).map(|_| {
-            let (mesh, regions): (_, Vec<Region>) = (mesh.clone(), (0..n_links).map(region).collect());
-            let start = std::time::Instant::now();
-            Body::builder(mesh).regions(regions).build().unwrap();
-            start.elapsed().as_secs_f64()
-        });
-        seconds.fold(f64::INFINITY, f64::min)
-    }
-
-    #[test]
-    #[ignore = "a timing: by name, on a quiet machine"]
-    fn the_time_for_regions_grows_with_their_number_alone() {
-        // Sixteen times as many take sixteen times as long, and would take 256 times as long if each looked at all cells.
-        let ratio = seconds(16_000) / seconds(1_000);
-        assert!(ratio < 64.0, "{ratio}");
-    }
-
     /// Inertia of a box with edges a, b, c about its centre: m (b^2 + c^2) / 12.
     #[test]
     fn two_halves_are_the_box_that_they_make() {
@@ -334,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_of_different_density_turn_about_the_common_centre() {
+    fn halves_of_different_density_in_turns_the_common_centre() {
         // Cubes of edge 2, masses 8 and 24, centres 2 apart: I_xx = (8 + 24) 8/12 + 8 24/32 2^2, I_yy = 32 8/12.
         let body = Body::builder(halves([2.0, 4.0, 2.0]))
             .region(region("lower", 1.0))

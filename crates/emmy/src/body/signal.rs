@@ -1,4 +1,4 @@
-//! Smooth functions of time that act on a body, for the check that steps resolve them.
+//! Smooth functions of time that act on a body, for the check that the steps resolve them.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -12,7 +12,7 @@ use super::{Body, TimeFunction};
 pub enum SignalTarget {
     /// A load, by its number.
     Load(usize),
-    /// A support that moves, by its number among those.
+    /// A driven support, by its number among the driven supports.
     Support(usize),
 }
 
@@ -26,7 +26,7 @@ pub struct Signal {
     pub target: SignalTarget,
     /// Its text, [`TimeFunction::text`] or [`super::Field::text`].
     pub text: Arc<str>,
-    /// When it ends, for a support that is released.
+    /// Time at which a released support ends.
     pub until: Option<f64>,
     /// Displacement per unit of the function \[length\]; of a load 0.
     pub arm: f64,
@@ -66,9 +66,9 @@ impl fmt::Debug for Signal {
 }
 
 impl Body {
-    /// The smooth functions of time that act on the body, each once.
+    /// The smooth functions of time that act on the body, without repetition.
     ///
-    /// A field stands for itself with its components at some of its points.
+    /// A field contributes its components at some of its points.
     pub(crate) fn signals(&self) -> Vec<Signal> {
         let loads = self.loads.iter().map(|load| (load.load, &load.time_function));
         let pressures = self.pressures.iter().map(|pressure| (pressure.load, &pressure.time_function));

@@ -1,4 +1,4 @@
-//! Cells of one kind and one material (of links, one law): the assembly that every scheme, material and element shares.
+//! Cells of one kind and one material (for links, one law): the assembly shared by all schemes, materials and elements.
 
 mod region_material;
 mod scatter;
@@ -26,7 +26,7 @@ use crate::tensor::{Batch, Elasticity, LANES, Packed, Register};
 #[derive(Debug)]
 pub struct SolidTerm {
     materials: Materials,
-    /// Elasticity at rest of the one material.
+    /// Elasticity at rest, if there is one material.
     at_rest: Elasticity<f64>,
     viscosity: Viscosity,
     cells: CellBatches,
@@ -38,9 +38,9 @@ pub struct SolidTerm {
 
 #[derive(Debug)]
 enum Materials {
-    /// One for all cells.
+    /// One material for all cells.
     Solid(CompiledMaterial),
-    /// One for each cell.
+    /// One material per cell.
     Links(Vec<LinkEnergy>),
 }
 
@@ -58,15 +58,16 @@ impl Materials {
         matches!(self, Materials::Links(_))
     }
 
-    /// The instruction set to work in: links have a material each and are taken one by one.
+    /// The instruction set to use: links have a material each and are assembled one by one.
     #[inline(always)]
     fn arch(&self) -> Arch {
         if self.is_links() { Arch::Scalar } else { Arch::new() }
     }
 
-    /// Elasticity of the material of a cell at rest; zero of an attraction, which is no stiffness there.
+    /// Elasticity of the material of a cell at rest; zero for an attraction, which has no stiffness there.
     fn at_rest(&self, cell: usize) -> Elasticity<f64> {
-        let (mut stress, mut elasticity) = ([0.0; 6], [[0.0; 6]; 6]);
+        let mut stress = [0.0; 6];
+        let mut elasticity = [[0.0; 6]; 6];
         let material = self.response::<f64>(cell);
         material.stress_and_elasticity(&[0.0; 6], &mut stress, &mut elasticity);
         if material.is_link() && elasticity[0][0] < 0.0 { [[0.0; 6]; 6] } else { elasticity }
@@ -76,7 +77,7 @@ impl Materials {
 /// Most nodes that a cell has.
 const MAX_NODES: usize = 27;
 
-/// Batches whose energies are added up one after the other; more of them in a tree of halves.
+/// Batches whose energies are summed sequentially; more batches are summed in a binary tree.
 const ENERGY_RUN: usize = 64;
 
 impl SolidTerm {
@@ -103,7 +104,7 @@ impl SolidTerm {
         Ok(SolidTerm { materials, at_rest, viscosity, cells, positions: Vec::new(), parts: Vec::new() })
     }
 
-    /// Whether strain rates count in a step.
+    /// Whether a step has terms in the strain rates.
     #[inline(always)]
     fn damps(&self, step: &StepInput<'_>) -> bool {
         step.damping.dissipation > 0.0 || step.damping.inverse_step_size > 0.0 && !self.viscosity.is_zero()
@@ -123,7 +124,7 @@ impl SolidTerm {
         Some(Damping { viscous, dissipative: scaled(at_rest, step.damping.dissipation) })
     }
 
-    /// The cells of a batch, register by register, each with the first of them.
+    /// The cells of a batch, register by register, with the index of the first cell.
     #[inline(always)]
     fn registers<R: Register>(
         &self,
@@ -147,7 +148,8 @@ impl SolidTerm {
     ) -> Result<()> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), &mut memory.nodal);
         for (cells, cell) in self.registers(zero, batch) {
-            let (material, damping) = (self.materials.response(cell), self.damping(cell, step));
+            let material = self.materials.response(cell);
+            let damping = self.damping(cell, step);
             let law = (material, damping.as_ref());
             integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory));
         }
@@ -169,8 +171,10 @@ impl SolidTerm {
         displacement: &[f64],
     ) -> StrainState {
         let mut memory = [[Packed([0.0; LANES]); 3]; MAX_NODES];
-        let (nodal, mut sum) = (&mut memory[..self.cells.n_nodes], StrainState::NONE);
-        let (mut energies, mut dets) = (Packed([0.0; LANES]), Packed([f64::INFINITY; LANES]));
+        let nodal = &mut memory[..self.cells.n_nodes];
+        let mut sum = StrainState::NONE;
+        let mut energies = Packed([0.0; LANES]);
+        let mut dets = Packed([f64::INFINITY; LANES]);
         for batch in batches {
             self.cells.gather(
                 batch,
@@ -187,7 +191,8 @@ impl SolidTerm {
             }
             let cells = self.cells.cells_of(batch);
             for (lane, cell) in cells.clone().enumerate() {
-                let (smallest_determinant, smallest_cell) = (dets.0[lane], self.cells.cells[cell] as usize);
+                let smallest_determinant = dets.0[lane];
+                let smallest_cell = self.cells.cells[cell] as usize;
                 sum = sum.with(StrainState { strain_energy: 0.0, smallest_determinant, smallest_cell });
             }
             sum.strain_energy += energies.0[..cells.len()].iter().sum::<f64>();
@@ -195,13 +200,14 @@ impl SolidTerm {
         sum
     }
 
-    /// Strain energy and smallest det F of some batches, added up in an order that does not depend on the threads.
+    /// Strain energy and smallest det F of some batches, summed in an order that does not depend on the threads.
     fn strain_state_sum(&self, batches: Range<usize>, displacement: &[f64]) -> StrainState {
         if batches.len() <= ENERGY_RUN {
             return self.materials.arch().dispatch(StrainStateSum { term: self, batches, displacement });
         }
         let middle = batches.start + batches.len() / 2;
-        let (left, right) = (batches.start..middle, middle..batches.end);
+        let left = batches.start..middle;
+        let right = middle..batches.end;
         let sum = |batches| self.strain_state_sum(batches, displacement);
         let (left, right) = match self.parts.len() {
             1 => (sum(left), sum(right)),
@@ -218,7 +224,8 @@ impl SolidTerm {
         step: &StepInput<'_>,
         (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
     ) -> f64 {
-        let (mut sum, mut energies) = (0.0, Packed([0.0; LANES]));
+        let mut sum = 0.0;
+        let mut energies = Packed([0.0; LANES]);
         for batch in 0..self.cells.len() {
             integral::gather(&self.cells, batch, step, true, &mut memory.nodal);
             for (cells, cell) in self.registers(zero, batch) {

@@ -4,8 +4,8 @@ use super::{Body, InitialVelocity};
 use crate::error::{Error, Result};
 
 impl Body {
-    /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`; fixed components do not
-    /// move, driven ones as they are driven.
+    /// Momentum and velocity of an initial velocity field at a time: `(p, v)`, both `[n_nodes][3]`. Fixed components
+    /// are at rest, driven ones follow their motion.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::DrivenStart`] if a driven node is displaced then.
@@ -35,11 +35,11 @@ impl Body {
         Ok((momentum, velocity))
     }
 
-    /// The body is undeformed at the start: driven nodes must be where they are.
+    /// The body is undeformed at the start: driven nodes must be at their reference positions.
     fn check_start(&self, time: f64) -> Result<()> {
         let distance = self.driven_distance(time);
         let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
-        // Rounding of an expression that is zero in mathematics is not a displacement.
+        // Rounding in an expression that is exactly zero is not a displacement.
         if distance <= 1e-12 * size {
             return Ok(());
         }

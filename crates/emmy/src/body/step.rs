@@ -1,8 +1,8 @@
-//! A step as the assembly sees it.
+//! A step, as the assembly needs it.
 
 use crate::average::Rule;
 
-/// A step as the terms see it.
+/// A step, as the terms need it.
 #[derive(Debug, Clone, Copy)]
 pub struct StepInput<'a> {
     /// Averaging rule.
@@ -22,6 +22,6 @@ pub struct StepInput<'a> {
 pub struct StepDamping {
     /// Factor on viscosities: one over the step size \[1/time\].
     pub inverse_step_size: f64,
-    /// Factor beta on the elasticity at rest, for a scheme that dissipates.
+    /// Factor beta on the elasticity at rest, for a dissipative scheme.
     pub dissipation: f64,
 }

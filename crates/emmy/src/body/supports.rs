@@ -6,12 +6,12 @@ use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::number::{short, short_vector};
 
-/// Degrees of freedom whose motion is given, and the motions.
+/// Degrees of freedom with a given motion, and the motions.
 #[derive(Debug, Clone, Default)]
 pub struct Constraints {
-    /// Which are given, at rest or driven, `[n_nodes][3]`.
+    /// Whether each is given, at rest or driven, `[n_nodes][3]`.
     pub fixed: Vec<bool>,
-    /// The motions of the driven ones.
+    /// Motions of the driven ones.
     pub drives: Vec<Drive>,
 }
 
@@ -19,8 +19,8 @@ impl Constraints {
     /// The given motion of the supports of a mesh.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports give one
-    /// degree of freedom different things to do.
+    /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
+    /// degree of freedom disagree.
     pub fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
         let mut constraints = Constraints { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
         for support in supports.clone() {
@@ -44,7 +44,7 @@ impl Constraints {
         Ok(())
     }
 
-    /// Plane strain: nodes of plane cells do not leave the plane.
+    /// Plane strain: nodes of plane cells stay in the plane.
     fn fix_planes(&mut self, mesh: &Mesh) {
         for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
             cell.nodes.iter().for_each(|&node| self.fixed[3 * node as usize + 2] = true);

@@ -1,9 +1,9 @@
-//! Planes of symmetry: which component they hold.
+//! Planes of symmetry: the component that they fix.
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
-/// Facets are in one plane if they leave it by no more than this part of the mesh's size.
+/// Facets lie in one plane if their distances from it do not exceed this part of the size of the mesh.
 const FLAT: f64 = 1e-9;
 
 /// The axis that is normal to the plane of a facet group.
@@ -18,7 +18,7 @@ const FLAT: f64 = 1e-9;
 /// ```
 pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
     let facets = mesh.groups().facets(group)?;
-    // The plane of a plane mesh is no plane of symmetry of its edges.
+    // The plane of a plane mesh is not a plane of symmetry of its edges.
     let is_plane = mesh.cells().all(|cell| cell.kind.dimension() == 2);
     let axes = if is_plane { 0..2 } else { 0..3 };
     let size = (0..3).map(|axis| extent(mesh.points().iter(), axis)).fold(0.0, f64::max);
@@ -35,7 +35,7 @@ pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
     }
 }
 
-/// How far points lie apart along an axis.
+/// Extent of points along an axis.
 fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>, axis: usize) -> f64 {
     let bounds = (f64::INFINITY, f64::NEG_INFINITY);
     let (least, most) = points.fold(bounds, |(least, most), x| (least.min(x[axis]), most.max(x[axis])));

@@ -32,11 +32,11 @@ pub struct Body {
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
     pub(super) terms: Arc<Vec<Box<dyn Term>>>,
-    /// Terms that pull the body towards the ground: external to its momenta.
+    /// Terms of the ground: external in the momentum balances.
     pub(super) ground: Arc<Vec<Box<dyn Term>>>,
     pub(super) pattern: Arc<Pattern>,
     pub(super) parts: Vec<Range<usize>>,
-    /// Found when it is first asked for.
+    /// Computed on first use.
     pub(super) node_order: Arc<OnceLock<Result<Vec<usize>>>>,
     pub(super) mass: Arc<Vec<f64>>,
     /// Rate of the mass-proportional damping.
@@ -48,12 +48,12 @@ pub struct Body {
     pub(super) loads: Arc<Vec<LoadVector>>,
     pub(super) fields: Arc<Vec<FieldLoad>>,
     pub(super) pressures: Arc<Vec<Pressure>>,
-    /// When the first support is released, and the body from then on.
+    /// When the first support is released, and the body afterwards.
     pub(super) release: Option<(f64, Box<Body>)>,
 }
 
 impl Body {
-    /// When a support is released next, and the body from then on.
+    /// When the next support is released, and the body afterwards.
     pub fn release(&self) -> Option<(f64, &Body)> {
         self.release.as_ref().map(|(time, body)| (*time, &**body))
     }
@@ -88,18 +88,18 @@ impl Body {
         &self.region_of_cell
     }
 
-    /// Couplings between nodes.
+    /// Couplings of the nodes.
     #[doc(hidden)]
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
-    /// Consistent mass matrix M_AB, one number a coupling of the pattern \[mass\].
+    /// Consistent mass matrix M_AB, one number per coupling of the pattern \[mass\].
     pub fn mass(&self) -> &[f64] {
         &self.mass
     }
 
-    /// Lumped mass, one number a node \[mass\].
+    /// Lumped mass, one number per node \[mass\].
     ///
     /// Row sums of the consistent mass for linear cells. Row sums of quadratic cells are negative at corners; there the
     /// diagonal of a cell's consistent mass is scaled to the mass of the cell (Hinton, Rock and Zienkiewicz 1976):
@@ -111,7 +111,7 @@ impl Body {
         &self.lumped_mass
     }
 
-    /// Fill-reducing order of the nodes, `order[new] = old`, found when it is first asked for: explicit methods need none.
+    /// Fill-reducing order of the nodes, `order[new] = old`, computed on first use: explicit methods need none.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if there is not enough memory for it.
@@ -150,7 +150,7 @@ impl Body {
         assembly: &mut Assembly,
     ) -> Result<()> {
         let rows = assembly.matrix.parts_mut();
-        // Springs of the ground neither store strains nor lose any.
+        // Springs to the ground have no strain rates and no damping.
         let ground = StepInput { damping: StepDamping::default(), ..*step };
         let work = |(index, (sink, part)): (usize, (&mut RowPart, &mut Part))| {
             sink.clear_force();
@@ -200,8 +200,8 @@ impl Body {
         self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
     }
 
-    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the step, its
-    /// rates being fixed; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads have no part in it.
+    /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the
+    /// step, at fixed rates; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`. Loads are not included.
     ///
     /// ```math
     /// sum_i (df_i/du_1)^T mu_i
@@ -212,21 +212,21 @@ impl Body {
         terms.for_each(|term| term.add_start_gradient(step, adjoint, gradient));
     }
 
-    /// Whether springs or attractions pull the body towards the ground.
+    /// Whether springs or attractions connect the body to the ground.
     pub(crate) fn has_ground(&self) -> bool {
         !self.ground.is_empty()
     }
 
-    /// Whether nothing holds the body: neither supports nor springs and attractions to the ground.
+    /// Whether the body is free: no supports, no springs and attractions to the ground.
     pub(crate) fn is_free(&self) -> bool {
         self.ground.is_empty() && !self.fixed.contains(&true)
     }
 
-    /// Stage averages of the force that the body exerts on the ground through springs and attractions, `force: [k][n_nodes][3]`. Its
-    /// negative is an external force in the momentum balances.
+    /// Stage averages of the force of the body on the ground through springs and attractions, `force: [k][n_nodes][3]`.
+    /// Its negative is an external force in the momentum balances.
     ///
     /// # Errors
-    /// Those of [`Body::assemble`].
+    /// As [`Body::assemble`].
     pub(crate) fn ground_force(
         &self,
         step: &StepInput<'_>,

@@ -49,7 +49,8 @@ impl StrainState {
 
 /// Part of the internal force: stage averages f_i, their derivatives, and the stored energy.
 pub trait Term: fmt::Debug + Send + Sync {
-    /// Nodes that the term couples, one list for each coupling (a cell, say), all of one length: `(nodes, length)`.
+    /// Nodes that the term couples, one list for each coupling (such as a cell), all of the same length: `(nodes,
+    /// length)`.
     fn couplings(&self) -> (&[u32], usize);
 
     /// Number of quadrature points of a coupling.
@@ -61,7 +62,7 @@ pub trait Term: fmt::Debug + Send + Sync {
     /// Adds stage forces (and derivatives) to the rows of a part.
     ///
     /// # Errors
-    /// [`crate::Error::Inverted`] if a deformation gradient has a determinant that is not positive.
+    /// [`crate::Error::Inverted`] if the determinant of a deformation gradient is not positive.
     fn assemble(
         &self,
         step: &StepInput<'_>,
@@ -84,8 +85,8 @@ pub trait Term: fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// Adds the product of adjoint vectors with the derivatives of the stage forces by the displacement at the start of the
-    /// step, its rates being fixed; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`.
+    /// Adds the product of adjoint vectors with the derivatives of the stage forces by the displacement at the start of
+    /// the step, at fixed rates; `adjoint: [k][n_nodes][3]`, `gradient: [n_nodes][3]`.
     ///
     /// ```math
     /// sum_i (df_i/du_1)^T mu_i

@@ -7,8 +7,8 @@ use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::quadrature::Quadrature;
 
-/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), or a
-/// smooth function.
+/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), or
+/// a smooth function.
 ///
 /// ```
 /// use emmy::body::TimeFunction;
@@ -29,7 +29,7 @@ enum Law {
     Smooth(Smooth),
 }
 
-/// A smooth function of time, known by its text.
+/// A smooth function of time, identified by its text.
 #[derive(Clone)]
 struct Smooth {
     text: Arc<str>,
@@ -73,8 +73,8 @@ impl TimeFunction {
         Ok(TimeFunction { law: Law::Table(entries) })
     }
 
-    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text` names it;
-    /// time functions with equal texts count as equal.
+    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text`
+    /// names it; time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
         TimeFunction { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
     }
@@ -107,7 +107,7 @@ impl TimeFunction {
         }
     }
 
-    /// Rate of the factor \[1/time\]; at a kink or jump, that after it.
+    /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it.
     pub fn rate(&self, time: f64) -> f64 {
         match &self.law {
             Law::Table(entries) => match around(entries, time) {
@@ -136,8 +136,8 @@ impl TimeFunction {
     /// (1/b_i) integral_0^1 l_i(alpha) f(t + alpha h) dalpha
     /// ```
     ///
-    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table, whatever kinks and jumps it has inside the
-    /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
+    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table, whatever kinks and jumps it has inside
+    /// the step; a smooth function is integrated by [`Rule::smooth_quadrature`].
     pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
         averages.fill(0.0);
         if let Law::Smooth(_) = self.law {
@@ -192,10 +192,12 @@ mod tests {
         // f = 0 before t = 1, jumps to 2, falls to 0 at t = 2. Step from 0.5 to 3 (h = 2.5).
         let time_function = TimeFunction::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
         let rule = Rule::discrete_gradient(2);
-        let (b, c) = (rule.weights(), rule.nodes());
+        let b = rule.weights();
+        let c = rule.nodes();
         let mut averages = [0.0; 2];
         time_function.averages(0.5, 2.5, &rule, &mut averages);
-        // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t - 0.5)/h f dt
+        // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t -
+        // 0.5)/h f dt
         let zeroth: f64 = (0..2).map(|i| b[i] * averages[i]).sum();
         let first: f64 = (0..2).map(|i| b[i] * c[i] * averages[i]).sum();
         // integral over [1, 2] of (t - 0.5) 2 (2 - t) dt = 5/6
@@ -203,12 +205,13 @@ mod tests {
     }
 
     #[test]
-    fn averages_of_a_smooth_function_are_those_of_its_integrals() {
-        // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3, whatever the degree.
+    fn averages_of_a_smooth_function_match_its_integrals() {
+        // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3 for any degree.
         let time_function =
             TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
         for degree in 1..=4 {
-            let (rule, mut averages) = (Rule::discrete_gradient(degree), [0.0; 4]);
+            let rule = Rule::discrete_gradient(degree);
+            let mut averages = [0.0; 4];
             time_function.averages(0.0, 0.1, &rule, &mut averages[..degree]);
             let sum: f64 = (0..degree).map(|i| rule.weights()[i] * averages[i]).sum();
             assert!((sum - (0.3f64.exp() - 1.0) / 0.3).abs() < 1e-15, "{degree}");
@@ -216,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_and_kinks_are_those_of_a_table() {
+    fn rates_and_kinks_match_the_table() {
         let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (1.0, 2.0)]).unwrap();
         assert_eq!([-1.0, 0.0, 0.5, 0.7, 1.0].map(|t| time_function.rate(t)), [0.0, 2.0, -2.0, -2.0, 0.0]);
         assert_eq!(

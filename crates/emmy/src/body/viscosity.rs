@@ -1,4 +1,4 @@
-//! Viscosity of a region, by which strain rates take energy out of it.
+//! Viscosity of a region.
 
 use crate::error::{Error, Result};
 use crate::tensor::Elasticity;
@@ -9,10 +9,10 @@ use crate::tensor::Elasticity;
 /// S = t_v D_0 : E' + 2 eta dev E' + zeta tr(E') I
 /// ```
 ///
-/// with the elasticity D_0 of the material at rest. In a linear body `t_v` is stiffness-proportional (Rayleigh) damping: a mode of
-/// angular frequency omega has the damping ratio `t_v omega/2`. Rigid motions are not damped, and both momenta are conserved,
-/// because the stress is internal. The power dissipated per volume is `S : E'`. Fibres that bear tension only have no stiffness at
-/// rest and no part in D_0: `t_v` damps only the matrix around them.
+/// with the elasticity D_0 of the material at rest. In a linear body `t_v` is stiffness-proportional (Rayleigh)
+/// damping: a mode of angular frequency omega has the damping ratio `t_v omega/2`. Rigid motions are not damped, and
+/// both momenta are conserved, because the stress is internal. The power dissipated per volume is `S : E'`. Fibres that
+/// bear tension only have no stiffness at rest and no part in D_0: `t_v` damps only the matrix around them.
 ///
 /// ```
 /// use emmy::body::Viscosity;
@@ -55,7 +55,7 @@ impl Viscosity {
                 let own = if a == b { 2.0 * self.shear } else { 0.0 };
                 tensor[a][b] += own - 2.0 / 3.0 * self.shear + self.bulk;
             }
-            // A doubled shear stands for two components.
+            // A doubled shear represents two components.
             tensor[3 + a][3 + a] += self.shear;
         }
         tensor

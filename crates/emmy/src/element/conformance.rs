@@ -1,4 +1,4 @@
-//! What every reference element must fulfil, checked for each in one line.
+//! Conditions on every reference element, checked for each in one line.
 
 use super::*;
 use proptest::prelude::*;
@@ -37,7 +37,7 @@ impl Domain {
         }
     }
 
-    /// What the shape functions are multiplied with to become polynomials, a function of the last coordinate.
+    /// Factor that turns the shape functions into polynomials, a function of the last coordinate.
     fn denominator<const D: usize>(self, xi: [f64; D]) -> f64 {
         if self == Domain::Pyramid { 1.0 - xi[D - 1] } else { 1.0 }
     }
@@ -256,7 +256,7 @@ fn flat(rule: Quadrature<3>) -> Quadrature<2> {
     Quadrature { points: rule.points.iter().map(|&[x, y, _]| [x, y]).collect(), weights: rule.weights }
 }
 
-/// What holds for a cell holds for a plane one in its two coordinates; its edges have the cell on their left.
+/// The conditions on a plane cell in its two coordinates; its edges have the cell on their left.
 fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
     assert_eq!(element(kind).nodes().len(), kind.n_nodes());
     conforms(&Flat(kind), Domain::of(kind), degree, points);
@@ -277,7 +277,8 @@ fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
     }
 }
 
-/// Rounding grows with the coordinates u and v of the ray, so no points beside the pyramid as with the others.
+/// Rounding grows with the coordinates u and v of the ray, so there are no points beside the pyramid as with the
+/// others.
 fn inside_the_pyramid() -> impl Strategy<Value = Vec<[f64; 3]>> {
     let inside = |points: Vec<[f64; 3]>| {
         points.into_iter().map(|x| Domain::Pyramid.image(x.map(|x| 0.5 * x + 0.5)).0).collect()

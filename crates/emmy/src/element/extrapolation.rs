@@ -4,17 +4,18 @@ use super::{CellKind, CellShape, element};
 
 /// Values at the nodes of a cell from those at its quadrature points, `[n_nodes][n_points]`.
 ///
-/// The values at the points are projected onto few polynomials on the reference element, whose values at the nodes these are:
+/// The values at the points are projected onto few polynomials on the reference element, whose values at the nodes
+/// these are:
 ///
 /// ```math
 /// f_A = sum_q X_Aq f_q,      X_Aq = sum_i b_i(xi_A) w_q b_i(xi_q),      sum_q w_q b_i(xi_q) b_j(xi_q) = delta_ij
 /// ```
 ///
-/// The polynomials are those of the linear element with the same corners: products of linear functions of each coordinate of
-/// hexahedra and quadrilaterals, linear functions on simplices, on a pyramid those of the ray from the apex, on which alone the
-/// gradients of the linear pyramid depend, and linear functions. What the points of a cell do not tell apart is left out: one point makes a constant. Constants are exact,
-/// and where there are the points for it linear functions, also in quadratic cells, whose own gradients oscillate about them.
-/// Source: Hinton and Campbell (1974), IJNME 8, 461-480.
+/// The polynomials belong to the linear element with the same corners: products of linear functions of each coordinate
+/// of hexahedra and quadrilaterals, linear functions on simplices, and on a pyramid functions of the ray from the apex,
+/// on which alone the gradients of the linear pyramid depend, and linear functions. Polynomials that the points of a cell cannot distinguish are left out: one
+/// point gives a constant. Constants are exact, and with enough points also linear functions, even in quadratic cells,
+/// whose own gradients oscillate about them. Source: Hinton and Campbell (1974), IJNME 8, 461-480.
 ///
 /// ```
 /// use emmy::internals::element::extrapolation;
@@ -99,12 +100,12 @@ mod tests {
     #[test]
     fn constants_are_exact_in_every_kind() {
         for kind in CellKind::ALL {
-            // Roundings of coefficients of up to 5.
+            // Rounding of coefficients up to 5.
             assert!(error(kind, |_| 1.0) < 2e-14, "{kind}");
         }
     }
 
-    /// All kinds with enough points; the pyramid has one layer of them, and is linear along its base alone.
+    /// All kinds with enough points; the pyramid has only one layer of them, and is linear along its base alone.
     #[test]
     fn linear_functions_are_exact_where_the_points_tell_them() {
         let few = [CellKind::Tet4, CellKind::Tri3, CellKind::Pyramid5, CellKind::Line2];

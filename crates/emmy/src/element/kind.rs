@@ -1,4 +1,4 @@
-//! Kinds of cells and facets. What is to know about a kind stands in the file of its element.
+//! Kinds of cells and facets. Each kind is described in the file of its element.
 
 use std::fmt;
 
@@ -68,7 +68,7 @@ impl CellShape {
 /// Declares the kinds of cells, each with its [`CellInfo`].
 macro_rules! cell_kinds {
     ($($(#[$doc:meta])* $kind:ident = $info:expr;)+) => {
-        /// Kind of a cell of the mesh. Node order is that of VTK for every kind.
+        /// Kind of a cell of the mesh. Every kind has the node order of VTK.
         ///
         /// ```
         /// use emmy::mesh::CellKind;
@@ -174,7 +174,7 @@ impl fmt::Display for CellKind {
     }
 }
 
-/// Kind of a facet: a face of a solid cell, an edge of a plane one. Node order is that of VTK for every kind.
+/// Kind of a facet: a face of a solid cell, an edge of a plane one. Every kind has the node order of VTK.
 ///
 /// ```
 /// use emmy::mesh::{CellKind, FacetKind};
@@ -198,8 +198,8 @@ pub enum FacetKind {
     Quad9,
 }
 
-/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule; an edge
-/// has the cell on its left.
+/// A face of a reference cell: its kind and the local numbers of its nodes, outward normal by the right-hand rule; an
+/// edge has the cell on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LocalFacet {
     /// Kind of the facet.
@@ -249,7 +249,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     #[test]
-    fn numbers_of_nodes_are_those_of_the_elements() {
+    fn numbers_of_nodes_match_the_elements() {
         for kind in CellKind::ALL {
             assert_eq!(kind.n_nodes(), kind.info().element.nodes().len(), "{kind}");
             assert!(kind.n_corners() <= kind.n_nodes() && kind.linear().linear() == kind.linear());

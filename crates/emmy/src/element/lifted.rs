@@ -1,4 +1,4 @@
-//! Elements of lower dimension in more coordinates than they have: plane cells in space, edges among the faces.
+//! Elements of lower dimension in additional coordinates: plane cells in space, edges among the faces.
 
 use super::line::LINE_NODES;
 use super::simplex::TRIANGLE_NODES;
@@ -6,7 +6,7 @@ use super::tensor_product::SQUARE_NODES;
 use super::{Line2, Line3, Quad4, Quad8, Quad9, ReferenceElement, Tri3, Tri6};
 use crate::quadrature::{Quadrature, square, triangle};
 
-/// An element of dimension `D` in `T` coordinates, on the last of which nothing depends.
+/// An element of dimension `D` in `T` coordinates; nothing depends on the last ones.
 pub(super) struct Lifted<E, const D: usize, const T: usize> {
     element: E,
     nodes: &'static [[f64; T]],

@@ -1,4 +1,4 @@
-//! Reference elements: shape functions N, their gradients, and the quadrature that goes with them. One element a file, with the
+//! Reference elements: shape functions N, their gradients, and quadrature. Each element has its own file, with the
 //! description of its kind of cell.
 
 #![allow(non_snake_case)]
@@ -100,7 +100,8 @@ pub trait ReferenceElement<const D: usize>: Send + Sync {
     }
 }
 
-/// Reference element of a kind of cell, in three coordinates: nothing depends on those that the cell does not have.
+/// Reference element of a kind of cell, in three coordinates: nothing depends on coordinates that the cell does not
+/// have.
 ///
 /// ```
 /// use emmy::internals::element::element;
@@ -139,9 +140,9 @@ pub fn facet_element(kind: FacetKind) -> &'static dyn ReferenceElement<2> {
 /// J_ij = dX_i/dxi_j = sum_A X_Ai dN_A/dxi_j
 /// ```
 ///
-/// The third column of a plane cell is the unit vector along z: det J is then area by area, negative where the nodes go round
-/// clockwise, and gradients dN/dX have no third component. The others of a link are unit vectors across it: det J is length
-/// by length, and gradients dN/dX lie along the link.
+/// The third column of a plane cell is the unit vector along z: det J is then area per area, negative for clockwise
+/// nodes, and gradients dN/dX have no third component. The other columns of a link are unit vectors across it: det J is
+/// length per length, and gradients dN/dX lie along the link.
 pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
     let mut J = [[0.0; 3]; 3];
     for (X, dN) in X.iter().zip(dN) {
@@ -162,7 +163,7 @@ pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
     J
 }
 
-/// Two unit vectors that make a right-handed system of axes with a vector; NaN for no vector.
+/// Two unit vectors that form a right-handed system of axes with a vector; NaN for the zero vector.
 fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
     let cross = |a: [f64; 3], b: [f64; 3]| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -177,7 +178,7 @@ fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
 }
 
 /// Derivatives of the position by the two coordinates of a facet, `X: [n_nodes][3]`, `dN: [n_nodes][2]`; their cross
-/// product is the outward normal times the area by area. The second one of an edge is the unit vector along z.
+/// product is the outward normal times area per area. The second one of an edge is the unit vector along z.
 ///
 /// ```
 /// use emmy::internals::element::facet_tangents;

@@ -4,21 +4,21 @@ use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use crate::quadrature::{Quadrature, pyramid};
 
-/// Linear pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 5 nodes, 2x2 points for the
-/// internal force, 2x2x2 for the mass.
+/// Linear pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 5 nodes, 2x2 points for
+/// the internal force, 2x2x2 for the mass.
 ///
 /// ```math
 /// N_A = (w + a_1 x_1) (w + a_2 x_2) / (4 w),      w = 1 - x_3,      node A of the base at (a_1, a_2);      N_4 = x_3
 /// ```
 ///
-/// On its faces these are the functions of the triangle and the quadrilateral, so pyramids join hexahedra to tetrahedra.
-/// The gradients depend on `u = x_1/w, v = x_2/w` alone, that is on the ray from the apex; so do dX/dxi and the
-/// deformation gradient, and one layer of points in the height integrates the internal force of any pyramid and material
-/// as well as many would. In u and v the degree of `dN_A dN_B det(dX/dxi)` is that of the trilinear hexahedron: 2x2 Gauss
-/// points are exact for the stiffness of a pyramid over a parallelogram and for the volume of any.
+/// On its faces these are the functions of the triangle and the quadrilateral, so pyramids join hexahedra to
+/// tetrahedra. The gradients depend on `u = x_1/w, v = x_2/w` alone, that is on the ray from the apex; so do dX/dxi and
+/// the deformation gradient. One layer of points in the height therefore integrates the internal force of any pyramid
+/// and material as well as many layers. In u and v, `dN_A dN_B det(dX/dxi)` has the degree of the trilinear hexahedron:
+/// 2x2 Gauss points are exact for the stiffness of a pyramid over a parallelogram and for the volume of any pyramid.
 ///
-/// At the apex the gradient has no value of its own: it is the one along the axis (u = v = 0) that is returned. No
-/// quadrature point lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
+/// At the apex the gradient has no single value; the value along the axis (u = v = 0) is returned. No quadrature point
+/// lies there. Source: Bedrosian (1992), IJNME 35, 95-108.
 ///
 /// ```
 /// use emmy::internals::element::{Pyramid5, ReferenceElement};

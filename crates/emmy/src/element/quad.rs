@@ -1,8 +1,8 @@
 //! Quadrilaterals: the facets of hexahedra.
 //!
 //! The vector area (the cross product of two tangents) of a curved facet has degree 2p - 1 in each coordinate for shape
-//! functions of degree p, so with one shape function more a pressure asks for degree 3p - 1, 2 or 5: the Gauss rules
-//! with p + 1 points, exact to 2p + 1, integrate it exactly, and products of two shape functions on flat facets too.
+//! functions of degree p, so with one more shape function a pressure needs degree 3p - 1, 2 or 5. The Gauss rules with
+//! p + 1 points, exact to degree 2p + 1, integrate it exactly, and also products of two shape functions on flat facets.
 
 use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};

@@ -5,8 +5,8 @@ use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::wedge::{WEDGE_NODES, linear, quadratic};
 use crate::quadrature::{Quadrature, wedge};
 
-/// Serendipity wedge on the triangle (0,0), (1,0), (0,1) by `[-1, 1]`: 15 nodes (6 corners, 9 edges), complete to degree
-/// 2, 6x3 points.
+/// Serendipity wedge on the triangle (0,0), (1,0), (0,1) by `[-1, 1]`: 15 nodes (6 corners, 9 edges), complete to
+/// degree 2, 6x3 points.
 ///
 /// With the linear and quadratic functions b_i, q_i of the triangle, and a = -1 in the base, 1 in the top:
 ///

@@ -109,19 +109,24 @@ split_material!(ArrudaBoyce, isochoric);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{Big, big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let (mu, lambda_m, K, law) = (500.0, 2.5, 1500.0, Volumetric::Liu);
+        let mu = 500.0;
+        let lambda_m = 2.5;
+        let K = 1500.0;
+        let law = Volumetric::Liu;
         conforms(&ArrudaBoyce::new(mu, lambda_m, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let fraction = |a: f64, b: f64| big(a) / big(b);
             let r = fraction(1.0, lambda_m * lambda_m);
             let series = [(1.0, 2.0), (1.0, 20.0), (11.0, 1050.0), (19.0, 7000.0), (519.0, 673_750.0)];
             let initial = [(1.0, 1.0), (3.0, 5.0), (99.0, 175.0), (513.0, 875.0), (42039.0, 67375.0)];
-            let (mut power, mut I1, mut three) = (big(1.0), big_isochoric(C)[0].clone(), big(3.0));
+            let mut power = big(1.0);
+            let mut I1 = big_isochoric(C)[0].clone();
+            let mut three = big(3.0);
             let (mut sum, mut n): (Big, Big) = (big(0.0), big(0.0));
             let first = I1.clone();
             for ((a, b), (c, d)) in series.into_iter().zip(initial) {
@@ -136,10 +141,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, lambda_m, K| ArrudaBoyce::new(mu, lambda_m, K, Volumetric::default());
-        refuses("mu", new(0.0, 2.0, 1.0));
-        refuses("lambda_m", new(1.0, 1.0, 1.0));
-        refuses("bulk_modulus", new(1.0, 2.0, 0.0));
+        rejects("mu", new(0.0, 2.0, 1.0));
+        rejects("lambda_m", new(1.0, 1.0, 1.0));
+        rejects("bulk_modulus", new(1.0, 2.0, 0.0));
     }
 }

@@ -1,21 +1,19 @@
 //! Directions in a material.
 
-use super::fulfils;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::tensor::cross;
 
 /// A unit vector.
 pub(super) fn unit(material: &'static str, parameter: &'static str, v: [f64; 3]) -> Result<[f64; 3]> {
     // Scaled first: the squares of a long or a short vector need not be numbers.
     let size = v.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-    let usable = size > 0.0 && v.iter().all(|x| x.is_finite());
-    fulfils(
-        usable,
-        material,
-        parameter,
-        size,
-        "is the size of a direction, which must be finite and not zero",
-    )?;
+    if size == 0.0 || !v.iter().all(|x| x.is_finite()) {
+        return Err(Error::Direction {
+            material,
+            parameter,
+            requirement: "must have a positive, finite length",
+        });
+    }
     let v = v.map(|x| x / size);
     let length = dot(&v, &v).sqrt();
     Ok(v.map(|x| x / length))
@@ -27,8 +25,10 @@ pub(super) fn from_directions(material: &'static str, directions: [[f64; 3]; 2])
     let second = unit(material, "axis_2", directions[1])?;
     let third = cross(first, second);
     let sine = dot(&third, &third).sqrt();
-    let requirement = "is its sine with axis_1, from which it must differ in direction";
-    fulfils(sine > 1e-6, material, "axis_2", sine, requirement)?;
+    if sine <= 1e-6 {
+        let requirement = "must not be parallel to axis_1 (they are [0, 1, 0] and [1, 0, 0] unless given)";
+        return Err(Error::Direction { material, parameter: "axis_2", requirement });
+    }
     let third = third.map(|x| x / sine);
     Ok([first, cross(third, first), third])
 }

@@ -7,13 +7,14 @@ use super::{Volumetric, positive, split_material};
 use crate::error::Result;
 use crate::tensor::Lane;
 
-/// Gent material, for rubber whose chains cannot be stretched beyond a limit.
+/// Gent material, for rubber whose chains have a limit of extension.
 ///
 /// ```math
 /// W = -mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)
 /// ```
 ///
-/// The energy grows without bound as I1bar - 3 comes to jm; beyond, energy and stress are NaN, which no step accepts.
+/// The energy grows without bound as I1bar - 3 approaches jm; beyond it, energy and stress are NaN, and the step is
+/// rejected.
 ///
 /// Source: Gent (1996), Rubber Chem. Technol. 69. mu and the bulk modulus in \[force/length^2\], jm has no
 /// dimension.
@@ -91,14 +92,17 @@ split_material!(Gent, isochoric);
 mod tests {
     use super::super::Material;
     use super::super::conformance::{big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
     #[test]
     fn conforms_to_its_textbook_form() {
         // The large gradients of the test stay below the limit: tr C <= 18 and J > 0.05 there, so I1bar < 133.
-        let (mu, jm, K, law) = (500.0, 150.0, 1500.0, Volumetric::Miehe);
+        let mu = 500.0;
+        let jm = 150.0;
+        let K = 1500.0;
+        let law = Volumetric::Miehe;
         conforms(&Gent::new(mu, jm, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let x = big_isochoric(C)[0].clone() - big(3.0);
             big(-0.5 * mu * jm) * (big(1.0) - x / big(jm)).ln() + energy(law, K, &big_det(C))
@@ -113,10 +117,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, jm, K| Gent::new(mu, jm, K, Volumetric::default());
-        refuses("mu", new(0.0, 1.0, 1.0));
-        refuses("jm", new(1.0, -1.0, 1.0));
-        refuses("bulk_modulus", new(1.0, 1.0, f64::NAN));
+        rejects("mu", new(0.0, 1.0, 1.0));
+        rejects("jm", new(1.0, -1.0, 1.0));
+        rejects("bulk_modulus", new(1.0, 1.0, f64::NAN));
     }
 }

@@ -20,12 +20,12 @@ use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_s
 /// E_f = kappa (I1bar - 3) + (1 - 3 kappa) (I4bar_f - 1),      I4bar_f = J^(-2/3) a_f . C a_f,      <x> = max(x, 0)
 /// ```
 ///
-/// Fibres of direction a_f bear tension only: S is continuous where they slacken, D is not. With one family the material is
-/// transversely isotropic.
+/// Fibres of direction a_f bear tension only: S is continuous where they go slack, D is not. With one family the
+/// material is transversely isotropic.
 ///
-/// Source: Holzapfel, Gasser and Ogden (2000), J. Elast. 61; the dispersion kappa, from 0 (parallel) to 1/3 (isotropic), from
-/// Gasser, Ogden and Holzapfel (2006), J. R. Soc. Interface 3. mu, k1 and the bulk modulus in \[force/length^2\], k2 and
-/// kappa have no dimension. The exponential magnifies rounding by 2 k2 <E_f>^2.
+/// Source: Holzapfel, Gasser and Ogden (2000), J. Elast. 61; the dispersion kappa, from 0 (parallel) to 1/3
+/// (isotropic), from Gasser, Ogden and Holzapfel (2006), J. R. Soc. Interface 3. mu, k1 and the bulk modulus in
+/// \[force/length^2\], k2 and kappa have no dimension. The exponential magnifies rounding by 2 k2 <E_f>^2.
 ///
 /// ```
 /// use emmy::material::{HolzapfelGasserOgden, Material, Volumetric};
@@ -57,8 +57,8 @@ impl HolzapfelGasserOgden {
     /// family (not necessarily a unit vector), bulk modulus, and law of volume.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless mu, k1, k2 and the bulk modulus are positive, 0 <= kappa <= 1/3, and the
-    /// directions are finite and not zero.
+    /// [`crate::Error::MaterialParameter`] unless mu, k1, k2 and the bulk modulus are positive, 0 <= kappa <= 1/3, and
+    /// the directions are finite and not zero.
     pub fn new(
         mu: f64,
         [k1, k2]: [f64; 2],
@@ -96,7 +96,8 @@ impl HolzapfelGasserOgden {
     /// dW/dE_f and d^2W/dE_f^2; both are zero in a slack fibre.
     #[inline(always)]
     fn fibre_derivatives<L: Lane>(&self, strain: L) -> [L; 2] {
-        let (one, square) = (strain.splat(1.0), strain * strain * self.k2);
+        let one = strain.splat(1.0);
+        let square = strain * strain * self.k2;
         let exp = (one + square.exp_m1()) * self.k1;
         let second = exp * (one + square * 2.0);
         let tiny = strain.splat(f64::MIN_POSITIVE);
@@ -207,15 +208,20 @@ impl Material for HolzapfelGasserOgden {
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
         let of = Distortion::of(E);
-        let (inverse, scale, one) = (of.inverse(), of.g() / of.mean, of.mean.splat(1.0));
-        let (zero, matrix) = (of.mean.splat(0.0), Self::matrix_direction(&of, &inverse));
-        let (unit, trace) = ([one, one, one, zero, zero, zero], of.mean * 3.0);
+        let inverse = of.inverse();
+        let scale = of.g() / of.mean;
+        let one = of.mean.splat(1.0);
+        let zero = of.mean.splat(0.0);
+        let matrix = Self::matrix_direction(&of, &inverse);
+        let unit = [one, one, one, zero, zero, zero];
+        let trace = of.mean * 3.0;
         let mut second = SecondDerivative::of_volume(&self.volume, of.ln_J);
         second.add_first(one * (0.5 * self.mu), scale, trace, &unit);
         for fibre in &self.fibres {
             let slope = self.fibre_derivatives(self.fibre_strain(&of, fibre))[0];
             second.add_first(slope * (1.0 / 3.0), scale, trace, &unit);
-            let (A, stretch) = (splat(one, fibre), of.mean * double_dot_constant(&of.b, fibre));
+            let A = splat(one, fibre);
+            let stretch = of.mean * double_dot_constant(&of.b, fibre);
             second.add_first(slope * self.alignment, scale, stretch, &A);
         }
         let mut D = second.elasticity(&inverse);
@@ -232,15 +238,15 @@ mod tests {
     use super::super::conformance::{
         Big, big, big_det, big_isochoric, big_trace, conforms_with_symmetry, half_turn,
     };
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
     use crate::tensor::{Mat3, mat3, trace};
 
     const MU: f64 = 3.0;
     const K1: f64 = 2.3632;
-    /// A quarter of the artery's: the exponential magnifies the rounding of E_f by 2 k2 E_f^2, which is 34 with the
-    /// artery's at the largest strain of the test (E_f = 4.5) and would hide the formula.
+    /// A quarter of the k2 of the artery: the exponential magnifies the rounding of E_f by 2 k2 E_f^2, which is 34 for
+    /// the artery at the largest strain of the test (E_f = 4.5) and would hide errors in the formula.
     const K2: f64 = 0.21;
     const K: f64 = 20.0;
 
@@ -249,7 +255,7 @@ mod tests {
         HolzapfelGasserOgden::new(MU, [K1, K2], kappa, fibres, K, Volumetric::SimoTaylor).unwrap()
     }
 
-    /// a . C a, for the exact unit vector a that rounding left of a fibre's direction.
+    /// a . C a, for the exact direction of a after rounding.
     fn stretched(fibre: &[f64; 3], C: &Mat3<Big>) -> Big {
         let entry = |n: usize| big(fibre[n / 3]) * &C[n / 3][n % 3] * big(fibre[n % 3]);
         let square = fibre.iter().fold(big(0.0), |sum, a| sum + big(*a) * big(*a));
@@ -315,17 +321,17 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |mu, k, kappa, fibre, bulk| {
             HolzapfelGasserOgden::new(mu, k, kappa, &[fibre], bulk, Volumetric::default())
         };
         let x = [1.0, 0.0, 0.0];
-        refuses("mu", new(0.0, [1.0, 1.0], 0.0, x, 1.0));
-        refuses("k1", new(1.0, [-1.0, 1.0], 0.0, x, 1.0));
-        refuses("k2", new(1.0, [1.0, 0.0], 0.0, x, 1.0));
-        refuses("kappa", new(1.0, [1.0, 1.0], 0.34, x, 1.0));
-        refuses("kappa", new(1.0, [1.0, 1.0], -0.1, x, 1.0));
-        refuses("fibres", new(1.0, [1.0, 1.0], 0.0, [0.0; 3], 1.0));
-        refuses("bulk_modulus", new(1.0, [1.0, 1.0], 0.0, x, 0.0));
+        rejects("mu", new(0.0, [1.0, 1.0], 0.0, x, 1.0));
+        rejects("k1", new(1.0, [-1.0, 1.0], 0.0, x, 1.0));
+        rejects("k2", new(1.0, [1.0, 0.0], 0.0, x, 1.0));
+        rejects("kappa", new(1.0, [1.0, 1.0], 0.34, x, 1.0));
+        rejects("kappa", new(1.0, [1.0, 1.0], -0.1, x, 1.0));
+        rejects("fibres", new(1.0, [1.0, 1.0], 0.0, [0.0; 3], 1.0));
+        rejects("bulk_modulus", new(1.0, [1.0, 1.0], 0.0, x, 0.0));
     }
 }

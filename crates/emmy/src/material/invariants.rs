@@ -1,4 +1,4 @@
-//! Tensors that materials share: C, its volume change, and elasticity tensors as sums of dyads.
+//! Tensors shared by materials: C, its volume change, and elasticity tensors as sums of dyads.
 
 #![allow(non_snake_case)]
 

@@ -1,4 +1,4 @@
-//! Energies of the isochoric invariants: stress and elasticity of all such materials.
+//! Energies of the isochoric invariants: stress and elasticity of all these materials.
 //!
 //! The right Cauchy-Green tensor is divided into its mean and a traceless distortion,
 //!
@@ -6,7 +6,8 @@
 //! C = m (I + b),      m = tr C / 3,      tr b = 0,      det(I + b) = 1 - w,      w = b:b/2 - det b
 //! ```
 //!
-//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 - w)^(-1/3)`
+//! because then nothing cancels at small strain: all that is isochoric is a function of b alone. With `g = (1 -
+//! w)^(-1/3)`
 //!
 //! ```math
 //! I1bar - 3 = 3 (g - 1),      I2bar - 3 = 3 (g^2 - 1) - g^2 b:b/2,      J^2 = m^3 (1 - w)
@@ -55,11 +56,13 @@ pub(super) struct Distortion<L> {
 impl<L: Lane> Distortion<L> {
     #[inline(always)]
     pub fn of(E: &Sym<L>) -> Self {
-        let (one, a) = (E[0].splat(1.0), trace(E) * (2.0 / 3.0));
+        let one = E[0].splat(1.0);
+        let a = trace(E) * (2.0 / 3.0);
         let mean = one + a;
         let deviator = [E[0] * 2.0 - a, E[1] * 2.0 - a, E[2] * 2.0 - a, E[3] * 2.0, E[4] * 2.0, E[5] * 2.0];
         let b = sym_scaled(one / mean, &deviator);
-        let (q, det) = (double_dot(&b, &b) * 0.5, sym_det(&b));
+        let q = double_dot(&b, &b) * 0.5;
+        let det = sym_det(&b);
         let ln_det = (det - q).ln_1p();
         let ln_J = (a.ln_1p() * 3.0 + ln_det) * 0.5;
         Distortion { mean, b, q, det, ln_J, g_m1: (ln_det * (-1.0 / 3.0)).exp_m1() }
@@ -87,7 +90,8 @@ impl<L: Lane> Distortion<L> {
     /// C^-1.
     #[inline(always)]
     pub fn inverse(&self) -> Sym<L> {
-        let (one, b) = (self.mean.splat(1.0), &self.b);
+        let one = self.mean.splat(1.0);
+        let b = &self.b;
         let cofactor = sym_cofactor(&[b[0] + one, b[1] + one, b[2] + one, b[3], b[4], b[5]]);
         sym_scaled(one / (self.mean * (one - self.q + self.det)), &cofactor)
     }
@@ -95,7 +99,8 @@ impl<L: Lane> Distortion<L> {
     /// b - dev(b^2), which belongs to I2bar as b belongs to I1bar.
     #[inline(always)]
     fn second_direction(&self) -> Sym<L> {
-        let (b, square) = (&self.b, commuting_product(&self.b, &self.b));
+        let b = &self.b;
+        let square = commuting_product(&self.b, &self.b);
         let third = self.q * (2.0 / 3.0);
         sym(
             #[inline(always)]
@@ -213,8 +218,11 @@ pub(super) fn stress_and_elasticity<L: Lane>(
     E: &Sym<L>,
 ) -> (Sym<L>, Elasticity<L>) {
     let of = Distortion::of(E);
-    let ([slope, curvature], inverse) = (material.derivatives(of.x()), of.inverse());
-    let (one, scale, c) = (of.mean.splat(1.0), of.g() / of.mean, material.second_modulus());
+    let [slope, curvature] = material.derivatives(of.x());
+    let inverse = of.inverse();
+    let one = of.mean.splat(1.0);
+    let scale = of.g() / of.mean;
+    let c = material.second_modulus();
     let mut second = SecondDerivative::of_volume(material.volume(), of.ln_J);
     let zero = one.splat(0.0);
     second.add_first(slope, scale, of.mean * 3.0, &[one, one, one, zero, zero, zero]);

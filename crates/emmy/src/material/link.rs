@@ -13,8 +13,8 @@ use crate::tensor::{Elasticity, Lane, Sym, trace};
 /// bar: V = E A L e^2/2,  e = (l^2/L^2 - 1)/2      spring: V = k/2 (l - l_0)^2      attraction: V = -g/l
 /// ```
 ///
-/// The bar is the St. Venant-Kirchhoff material in the Green-Lagrange strain of its length; it alone has a mass, density times
-/// area times length. The attraction with g = G m_1 m_2 is Newton's law of gravitation.
+/// The bar is the St. Venant-Kirchhoff material in the Green-Lagrange strain of its length; only bars have a mass,
+/// density times area times length. The attraction with g = G m_1 m_2 is Newton's law of gravitation.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -71,26 +71,26 @@ impl Link {
         cells: ModelCells::MasslessLinks,
     };
 
-    /// The bar with some values of the parameters of [`Link::BAR`].
+    /// The bar with values of the parameters of [`Link::BAR`].
     ///
     /// # Errors
-    /// Those of [`Link::bar`].
+    /// As [`Link::bar`].
     pub fn bar_from_values(values: &Values) -> Result<Self> {
         Link::bar(values.number("youngs_modulus"), values.number("area"))
     }
 
-    /// The spring with some values of the parameters of [`Link::SPRING`].
+    /// The spring with values of the parameters of [`Link::SPRING`].
     ///
     /// # Errors
-    /// Those of [`Link::spring`].
+    /// As [`Link::spring`].
     pub fn spring_from_values(values: &Values) -> Result<Self> {
         Link::spring(values.number("stiffness"), values.optional("rest_length"))
     }
 
-    /// The attraction with some values of the parameters of [`Link::ATTRACTION`].
+    /// The attraction with values of the parameters of [`Link::ATTRACTION`].
     ///
     /// # Errors
-    /// Those of [`Link::attraction`].
+    /// As [`Link::attraction`].
     pub fn attraction_from_values(values: &Values) -> Result<Self> {
         Link::attraction(values.number("strength"))
     }
@@ -211,13 +211,15 @@ impl Material for LinkEnergy {
 
     #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
-        let (S, zero) = (self.derivatives(trace(E))[1] * self.factor, E[0].splat(0.0));
+        let S = self.derivatives(trace(E))[1] * self.factor;
+        let zero = E[0].splat(0.0);
         [S, S, S, zero, zero, zero]
     }
 
     #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
-        let ([_, first, second], zero) = (self.derivatives(trace(E)), E[0].splat(0.0));
+        let [_, first, second] = self.derivatives(trace(E));
+        let zero = E[0].splat(0.0);
         let (S, modulus) = (first * self.factor, second * self.factor);
         let mut D = [[zero; 6]; 6];
         for a in 0..3 {
@@ -231,17 +233,17 @@ impl Material for LinkEnergy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
-    /// Strain of a link of length 2 at a length l; how tr E is spread over the axes does not matter.
+    /// Strain of a link of length 2 at a length l; the distribution of tr E over the axes does not matter.
     fn strain(l: f64) -> Sym<f64> {
         let e = (l * l / 4.0 - 1.0) / 2.0;
         [0.5 * e, 0.3 * e, 0.2 * e, 0.7, -0.1, 0.4]
     }
 
     #[test]
-    fn energies_are_those_of_the_length() {
+    fn energies_match_functions_of_the_length() {
         let links = [
             (
                 Link::bar(3.0, 0.5).unwrap(),
@@ -256,7 +258,8 @@ mod tests {
                 let W = link.with_length(2.0);
                 assert!((W.strain_energy(&strain(l)) - energy(l)).abs() < 1e-14 * (1.0 + energy(l).abs()));
                 // dV/dl = S de/dl = S l/L^2, a central difference with an error of 1e-6^2.
-                let (slope, S) = ((energy(l + 1e-6) - energy(l - 1e-6)) / 2e-6, W.stress(&strain(l))[0]);
+                let slope = (energy(l + 1e-6) - energy(l - 1e-6)) / 2e-6;
+                let S = W.stress(&strain(l))[0];
                 assert!((S * l / 4.0 - slope).abs() < 1e-7 * (1.0 + slope.abs()), "{link:?} {l}");
                 let (S, D) = W.stress_and_elasticity(&strain(l));
                 let at = |e: f64| W.stress(&[e, 0.0, 0.0, 0.0, 0.0, 0.0])[0];
@@ -279,12 +282,12 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
-        refuses("youngs_modulus", Link::bar(0.0, 1.0));
-        refuses("area", Link::bar(1.0, -1.0));
-        refuses("stiffness", Link::spring(f64::NAN, None));
-        refuses("rest_length", Link::spring(1.0, Some(-1.0)));
-        refuses("strength", Link::attraction(0.0));
+    fn bad_parameters_are_rejected() {
+        rejects("youngs_modulus", Link::bar(0.0, 1.0));
+        rejects("area", Link::bar(1.0, -1.0));
+        rejects("stiffness", Link::spring(f64::NAN, None));
+        rejects("rest_length", Link::spring(1.0, Some(-1.0)));
+        rejects("strength", Link::attraction(0.0));
         assert!(Link::spring(1.0, Some(0.0)).is_ok() && Link::attraction(-1.0).is_ok());
     }
 }

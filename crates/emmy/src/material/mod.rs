@@ -1,4 +1,4 @@
-//! Stored energy functions W(C) of hyperelastic materials, one model a file.
+//! Stored energy functions W(C) of hyperelastic materials, one model per file.
 //!
 //! A material sees the deformation only through `C = F^T F`, given as the Green-Lagrange strain
 //! `E = (C - I) / 2`, which keeps its digits at small strain.
@@ -56,7 +56,7 @@ use response::compiled_with_this_crate;
 
 use crate::error::{Error, Result};
 
-/// Hands the names of all materials for solid and plane cells to a macro. A new material has its line here.
+/// Passes the names of all materials for solid and plane cells to a macro. A new material has its line here.
 macro_rules! each_material {
     ($apply:ident) => {
         $apply! {
@@ -103,16 +103,16 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// Second Piola-Kirchhoff stress S \[force/length^2\].
     fn stress<L: Lane>(&self, strain: &Sym<L>) -> Sym<L>;
 
-    /// Energy change `W(E + dE) - W(E)` in closed form, free of cancellation; `None` if the material has none. Do not return a
-    /// difference of two energies.
+    /// Energy change `W(E + dE) - W(E)` in closed form, free of cancellation; `None` if the material has none. Do not
+    /// return a difference of two energies.
     #[inline(always)]
     fn energy_change<L: Lane>(&self, strain: &Sym<L>, change: &Sym<L>) -> Option<L> {
         let _ = (strain, change);
         None
     }
 
-    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`. Override it if the stresses along a
-    /// path can share work.
+    /// Quadrature of the stress along a straight path of strains, over points `[alpha_m, w_m]`. Override it if the
+    /// stresses along a path can share work.
     ///
     /// ```math
     /// sum_m w_m S(E + alpha_m dE)
@@ -128,11 +128,12 @@ pub trait Material: Clone + Send + Sync + 'static {
         sum
     }
 
-    /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their work.
+    /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their
+    /// computation.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
 
-    /// The tables of the material's functions that a region works with. The default is compiled with the crate that makes the
-    /// region, a few seconds; the materials of this crate override it and are compiled once.
+    /// Tables of the material's functions, for a region. The default is compiled with the crate that makes the region,
+    /// in a few seconds; the materials of this crate override it and are compiled once.
     fn compiled(&self) -> CompiledMaterial {
         CompiledMaterial::new(self)
     }
@@ -153,7 +154,8 @@ pub trait Material: Clone + Send + Sync + 'static {
 /// # Errors
 /// [`Error::MaterialParameter`] unless E > 0 and -1 < nu < 1/2 and both parameters are finite.
 pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) -> Result<(f64, f64)> {
-    let (E, nu) = (youngs_modulus, poissons_ratio);
+    let E = youngs_modulus;
+    let nu = poissons_ratio;
     positive(material, "youngs_modulus", E)?;
     if !(nu > -1.0 && nu < 0.5) {
         let requirement = "must lie between -1 and 0.5 (0.5, an incompressible material, excluded)";
@@ -164,7 +166,8 @@ pub fn lame(material: &'static str, youngs_modulus: f64, poissons_ratio: f64) ->
             requirement,
         });
     }
-    let (lambda, mu) = (E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu)));
+    let lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    let mu = E / (2.0 * (1.0 + nu));
     let requirement = "makes a Lame parameter lambda or mu that is too large for a number";
     fulfils(lambda.is_finite() && mu.is_finite(), material, "youngs_modulus", E, requirement)?;
     Ok((lambda, mu))
@@ -233,32 +236,34 @@ mod tests {
     use super::*;
 
     /// Checks that a constructor rejects a parameter by its name.
-    pub fn refuses<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
+    pub fn rejects<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
         match result.unwrap_err() {
-            Error::MaterialParameter { parameter, .. } => assert_eq!(parameter, expected),
+            Error::MaterialParameter { parameter, .. } | Error::Direction { parameter, .. } => {
+                assert_eq!(parameter, expected)
+            }
             other => panic!("{other}"),
         }
     }
 
     #[test]
-    fn bad_parameters_are_refused_by_name() {
+    fn bad_parameters_are_rejected_by_name() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            refuses("youngs_modulus", lame("m", bad, 0.3));
-            refuses("mu", stable_lame("m", 1.0, bad));
+            rejects("youngs_modulus", lame("m", bad, 0.3));
+            rejects("mu", stable_lame("m", 1.0, bad));
         }
         for bad in [0.5, 0.7, -1.0, -2.0, f64::NAN] {
-            refuses("poissons_ratio", lame("m", 1.0, bad));
+            rejects("poissons_ratio", lame("m", 1.0, bad));
         }
         for bad in [-2.0, -3.0, f64::NAN, f64::INFINITY] {
-            refuses("lambda", stable_lame("m", bad, 3.0));
+            rejects("lambda", stable_lame("m", bad, 3.0));
         }
         assert!(stable_lame("m", -1.99, 3.0).is_ok());
         // lambda is about 1e308 / (3 (1 - 2 nu)), beyond the largest double.
-        refuses("youngs_modulus", lame("m", 1e308, 0.4999999999));
+        rejects("youngs_modulus", lame("m", 1e308, 0.4999999999));
     }
 
     #[test]
-    fn lame_parameters_are_those_of_the_formula() {
+    fn lame_parameters_match_the_formula() {
         let (lambda, mu) = lame("m", 2.5, 0.25).unwrap();
         assert!((lambda - 1.0).abs() < 1e-15 && (mu - 1.0).abs() < 1e-15);
     }

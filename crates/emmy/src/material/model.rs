@@ -1,4 +1,4 @@
-//! Descriptions of material models, and the values from which a model is made by name.
+//! Descriptions of material models, and the values that make a model by name.
 
 use std::fmt;
 
@@ -58,7 +58,7 @@ pub struct Parameter {
 pub enum ParameterKind {
     /// A number.
     Number(Bounds),
-    /// A list of numbers, one a term of the energy.
+    /// A list of numbers, one per term of the energy.
     Numbers,
     /// A direction, not necessarily a unit vector.
     Direction,
@@ -73,9 +73,9 @@ pub enum ParameterKind {
 pub enum IfAbsent {
     /// It must be given.
     Required,
-    /// The same as this value, as an input file has it.
+    /// The same as this value, as written in an input file.
     Value(&'static str),
-    /// In words.
+    /// Described in words.
     Means(&'static str),
 }
 
@@ -120,25 +120,28 @@ impl Parameter {
         Parameter::number(name, Bounds::Above(0.0), unit, doc)
     }
 
-    /// A list of numbers that must be given, one a term of the energy.
+    /// A list of numbers that must be given, one per term of the energy.
     pub const fn numbers(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Numbers, IfAbsent::Required);
+        let kind = ParameterKind::Numbers;
+        let if_absent = IfAbsent::Required;
         Parameter { name, kind, unit, if_absent, doc }
     }
 
     /// A direction with its default.
     pub const fn direction(name: &'static str, default: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Direction, IfAbsent::Value(default));
+        let kind = ParameterKind::Direction;
+        let if_absent = IfAbsent::Value(default);
         Parameter { name, kind, unit: "", if_absent, doc }
     }
 
     /// A list of directions that must be given.
     pub const fn directions(name: &'static str, doc: &'static str) -> Self {
-        let (kind, if_absent) = (ParameterKind::Directions, IfAbsent::Required);
+        let kind = ParameterKind::Directions;
+        let if_absent = IfAbsent::Required;
         Parameter { name, kind, unit: "", if_absent, doc }
     }
 
-    /// The same parameter with another meaning where it is left out.
+    /// The same parameter with another meaning if it is left out.
     pub const fn if_absent(self, if_absent: IfAbsent) -> Self {
         Parameter { if_absent, ..self }
     }
@@ -194,7 +197,7 @@ pub trait Modelled: Material {
     /// The model.
     const MODEL: Model;
 
-    /// The material with some values of the parameters.
+    /// The material with values of the parameters.
     ///
     /// # Errors
     /// [`crate::Error::MaterialParameter`] for values that are out of range or missing.
@@ -216,8 +219,8 @@ pub enum Value {
     Law(Volumetric),
 }
 
-/// Values of parameters by name. Nothing stands in for one that is missing: a number is NaN then, a direction zero and a list
-/// empty, which the materials reject; only the law of volume has its default.
+/// Values of parameters by name. A missing number is NaN, a missing direction zero and a missing list empty, and
+/// materials reject these; only the law of volume has a default.
 ///
 /// ```
 /// use emmy::internals::material::{Modelled, Value, Values};

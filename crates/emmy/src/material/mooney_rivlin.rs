@@ -14,8 +14,8 @@ use crate::tensor::Lane;
 /// ```
 ///
 /// Source: Mooney (1940), J. Appl. Phys. 11, and Rivlin (1948), Phil. Trans. R. Soc. A 241; split as in Simo and Taylor
-/// (1991), Comput. Methods Appl. Mech. Eng. 85. Parameters in \[force/length^2\]. Neither modulus should be negative: the
-/// material is not elliptic at large strain then.
+/// (1991), Comput. Methods Appl. Mech. Eng. 85. Parameters in \[force/length^2\]. Neither modulus should be negative:
+/// otherwise the material is not elliptic at large strain.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -99,13 +99,15 @@ split_material!(MooneyRivlin, isochoric);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let ([c10, c01], K, law) = ([200.0, 50.0], 1500.0, Volumetric::Logarithmic);
+        let [c10, c01] = [200.0, 50.0];
+        let K = 1500.0;
+        let law = Volumetric::Logarithmic;
         let mu = 2.0 * (c10 + c01);
         conforms(&MooneyRivlin::new(c10, c01, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let [I1, I2] = big_isochoric(C);
@@ -114,12 +116,12 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |c10, c01, K| MooneyRivlin::new(c10, c01, K, Volumetric::default());
-        refuses("c01", new(1.0, -1.0, 1.0));
-        refuses("c10", new(f64::NAN, 1.0, 1.0));
-        refuses("c01", new(1.0, f64::INFINITY, 1.0));
-        refuses("bulk_modulus", new(1.0, 1.0, -1.0));
+        rejects("c01", new(1.0, -1.0, 1.0));
+        rejects("c10", new(f64::NAN, 1.0, 1.0));
+        rejects("c01", new(1.0, f64::INFINITY, 1.0));
+        rejects("bulk_modulus", new(1.0, 1.0, -1.0));
         assert!(new(1.0, -0.2, 1.0).is_ok());
     }
 }

@@ -60,7 +60,8 @@ impl NeoHooke {
     #[inline(always)]
     fn state<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, L, Sym<L>) {
         let A = sym_scaled(E[0].splat(2.0), E);
-        let (C, z) = (right_cauchy_green(&A), volume_change(&A));
+        let C = right_cauchy_green(&A);
+        let z = volume_change(&A);
         // Not 1 + z, which cancels under strong compression.
         let inverse_det = C[0].splat(1.0) / sym_det(&C);
         let C_inv = sym_scaled(inverse_det, &sym_cofactor(&C));
@@ -133,7 +134,8 @@ impl Material for NeoHooke {
         self.state(E).2
     }
 
-    /// Trace, cofactor and determinant of `A = C - I` are polynomials along the path, so that a point costs one logarithm:
+    /// Trace, cofactor and determinant of `A = C - I` are polynomials along the path, so that a point costs one
+    /// logarithm:
     ///
     /// ```math
     /// S = [mu (A + (II_A + det A) I - cof A) + lambda ln J ((1 + tr A) I - A + cof A)] / det C
@@ -150,14 +152,16 @@ impl Material for NeoHooke {
         let v_2 = trace(&cofactors[2]) + double_dot(&A, &cofactors[2]);
         let v_3 = sym_det(&B);
         let one = constant(1.0);
-        let (mut moments, mut pressure) = ([constant(0.0); 3], constant(0.0));
+        let mut moments = [constant(0.0); 3];
+        let mut pressure = constant(0.0);
         for &[alpha, weight] in points {
             let a = constant(alpha);
             let t = t_1.mul_add(a, t_0);
             let v = v_3.mul_add(a, v_2).mul_add(a, v_1).mul_add(a, v_0);
             let z = t + v;
             let factor = constant(weight) / (one + z);
-            let (p, q) = (factor * self.mu, factor * (z.ln_1p() * (0.5 * self.lambda)));
+            let p = factor * self.mu;
+            let q = factor * (z.ln_1p() * (0.5 * self.lambda));
             let r = p - q;
             for (power, moment) in moments.iter_mut().enumerate() {
                 *moment = r.mul_add(constant(alpha.powi(power as i32)), *moment);
@@ -192,7 +196,7 @@ impl Material for NeoHooke {
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{big, big_det, big_trace, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
     #[test]
@@ -205,10 +209,10 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
-        refuses("mu", NeoHooke::new(1.0, 0.0));
-        refuses("lambda", NeoHooke::new(-2.0, 3.0));
-        refuses("youngs_modulus", NeoHooke::from_engineering(-1.0, 0.3));
-        refuses("poissons_ratio", NeoHooke::from_engineering(1.0, 0.5));
+    fn bad_parameters_are_rejected() {
+        rejects("mu", NeoHooke::new(1.0, 0.0));
+        rejects("lambda", NeoHooke::new(-2.0, 3.0));
+        rejects("youngs_modulus", NeoHooke::from_engineering(-1.0, 0.3));
+        rejects("poissons_ratio", NeoHooke::from_engineering(1.0, 0.5));
     }
 }

@@ -13,8 +13,8 @@ use crate::tensor::Lane;
 /// W = mu/2 (I1bar - 3) + W_vol(J),      I1bar = J^(-2/3) tr C
 /// ```
 ///
-/// Source: Flory (1961), Trans. Faraday Soc. 57; Simo and Taylor (1991), Comput. Methods Appl. Mech. Eng. 85. Shear modulus mu and
-/// bulk modulus in \[force/length^2\].
+/// Source: Flory (1961), Trans. Faraday Soc. 57; Simo and Taylor (1991), Comput. Methods Appl. Mech. Eng. 85. Shear
+/// modulus mu and bulk modulus in \[force/length^2\].
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -77,14 +77,15 @@ split_material!(NeoHookeIsochoric, isochoric);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{big, big_det, big_isochoric, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
     #[test]
     fn conforms_to_its_textbook_form() {
         for law in Volumetric::ALL {
-            let (mu, K) = (400.0, 2000.0);
+            let mu = 400.0;
+            let K = 2000.0;
             conforms(&NeoHookeIsochoric::new(mu, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
                 let [I1, _] = big_isochoric(C);
                 big(mu / 2.0) * (I1 - big(3.0)) + energy(law, K, &big_det(C))
@@ -95,8 +96,8 @@ mod tests {
     #[test]
     fn bad_parameters_are_rejected() {
         let new = |mu, K| NeoHookeIsochoric::new(mu, K, Volumetric::default());
-        refuses("mu", new(0.0, 1.0));
-        refuses("mu", new(f64::NAN, 1.0));
-        refuses("bulk_modulus", new(1.0, -1.0));
+        rejects("mu", new(0.0, 1.0));
+        rejects("mu", new(f64::NAN, 1.0));
+        rejects("bulk_modulus", new(1.0, -1.0));
     }
 }

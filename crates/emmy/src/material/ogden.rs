@@ -39,8 +39,8 @@ impl Ogden {
     /// The material with terms (mu_p, alpha_p), bulk modulus, and law of volume.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless every alpha_p is finite and not zero, every mu_p is finite, the sum of
-    /// mu_p alpha_p is positive (so there is at least one), and so is the bulk modulus.
+    /// [`crate::Error::MaterialParameter`] unless every alpha_p is finite and not zero, every mu_p is finite, the sum
+    /// of mu_p alpha_p is positive (so there is at least one), and so is the bulk modulus.
     pub fn new(terms: &[(f64, f64)], bulk_modulus: f64, volumetric: Volumetric) -> Result<Self> {
         for &(mu, alpha) in terms {
             finite(NAME, "mu", mu)?;
@@ -94,7 +94,7 @@ impl Separable for Ogden {
     fn volume(&self) -> &Volume {
         &self.volume
     }
-    /// As the strains e add up to zero, their linear terms may be left out: nothing cancels then.
+    /// The strains e add up to zero, so their linear terms may be left out and nothing cancels.
     #[inline(always)]
     fn energy<L: Lane>(&self, e: L) -> L {
         self.sum(
@@ -136,7 +136,7 @@ split_material!(Ogden, spectral);
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{Big, big, big_det, big_principal_stretches, conforms};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::super::volumetric::tests::energy;
     use super::*;
 
@@ -145,7 +145,8 @@ mod tests {
 
     #[test]
     fn conforms_to_its_textbook_form() {
-        let (K, law) = (200.0, Volumetric::Quadratic);
+        let K = 200.0;
+        let law = Volumetric::Quadratic;
         let mu = TRELOAR.iter().map(|(mu, alpha)| mu * alpha / 2.0).sum();
         conforms(&Ogden::new(&TRELOAR, K, law).unwrap(), [K - 2.0 / 3.0 * mu, mu], |C| {
             let ln_J = big_det(C).ln() / big(2.0);
@@ -159,13 +160,13 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let new = |terms: &[(f64, f64)], K| Ogden::new(terms, K, Volumetric::default());
-        refuses("mu", new(&[], 1.0));
-        refuses("mu", new(&[(1.0, -2.0)], 1.0));
-        refuses("mu", new(&[(f64::NAN, 2.0)], 1.0));
-        refuses("alpha", new(&[(1.0, 2.0), (1.0, 0.0)], 1.0));
-        refuses("alpha", new(&[(1.0, f64::INFINITY)], 1.0));
-        refuses("bulk_modulus", new(&[(1.0, 2.0)], 0.0));
+        rejects("mu", new(&[], 1.0));
+        rejects("mu", new(&[(1.0, -2.0)], 1.0));
+        rejects("mu", new(&[(f64::NAN, 2.0)], 1.0));
+        rejects("alpha", new(&[(1.0, 2.0), (1.0, 0.0)], 1.0));
+        rejects("alpha", new(&[(1.0, f64::INFINITY)], 1.0));
+        rejects("bulk_modulus", new(&[(1.0, 2.0)], 0.0));
     }
 }

@@ -9,8 +9,8 @@ use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym};
 
 /// Nine engineering constants of an orthotropic material.
 ///
-/// The index pairs of Poisson's ratios and shear moduli are 12, 23, 13. `nu_ij` is the contraction along axis j over the
-/// extension along axis i, under tension along i: `nu_ij / E_i = nu_ji / E_j`.
+/// The index pairs of Poisson's ratios and shear moduli are 12, 23, 13. `nu_ij` is the contraction along axis j over
+/// the extension along axis i, under tension along i: `nu_ij / E_i = nu_ji / E_j`.
 ///
 /// ```
 /// use emmy::material::{EngineeringConstants, Material, Orthotropic};
@@ -64,12 +64,12 @@ const SHEAR_MODULI: [&str; 3] = ["mu_12", "mu_23", "mu_13"];
 const PAIRS: [(usize, usize); 3] = [(0, 1), (1, 2), (0, 2)];
 
 impl Orthotropic {
-    /// The material with engineering constants in its own axes: axis 1 along the first direction, axis 2 in the plane of
-    /// both, on the side of the second, axis 3 across them. Directions need not be unit vectors.
+    /// The material with engineering constants in its own axes: axis 1 along the first direction, axis 2 in the plane
+    /// of both, on the side of the second, axis 3 across them. Directions need not be unit vectors.
     ///
     /// # Errors
-    /// [`crate::Error::MaterialParameter`] unless all moduli are positive and the elasticity is positive definite, and for
-    /// directions (`axis_1`, `axis_2`) that are zero or parallel.
+    /// [`crate::Error::MaterialParameter`] unless all moduli are positive and the elasticity is positive definite, and
+    /// for directions (`axis_1`, `axis_2`) that are zero or parallel.
     pub fn new(constants: EngineeringConstants, directions: [[f64; 3]; 2]) -> Result<Self> {
         let stiffness = normal_stiffness(&constants)?;
         for (name, mu) in SHEAR_MODULI.into_iter().zip(constants.shear_moduli) {
@@ -82,7 +82,8 @@ impl Orthotropic {
 
 /// Stiffness between normal stresses and strains: the inverse of the compliance `s_ii = 1/E_i`, `s_ij = -nu_ij/E_i`.
 fn normal_stiffness(constants: &EngineeringConstants) -> Result<[[f64; 3]; 3]> {
-    let (E, nu) = (constants.youngs_moduli, constants.poissons_ratios);
+    let E = constants.youngs_moduli;
+    let nu = constants.poissons_ratios;
     for (name, E) in YOUNGS_MODULI.into_iter().zip(E) {
         positive(NAME, name, E)?;
     }
@@ -110,7 +111,8 @@ fn normal_stiffness(constants: &EngineeringConstants) -> Result<[[f64; 3]; 3]> {
 /// ```
 fn in_axes(stiffness: &[[f64; 3]; 3], shear_moduli: &[f64; 3], axes: &[[f64; 3]; 3]) -> Elasticity<f64> {
     let dyad = |i: usize, j: usize| {
-        let (u, v) = (&axes[i], &axes[j]);
+        let u = &axes[i];
+        let v = &axes[j];
         sym(|r, c| 0.5 * (u[r] * v[c] + v[r] * u[c]))
     };
     let mut D = [[0.0; 6]; 6];
@@ -212,7 +214,7 @@ impl Material for Orthotropic {
 #[cfg(test)]
 mod tests {
     use super::super::conformance::{Big, big, conforms_with_symmetry, half_turn};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
     use crate::tensor::{Mat3, SYM_INDEX};
 
@@ -240,7 +242,7 @@ mod tests {
         ]
     }
 
-    /// W in the axes of the material, for axes that are rows of numbers.
+    /// W in the axes of the material; the axes are rows of numbers.
     fn energy(C: &Mat3<Big>, axes: &[[f64; 3]; 3], stiffness: &[[Big; 3]; 3]) -> Big {
         let half = |i: usize, j: usize| (&C[i][j] - big(if i == j { 1.0 } else { 0.0 })) / big(2.0);
         let strain = |a: usize, b: usize| -> Big {
@@ -297,18 +299,18 @@ mod tests {
     }
 
     #[test]
-    fn bad_parameters_are_refused() {
+    fn bad_parameters_are_rejected() {
         let frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let changed = |change: fn(&mut EngineeringConstants)| {
             let mut constants = SPRUCE;
             change(&mut constants);
             Orthotropic::new(constants, frame)
         };
-        refuses("youngs_modulus_2", changed(|c| c.youngs_moduli[1] = 0.0));
-        refuses("mu_13", changed(|c| c.shear_moduli[2] = -1.0));
-        refuses("poissons_ratio_12", changed(|c| c.poissons_ratios[0] = 3.6));
-        refuses("poissons_ratio_23", changed(|c| c.poissons_ratios[1] = f64::NAN));
-        refuses(
+        rejects("youngs_modulus_2", changed(|c| c.youngs_moduli[1] = 0.0));
+        rejects("mu_13", changed(|c| c.shear_moduli[2] = -1.0));
+        rejects("poissons_ratio_12", changed(|c| c.poissons_ratios[0] = 3.6));
+        rejects("poissons_ratio_23", changed(|c| c.poissons_ratios[1] = f64::NAN));
+        rejects(
             "poissons_ratio_23",
             changed(|c| {
                 *c = EngineeringConstants {
@@ -318,7 +320,7 @@ mod tests {
                 }
             }),
         );
-        refuses("axis_1", Orthotropic::new(SPRUCE, [[0.0; 3], [1.0, 0.0, 0.0]]));
-        refuses("axis_2", Orthotropic::new(SPRUCE, [[1.0, 0.0, 0.0], [-2.0, 0.0, 0.0]]));
+        rejects("axis_1", Orthotropic::new(SPRUCE, [[0.0; 3], [1.0, 0.0, 0.0]]));
+        rejects("axis_2", Orthotropic::new(SPRUCE, [[1.0, 0.0, 0.0], [-2.0, 0.0, 0.0]]));
     }
 }

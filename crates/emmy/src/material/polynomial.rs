@@ -1,4 +1,4 @@
-//! Polynomials in I1bar - 3, of which several models are made.
+//! Polynomials in I1bar - 3, for several models.
 
 use crate::tensor::Lane;
 
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_and_derivatives_are_those_of_the_powers() {
+    fn values_and_derivatives_match_the_powers() {
         let polynomial = Polynomial([2.0, -3.0, 5.0]);
         assert_eq!(polynomial.value(2.0), 4.0 - 12.0 + 40.0);
         assert_eq!(polynomial.derivatives(2.0), [2.0 - 12.0 + 60.0, -6.0 + 60.0]);

@@ -1,4 +1,5 @@
-//! Materials behind tables of functions, so that the averaging rules and the assembly are compiled once for all of them.
+//! Materials behind tables of functions, so that the averaging rules and the assembly are compiled once for all of
+//! them.
 
 use std::any::{Any, type_name};
 use std::fmt;
@@ -11,10 +12,10 @@ use crate::tensor::{Batch, Elasticity, Lane, Sym, inlined};
 
 /// A material at the points of one lane type: the functions of [`Material`] that the averaging rules call.
 ///
-/// Every material implements it for every lane type. Results are written where the caller wants them, because a call through
-/// a table cannot return registers.
+/// Every material implements it for every lane type. Results are written where the caller wants them, because a call
+/// through a table cannot return registers.
 pub trait Response<L: Lane>: Send + Sync {
-    /// Whether the energy is that of a link, [`Material::IS_LINK`].
+    /// [`Material::IS_LINK`]: the energy belongs to a link.
     fn is_link(&self) -> bool;
     /// Stored energy, [`Material::strain_energy`].
     fn strain_energy(&self, strain: &Sym<L>) -> L;

@@ -1,7 +1,7 @@
-//! Energies of the principal stretches: stress and elasticity of all such materials.
+//! Energies of the principal stretches: stress and elasticity of all these materials.
 //!
-//! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small strain,
-//! the deviatoric logarithmic strains are
+//! With the eigenvalues `beta_i` of the distortion b (see [`super::isochoric`]), which keep their digits at small
+//! strain, the deviatoric logarithmic strains are
 //!
 //! ```math
 //! e_i = ln lambda_i - ln J / 3 = 1/2 ln(1 + beta_i) - 1/6 sum_j ln(1 + beta_j)
@@ -33,7 +33,7 @@ pub(super) trait Separable {
     fn slope<L: Lane>(&self, e: L) -> L;
     /// omega''.
     fn curvature<L: Lane>(&self, e: L) -> L;
-    /// (omega'(e + difference) - omega'(e)) / difference, omega''(e) where that is zero.
+    /// (omega'(e + difference) - omega'(e)) / difference, or omega''(e) if the difference is zero.
     fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L;
 }
 
@@ -62,7 +62,8 @@ impl<L: Lane> Principal<L> {
     /// Eigenvalues of C^-1.
     #[inline(always)]
     fn inverse(&self) -> [L; 3] {
-        let (one, mean) = (self.distortion.mean.splat(1.0), self.distortion.mean);
+        let one = self.distortion.mean.splat(1.0);
+        let mean = self.distortion.mean;
         let inverse = inlined!(|i: usize| one / (mean * (one + self.beta[i])));
         [inverse(0), inverse(1), inverse(2)]
     }
@@ -92,7 +93,8 @@ impl<L: Lane> Principal<L> {
     /// (tau_i - tau_j) / (E_i - E_j).
     #[inline(always)]
     fn shear_stiffness(&self, material: &impl Separable, i: usize, j: usize) -> L {
-        let (one, beta) = (self.distortion.mean.splat(1.0), &self.beta);
+        let one = self.distortion.mean.splat(1.0);
+        let beta = &self.beta;
         let C_j = self.distortion.mean * (one + beta[j]);
         let t = (beta[i] - beta[j]) / (one + beta[j]); // C_i / C_j - 1
         let difference = t.ln_1p() * 0.5; // e_i - e_j
@@ -122,7 +124,8 @@ pub(super) fn stress<L: Lane>(material: &impl Separable, E: &Sym<L>) -> Sym<L> {
 #[inline(always)]
 fn stress_of<L: Lane>(principal: &Principal<L>, tau: &[L; 3]) -> Sym<L> {
     let inverse = principal.inverse();
-    let (S, Q) = ([tau[0] * inverse[0], tau[1] * inverse[1], tau[2] * inverse[2]], &principal.Q);
+    let S = [tau[0] * inverse[0], tau[1] * inverse[1], tau[2] * inverse[2]];
+    let Q = &principal.Q;
     sym(
         #[inline(always)]
         |r, c| Q[r][0] * S[0] * Q[c][0] + Q[r][1] * S[1] * Q[c][1] + Q[r][2] * S[2] * Q[c][2],
@@ -134,14 +137,15 @@ fn stress_of<L: Lane>(principal: &Principal<L>, tau: &[L; 3]) -> Sym<L> {
 /// D_ij = (dtau_i/d ln lambda_j - 2 tau_i delta_ij) / (C_i C_j),      q_ij = (q_i q_j^T + q_j q_i^T) / 2
 /// ```
 ///
-/// Source: Ogden (1984), Non-Linear Elastic Deformations, chapter 6, in the variables of this page.
+/// Source: Ogden (1984), Non-Linear Elastic Deformations, chapter 6, in the variables of this file.
 #[inline(always)]
 pub(super) fn stress_and_elasticity<L: Lane>(
     material: &impl Separable,
     E: &Sym<L>,
 ) -> (Sym<L>, Elasticity<L>) {
     let principal = Principal::of(E);
-    let (tau, inverse) = (principal.kirchhoff_stress(material), principal.inverse());
+    let tau = principal.kirchhoff_stress(material);
+    let inverse = principal.inverse();
     let curvature = three(
         #[inline(always)]
         |i| material.curvature(principal.e[i]),

@@ -1,4 +1,4 @@
-//! Volumetric laws: the energy of a change of volume, for materials that split it off.
+//! Volumetric laws: the energy of a change of volume, for materials with a separate volumetric part.
 
 #![allow(non_snake_case)]
 
@@ -105,7 +105,8 @@ impl Volume {
     /// Kirchhoff pressure dW_vol/d(ln J) at ln J.
     #[inline(always)]
     pub fn pressure<L: Lane>(&self, ln_J: L) -> L {
-        let (one, e) = (ln_J.splat(1.0), ln_J.exp_m1());
+        let one = ln_J.splat(1.0);
+        let e = ln_J.exp_m1();
         let over_bulk_modulus = match self.law {
             Volumetric::Logarithmic => ln_J,
             Volumetric::Quadratic => e * (one + e),
@@ -135,12 +136,14 @@ impl Volume {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::conformance::{Big, big};
-    use super::super::tests::refuses;
+    use super::super::tests::rejects;
     use super::*;
 
     /// W_vol in its textbook form.
     pub fn energy(law: Volumetric, bulk_modulus: f64, det_C: &Big) -> Big {
-        let (K, one, ln_J) = (big(bulk_modulus), big(1.0), det_C.ln() / big(2.0));
+        let K = big(bulk_modulus);
+        let one = big(1.0);
+        let ln_J = det_C.ln() / big(2.0);
         let J = || ln_J.clone().exp();
         match law {
             Volumetric::Logarithmic => K / big(2.0) * &ln_J * &ln_J,
@@ -169,9 +172,9 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn names_are_read_back_and_bad_moduli_refused() {
+    fn names_are_read_back_and_bad_moduli_rejected() {
         assert!(Volumetric::ALL.iter().all(|law| law.name().parse() == Ok(*law)));
         assert!("simo".parse::<Volumetric>().unwrap_err().contains("simo-taylor"));
-        refuses("bulk_modulus", Volume::new("m", 0.0, Volumetric::Miehe));
+        rejects("bulk_modulus", Volume::new("m", 0.0, Volumetric::Miehe));
     }
 }

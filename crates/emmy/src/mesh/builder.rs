@@ -45,7 +45,7 @@ impl MeshBuilder {
     /// Adds a cell with its nodes in VTK order and returns its index.
     ///
     /// # Errors
-    /// [`Error::WrongNodeCount`] if the number of nodes is not that of the kind.
+    /// [`Error::WrongNodeCount`] if the kind has another number of nodes.
     pub fn cell(&mut self, kind: CellKind, nodes: &[u32]) -> Result<u32> {
         if nodes.len() != kind.n_nodes() {
             return Err(Error::WrongNodeCount { kind, expected: kind.n_nodes(), found: nodes.len() });
@@ -76,7 +76,7 @@ impl MeshBuilder {
         self.groups.nodes.entry(name.to_string()).or_default().extend(nodes);
     }
 
-    /// Turns plane cells whose corners go round clockwise over, and says how many; facets stay where they are.
+    /// Reverses plane cells whose corners are clockwise, and returns their number; facets keep their place.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -106,7 +106,7 @@ impl MeshBuilder {
         turned.into_iter().filter(|turned| *turned).count()
     }
 
-    /// The mesh, checked. Nodes that no cell uses are kept out: they would have no mass.
+    /// The mesh, checked. Nodes that no cell uses are left out: they would have no mass.
     ///
     /// # Errors
     /// [`Error::EmptyMesh`], [`Error::NodeOutOfRange`], [`Error::CoordinateNotFinite`], [`Error::FacetWithoutCell`],
@@ -155,7 +155,7 @@ impl MeshBuilder {
         }
     }
 
-    /// Finds the face of a cell for every facet that was given by its nodes.
+    /// Finds the face of a cell for every facet given by its nodes.
     fn resolve_facets(&mut self) -> Result<()> {
         let wanted = std::mem::take(&mut self.facets_by_nodes);
         if wanted.is_empty() {
@@ -209,11 +209,12 @@ impl MeshBuilder {
     }
 }
 
-/// Twice the area of a polygon in the x-y plane, positive if it goes round counter-clockwise; about its first corner, so that
-/// it keeps its digits far from the origin.
+/// Twice the area of a polygon in the x-y plane, positive if counter-clockwise; relative to its first corner, to keep
+/// digits far from the origin.
 fn area(points: &[[f64; 3]], corners: &[u32]) -> f64 {
     let at = |i: usize| {
-        let (a, b) = (points[corners[i % corners.len()] as usize], points[corners[0] as usize]);
+        let a = points[corners[i % corners.len()] as usize];
+        let b = points[corners[0] as usize];
         [a[0] - b[0], a[1] - b[1]]
     };
     (0..corners.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i)[1] * at(i + 1)[0]).sum()
@@ -227,7 +228,7 @@ fn turn_over(nodes: &mut [u32], n_corners: usize) {
     }
 }
 
-/// Corner sets that a node list can stand for: the first four nodes, else the first three, else two.
+/// Possible corner sets of a node list: the first four nodes, else the first three, else two.
 fn corner_keys(nodes: &[u32]) -> impl Iterator<Item = [u32; 4]> + '_ {
     [4, 3, 2].into_iter().filter(|&n| n <= nodes.len()).map(|n| {
         let mut key = [u32::MAX; 4];
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn misfits_are_named() {
         assert_eq!(MeshBuilder::new().build().unwrap_err(), Error::EmptyMesh);
         let mut builder = tetrahedron();
         builder.facet_group_by_nodes("nowhere", vec![vec![0, 1, 2]]);

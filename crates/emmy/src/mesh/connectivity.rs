@@ -1,11 +1,12 @@
-//! How the cells of a mesh hang together: parts, repeated cells, nodes at one place.
+//! Connectivity of the cells of a mesh: parts, repeated cells, coincident nodes.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::Mesh;
 
 impl Mesh {
-    /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are connected.
+    /// Cells of each connected part, ascending, the part of the first cell first. Cells with a common node are
+    /// connected.
     ///
     /// ```
     /// let mesh = emmy::mesh::block([1.0; 3], [2, 2, 2])?;
@@ -16,11 +17,13 @@ impl Mesh {
         let mut roots: Vec<u32> = (0..self.n_nodes() as u32).collect();
         for cell in self.cells() {
             for &node in &cell.nodes[1..] {
-                let (a, b) = (root(&mut roots, cell.nodes[0]), root(&mut roots, node));
+                let a = root(&mut roots, cell.nodes[0]);
+                let b = root(&mut roots, node);
                 roots[a.max(b) as usize] = a.min(b);
             }
         }
-        let (mut part_of_root, mut parts) = (HashMap::new(), Vec::<Vec<u32>>::new());
+        let mut part_of_root = HashMap::new();
+        let mut parts = Vec::<Vec<u32>>::new();
         for (index, cell) in self.cells().enumerate() {
             let part = *part_of_root.entry(root(&mut roots, cell.nodes[0])).or_insert(parts.len());
             if part == parts.len() {
@@ -31,7 +34,7 @@ impl Mesh {
         parts
     }
 
-    /// Cells with the nodes of an earlier cell, in whatever order: `[earlier, later]`, by the later one ascending.
+    /// Cells with the nodes of an earlier cell, in any order: `[earlier, later]`, by the later one ascending.
     ///
     /// ```
     /// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
@@ -52,8 +55,8 @@ impl Mesh {
         repeated
     }
 
-    /// Nodes at the place of an earlier node, up to 1e-9 of the extent of the mesh: `[earlier, later]`, by the later one
-    /// ascending. Cells on both sides of them touch, but do not hang together.
+    /// Nodes at the position of an earlier node, up to 1e-9 of the extent of the mesh: `[earlier, later]`, by the later
+    /// one ascending. Cells on both sides of them touch, but are not connected.
     ///
     /// ```
     /// let mesh = emmy::mesh::block([1.0; 3], [2, 1, 1])?;
@@ -63,7 +66,7 @@ impl Mesh {
     pub fn coincident_nodes(&self) -> Vec<[u32; 2]> {
         let tolerance = 1e-9 * self.extent().into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() <= tolerance);
-        // Boxes much larger than the tolerance, so that a place lies in one of them as a rule, in up to eight at most.
+        // Boxes much larger than the tolerance, so that a point lies in one of them as a rule, in at most eight.
         let box_of = |x: f64| (x / (64.0 * tolerance)).floor() as i64;
         let mut nodes_in: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(self.n_nodes());
         let mut pairs = Vec::new();
@@ -99,7 +102,7 @@ impl Mesh {
     }
 }
 
-/// The node that stands for all nodes connected with one; the path to it is halved on the way.
+/// The representative of all nodes connected with one; the path to it is halved on the way.
 fn root(roots: &mut [u32], mut node: u32) -> u32 {
     while roots[node as usize] != node {
         roots[node as usize] = roots[roots[node as usize] as usize];
@@ -121,7 +124,7 @@ fn boxes(ends: [[i64; 2]; 3]) -> impl Iterator<Item = [i64; 3]> {
 mod tests {
     use super::super::{CellKind, MeshBuilder};
 
-    /// Tetrahedra with nodes of their own, each moved along x.
+    /// Tetrahedra with separate nodes, each moved along x.
     fn tetrahedra(offsets: &[f64]) -> MeshBuilder {
         let mut builder = MeshBuilder::new();
         for x in offsets {

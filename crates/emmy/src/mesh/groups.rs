@@ -20,7 +20,7 @@ pub struct Facet {
     pub local: u8,
 }
 
-/// Named groups. An entity may be in several groups, and one name may stand for cells, facets and nodes at once.
+/// Named groups. An entity may be in several groups, and one name may denote cells, facets and nodes.
 ///
 /// ```
 /// let mesh = emmy::mesh::rectangle([2.0, 1.0], [2, 1])?;
@@ -42,7 +42,7 @@ impl Groups {
     /// Cells of a group.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`] with the names that are there.
+    /// [`Error::UnknownGroup`] with the existing names.
     pub fn cells(&self, name: &str) -> Result<&[u32]> {
         self.cells.get(name).map(Vec::as_slice).ok_or_else(|| unknown("cell", name, self.cells.keys()))
     }
@@ -50,7 +50,7 @@ impl Groups {
     /// Facets of a group.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`] with the names that are there.
+    /// [`Error::UnknownGroup`] with the existing names.
     pub fn facets(&self, name: &str) -> Result<&[Facet]> {
         self.facets.get(name).map(Vec::as_slice).ok_or_else(|| unknown("facet", name, self.facets.keys()))
     }

@@ -31,7 +31,7 @@ pub struct Cell<'a> {
     pub nodes: &'a [u32],
 }
 
-/// Nodes, cells of any mix of kinds, and named groups. Made by a [`MeshBuilder`], so always consistent.
+/// Nodes, cells of any mix of kinds, and named groups. Built by a [`MeshBuilder`], so always consistent.
 ///
 /// ```
 /// let mesh = emmy::mesh::l_block(1.0)?;
@@ -60,7 +60,7 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// Those of [`MeshBuilder::cell`] and [`MeshBuilder::build`]; [`Error::UnusedPoint`].
+    /// As [`MeshBuilder::cell`] and [`MeshBuilder::build`]; [`Error::UnusedPoint`].
     pub fn from_cells(kind: CellKind, points: &[[f64; 3]], cells: &[impl AsRef<[u32]>]) -> Result<Mesh> {
         let mut builder = MeshBuilder::new();
         points.iter().for_each(|&point| _ = builder.point(point));
@@ -68,7 +68,7 @@ impl Mesh {
             builder.cell(kind, nodes.as_ref())?;
         }
         let mesh = builder.build()?;
-        // The builder leaves unused points out, which would renumber the nodes behind the caller's back.
+        // The builder leaves out unused points, which would renumber the nodes without telling the caller.
         let mut is_used = vec![false; points.len()];
         cells.iter().flat_map(AsRef::as_ref).for_each(|&node| is_used[node as usize] = true);
         match is_used.iter().position(|is_used| !is_used) {
@@ -110,7 +110,7 @@ impl Mesh {
         self.kinds.len()
     }
 
-    /// Number of degrees of freedom: three components a node.
+    /// Number of degrees of freedom: three per node.
     pub fn n_dofs(&self) -> usize {
         3 * self.n_nodes()
     }
@@ -140,7 +140,7 @@ impl Mesh {
     /// Nodes of every group of a name: of its facets, cells and nodes together, ascending, without repetition.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`] with the names that are there.
+    /// [`Error::UnknownGroup`] with the existing names.
     pub fn group_nodes(&self, name: &str) -> Result<Vec<u32>> {
         let groups = &self.groups;
         let mut nodes: Vec<u32> = groups.nodes.get(name).cloned().unwrap_or_default();
@@ -159,7 +159,7 @@ impl Mesh {
         Ok(nodes)
     }
 
-    /// The node nearest to a point in the reference configuration; the first one of several.
+    /// The node nearest to a point in the reference configuration; the first of several.
     pub fn nearest_node(&self, point: [f64; 3]) -> usize {
         let distance = |p: &[f64; 3]| (0..3).map(|i| (p[i] - point[i]).powi(2)).sum::<f64>();
         let nodes = 0..self.n_nodes();

@@ -31,8 +31,8 @@ pub fn block(size: [f64; 3], cells: [usize; 3]) -> Result<Mesh> {
     grid.build()
 }
 
-/// Rectangle `[0, size]` of equal quad4 cells in the plane z = 0, for plane strain; groups `body`, `x-min`, `x-max`, `y-min`,
-/// `y-max`.
+/// Rectangle `[0, size]` of equal quad4 cells in the plane z = 0, for plane strain; groups `body`, `x-min`, `x-max`,
+/// `y-min`, `y-max`.
 ///
 /// `size`: edge lengths \[length\]; `cells`: number of cells along each edge.
 ///
@@ -110,7 +110,8 @@ impl Grid {
     }
 
     fn node(&mut self, at: [usize; 3]) -> u32 {
-        let (builder, cell_size) = (&mut self.builder, self.cell_size);
+        let builder = &mut self.builder;
+        let cell_size = self.cell_size;
         *self
             .node_at
             .entry(at)

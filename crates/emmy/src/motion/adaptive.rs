@@ -1,4 +1,4 @@
-//! Marching with step sizes that are chosen by the error.
+//! Marching with step sizes chosen by the error.
 
 use super::adaptivity::Controller;
 use super::control::Control;
@@ -12,10 +12,10 @@ use crate::time::{LocalError, Scheme, State, StepOutcome, TimeElement};
 /// Consecutive rejections of one step: smaller steps do not help.
 const MAX_REJECTIONS: usize = 60;
 
-/// Part of the allowed number of Newton iterations from which on a step counts as hard.
+/// A step is hard if it takes more than this part of the allowed Newton iterations.
 const HARD_ITERATIONS: f64 = 0.75;
 
-/// A time that is to be met.
+/// A time at which a step must end.
 #[derive(Debug, Clone, Copy)]
 struct Stop {
     time: f64,
@@ -23,7 +23,8 @@ struct Stop {
 }
 
 impl<'a> Motion<'a> {
-    /// Marches to the end of a plan with steps that are chosen by the error. Steps end at every end of a phase and every kink of a load.
+    /// Marches to the end of a plan with steps chosen by the error. A step ends at every end of a phase and every kink
+    /// of a load.
     pub(super) fn march_adaptively(
         &mut self,
         plan: &StepPlan,
@@ -32,7 +33,7 @@ impl<'a> Motion<'a> {
     ) -> Result<(), MarchError> {
         self.control = Some(self.control(plan, adaptivity)?);
         for phase in plan.phases() {
-            // Back in its place whenever observers look on: a snapshot has it.
+            // In its place whenever observers are called: a snapshot contains it.
             while let Some(mut control) = self.control.take() {
                 let output = plan.next_output(self.state.time);
                 let stop = self.next_stop(&control, phase.until, output);
@@ -55,8 +56,8 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// The next time that is to be met, and whether it is a kink of a load; none, if the end of the phase is reached. `output`: the next
-    /// time for output.
+    /// The next time at which a step must end, and whether it is a kink of a load; none after the end of the phase.
+    /// `output`: the next time for output.
     fn next_stop(&self, control: &Control<'_>, until: f64, output: Option<f64>) -> Option<Stop> {
         let same = control.same_time;
         if until - self.state.time <= same {
@@ -68,7 +69,7 @@ impl<'a> Motion<'a> {
         Some(Stop { time, is_kink: kink <= time + same })
     }
 
-    /// Does the next step, as often as it takes to be accepted; it does not go beyond a time. `longest`: the longest that any step can be.
+    /// Does the next step, repeated until it is accepted, not beyond a time. `longest`: the longest possible step.
     fn step_towards(
         &mut self,
         control: &mut Control<'a>,
@@ -110,14 +111,17 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// The largest size up to one whose step resolves all that acts on the body, and whether even the shortest one misses something.
+    /// The largest size up to a given one that resolves all functions of time, and whether even the shortest step
+    /// misses something.
     ///
     /// # Errors
-    /// [`Error::SmallestStep`] if that takes steps below the smallest size.
+    /// [`Error::SmallestStep`] if this needs steps below the smallest size.
     fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, bool)> {
         let Some(resolution) = &mut self.resolution else { return Ok((size, false)) };
         resolution.set_degree(self.scheme.degree());
-        let (time, tolerance, length) = (self.state.time, control.adaptivity.tolerance, control.length);
+        let time = self.state.time;
+        let tolerance = control.adaptivity.tolerance;
+        let length = control.length;
         let resolved = resolution.resolved_size(time, size, tolerance, length);
         let smallest = control.adaptivity.smallest.min(size);
         if resolved < smallest
@@ -144,7 +148,7 @@ impl<'a> Motion<'a> {
         Ok((outcome, error))
     }
 
-    /// Returns to the start of the step; the next attempt will be smaller.
+    /// Returns to the start of the step; the next attempt is smaller.
     fn reject(
         &mut self,
         control: &mut Control<'a>,
@@ -179,7 +183,7 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// Continues with the body without the supports that are released by now, and replaces the estimator.
+    /// Continues with the body without the supports released by now, and replaces the estimator.
     fn release_under(&mut self, control: &mut Control<'a>) -> Result<()> {
         let before = self.releases;
         self.release(control.same_time)?;
@@ -194,7 +198,7 @@ impl<'a> Motion<'a> {
         LocalError::new(self.body, element, adaptivity.estimator_of(element), self.settings, &self.state)
     }
 
-    /// The control of a plan: from the march before, from the snapshot, or a new one.
+    /// The control of a plan: from the previous march, from the snapshot, or a new one.
     fn control(&mut self, plan: &StepPlan, adaptivity: &Adaptivity) -> Result<Control<'a>> {
         if let Some(control) = self.control.take().filter(|control| control.adaptivity == *adaptivity) {
             return Ok(control);
@@ -230,8 +234,8 @@ impl<'a> Motion<'a> {
         Ok(control)
     }
 
-    /// Changes to the degree that costs least, if trials are due, after a step of a size with an error. `longest`: another limit of the
-    /// size.
+    /// Changes to the cheapest degree, if trials are due, after a step with its size and error. `longest`: another
+    /// limit of the size.
     fn choose_degree(
         &mut self,
         control: &mut Control<'a>,
@@ -262,8 +266,8 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// Error of a step of another degree from the start of the last step; none if it fails. Trials are rare: they allocate everything
-    /// again.
+    /// Error of a step of another degree from the start of the last step; none if it fails. Trials are rare, so they
+    /// allocate everything again.
     fn error_of_degree(&self, control: &Control<'a>, degree: usize, size: f64) -> Option<f64> {
         let element = time_element(self.scheme_of(degree).ok()?).ok()?;
         let mut end: State = control.start.clone();
@@ -295,6 +299,6 @@ impl<'a> Motion<'a> {
 fn time_element(scheme: Scheme) -> Result<TimeElement> {
     scheme.time_element().ok_or_else(|| Error::Scheme {
         scheme: scheme.name(),
-        reason: "adaptive steps go with time elements only".to_string(),
+        reason: "adaptive steps need a time element".to_string(),
     })
 }

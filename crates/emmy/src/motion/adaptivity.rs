@@ -1,19 +1,20 @@
-//! How step sizes are chosen by the error: settings and controller.
+//! Adaptive step sizes: settings and controller.
 
 use crate::error::{Error, Result};
 use crate::number::short;
 use crate::time::{Estimator, MAX_DEGREE, Memory, TimeElement};
 
-/// Steps whose sizes are chosen by the error that each of them makes.
+/// Settings of steps whose sizes are chosen by their error.
 ///
-/// The error of a step is measured as a length, in the mean over the mass,
+/// The error of a step is a length, in the mean over the mass,
 ///
 /// ```math
 /// e = |du|_M / l,    |du|_M^2 = sum_a m_a |du_a|^2 / m
 /// ```
 ///
-/// with the error du of the positions at its end, the lumped masses m_a, their sum m and a length l of the body; with a scale of velocities it is the larger one of
-/// this and of the same mean of the error of the velocities. A step is accepted if e is not above the tolerance.
+/// with the error du of the positions at its end, the lumped masses m_a, their sum m and a length l of the body. With a
+/// scale of velocities, the larger of e and the same mean for the velocities counts. A step is accepted if e does not
+/// exceed the tolerance.
 ///
 /// ```
 /// use emmy::motion::Adaptivity;
@@ -25,7 +26,7 @@ use crate::time::{Estimator, MAX_DEGREE, Memory, TimeElement};
 pub struct Adaptivity {
     /// Largest error of a step that is accepted, relative to the scales.
     pub tolerance: f64,
-    /// Smallest step \[time\]; a smaller one is done only to land on a time.
+    /// Smallest step \[time\]; a smaller one is done only to end at a given time.
     pub smallest: f64,
     /// Largest step \[time\].
     pub largest: f64,
@@ -37,7 +38,7 @@ pub struct Adaptivity {
     pub velocity: Option<f64>,
     /// How the error is estimated; `None`: as [`Estimator::of`] says.
     pub estimator: Option<Estimator>,
-    /// Lowest and highest degree of the elements, of which the cheapest is chosen; `None`: the degree of the motion.
+    /// Lowest and highest degree of the elements, from which the cheapest is chosen; `None`: the degree of the motion.
     pub degrees: Option<[usize; 2]>,
 }
 
@@ -56,13 +57,14 @@ impl Adaptivity {
         }
     }
 
-    /// The estimator of an element: the one asked for; else the sampled residual where degrees are chosen, or what [`Estimator::of`] says.
+    /// The estimator of an element: the requested one; otherwise the sampled residual if degrees are chosen, else
+    /// [`Estimator::of`].
     pub fn estimator_of(&self, element: TimeElement) -> Estimator {
         let own = || if self.degrees.is_some() { Estimator::Sampled } else { Estimator::of(element) };
         self.estimator.unwrap_or_else(own)
     }
 
-    /// Checks that the settings go with the time element of a motion.
+    /// Checks that the settings fit the time element of a motion.
     ///
     /// # Errors
     /// [`Error::Adaptivity`].
@@ -90,7 +92,7 @@ impl Adaptivity {
         self.estimator.map_or(Ok(()), |estimator| estimator.check(highest))
     }
 
-    /// Checks that the settings go together.
+    /// Checks that the settings are consistent.
     ///
     /// # Errors
     /// [`Error::Adaptivity`].
@@ -127,25 +129,25 @@ impl Adaptivity {
     }
 }
 
-/// Chooses step sizes from errors: the predictive controller of Gustafsson (1994, Control-theoretic techniques for stepsize selection
-/// in implicit Runge-Kutta methods, ACM Transactions on Mathematical Software 20),
+/// Chooses step sizes from errors: the predictive controller of Gustafsson (1994, Control-theoretic techniques for
+/// stepsize selection in implicit Runge-Kutta methods, ACM Transactions on Mathematical Software 20),
 ///
 /// ```math
 /// h_(n+1) = h_n (c/e_n)^(1/q) (e_(n-1)/e_n)^(1/q) (h_n/h_(n-1))
 /// ```
 ///
-/// for errors that grow like h^q, with c a part of the tolerance: the trend of the motion from the last step to this one is taken to go on, so that a body that
-/// comes near another meets smaller steps in time. The factor is limited smoothly (Soederlind and Wang 2006, Adaptive time-stepping and computational
-/// stability, Journal of Computational and Applied Mathematics 185). A size that would change little stays, because a new one needs new factors of the
-/// linear solver.
+/// for errors that grow like h^q, with c a part of the tolerance. The trend from the last step to this one is
+/// extrapolated, so that a body that approaches another one takes smaller steps in time. The factor is limited smoothly
+/// (Soederlind and Wang 2006, Adaptive time-stepping and computational stability, Journal of Computational and Applied
+/// Mathematics 185). A size that would change little is kept, because a new one needs new factors of the linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller {
     tolerance: f64,
     smallest: f64,
     largest: f64,
-    /// Power q of the step size with which errors grow.
+    /// Power q of the step size in the error.
     order: f64,
-    /// Size that the next step should have.
+    /// Size of the next step.
     size: f64,
     /// Error of the last accepted step over the tolerance, and its size.
     last: Option<(f64, f64)>,
@@ -153,10 +155,10 @@ pub struct Controller {
     was_rejected: bool,
 }
 
-/// Errors below this part of the tolerance are taken for it: a step without error says nothing about larger ones.
+/// Smallest error over the tolerance in the controller: a step without error says nothing about larger ones.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// Factors within which the size is not changed.
+/// Range of factors within which the size is not changed.
 const UNCHANGED_WITHIN: [f64; 2] = [0.95, 1.2];
 
 /// Largest factor on the size after a step was rejected.
@@ -166,7 +168,7 @@ const MAX_REJECTION_FACTOR: f64 = 0.9;
 const MIN_REJECTION_FACTOR: f64 = 0.1;
 
 impl Controller {
-    /// Part of the tolerance that is aimed at.
+    /// Target error, as a part of the tolerance.
     pub(super) const AIM: f64 = 0.6;
 
     /// A controller of errors that grow like `h^order`.
@@ -184,12 +186,12 @@ impl Controller {
         }
     }
 
-    /// Size that the next step should have.
+    /// Size of the next step.
     pub fn size(&self) -> f64 {
         self.size
     }
 
-    /// Size of the next step, if so much time is left to one that must be met: it is met exactly, and not by a sliver of a step.
+    /// Size of the next step, given the time left to one that must be met: it is met exactly, without a tiny last step.
     pub fn size_within(&self, left: f64) -> f64 {
         if self.size >= left * (1.0 - 1e-9) {
             left
@@ -221,7 +223,7 @@ impl Controller {
         }
         self.last = Some((error, size));
         self.was_rejected = false;
-        // A step that was made smaller only to meet a time does not take back what was to come.
+        // A step shortened only to meet a time does not reduce the next one.
         let was_limited = size < self.size * (1.0 - 1e-9);
         let proposed =
             if was_limited && factor >= 1.0 { self.size.max(factor * size) } else { factor * size };
@@ -252,7 +254,7 @@ impl Controller {
         self.was_rejected = true;
     }
 
-    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has this size at most.
+    /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most this size.
     pub fn restart(&mut self, size: f64) {
         self.size = self.size.min(size).max(self.smallest);
         self.last = None;
@@ -267,7 +269,7 @@ impl Controller {
         memory.keep_number("controller.order", self.order);
     }
 
-    /// Restores what [`Controller::keep`] kept.
+    /// Restores the data of [`Controller::keep`].
     ///
     /// # Errors
     /// [`Error::Memory`].
@@ -291,8 +293,9 @@ mod tests {
 
     #[test]
     fn sizes_settle_where_the_error_is_the_aim() {
-        // e = 2 h^3: the aim is met at h = (0.6e-4 / 2)^(1/3), within what is left alone.
-        let (mut controller, mut rejected) = (controller(), 0);
+        // e = 2 h^3: the target is met at h = (0.6e-4 / 2)^(1/3), within the range of unchanged sizes.
+        let mut controller = controller();
+        let mut rejected = 0;
         for _ in 0..60 {
             let size = controller.size_within(f64::INFINITY);
             let error = 2.0 * size.powi(3);
@@ -324,7 +327,7 @@ mod tests {
         let mut controller = controller();
         controller.accept(1e-3, 1e-12, false);
         assert!(controller.size_within(f64::INFINITY) >= 0.1);
-        // Where even the short step had a large error, it does.
+        // If even the short step had a large error, the size falls.
         let mut controller = self::controller();
         controller.accept(0.01, 1e-4, false);
         assert!(controller.size_within(f64::INFINITY) < 0.0101);

@@ -18,7 +18,7 @@ pub struct Control<'a> {
     pub length: f64,
     /// Duration of the plan.
     pub duration: f64,
-    /// Times that lie closer together are the same.
+    /// Times closer together are equal.
     pub same_time: f64,
     /// The state at the start of the step.
     pub start: State,
@@ -46,12 +46,12 @@ impl<'a> Control<'a> {
         Ok(FIRST_PART * by_velocity.min(by_acceleration).min(self.duration))
     }
 
-    /// Error of the last step: the larger one of the errors of positions and velocities, in their scales.
+    /// Error of the last step: the larger of the errors of positions and velocities, in their scales.
     pub fn error(&self, body: &Body) -> f64 {
         self.size_of_error(body, &self.estimator)
     }
 
-    /// The same of the errors of an estimator.
+    /// The same for the errors of a given estimator.
     pub fn size_of_error(&self, body: &Body, estimator: &LocalError<'_>) -> f64 {
         let position = body.mass_weighted_rms(estimator.displacement()) / self.length;
         match self.adaptivity.velocity {
@@ -61,7 +61,7 @@ impl<'a> Control<'a> {
     }
 }
 
-/// The larger one of two errors; NaN if one of them is.
+/// Larger of two errors; NaN if either is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -1,39 +1,41 @@
-//! Choice of the degree by its work.
+//! Choice of the degree by its cost.
 
 use crate::error::Result;
 use crate::time::Memory;
 
-/// Chooses the degree with which a unit of time costs least.
+/// Chooses the degree with the smallest cost per unit of time.
 ///
-/// Steps of degree k have the error `c_k h^(2k+1)`; c_k is measured by repeating the last accepted step with each neighbouring degree. A
-/// step of degree k costs k, since a correction of its equations has k stages to evaluate and to solve for, and degrees differ little in how many it takes. So
+/// Steps of degree k have the error `c_k h^(2k+1)`; c_k is measured by repeating the last accepted step with each
+/// neighbouring degree. A step of degree k costs k: one correction evaluates and solves k stages, and the number of
+/// corrections hardly depends on the degree. So
 ///
 /// ```math
 /// W_k = k / h_k,    h_k = h (c/e_k)^(1/(2k+1)),    c = 0.6 tolerance
 /// ```
 ///
-/// with the error e_k of the trial, of size h. The law is not trusted beyond some factor, h_k does not go beyond the largest step or the time between two outputs, and
-/// another degree is taken only if it costs clearly less. Trials cost a few steps, and become rare where they change nothing. There is no clock in it: a motion has
-/// the same degrees on every machine.
+/// with the error e_k of the trial, of size h. The law is not extrapolated beyond some factor, h_k does not exceed the
+/// largest step or the time between two outputs, and the degree changes only if the other one is clearly cheaper.
+/// Trials cost a few steps, and become rare if they change nothing. The choice uses no clock: a motion has the same
+/// degrees on every machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DegreeChoice {
     lowest: usize,
     highest: usize,
-    /// Steps to go to the next trials, and from those to the ones after.
+    /// Steps until the next trials, and the interval after those.
     left: usize,
     pause: usize,
 }
 
-/// Steps from a new degree to the first trials, and between trials at the most.
+/// Steps from a new degree to the first trials, and the longest interval between trials.
 const PAUSES: [usize; 2] = [8, 128];
 
-/// A step with a smaller part of the aimed error was shortened to meet a time, or is one of the first.
+/// A step with a smaller part of the target error was shortened to meet a time, or is one of the first.
 pub const MIN_TELLING_ERROR: f64 = 0.01;
 
-/// Largest change of the size that is extrapolated by the law.
+/// Largest change of the size in the extrapolation.
 const MAX_SIZE_RATIO: f64 = 3.0;
 
-/// Largest ratio of the work of another degree to the present work with which the degree changes.
+/// Largest ratio of the cost of another degree to the present one at which the degree changes.
 pub const MAX_WORK_RATIO: f64 = 0.8;
 
 impl DegreeChoice {
@@ -41,21 +43,22 @@ impl DegreeChoice {
         DegreeChoice { lowest, highest, left: PAUSES[0], pause: PAUSES[0] }
     }
 
-    /// Counts an accepted step; true if trials are due and the step is long enough to judge sizes by it.
+    /// Counts an accepted step; true if trials are due and the step is long enough for them.
     pub fn is_due(&mut self, is_telling: bool) -> bool {
         self.left = self.left.saturating_sub(1);
         self.left == 0 && is_telling
     }
 
-    /// Waits for the next trials: twice as long where nothing changed.
+    /// Schedules the next trials: after twice as many steps if nothing changed.
     pub fn wait(&mut self, has_changed: bool) {
         self.pause = if has_changed { PAUSES[0] } else { (2 * self.pause).min(PAUSES[1]) };
         self.left = self.pause;
     }
 
-    /// Degrees beside one.
+    /// Neighbouring degrees.
     pub fn neighbours(&self, degree: usize) -> impl Iterator<Item = usize> + use<> {
-        let (lowest, highest) = (self.lowest, self.highest);
+        let lowest = self.lowest;
+        let highest = self.highest;
         [degree - 1, degree + 1].into_iter().filter(move |k| (lowest..=highest).contains(k))
     }
 
@@ -66,7 +69,7 @@ impl DegreeChoice {
         memory.keep_number("degree.pause", self.pause as f64);
     }
 
-    /// Restores what [`DegreeChoice::keep`] kept.
+    /// Restores the data of [`DegreeChoice::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -82,7 +85,7 @@ pub fn degree_of(memory: &Memory) -> Option<usize> {
     memory.number("degree").ok().map(|degree| degree as usize)
 }
 
-/// Size at which an error that grows with an order is the one aimed at, by a step of a size and its error over that.
+/// Size at which an error of a given order equals the target, from a step of a size and its error over the target.
 pub fn size_of(order: usize, size: f64, error: f64) -> f64 {
     let power = 1.0 / order as f64;
     size * error
@@ -98,7 +101,7 @@ mod tests {
 
     #[test]
     fn sizes_follow_the_law_within_its_limits() {
-        // 2.5^5 of the error that is aimed at: 2.5 times too large for degree 2.
+        // 2.5^5 of the target error: 2.5 times too large for degree 2.
         assert!((size_of(5, 1.0, 2.5f64.powi(5)) - 0.4).abs() < 1e-12);
         assert!((size_of(3, 0.1, 1.0 / 8.0) - 0.2).abs() < 1e-12);
         assert_eq!((size_of(7, 1.0, 0.0), size_of(3, 1.0, 1e30)), (3.0, 1.0 / 9.0));

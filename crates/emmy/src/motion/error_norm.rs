@@ -8,8 +8,8 @@ use super::{Observer, Samples, View};
 /// ||e|| = ( int_ta^tb sum_A |q_A(t) - q*_A(t)|^2 dt )^(1/2)
 /// ```
 ///
-/// The sum is over the nodes; the integral is taken by the trapezoidal rule at the times of the motion. As an observer it takes every
-/// step of a march.
+/// The sum is over the nodes; the integral is taken by the trapezoidal rule at the times of the motion. As an observer,
+/// it sees every step of a march.
 ///
 /// ```
 /// use emmy::motion::{ErrorNorm, Samples};
@@ -25,13 +25,13 @@ pub struct ErrorNorm<'a> {
     /// Start of the integral.
     start: f64,
     tolerance: f64,
-    /// Time and integrands of the step before.
+    /// Time and integrands of the previous step.
     last: Option<(f64, [f64; 2])>,
     integrals: [f64; 2],
 }
 
 impl<'a> ErrorNorm<'a> {
-    /// The norm from a time on; times nearer than the tolerance are the same.
+    /// The norm from a time on; times closer than the tolerance are equal.
     pub fn new(samples: &'a Samples, start: f64, tolerance: f64) -> Self {
         ErrorNorm { samples, start, tolerance, last: None, integrals: [0.0; 2] }
     }

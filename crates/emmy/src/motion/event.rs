@@ -9,11 +9,11 @@
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
-    /// Number of the step that it belongs to.
+    /// Number of its step.
     pub step: usize,
-    /// Time of it \[time\].
+    /// Its time \[time\].
     pub time: f64,
-    /// Kind of it.
+    /// Its kind.
     pub kind: EventKind,
     /// Description.
     pub message: String,
@@ -26,13 +26,13 @@ pub struct Event {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
-    /// A step failed and is cut by two.
+    /// A failed step is cut by two.
     Cut,
-    /// A step was rejected because of its error; it is repeated with a smaller size.
+    /// A step is rejected because of its error, and repeated with a smaller size.
     Rejected,
-    /// Steps are twice as large again.
+    /// The step size is doubled again after cuts.
     Grown,
-    /// The elements that follow have another degree.
+    /// The degree of the elements changes.
     Degree,
     /// A support is released.
     Release,

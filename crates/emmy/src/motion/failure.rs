@@ -4,7 +4,7 @@ use crate::body::Body;
 use crate::error::Error;
 use crate::time::State;
 
-/// The error of a step, with the place of the cell if one was inverted.
+/// The error of a step; an inverted cell has its place.
 pub fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
     let inner = match &error {
         Error::StepFailed { cause, .. } => cause,

@@ -1,4 +1,4 @@
-//! The error of a motion since its start, by a motion of a higher degree beside it.
+//! Error of a motion since its start, by a simultaneous motion of higher degree.
 
 use super::stepping::{SAME_TIME, due_release};
 use super::{Observer, ObserverResult, View};
@@ -7,16 +7,17 @@ use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::time::{Scheme, State, Stepper};
 
-/// Estimates the error of a motion since its start: an observer that does the same steps with the element of degree k + 1.
+/// Estimates the error of a motion since its start: an observer that repeats the steps with the element of degree k +
+/// 1.
 ///
 /// ```math
 /// u_h - u ~ u_h - u_h^(k+1)
 /// ```
 ///
-/// The one has an error of order 2k, the other of order 2k + 2, so that the estimate is exact in the limit of small steps; it is as good as the steps
-/// resolve the motion. Modes that no step resolves are wrong in both, in different ways: then the difference has the size of what
-/// they do, and says that much. Unlike sums of local errors it contains how errors grow. It costs a step of degree k + 1 for each
-/// step.
+/// The motion has an error of order 2k, the other one of order 2k + 2, so that the estimate is exact in the limit of
+/// small steps; it is as good as the steps resolve the motion. Modes that no step resolves are wrong in both, in
+/// different ways; then the difference has the size of their vibration. Unlike sums of local errors, the estimate
+/// includes the growth of errors. It costs one step of degree k + 1 per step.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -47,7 +48,8 @@ pub struct GlobalError<'a> {
 }
 
 impl<'a> GlobalError<'a> {
-    /// The estimator of a motion of a scheme that starts from a state; where degrees are chosen, the scheme of the highest.
+    /// The estimator of a motion of a scheme that starts from a state; if degrees are chosen, the scheme of the highest
+    /// one.
     ///
     /// # Errors
     /// As [`Scheme::stepper`], for the next degree.
@@ -84,12 +86,12 @@ impl<'a> GlobalError<'a> {
         &self.velocity
     }
 
-    /// The state that the higher degree has come to.
+    /// The state of the motion of higher degree.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// Does a step, in parts where the higher degree does not find its end at once: it may be longer than what it can solve.
+    /// Does a step, in parts if the higher degree does not converge at once.
     fn advance(&mut self, step_size: f64) -> Result<()> {
         self.start.copy_from(&self.state);
         let mut outcome = Ok(());
@@ -107,7 +109,7 @@ impl<'a> GlobalError<'a> {
         outcome
     }
 
-    /// Does the step that led to a state.
+    /// Repeats the step that led to a state.
     fn follow(&mut self, state: &State, step_size: f64) -> Result<()> {
         while let Some((_, body)) = due_release(self.body, self.state.time, SAME_TIME * step_size) {
             self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;

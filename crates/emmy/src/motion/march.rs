@@ -22,8 +22,8 @@ impl Motion<'_> {
         plan.steps().try_for_each(|step| self.march_through(&step, observers))
     }
 
-    /// Marches through the rest of a plan. Observers see every step, but not the present state. The time may differ from
-    /// the plan's grid by rounding; one that lies inside a planned step goes to its end first.
+    /// Marches through the rest of a plan. Observers see every step, but not the present state. The time may differ
+    /// from the plan's grid by rounding; from a time inside a planned step, the march first completes that step.
     ///
     /// # Errors
     /// As [`Motion::march`].
@@ -76,10 +76,10 @@ impl Motion<'_> {
         }
     }
 
-    /// Cuts a step that failed by two.
+    /// Cuts a failed step by two.
     ///
     /// # Errors
-    /// The error of the step, if it may not be cut; as [`Error::SmallestStep`], if it has been.
+    /// The error of the step, if it may not be cut; [`Error::SmallestStep`] if it has been cut before.
     fn cut(&mut self, step: &PlannedStep, size: f64, error: Error) -> Result<(), MarchError> {
         let may_be_cut = match self.smallest {
             None => false,
@@ -100,13 +100,13 @@ impl Motion<'_> {
         Ok(())
     }
 
-    /// The error of a step that failed with every size down to one.
+    /// The error of a step that failed with every size down to a given one.
     pub(super) fn smallest_step_error(&self, step_size: f64, cause: Error) -> Error {
         let step = self.state.step + 1;
         Error::SmallestStep { step, start: self.state.time, step_size, cause: Box::new(cause) }
     }
 
-    /// Ends a march in which rounding has used up all digits but three: smaller steps would not bring them back.
+    /// Ends a march in which rounding leaves fewer than three digits: smaller steps would not help.
     ///
     /// # Errors
     /// [`Error::NoDigits`].
@@ -118,7 +118,7 @@ impl Motion<'_> {
         Err(Error::NoDigits { step, time, digits: -rounding.log10() })
     }
 
-    /// Tells observers of the events that they have not seen yet.
+    /// Passes new events to the observers.
     pub(super) fn tell(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         for event in self.events.drain(..) {
             let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
@@ -129,7 +129,9 @@ impl Motion<'_> {
 
     pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
-        let (body, state, record) = (self.body, &self.state, &self.record);
+        let body = self.body;
+        let state = &self.state;
+        let record = &self.record;
         let newton_residuals = self.stepper.newton_history();
         let view = View { body, state, record, newton_residuals, motion: self };
         observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)

@@ -1,4 +1,4 @@
-//! The interface of observers, who see every step of a march.
+//! The interface of observers of a march.
 
 use super::{Event, Motion, Record};
 use crate::body::Body;
@@ -25,8 +25,8 @@ pub struct View<'a> {
     pub state: &'a State,
     /// Energies, momenta, balances.
     pub record: &'a Record,
-    /// Norms of the Newton residuals in the step, one for each evaluation. Of a step in two parts, those of the second part; empty
-    /// at the start and for explicit steppers.
+    /// Norms of the Newton residuals in the step, one for each evaluation. For a step in two parts, only the second
+    /// part; empty at the start and for explicit steppers.
     pub newton_residuals: &'a [f64],
     /// The motion itself, for its [`super::Snapshot`] and [`super::RunStatistics`].
     pub motion: &'a Motion<'a>,
@@ -105,7 +105,7 @@ pub enum MarchError {
 }
 
 impl From<MarchError> for Error {
-    /// The error of the step; the message of an observer's error as [`Error::Observer`].
+    /// The error of the step, or [`Error::Observer`] with the message of an observer.
     fn from(error: MarchError) -> Self {
         match error {
             MarchError::Step(error) => error,

@@ -1,4 +1,4 @@
-//! The step plan: which step sizes, until when.
+//! The step plan: step sizes over time.
 
 use super::Adaptivity;
 use crate::error::{Error, Result};
@@ -56,19 +56,19 @@ pub struct StepPlan {
     start: f64,
     phases: Vec<Phase>,
     adaptivity: Option<Adaptivity>,
-    /// Time between two that are met for output, counted from the start.
+    /// Time between outputs, counted from the start.
     interval: Option<f64>,
 }
 
-/// Steps shorter than this part of the size are merged into the one before: they come from rounding of `until / size`.
+/// Steps shorter than this part of the size are merged with the previous one: they come from rounding of `until /
+/// size`.
 const SLIVER: f64 = 1e-6;
 
-/// Steps up to this part of the time are lost in its rounding: three digits of the size have to be left in the difference of two
-/// times.
+/// Smallest step relative to the time: three digits of the size must be left in the difference of two times.
 pub(super) const SHORTEST: f64 = 1024.0 * f64::EPSILON;
 
-/// Times that lie closer together than this part of an adaptive plan differ by rounding. Its largest size says nothing about
-/// that: it may be larger than what lies between two times that are to be met.
+/// Times closer together than this part of an adaptive plan differ by rounding. Its largest size is no measure: it may
+/// exceed the distance of two times that must be met.
 const ROUNDING: f64 = 1e-12;
 
 impl StepPlan {
@@ -113,7 +113,7 @@ impl StepPlan {
         Ok(StepPlan { start, phases, adaptivity: None, interval: None })
     }
 
-    /// A plan of steps whose sizes are chosen by the error. Its phases say which times are to be met, their size is the largest.
+    /// A plan of steps chosen by the error. Its phases give the times that are met and the largest step sizes.
     ///
     /// ```
     /// use emmy::motion::{Adaptivity, StepPlan};
@@ -133,7 +133,7 @@ impl StepPlan {
         Ok(StepPlan { adaptivity: Some(adaptivity), ..plan })
     }
 
-    /// The plan with other phases, its steps being chosen as they were.
+    /// The plan with other phases, and the same choice of steps.
     ///
     /// # Errors
     /// As [`StepPlan::new`].
@@ -142,12 +142,12 @@ impl StepPlan {
         Ok(StepPlan { adaptivity: self.adaptivity, interval: self.interval, ..plan })
     }
 
-    /// How step sizes are chosen by the error; `None` if the phases say the sizes.
+    /// Settings of adaptive steps; `None` if the phases give the sizes.
     pub fn adaptivity(&self) -> Option<&Adaptivity> {
         self.adaptivity.as_ref()
     }
 
-    /// The plan with a step that ends at a time: the phase around it becomes two. A time outside the plan changes nothing.
+    /// The plan with a step that ends at a time: its phase is split in two. A time outside the plan changes nothing.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -182,7 +182,7 @@ impl StepPlan {
         &self.phases
     }
 
-    /// Number of steps; the smallest one, where sizes are chosen by the error.
+    /// Number of steps; a lower bound for adaptive steps.
     pub fn n_steps(&self) -> usize {
         self.begins().map(|(begin, phase)| n_steps(begin, phase)).sum()
     }
@@ -202,7 +202,7 @@ impl StepPlan {
         })
     }
 
-    /// The steps that remain at a time: from the one that starts there, or in which it lies.
+    /// The remaining steps at a time, from the step that starts there or contains it.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -215,8 +215,8 @@ impl StepPlan {
         self.steps().skip_while(move |step| step.end - time <= self.same_time(step.size))
     }
 
-    /// The time of the plan's grid that differs from a time by rounding only, else the time itself; so it is where sizes are
-    /// chosen by the error.
+    /// The time of the plan's grid that differs from a time by rounding only, else the time itself, as always for
+    /// adaptive steps.
     pub fn on_grid(&self, time: f64) -> f64 {
         if self.adaptivity.is_some() {
             return time;
@@ -225,7 +225,7 @@ impl StepPlan {
         next.filter(|step| (step.start - time).abs() <= SLIVER * step.size).map_or(time, |step| step.start)
     }
 
-    /// The plan with steps of another size from a time on. What lies before stays, and so do the ends of the phases.
+    /// The plan with steps of another size after a time. Earlier steps and the ends of the phases stay.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -236,7 +236,7 @@ impl StepPlan {
     /// ```
     ///
     /// # Errors
-    /// As [`StepPlan::new`]; [`Error::Plan`] if sizes are chosen by the error.
+    /// As [`StepPlan::new`]; [`Error::Plan`] for adaptive steps.
     pub fn with_size_from(&self, time: f64, size: f64) -> Result<Self> {
         if self.adaptivity.is_some() {
             let reason = "the sizes of adaptive steps are chosen by the error".to_string();
@@ -257,7 +257,8 @@ impl StepPlan {
         self.with_phases(phases)
     }
 
-    /// The plan with a time between outputs: steps end on every multiple of it, counted from the start, see [`StepPlan::is_output`].
+    /// The plan with a time between outputs: steps end on every multiple of it, counted from the start, see
+    /// [`StepPlan::is_output`].
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -268,8 +269,8 @@ impl StepPlan {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Plan`] if it is not positive, or if planned steps miss one of these times. Steps whose sizes are chosen by the error meet
-    /// them all.
+    /// [`Error::Plan`] if it is not positive, or if planned steps miss one of these times. Adaptive steps meet them
+    /// all.
     pub fn with_interval(self, interval: f64) -> Result<Self> {
         if !(interval > 0.0 && interval.is_finite()) || (self.end() - self.start) / interval > 1e9 {
             let reason = format!("the time between outputs must be positive and finite, not {interval}");
@@ -295,14 +296,14 @@ impl StepPlan {
         self.interval
     }
 
-    /// Whether a time is one for output, but for rounding.
+    /// Whether a time is an output time, up to rounding.
     pub fn is_output(&self, time: f64) -> bool {
         let Some(interval) = self.interval else { return false };
         let multiple = self.start + ((time - self.start) / interval).round() * interval;
         (time - multiple).abs() <= self.same_time(interval)
     }
 
-    /// The first time for output after a time.
+    /// The first output time after a time.
     pub(super) fn next_output(&self, time: f64) -> Option<f64> {
         let interval = self.interval?;
         let after = time + self.same_time(interval);
@@ -312,8 +313,8 @@ impl StepPlan {
         [n - 1.0, n, n + 1.0, n + 2.0].into_iter().map(nth).find(|&output| output > after)
     }
 
-    /// A time for output inside a phase on which none of its steps ends. It is enough to look at the first ones: where a second one
-    /// is met as well, the interval is a multiple of the size.
+    /// An output time inside a phase at which none of its steps ends. The first ones suffice: if a second one is met as
+    /// well, the interval is a multiple of the size.
     fn missed_output(&self, begin: f64, phase: Phase) -> Option<f64> {
         let sliver = SLIVER * phase.size;
         let outputs = std::iter::successors(self.next_output(begin), |time| self.next_output(*time));
@@ -322,7 +323,7 @@ impl StepPlan {
         inside.into_iter().find(|time| offset(*time).abs() > sliver)
     }
 
-    /// Times that lie closer together than this, among steps of a size, are the same.
+    /// Times closer together than this, among steps of a size, are equal.
     pub(super) fn same_time(&self, size: f64) -> f64 {
         match self.adaptivity {
             Some(_) => ROUNDING * (self.end() - self.start),
@@ -338,7 +339,7 @@ impl StepPlan {
 }
 
 fn n_steps(begin: f64, phase: Phase) -> usize {
-    // No last step that is lost in the rounding of its end either.
+    // A last step that is lost in the rounding of its end is merged as well.
     let sliver = SLIVER.max(SHORTEST * phase.until.abs() / phase.size);
     (((phase.until - begin) / phase.size - sliver).ceil() as usize).max(1)
 }
@@ -360,7 +361,7 @@ mod tests {
         ] {
             assert!(matches!(plan(&phases), Err(Error::Plan { phase: 1, .. })), "{phases:?}");
         }
-        // A last step of 1e-15 is a part of the one before.
+        // A last step of 1e-15 is merged with the previous one.
         let ends: Vec<f64> =
             plan(&[(1.0, 0.5), (1.0 + 3e-9 + 1e-15, 1e-9)]).unwrap().steps().map(|step| step.size).collect();
         assert!(ends.iter().all(|&size| size > 0.5e-9), "{ends:?}");
@@ -382,7 +383,7 @@ mod tests {
         let good = steps(&[(0.3, 0.1), (0.5, 0.05), (2.0, 0.02)], 0.1).unwrap();
         let outputs = good.steps().filter(|step| good.is_output(step.end)).count();
         assert_eq!(outputs, 20);
-        // 0.25 + i 0.1 are not multiples of 0.1; the end of a phase is met whatever the size.
+        // 0.25 + i 0.1 are not multiples of 0.1; the end of a phase is met for any size.
         let missed = |phases, interval| steps(phases, interval).unwrap_err().to_string();
         assert!(missed(&[(0.25, 0.05), (1.0, 0.1)], 0.1).contains("steps of 0.1 miss t = 0.3"));
         assert!(missed(&[(1.0, 0.03)], 0.1).contains("steps of 0.03 miss t = 0.1"));
@@ -400,13 +401,13 @@ mod tests {
             time = plan.next_output(time).unwrap();
             assert_eq!(time, 0.7 + f64::from(n) * 0.1);
             assert!(plan.is_output(time) && !plan.is_output(time + 0.04));
-            // As it is where a phase ends on it, but for rounding.
+            // Up to rounding, unchanged at the end of a phase.
             assert!(plan.next_output(time.next_down()).unwrap() > time + 0.05);
         }
     }
 
     #[test]
-    fn time_goes_forward_in_positive_steps() {
+    fn bad_plans_are_rejected() {
         assert!(matches!(plan(&[(1.0, 0.1), (0.5, 0.1)]), Err(Error::Plan { phase: 1, .. })));
         assert!(plan(&[(1.0, 0.0)]).is_err() && plan(&[(1.0, f64::NAN)]).is_err() && plan(&[]).is_err());
         assert!(plan(&[(0.0, 0.1)]).is_err() && plan(&[(f64::INFINITY, 0.1)]).is_err());

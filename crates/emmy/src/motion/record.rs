@@ -65,7 +65,7 @@ pub struct Record {
     pub newton_target: f64,
     /// Number of iterations of the linear solver.
     pub linear_iterations: usize,
-    /// How often the stiffness of the linear solver was refactored.
+    /// Number of refactorizations of the linear solver.
     pub refactorizations: usize,
     /// Whether the step needed the exact tangent.
     pub took_exact_tangent: bool,
@@ -73,15 +73,16 @@ pub struct Record {
     pub solver: Option<SolverChoice>,
     /// Whether the iteration ended at the rounding floor instead of the tolerance.
     pub at_rounding_floor: bool,
-    /// Relative effect of rounding on energy and momenta since the start: the sum over the steps that ended at the rounding floor.
+    /// Relative effect of rounding on energy and momenta since the start: the sum over the steps that ended at the
+    /// rounding floor.
     pub rounding: f64,
-    /// How often the step was halved before it succeeded.
+    /// Number of halvings of the step before it succeeded.
     pub cuts: usize,
     /// Number of releases of supports at the start of the step.
     pub releases: usize,
     /// Estimated error of the step, relative to the scales of [`super::Adaptivity`]; 0 without adaptive steps.
     pub local_error: f64,
-    /// How often the step was repeated because of its error.
+    /// Number of repetitions of the step because of its error.
     pub rejections: usize,
     /// Whether the step did not resolve a load or a given motion ([`super::Resolution`]).
     pub is_unresolved: bool,
@@ -95,7 +96,7 @@ impl Record {
         self.with_invariants(body, state, body.strain_state(&state.displacement))
     }
 
-    /// The same, with strain energy and det F given.
+    /// The same, from a given strain energy and det F.
     fn with_invariants(mut self, body: &Body, state: &State, strain_state: StrainState) -> Record {
         self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
         self.strain_energy = strain_state.strain_energy;
@@ -106,7 +107,7 @@ impl Record {
         self
     }
 
-    /// The record of a step that ended in a state; `self` is the record of the step before.
+    /// The record of a step that ended in a state; `self` is the record of the previous step.
     pub(super) fn after(&self, body: &Body, state: &State, step_size: f64, outcome: &StepOutcome) -> Record {
         let impulses = &outcome.impulses;
         let record = Record {

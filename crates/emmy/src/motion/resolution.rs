@@ -14,15 +14,15 @@ use crate::time::{MAX_DEGREE, Scheme};
 /// A function of time that a step does not resolve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unresolved {
-    /// The load or support that it drives.
+    /// The load or support of the function.
     pub target: SignalTarget,
     /// Its text; empty for a field without one.
     pub text: Arc<str>,
-    /// Time near which the step misses something of it.
+    /// A time near which the step misses part of it.
     pub time: f64,
 }
 
-/// Longest text that is shown.
+/// Largest length of a text in a message.
 const LONGEST: usize = 60;
 
 impl fmt::Display for Unresolved {
@@ -40,10 +40,10 @@ impl fmt::Display for Unresolved {
     }
 }
 
-/// Compares what the points of a step see of functions of time with a quadrature on many short panels.
+/// Compares the values of functions of time at the points of a step with a quadrature on many short panels.
 ///
-/// Tables are integrated exactly and need no check. A function is taken to be resolved by panels of 1/16384 of the plan: what is
-/// shorter may be missed. No element is evaluated.
+/// Tables are integrated exactly and need no check. A function counts as resolved by panels of 1/16384 of the plan;
+/// shorter features may be missed. No element is evaluated.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -60,28 +60,28 @@ impl fmt::Display for Unresolved {
 /// ```
 #[derive(Debug)]
 pub struct Resolution {
-    /// The functions with the largest size of each in the plan.
+    /// The functions, each with its largest size in the plan.
     signals: Vec<(Signal, f64)>,
     scheme: Scheme,
     rule: Rule,
-    /// Points of a step at which the stepper takes loads.
+    /// Points of a step at which the stepper evaluates loads.
     points: Quadrature<1>,
-    /// Points through which the polynomial of a given motion is laid.
+    /// Nodes of the polynomial of a given motion.
     nodes: Quadrature<1>,
     /// Longest panel of the comparison \[time\].
     panel: f64,
 }
 
-/// How far a step may miss a function. What is smaller in a step than this part of the function's largest size may be missed, too.
+/// Tolerance for a function in a step. Features smaller than this part of the function's largest size may be missed.
 #[derive(Debug, Clone, Copy)]
 enum Allowance {
     /// Averages, over the mean size of the function in the step.
     Part(f64),
-    /// Averages of loads as before; displacements of supports by a length.
+    /// Averages of loads as before; displacements of supports relative to a length.
     PartOrLength(f64, f64),
 }
 
-/// A function of time as a step sees it and as it is.
+/// A function of time and its approximation in a step.
 #[derive(Debug, Clone, Copy)]
 struct Comparison {
     /// Largest difference of the stage averages.
@@ -92,24 +92,24 @@ struct Comparison {
     peak: f64,
 }
 
-/// Panels of a plan, for all functions together, and the fewest of each.
+/// Panels of a plan, shared by all functions, and the minimum for each function.
 const PANELS: usize = 1 << 14;
 const MIN_PANELS: usize = 1 << 8;
 
-/// Times at which the largest size of a function is looked for, in each panel.
+/// Sampling times per panel for the largest size of a function.
 const SAMPLES: usize = 4;
 
-/// Part of its mean size by which the average of a function over a planned step may be off.
+/// Tolerance for the average of a function over a planned step, relative to its mean size.
 const PLANNED: f64 = 1e-2;
 
-/// The same for steppers that take loads at the ends of a step, whose order is two.
+/// The same for steppers that evaluate loads at the ends of a step, which are of order two.
 const PLANNED_AT_ENDS: f64 = 5e-2;
 
-/// Limits of the part that adaptive steps may be off, which is their tolerance.
+/// Range of the tolerance for adaptive steps, which is otherwise their own tolerance.
 const TIGHTEST: f64 = 1e-8;
 const LOOSEST: f64 = 1e-3;
 
-/// Steps of a plan that are looked at before a run.
+/// Number of steps of a plan checked before a run.
 const MAX_STEPS: usize = 100_000;
 
 impl Resolution {
@@ -120,7 +120,8 @@ impl Resolution {
         if signals.is_empty() {
             return None;
         }
-        let (start, duration) = (plan.start(), plan.end() - plan.start());
+        let start = plan.start();
+        let duration = plan.end() - plan.start();
         let panels = (PANELS / signals.len()).max(MIN_PANELS);
         let n_samples = SAMPLES * panels;
         let largest = |signal: &Signal| {
@@ -139,14 +140,14 @@ impl Resolution {
         })
     }
 
-    /// The first function that a planned step misses a part of.
+    /// The first function that a planned step does not resolve.
     pub fn unresolved(&self, time: f64, size: f64) -> Option<Unresolved> {
         let part = if self.scheme.is_time_element() { PLANNED } else { PLANNED_AT_ENDS };
         self.missed(time, size, Allowance::Part(part))
     }
 
-    /// The steps of a plan that miss a part of a function: how many, and what the first of them misses. Of a long plan only the
-    /// beginning is looked at; where sizes are chosen by the error there are no planned steps.
+    /// The number of steps of a plan that do not resolve a function, and the first miss. Of a long plan only the
+    /// beginning is checked; adaptive plans have no planned steps.
     pub fn unresolved_steps(&self, plan: &StepPlan) -> (usize, Option<Unresolved>) {
         if plan.adaptivity().is_some() {
             return (0, None);
@@ -165,8 +166,8 @@ impl Resolution {
         }
     }
 
-    /// The largest size of at most `size`, over a power of two, that resolves everything to a tolerance; at the least about that of
-    /// a panel. `length`: what displacements are relative to.
+    /// The largest size, `size` over a power of two, that resolves everything to a tolerance, but at least about a
+    /// panel. `length`: scale of displacements.
     pub(super) fn resolved_size(&self, time: f64, size: f64, tolerance: f64, length: f64) -> f64 {
         let mut size = size;
         while size > self.panel && self.missed_within(time, size, tolerance, length).is_some() {
@@ -175,7 +176,7 @@ impl Resolution {
         size
     }
 
-    /// The first function that an adaptive step misses a part of.
+    /// The first function that an adaptive step does not resolve.
     pub(super) fn missed_within(
         &self,
         time: f64,
@@ -207,7 +208,7 @@ impl Resolution {
         None
     }
 
-    /// Visits points and weights of the panels of a step, as parts of it.
+    /// Visits points and weights of the panels of a step, relative to the step.
     fn for_each_point(&self, size: f64, mut visit: impl FnMut(f64, f64)) {
         let n = ((size / self.panel).ceil() as usize).max(2);
         for panel in 0..n {
@@ -217,11 +218,12 @@ impl Resolution {
         }
     }
 
-    /// Compares the stage averages by the points of the step with those by its panels.
+    /// Compares the stage averages from the points of the step with the averages from its panels.
     fn compare(&self, signal: &Signal, time: f64, size: f64) -> Comparison {
         let k = self.rule.degree();
         let mut defects = [0.0; MAX_DEGREE];
-        let (mut mean, mut peak) = (0.0, 0f64);
+        let mut mean = 0.0;
+        let mut peak = 0f64;
         let mut add = |alpha: f64, value: f64| {
             for (i, defect) in defects[..k].iter_mut().enumerate() {
                 *defect += value * self.rule.basis(i, alpha) / self.rule.weights()[i];
@@ -238,8 +240,8 @@ impl Resolution {
         Comparison { defect, mean, peak }
     }
 
-    /// Largest difference of the function from the polynomial of degree k + 1 through its values in the step: what the error
-    /// estimate can see of a given motion.
+    /// Largest difference between the function and the polynomial of degree k + 1 through its values in the step: the
+    /// error estimate sees only this polynomial of a given motion.
     fn deviation(&self, signal: &Signal, time: f64, size: f64) -> f64 {
         let n = self.nodes.points.len();
         let mut places = [0.0; MAX_DEGREE + 2];
@@ -259,7 +261,8 @@ impl Resolution {
     fn place(&self, signal: &Signal, time: f64, size: f64) -> f64 {
         let mut mean = 0.0;
         self.for_each_point(size, |alpha, w| mean += w * signal.at(time + alpha * size));
-        let (mut place, mut farthest) = (time, -1.0);
+        let mut place = time;
+        let mut farthest = -1.0;
         self.for_each_point(size, |alpha, _| {
             let here = time + alpha * size;
             let distance = (signal.at(here) - mean).abs();
@@ -271,7 +274,7 @@ impl Resolution {
     }
 }
 
-/// The test functions of a scheme, and the points at which it takes loads.
+/// The test functions of a scheme, and the points at which it evaluates loads.
 fn rule_and_points(scheme: Scheme, degree: usize) -> (Rule, Quadrature<1>) {
     if !scheme.is_time_element() {
         let points = if scheme == Scheme::Bathe { lobatto(3) } else { lobatto(2) };

@@ -60,12 +60,13 @@ pub struct Sampler {
     times: Vec<f64>,
     tolerance: f64,
     samples: Samples,
-    /// Time, displacement and velocity of the step before.
+    /// Time, displacement and velocity of the previous step.
     last: Option<(f64, Vec<f64>, Vec<f64>)>,
 }
 
 impl Sampler {
-    /// A sampler at some times, in ascending order. Times nearer than the tolerance to the end of a step are that end.
+    /// A sampler at some times, in ascending order. Times within the tolerance of the end of a step are equal to that
+    /// end.
     pub fn new(times: Vec<f64>, tolerance: f64, n_dofs: usize) -> Self {
         let displacement = Vec::with_capacity(times.len() * n_dofs);
         let samples = Samples { times: Vec::with_capacity(times.len()), n_dofs, displacement };
@@ -105,7 +106,7 @@ impl Sampler {
     }
 }
 
-/// Cubic Hermite polynomials of both values, then of both slopes.
+/// Cubic Hermite polynomials of the two values, then of the two slopes.
 fn hermite(theta: f64) -> [f64; 4] {
     let rest = 1.0 - theta;
     [

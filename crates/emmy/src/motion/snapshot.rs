@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::{Record, RunStatistics, Subdivision};
 use crate::time::{Memory, State};
 
-/// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, with the same bits as the motion
-/// itself.
+/// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, bit-identical to the
+/// motion itself.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -37,6 +37,7 @@ pub struct Snapshot {
     pub releases: usize,
     /// Whether a Newton iteration has ended at the rounding floor.
     pub was_at_rounding_floor: bool,
-    /// Memory of the stepper. With `None`, the stepper starts again from the state, as it must with another scheme or degree.
+    /// Memory of the stepper. With `None`, the stepper starts from the state alone, as it must with another scheme or
+    /// degree.
     pub memory: Option<Memory>,
 }

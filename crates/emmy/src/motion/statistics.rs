@@ -1,4 +1,4 @@
-//! Statistics of a motion: its largest residuals, how far they add up, and its work.
+//! Statistics of a motion: largest residuals, their sums, and the work of the solvers.
 
 use serde::{Deserialize, Serialize};
 
@@ -90,7 +90,7 @@ pub struct RunStatistics {
     pub linear_iterations: usize,
     /// The linear solver of the last step that had one.
     pub solver: Option<SolverChoice>,
-    /// How often the stiffness of the linear solver was refactored.
+    /// Number of refactorizations of the linear solver.
     pub refactorizations: usize,
     /// Steps that needed the exact tangent.
     pub steps_with_exact_tangent: usize,
@@ -98,11 +98,11 @@ pub struct RunStatistics {
     pub steps_at_rounding_floor: usize,
     /// Relative effect of rounding on energy and momenta: the sum over the steps that ended at the rounding floor.
     pub rounding: f64,
-    /// How often a step was halved because it failed.
+    /// Number of halvings of failed steps.
     pub cuts: usize,
-    /// How often a step was repeated because of its error.
+    /// Number of repetitions of a step because of its error.
     pub rejections: usize,
-    /// Steps whose degree differs from the degree of the step before.
+    /// Steps whose degree differs from the previous step.
     pub degree_changes: usize,
     /// Degree of the last step; 0 before the first.
     pub last_degree: usize,
@@ -116,7 +116,7 @@ pub struct RunStatistics {
     pub worst_angular_momentum_residual: Extreme,
     /// Sum of the energy residuals \[energy\].
     pub accumulated_energy_residual: f64,
-    /// Sum of the angular momentum residuals, without those that are round-off.
+    /// Sum of the angular momentum residuals, without round-off.
     pub accumulated_angular_momentum_residual: f64,
     /// Largest T + |V| \[energy\]: the total energy, except where an attraction makes V negative.
     pub largest_energy: f64,
@@ -126,9 +126,9 @@ pub struct RunStatistics {
     pub largest_linear_momentum: f64,
     /// Largest norm of the angular momentum.
     pub largest_angular_momentum: f64,
-    /// Largest linear momentum that the largest kinetic energy allows, `sqrt(2 T m)`.
+    /// Largest linear momentum possible with the largest kinetic energy, `sqrt(2 T m)`.
     pub linear_momentum_scale: f64,
-    /// Largest angular momentum that the largest kinetic energy allows in the reference configuration, `sqrt(2 T I)`.
+    /// Largest angular momentum possible with the largest kinetic energy in the reference configuration, `sqrt(2 T I)`.
     pub angular_momentum_scale: f64,
     /// Total energy after the last step \[energy\].
     pub total_energy: f64,
@@ -142,8 +142,8 @@ pub struct RunStatistics {
     pub unresolved_loads: usize,
 }
 
-/// An angular momentum residual below this part of sqrt(2 T I) is round-off. It cannot be compared with |L|: a body that does not
-/// rotate as a whole has |L| = 0 but for rounding.
+/// An angular momentum residual below this part of sqrt(2 T I) is round-off. |L| is no measure: a body that does not
+/// rotate as a whole has |L| = 0 up to rounding.
 const ROUND_OFF: f64 = 1e-13;
 
 impl RunStatistics {

@@ -28,7 +28,7 @@ use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
 #[derive(Debug)]
 pub struct Motion<'a> {
     pub(super) body: &'a Body,
-    /// The scheme as it was given, and with the present degree.
+    /// The given scheme, with the present degree.
     given: Scheme,
     pub(super) scheme: Scheme,
     pub(super) settings: NewtonSettings,
@@ -38,13 +38,13 @@ pub struct Motion<'a> {
     last: State,
     pub(super) record: Record,
     pub(super) statistics: RunStatistics,
-    /// Smallest size that a failing step is cut down to; `None`: failing steps are not cut.
+    /// Smallest size of a cut step; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
-    /// The control of the step sizes by the error, or its memory, of which it is to be made.
+    /// The control of the step sizes by the error, or its memory, to create it from.
     pub(super) control: Option<Control<'a>>,
     pub(super) control_memory: Option<Memory>,
-    /// Whether steps resolve what acts on the body; `None` where there is nothing to resolve.
+    /// Whether steps resolve the functions of time; `None` if there are none.
     pub(super) resolution: Option<Resolution>,
     pub(super) releases: usize,
     was_at_rounding_floor: bool,
@@ -56,7 +56,7 @@ pub struct Motion<'a> {
     pub(super) events: Vec<Event>,
 }
 
-/// How far a failing step may be cut.
+/// Limit for cutting a failing step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SmallestStep {
     /// Down to a size \[time\].
@@ -65,10 +65,10 @@ pub enum SmallestStep {
     Halvings(u32),
 }
 
-/// Halvings of a planned step, where no smallest size is given: down to 1/1024 of it.
+/// Largest number of halvings of a planned step without a smallest size: down to 1/1024 of it.
 const MAX_HALVINGS: u32 = 10;
 
-/// Times that lie closer together than this part of a step are the same: they differ by rounding.
+/// Times closer together than this part of a step are equal: they differ by rounding.
 pub(super) const SAME_TIME: f64 = 1e-6;
 
 impl<'a> Motion<'a> {
@@ -138,8 +138,8 @@ impl<'a> Motion<'a> {
         })
     }
 
-    /// A motion that continues from a snapshot. With the stepper's memory, and the same scheme and settings, it is bit-identical to
-    /// the motion of the snapshot. A degree that was chosen by the control is taken from the snapshot.
+    /// A motion that continues from a snapshot. With the stepper's memory, and the same scheme and settings, it is
+    /// bit-identical to the motion of the snapshot. A degree chosen by the control is taken from the snapshot.
     ///
     /// # Errors
     /// As [`Scheme::stepper`] and [`Stepper::restore`]; [`Error::Memory`] for a state of another body.
@@ -174,7 +174,7 @@ impl<'a> Motion<'a> {
                 motion.state = state;
                 motion.record = record;
             }
-            // The new stepper may have set the momentum by a mass of its own.
+            // The new stepper may have set the momentum with its own mass matrix.
             None => motion.record = record.at(body, &motion.state),
         }
         Ok(Motion {
@@ -202,7 +202,8 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Has failing steps of a march cut by two (see [`Subdivision`]), down to a size; without one, to 1/1024 of the planned step.
+    /// Allows a march to cut failing steps by two (see [`Subdivision`]), down to a size; without one, to 1/1024 of the
+    /// planned step.
     pub fn allow_cuts(&mut self, smallest_step: Option<f64>) {
         self.smallest = Some(smallest_step.map_or(SmallestStep::Halvings(MAX_HALVINGS), SmallestStep::Size));
     }
@@ -237,7 +238,7 @@ impl<'a> Motion<'a> {
         &self.record
     }
 
-    /// Statistics of all steps so far, those before a resumption included.
+    /// Statistics of all steps so far, including those before the motion was resumed.
     ///
     /// ```
     /// # use emmy::prelude::*;
@@ -269,8 +270,8 @@ impl<'a> Motion<'a> {
         self.given.at_degree(degree)
     }
 
-    /// Continues with the body without the supports that are released by now; times that lie closer together than `same_time` are the
-    /// same. The state stays.
+    /// Continues with the body without the supports released by now; times closer together than `same_time` are equal.
+    /// The state does not change.
     pub(super) fn release(&mut self, same_time: f64) -> Result<()> {
         while let Some((time, body)) = due_release(self.body, self.state.time, same_time) {
             self.stepper = self.scheme.stepper(body, self.settings, &mut self.state)?;
@@ -288,11 +289,12 @@ impl<'a> Motion<'a> {
         self.events.push(Event { step, time: self.state.time, kind, message });
     }
 
-    /// Advances by one step of a size and records it. A support that is released holds until the first step that starts at the
-    /// time of the release or after it.
+    /// Advances by one step of a size and records it. A released support holds until the first step that starts at the
+    /// time of release or after it.
     ///
     /// # Errors
-    /// As [`Stepper::advance`], after a release as [`Scheme::stepper`]; state and record then belong to the last good step.
+    /// As [`Stepper::advance`], after a release also as [`Scheme::stepper`]; state and record then belong to the last
+    /// good step.
     pub fn step(&mut self, step_size: f64) -> Result<&Record> {
         self.step_with_end(step_size, self.state.time + step_size)
     }
@@ -305,7 +307,7 @@ impl<'a> Motion<'a> {
         self.step_with_end(end - self.state.time, end)
     }
 
-    /// Advances by a step of a plan, to exactly its end.
+    /// Advances by a step of a plan, exactly to its end.
     ///
     /// # Errors
     /// As [`Motion::step`].
@@ -326,7 +328,7 @@ impl<'a> Motion<'a> {
         Ok(&self.record)
     }
 
-    /// Advances the state. One that is not finite is not accepted, whatever its residual says.
+    /// Advances the state. A state that is not finite is rejected, whatever its residual.
     ///
     /// # Errors
     /// As [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.
@@ -348,7 +350,7 @@ impl<'a> Motion<'a> {
         Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
     }
 
-    /// Records a step that the state has done.
+    /// Records the step that led to the present state.
     pub(super) fn conclude(&mut self, step_size: f64, end: f64, outcome: &StepOutcome) {
         self.state.time = end;
         self.state.step += 1;
@@ -383,8 +385,8 @@ fn check_state(body: &Body, state: &State) -> Result<()> {
     Ok(())
 }
 
-/// The time of the next release of supports and the body from then on, if a motion has come there; times that lie closer together than
-/// `same_time` are the same.
+/// The time of the next release of supports and the body afterwards, if the motion has reached it; times closer
+/// together than `same_time` are equal.
 pub(super) fn due_release(body: &Body, now: f64, same_time: f64) -> Option<(f64, &Body)> {
     body.release().filter(|(time, _)| now >= time - same_time)
 }

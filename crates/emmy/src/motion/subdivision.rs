@@ -6,20 +6,20 @@ use super::PlannedStep;
 
 /// Subdivision of a planned step into `2^halvings` equal substeps, and the progress of the motion in it.
 ///
-/// A step that fails is cut by two, again and again; the following steps stay subdivided as often. After [`GOOD_STEPS`] steps
-/// that succeed one after the other the number of halvings falls by one, as soon as a larger substep can start there.
-/// So every planned step ends at its own time, and all its substeps have the same bits in their size.
+/// A failed step is cut by two, repeatedly if needed; the following steps are subdivided in the same way. After
+/// [`GOOD_STEPS`] consecutive successes the number of halvings falls by one, as soon as a larger substep can start. So
+/// every planned step ends at its own time, and all its substeps have exactly the same size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Subdivision {
-    /// Number of times that a planned step is cut by two.
+    /// Number of halvings of a planned step.
     pub halvings: u32,
     /// Substeps of the present planned step that are done.
     pub substep: u64,
-    /// Steps that succeeded since the number of halvings changed.
+    /// Successes since the number of halvings changed.
     pub successes: u32,
 }
 
-/// Steps that must succeed before the step size grows back by two.
+/// Successes before the step size is doubled.
 pub const GOOD_STEPS: u32 = 4;
 
 /// State of the subdivision after a substep.
@@ -27,7 +27,7 @@ pub const GOOD_STEPS: u32 = 4;
 pub struct SubstepEnd {
     /// Whether the planned step is done.
     pub is_done: bool,
-    /// Whether the next steps are larger.
+    /// Whether the step size is doubled.
     pub has_grown: bool,
 }
 
@@ -93,7 +93,7 @@ mod tests {
                 }
             }
         }
-        // Four steps of each size; a fifth of the halves, because after four of them half of a planned step is left.
+        // Four steps of each size; a fifth of the halves, because half of a planned step is left after four.
         let expected: Vec<f64> = [0.125; 4].into_iter().chain([0.25; 4]).chain([0.5; 5]).collect();
         assert_eq!(sizes, expected);
         assert_eq!((sizes.iter().sum(), ends[ends.len() - 1]), (4.0, 4.0));

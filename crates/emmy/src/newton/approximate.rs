@@ -1,4 +1,4 @@
-//! Corrections with an approximate tangent that is kept from one solution to the next.
+//! Corrections with an approximate tangent that is reused from one solution to the next.
 
 use super::{FIRST_FORCING, Newton, Run, System, Tangent};
 use crate::error::Result;
@@ -25,15 +25,17 @@ impl Newton {
         self.approximation = memory;
     }
 
-    /// Has the approximate tangent refactorised with the next solution: the tangent of a failed solution is of no use.
+    /// Requests a refactorisation of the approximate tangent for the next solution: the tangent of a failed solution is
+    /// useless.
     pub fn forget(&mut self) {
         self.approximation.fresh = None;
     }
 
-    /// Corrections with the approximate tangent, which is refactorised where they become slow; false if that does not help either.
+    /// Corrections with the approximate tangent, which is refactorised if they become slow; false if that does not help
+    /// either.
     ///
-    /// The iteration converges linearly, so it continues to rounding, by its own contraction: the last residual need not be
-    /// evaluated.
+    /// The iteration converges linearly, so its contraction predicts when it reaches rounding: the last residual need
+    /// not be evaluated.
     pub(super) fn solve_approximately(
         &mut self,
         system: &mut impl System,
@@ -95,8 +97,8 @@ impl Newton {
         }
     }
 
-    /// Corrections after convergence, until by the contraction so far nothing but rounding is left in the residual. What the
-    /// rounding of the internal forces makes of it hides that: it is large, but has neither a resultant nor a moment.
+    /// Corrections after convergence, until the observed contraction leaves nothing but rounding in the residual. The
+    /// rounding of the internal forces hides the true residual: it is large, but has neither a resultant nor a moment.
     fn polish_approximately(
         &mut self,
         system: &mut impl System,
@@ -122,7 +124,7 @@ impl Newton {
         Ok(())
     }
 
-    /// Notes how many corrections a solution took.
+    /// Records the number of corrections of a solution.
     fn note_corrections(&mut self, corrections: usize, is_fresh: bool, forcing: f64) {
         let noted = &mut self.approximation;
         noted.forcing = forcing;
@@ -133,13 +135,13 @@ impl Newton {
     }
 }
 
-/// A correction with the approximate tangent that leaves more than this of the residual is slow.
+/// A correction with the approximate tangent that leaves a larger part of the residual is slow.
 const SLOW: f64 = 0.3;
 
-/// Corrections after convergence at the most.
+/// Largest number of corrections after convergence.
 const MAX_POLISHING: usize = 8;
 
-/// Corrections that a new approximate tangent is expected to take.
+/// Expected number of corrections with a new approximate tangent.
 const FRESH: f64 = 4.0;
 
 /// Tightest and loosest relative tolerance of a correction with the approximate tangent.

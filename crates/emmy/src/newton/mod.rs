@@ -1,4 +1,4 @@
-//! Newton's iteration, on a trait; it knows no mechanics.
+//! Newton's iteration, on a trait; it is independent of mechanics.
 
 mod approximate;
 #[cfg(test)]
@@ -11,16 +11,17 @@ use crate::sparse::Solver;
 
 /// A system of non-linear equations `R(x) = 0`.
 pub trait System {
-    /// Residual at a point, and the sizes it is to be judged by.
+    /// Residual at a point, and the sizes that judge it.
     ///
     /// # Errors
-    /// Any error that says that the residual cannot be evaluated there.
+    /// Any error if the residual cannot be evaluated there.
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes>;
 
-    /// Correction `dx` with `K dx = -R`, to a relative tolerance. Returns the number of iterations of the linear solver.
+    /// Correction `dx` with `K dx = -R`, to a relative tolerance. Returns the number of iterations of the linear
+    /// solver.
     ///
     /// # Errors
-    /// Any error that says that the linear system cannot be solved.
+    /// Any error if the linear system cannot be solved.
     fn correction(
         &mut self,
         x: &[f64],
@@ -34,7 +35,7 @@ pub trait System {
     fn refactorization_cost(&self) -> f64;
 }
 
-/// Which K a correction is to use.
+/// Choice of K for a correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
     /// An approximation that is cheap to solve with, reused from an earlier iteration.
@@ -43,16 +44,16 @@ pub enum Tangent {
     Refactorized,
     /// The derivative of R at x.
     Exact,
-    /// The derivative of R that was taken last.
+    /// The last derivative of R that was computed.
     LastExact,
 }
 
-/// Norm of a residual and what it is judged by.
+/// Norm of a residual with its scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sizes {
     /// Norm of the residual.
     pub residual: f64,
-    /// Largest norm of the parts that the residual is the sum of.
+    /// Largest norm of the terms whose sum is the residual.
     pub scale: f64,
     /// Rounding floor of the residual; 0 while unknown.
     pub floor: f64,
@@ -73,7 +74,7 @@ pub struct NewtonSettings {
     pub max_iterations: usize,
     /// Linear solver.
     pub solver: Solver,
-    /// Whether every correction takes the exact tangent: quadratic convergence, to be studied or where steps are extreme.
+    /// Whether every correction takes the exact tangent: quadratic convergence, for studies or extreme steps.
     pub exact_tangent: bool,
 }
 
@@ -92,7 +93,7 @@ pub struct Outcome {
     pub linear_iterations: usize,
     /// Norm of the last residual that was evaluated.
     pub residual: f64,
-    /// Target that the norm had to fall below.
+    /// Bound on the norm.
     pub target: f64,
     /// Whether it converged.
     pub converged: bool,
@@ -102,18 +103,18 @@ pub struct Outcome {
     pub took_exact_tangent: bool,
     /// Whether it stagnated within [`STAGNATION`] times the rounding floor, which counts as converged.
     pub at_rounding_floor: bool,
-    /// Relative change of energy and momenta of the step by a residual at the rounding floor; 0 above the floor.
+    /// Relative change of energy and momenta of the step due to a residual at the rounding floor; 0 above the floor.
     pub rounding: f64,
 }
 
 /// Stagnation within this factor of the rounding floor is accepted.
 pub const STAGNATION: f64 = 100.0;
 
-/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its rounding
-/// floor.
+/// Relative tolerance of the last correction with the exact tangent, after convergence: it takes the residual to its
+/// rounding floor.
 const POLISH: f64 = 1e-6;
 
-/// Part of the rounding of a residual that may be left in it.
+/// Part of the rounding of a residual that may remain in it.
 const NEGLIGIBLE: f64 = 0.1;
 
 /// Newton's iteration with its memory.
@@ -126,7 +127,7 @@ pub struct Newton {
     /// Norms of the residuals of the last solution, one for each evaluation.
     history: Vec<f64>,
     approximation: NewtonMemory,
-    /// Residuals in the history before those with the exact tangent; an approximate one may be slow without stagnation.
+    /// Length of the history before the exact tangent: with an approximate one, slow convergence is not stagnation.
     exact_from: usize,
 }
 
@@ -143,12 +144,12 @@ impl Newton {
 
     /// Solves `R(x) = 0` from x.
     ///
-    /// Converged is a residual of at most `max(tolerance scale, floor)` after at least one iteration; then one more
-    /// correction follows, so that what the solution conserves is kept to round-off. A system whose parts and
-    /// residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
+    /// The iteration has converged if the residual is at most `max(tolerance scale, floor)` after at least one
+    /// iteration. One more correction follows, so that conserved quantities are kept to round-off. A system whose terms
+    /// and residual are all zero is solved at once. With `line_search` a correction is halved until the residual falls.
     ///
     /// # Errors
-    /// As the system at the start; later errors end the iteration without convergence if halving does not help.
+    /// As the system at the start. Later errors end the iteration without convergence if halving does not help.
     pub fn solve(
         &mut self,
         system: &mut impl System,
@@ -170,7 +171,7 @@ impl Newton {
         Ok(run.outcome)
     }
 
-    /// Corrections with the exact tangent until it converges or gives up.
+    /// Corrections with the exact tangent until convergence or failure.
     fn solve_exactly(
         &mut self,
         system: &mut impl System,
@@ -180,7 +181,7 @@ impl Newton {
     ) -> Result<()> {
         let mut forcing = FIRST_FORCING;
         self.exact_from = self.history.len();
-        // Half of them at least, if the approximate tangent used them up.
+        // At least half of them, if the approximate tangent used them up.
         let limit = run.settings.max_iterations.max(run.outcome.iterations + run.settings.max_iterations / 2);
         loop {
             if self.judge(run) {
@@ -192,7 +193,7 @@ impl Newton {
             if run.outcome.iterations >= limit || !run.sizes.residual.is_finite() {
                 return Ok(());
             }
-            // No more digits than the iteration can use: a part of what is left to the target.
+            // No more digits than the iteration can use: a part of the distance to the target.
             let before = run.sizes.residual;
             let tolerance = forcing.max(0.1 * run.outcome.target / before).min(FIRST_FORCING);
             run.outcome.linear_iterations += self.correct(system, x, tolerance, Tangent::Exact)?;
@@ -203,8 +204,8 @@ impl Newton {
         }
     }
 
-    /// One more correction with the exact tangent, and a second one where the first leaves more than rounding. It leaves what the
-    /// rounding of the internal forces makes of the residual, and those have neither a resultant nor a moment.
+    /// One more correction with the exact tangent, and a second one if the first leaves more than rounding. The
+    /// remaining residual is rounding of the internal forces, which has neither a resultant nor a moment.
     fn polish(&mut self, system: &mut impl System, x: &mut [f64], run: &mut Run<'_>) -> Result<()> {
         let tangent = if run.outcome.took_exact_tangent { Tangent::LastExact } else { Tangent::Exact };
         run.outcome.linear_iterations += self.correct(system, x, POLISH, tangent)?;
@@ -220,21 +221,21 @@ impl Newton {
         Ok(())
     }
 
-    /// Whether a correction with the tangent of the iterate before leaves more than a part of the rounding. Its work always has the
-    /// same sign, so that it adds up over the steps where rounding does not.
+    /// Whether a correction with the tangent of the previous iterate leaves more than a part of the rounding. The work
+    /// of this remainder always has the same sign, so it accumulates over the steps, unlike rounding.
     fn chord_leaves(&self, run: &Run<'_>) -> bool {
         let [.., before, last] = self.history[..] else { return false };
-        // Newton's step leaves half of what its tangent changes by, a step with the old tangent all of it.
+        // Newton's step leaves half of the change of its tangent, a step with the old tangent all of it.
         2.0 * last / before * last > NEGLIGIBLE * run.round_off()
     }
 
-    /// Notes a residual; whether it counts as converged.
+    /// Records a residual, and returns whether it counts as converged.
     fn judge(&mut self, run: &mut Run<'_>) -> bool {
         let Run { outcome, sizes, settings } = run;
         self.history.push(sizes.residual);
         outcome.residual = sizes.residual;
         outcome.target = (settings.tolerance * sizes.scale).max(sizes.floor);
-        // The scale does not see every part: a body that moves has a residual at rest although no force acts.
+        // The scale does not include every term: a moving body without forces has a residual at rest.
         if sizes.scale == 0.0 && sizes.residual == 0.0 {
             outcome.converged = true;
             return true;
@@ -264,7 +265,7 @@ impl Newton {
         self.trial.iter_mut().zip(points).for_each(|(trial, (x, dx))| *trial = x + length * dx);
     }
 
-    /// Goes to the trial point; back towards x where the residual cannot be evaluated or, with `line_search`, rises.
+    /// Goes to the trial point; back towards x if the residual cannot be evaluated there or, with `line_search`, rises.
     fn advance(
         &mut self,
         system: &mut impl System,
@@ -305,7 +306,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Residual that rounding leaves at best.
+    /// Smallest residual that rounding permits.
     fn round_off(&self) -> f64 {
         2.0 * f64::EPSILON * self.sizes.scale
     }

@@ -35,7 +35,8 @@ impl System for SquareRoot {
 
 #[test]
 fn converges_quadratically() {
-    let (mut newton, mut x) = (Newton::default(), [3.0]);
+    let mut newton = Newton::default();
+    let mut x = [3.0];
     let outcome =
         newton.solve(&mut SquareRoot(4.0, 0.0, 0.0), &mut x, &NewtonSettings::default(), true).unwrap();
     assert!(outcome.converged && !outcome.at_rounding_floor && x[0] == 2.0);
@@ -49,7 +50,8 @@ fn converges_quadratically() {
 
 #[test]
 fn steps_back_from_where_there_is_no_residual() {
-    let (mut newton, mut x) = (Newton::default(), [10.0]);
+    let mut newton = Newton::default();
+    let mut x = [10.0];
     // From 10 the equation x^2 = 1e-4 asks for 5, 2.5, ...: the iteration stays on the positive side.
     let settings = NewtonSettings { tolerance: 1e-12, max_iterations: 40, ..Default::default() };
     let outcome = newton.solve(&mut SquareRoot(1e-4, 0.0, 0.0), &mut x, &settings, true).unwrap();
@@ -67,7 +69,8 @@ fn gives_up_and_says_so() {
 
 #[test]
 fn a_reused_tangent_is_refactorized_when_it_has_cost_more_than_a_new_one() {
-    let (mut newton, mut system) = (Newton::default(), SquareRoot(4.0, 1e-12, 0.0));
+    let mut newton = Newton::default();
+    let mut system = SquareRoot(4.0, 1e-12, 0.0);
     let settings = NewtonSettings::default();
     let mut refactorizations = Vec::new();
     for step in 0..12 {
@@ -78,14 +81,14 @@ fn a_reused_tangent_is_refactorized_when_it_has_cost_more_than_a_new_one() {
         assert!(outcome.converged && (x[0] * x[0] - system.0).abs() < 1e-11);
         refactorizations.push(system.2 != before);
     }
-    // Made for the first step, reused for the next ones, refactorised before the last.
+    // Computed for the first step, reused for the next ones, refactorised before the last.
     assert!(refactorizations[0] && !refactorizations[1] && !refactorizations[2], "{refactorizations:?}");
     assert!(refactorizations[3..].contains(&true), "{refactorizations:?}");
 }
 
 #[test]
 fn a_rounding_floor_is_accepted() {
-    // The floor lies above the tolerance: what rounding allows is all that can be asked.
+    // The floor lies above the tolerance: no smaller residual is possible.
     let outcome = Newton::default()
         .solve(&mut SquareRoot(4.0, 1e-3, 0.0), &mut [3.0], &NewtonSettings::default(), false)
         .unwrap();

@@ -64,7 +64,8 @@ fn lobatto_node(m: usize, guess: f64) -> f64 {
 
 /// Legendre polynomials of degrees m and m - 1 at a point.
 fn legendre(m: usize, x: f64) -> (f64, f64) {
-    let (mut p, mut p_before) = (x, 1.0);
+    let mut p = x;
+    let mut p_before = 1.0;
     for j in 1..m {
         let j = j as f64;
         (p, p_before) = (((2.0 * j + 1.0) * x * p - j * p_before) / (j + 1.0), p);
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn points_and_weights_are_those_of_the_closed_forms() {
+    fn points_and_weights_match_the_closed_forms() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1.2e-16, "{a} is not {b}");
         near(gauss(1).points[0][0], 0.5);
         near(gauss(2).points[1][0], 0.788_675_134_594_812_9);

@@ -2,17 +2,17 @@
 
 use super::{Quadrature, square};
 
-/// Conical product rule on the pyramid with the base `[-1, 1]^2` and the apex (0, 0, 1): n x n Gauss points in the plane
-/// (1 or more) by m points in the height (1 to 3).
+/// Conical product rule on the pyramid with the base `[-1, 1]^2` and the apex (0, 0, 1): n x n Gauss points in the
+/// plane (1 or more) by m points in the height (1 to 3).
 ///
 /// ```math
 /// integral f dx dy dz = integral_0^1 integral_-1^1 integral_-1^1 f(w u, w v, 1 - w) w^2 du dv dw
 /// ```
 ///
-/// The rule in w has the weight `w^2`. So the whole is exact for `u^i v^j w^k` with i, j <= 2n - 1 and 0 <= k <= 2m - 1:
-/// for polynomials of total degree `2 min(n, m) - 1`, and for the rational shape functions of the pyramid, which are such
-/// products. Sources: Stroud (1971), Approximate Calculation of Multiple Integrals, chapter 2; Abramowitz and Stegun
-/// (1964), table 25.8.
+/// The rule in w has the weight `w^2`. So the whole is exact for `u^i v^j w^k` with i, j <= 2n - 1 and 0 <= k <= 2m -
+/// 1: for polynomials of total degree `2 min(n, m) - 1`, and for the rational shape functions of the pyramid, which are
+/// such products. Sources: Stroud (1971), Approximate Calculation of Multiple Integrals, chapter 2; Abramowitz and
+/// Stegun (1964), table 25.8.
 ///
 /// # Panics
 /// If n = 0, or m is not 1, 2 or 3.
@@ -23,7 +23,8 @@ use super::{Quadrature, square};
 /// assert!((rule.weights[0] - 4.0 / 3.0).abs() < 1e-15);
 /// ```
 pub fn pyramid(n: usize, m: usize) -> Quadrature<3> {
-    let (base, mut rule) = (square(n), Quadrature { points: Vec::new(), weights: Vec::new() });
+    let base = square(n);
+    let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for (w, height_weight) in moment_rule(m) {
         for ([u, v], base_weight) in base.iter() {
             rule.points.push([w * u, w * v, 1.0 - w]);
@@ -39,7 +40,8 @@ fn moment_rule(m: usize) -> Vec<(f64, f64)> {
         1 => vec![(3.0 / 4.0, 1.0 / 3.0)],
         2 => {
             // Zeros of w^2 - 4/3 w + 2/5, the polynomial orthogonal to 1 and w; weights from the moments 1/3 and 1/4.
-            let (middle, half) = (2.0 / 3.0, (2.0 / 45.0f64).sqrt());
+            let middle = 2.0 / 3.0;
+            let half = (2.0 / 45.0f64).sqrt();
             let difference = (1.0 / 4.0 - middle / 3.0) / (2.0 * half);
             vec![(middle - half, 1.0 / 6.0 - difference), (middle + half, 1.0 / 6.0 + difference)]
         }
@@ -87,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_those_of_the_table() {
+    fn points_match_the_table() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-10, "{a} is not {b}");
         let rule = moment_rule(2);
         near(rule[0].0, 0.455_848_155_988_8);

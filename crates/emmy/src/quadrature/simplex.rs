@@ -2,7 +2,7 @@
 //!
 //! A rule is a sum of orbits: a point in barycentric coordinates, its permutations, and their common weight.
 
-#![allow(clippy::excessive_precision)] // the digits are those of the sources
+#![allow(clippy::excessive_precision)] // digits of the sources
 
 use super::Quadrature;
 

@@ -14,7 +14,8 @@ use super::{Quadrature, gauss, triangle};
 /// assert!((rule.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
 /// ```
 pub fn wedge(degree: usize, n: usize) -> Quadrature<3> {
-    let (plane, line) = (triangle(degree), gauss(n));
+    let plane = triangle(degree);
+    let line = gauss(n);
     let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for ([t], w) in line.iter() {
         for ([x, y], v) in plane.iter() {

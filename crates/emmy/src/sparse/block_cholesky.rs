@@ -7,16 +7,17 @@ use crate::error::Result;
 #[derive(Debug)]
 pub struct BlockCholesky {
     factor: Cholesky,
-    /// Where each entry of the lower triangle comes from: `position components^2 + entry`.
+    /// Source of each entry of the lower triangle: `position components^2 + entry`.
     sources: Vec<usize>,
-    /// Scalar rows that are free, ascending.
+    /// Free scalar rows, ascending.
     free: Vec<usize>,
     values: Vec<f64>,
     packed: Vec<f64>,
 }
 
 impl BlockCholesky {
-    /// Symbolic factorisation. `components`: rows a block; `fixed: [n_rows components]`; `order[new] = old` of block rows.
+    /// Symbolic factorisation. `components`: rows per block; `fixed: [n_rows components]`; `order[new] = old` of block
+    /// rows.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
@@ -24,9 +25,12 @@ impl BlockCholesky {
         let free: Vec<usize> = (0..fixed.len()).filter(|&row| !fixed[row]).collect();
         let mut number = vec![usize::MAX; fixed.len()];
         free.iter().enumerate().for_each(|(index, &row)| number[row] = index);
-        let (mut begin, mut rows, mut sources) = (vec![0], Vec::new(), Vec::new());
+        let mut begin = vec![0];
+        let mut rows = Vec::new();
+        let mut sources = Vec::new();
         for &column in &free {
-            let (node, b) = (column / components, column % components);
+            let node = column / components;
+            let b = column % components;
             for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
                 for a in 0..components {
                     let row = other as usize * components + a;
@@ -66,8 +70,8 @@ impl BlockCholesky {
         &self.factor
     }
 
-    /// Solves for several right-hand sides at once, each given by an element access of all scalar rows: `read(column,
-    /// row)` and `write(column, row, value)`; rows that are not free are left alone.
+    /// Solves for several right-hand sides at once, each given by access to the scalar rows: `read(column, row)` and
+    /// `write(column, row, value)`; fixed rows are unchanged.
     pub fn solve<S>(
         &mut self,
         n_columns: usize,
@@ -102,20 +106,10 @@ mod tests {
         fixed[3] = true;
         let mut factor = BlockCholesky::new(&pattern, 2, &fixed, &[2, 0, 1]).unwrap();
         let block = |row: usize, column: usize, a: usize, b: usize| match (row == column, a == b) {
-            (true, same) => {
-                if same {
-                    4.0
-                } else {
-                    0.0
-                }
-            }
-            (false, same) => {
-                if same {
-                    -1.0
-                } else {
-                    -0.5
-                }
-            }
+            (true, true) => 4.0,
+            (true, false) => 0.0,
+            (false, true) => -1.0,
+            (false, false) => -0.5,
         };
         let entry = |source: usize| {
             let position = source / 4;

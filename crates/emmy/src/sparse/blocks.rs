@@ -4,8 +4,8 @@ use super::kernel::{Entry, Kernel, LOADED, Row};
 use super::real::Real;
 use crate::tensor::inlined;
 
-/// 3 x 3 blocks one after another, each by columns. A product loads more than a block; what it loads of the next one is not
-/// used, and no memory is lost to padding.
+/// 3 x 3 blocks one after another, each by columns. A product loads more than one block and ignores the part of the
+/// next one; no memory is lost to padding.
 #[derive(Debug, Clone)]
 pub struct Blocks<E> {
     entries: Vec<E>,
@@ -23,8 +23,8 @@ impl<E: Entry> Blocks<E> {
         &mut self.entries[..n]
     }
 
-    /// `sum A x` over blocks that follow one another, from `first` on, one for each column. The last column is added last, or
-    /// first if `REVERSED`: a sweep wants the row that it has just computed to come last.
+    /// `sum A x` over consecutive blocks, from `first` on, one for each column. The last column is added last, or first
+    /// if `REVERSED`: a sweep needs the row computed last to come last.
     #[inline(always)]
     pub fn product<const C: usize, const REVERSED: bool, K: Kernel<E, C>>(
         &self,
@@ -35,7 +35,7 @@ impl<E: Entry> Blocks<E> {
     ) -> Row<E::Number, C> {
         let n = columns.len();
         let entries = &self.entries[9 * first..9 * (first + n) + LOADED - 9];
-        // Two sums, so that an addition need not wait for the one before.
+        // Two sums, so that an addition need not wait for the previous one.
         let mut sums = [kernel.zero(); 2];
         let add = inlined!(|sum: &mut K::Sum, i: usize| {
             let at = if REVERSED { n - 1 - i } else { i };
@@ -59,11 +59,11 @@ impl<E: Entry> Blocks<E> {
 pub struct Rows<'a, T, const C: usize> {
     /// Rows from number `first` on.
     pub own: &'a [Row<T, C>],
-    /// Number of the first of them.
+    /// Number of the first of these rows.
     pub first: usize,
-    /// Where the others are.
+    /// The other rows.
     pub others: &'a [Row<T, C>],
-    /// Number of the first of the others.
+    /// Number of the first of the other rows.
     pub first_other: usize,
 }
 
@@ -139,7 +139,7 @@ mod tests {
     }
 
     fn products_are_those_of_the_blocks<E: Entry, const C: usize>() {
-        // Whole numbers that every type holds, so that sums are exact in any order.
+        // Whole numbers representable in every type, so that sums are exact in any order.
         let mut blocks = Blocks::<E>::new(5);
         blocks.entries_mut().iter_mut().enumerate().for_each(|(at, entry)| *entry = E::of(at as f64));
         let value = |row: usize, b: usize, c: usize| (5 * row + 2 * b) as f64 - (7 * c) as f64;

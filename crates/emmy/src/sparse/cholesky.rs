@@ -11,7 +11,7 @@ use faer::{Conj, MatMut, Par, Side};
 
 use crate::error::{Error, Result};
 
-/// Factorisation `L L^T` of a symmetric positive definite matrix, or `L B L^T` where it turns out not to be definite.
+/// Factorisation `L L^T` of a symmetric positive definite matrix, or `L B L^T` if the matrix is indefinite.
 ///
 /// The matrix is given by its lower triangle in compressed columns; the pattern is analysed once, in [`Cholesky::new`].
 pub struct Cholesky {
@@ -35,7 +35,7 @@ impl std::fmt::Debug for Cholesky {
     }
 }
 
-/// Right-hand sides solved at once at the most.
+/// Largest number of right-hand sides solved at once.
 const MAX_COLUMNS: usize = 3;
 
 impl Cholesky {
@@ -148,7 +148,7 @@ fn out_of_memory(bytes: usize) -> Error {
     Error::OutOfMemory { what: "the factorisation", gigabytes: bytes as f64 / 1e9 }
 }
 
-/// Zeros, or an error where the machine does not have the memory: the factor is by far the largest thing of a run.
+/// Zeros, or an error if the machine does not have the memory: the factor is by far the largest object of a run.
 fn zeros(length: usize) -> Result<Vec<f64>> {
     let mut zeros = Vec::new();
     zeros.try_reserve_exact(length).map_err(|_| out_of_memory(length.saturating_mul(8)))?;
@@ -162,7 +162,9 @@ mod tests {
 
     /// Lower triangle of the tridiagonal matrix (-1, d, -1).
     fn tridiagonal(n: usize, d: f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
-        let (mut begin, mut rows, mut values) = (vec![0], vec![], vec![]);
+        let mut begin = vec![0];
+        let mut rows = vec![];
+        let mut values = vec![];
         for i in 0..n {
             rows.push(i);
             values.push(d);

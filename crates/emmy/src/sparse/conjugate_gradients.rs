@@ -14,8 +14,9 @@ pub trait Approximate<T, const C: usize> {
     fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<T, C>]);
 }
 
-/// Conjugate gradients (Hestenes and Stiefel 1952) with one column; with two, for a complex symmetric matrix, conjugate orthogonal
-/// conjugate gradients (van der Vorst and Melissen 1990): the same recurrences with products that are not conjugated.
+/// Conjugate gradients (Hestenes and Stiefel 1952) with one column; with two, for a complex symmetric matrix, conjugate
+/// orthogonal conjugate gradients (van der Vorst and Melissen 1990): the same recurrences with products that are not
+/// conjugated.
 #[derive(Debug, Clone)]
 pub struct ConjugateGradients<T, const C: usize> {
     /// Right-hand side, then residual.
@@ -52,7 +53,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         max_iterations: usize,
     ) -> Solution {
         self.solution.fill([[T::default(); C]; 4]);
-        // Zero times what a solution left that came to infinity would not be zero.
+        // After an overflow the previous solution is not finite, and zero times it would not be zero.
         self.direction.fill([[T::default(); C]; 4]);
         let norm = self.residual_norm();
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
@@ -93,7 +94,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
 
     /// `x += alpha p`, `r -= alpha A p`; the norm of the new r.
     fn advance(&mut self, alpha: [f64; 2]) -> f64 {
-        let (along, against) = (alpha.map(T::of), alpha.map(|a| T::of(-a)));
+        let along = alpha.map(T::of);
+        let against = alpha.map(|a| T::of(-a));
         let solution = self.solution.par_chunks_mut(CHUNK).zip(self.direction.par_chunks(CHUNK));
         let residual = self.rhs.par_chunks_mut(CHUNK).zip(self.product.par_chunks(CHUNK));
         solution.zip(residual).zip(self.partial.par_iter_mut()).for_each(|(((x, p), (r, q)), partial)| {
@@ -124,7 +126,8 @@ fn add_multiple<T: Real, const C: usize>(y: &mut Row<T, C>, a: [T; 2], x: &Row<T
         if C == 1 {
             y[component][0] += a[0] * x[component][0];
         } else {
-            let (re, im) = (x[component][0], x[component][C - 1]);
+            let re = x[component][0];
+            let im = x[component][C - 1];
             y[component][0] += a[0] * re - a[1] * im;
             y[component][C - 1] += a[0] * im + a[1] * re;
         }
@@ -167,7 +170,7 @@ mod tests {
         let mut factor = IncompleteCholesky::new(&sweep);
         factor.factorize(&sweep, &fixed, shift[0].hypot(shift[1]), &mass, block);
         let mut solver = ConjugateGradients::<f32, C>::new(sweep.n_rows());
-        // As a solution leaves it that came to infinity.
+        // State after an overflow in the previous solution.
         solver.direction.fill([[f32::NAN; C]; 4]);
         let value = |row: usize, a: usize, c: usize| {
             let held = fixed[3 * sweep.order[row] as usize + a];
@@ -191,7 +194,8 @@ mod tests {
         assert!(error < 1e-4, "{error:e}");
         let (error, complex) = solved::<2>([0.3, 0.4], 1e-5);
         assert!(error < 1e-4, "{error:e}");
-        // The same modulus; the argument of lambda, 53 degrees, leaves a factor tan(53/4) = 0.24 an iteration, 1e-5 in 8.
+        // The same modulus; the argument of lambda, 53 degrees, leaves a factor tan(53/4) = 0.24 an iteration, 1e-5 in
+        // 8.
         assert!(complex <= real + 8, "{complex} {real}");
     }
 

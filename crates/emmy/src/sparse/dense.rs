@@ -47,8 +47,8 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
     })
 }
 
-/// Solves a small system for several right-hand sides in place, by Gaussian elimination with row pivots; `x: [n][columns]`. Returns
-/// `false` if the matrix is singular. It allocates nothing.
+/// Solves a small system for several right-hand sides in place, by Gaussian elimination with row pivots; `x:
+/// [n][columns]`. Returns `false` if the matrix is singular. Allocates nothing.
 ///
 /// ```
 /// let mut matrix = [0.0, 2.0, 4.0, 1.0];

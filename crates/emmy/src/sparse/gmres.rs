@@ -2,7 +2,7 @@
 
 use super::reduce::{dot, norm};
 
-/// GMRES (Saad and Schultz 1986) with restarts; its memory is kept from one solution to the next.
+/// GMRES (Saad and Schultz 1986) with restarts; its memory is reused by the next solution.
 ///
 /// With a right preconditioner GMRES minimises the residual of the system itself.
 #[derive(Debug, Clone, Default)]
@@ -16,7 +16,7 @@ pub struct Gmres {
     work: Vec<f64>,
 }
 
-/// How a solution went.
+/// Outcome of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solution {
     /// Number of iterations.
@@ -29,7 +29,7 @@ pub struct Solution {
 const RESTART: usize = 60;
 
 impl Gmres {
-    /// Solves `A x = b` from x = 0 until the residual is `tolerance` times that of b, or the iterations are used up.
+    /// Solves `A x = b` from x = 0 until the relative residual is below `tolerance`, or the iterations are used up.
     ///
     /// `system` offers the product with A and the preconditioner, both as `(input, output)`.
     pub fn solve(
@@ -126,7 +126,7 @@ impl Gmres {
         for (basis, y) in self.basis.iter().zip(&self.rhs[..n]) {
             self.work.iter_mut().zip(basis).for_each(|(w, v)| *w += y * v);
         }
-        // The first basis vector is not needed any more.
+        // The first basis vector is no longer needed.
         system.precondition(&self.work, &mut self.basis[0]);
         x.iter_mut().zip(&self.basis[0]).for_each(|(x, d)| *x += d);
     }
@@ -140,7 +140,7 @@ pub trait LinearSystem {
     fn precondition(&mut self, x: &[f64], y: &mut [f64]);
 }
 
-/// The vector with an index, made or lengthened where it is missing.
+/// The vector with an index, created or extended if it is missing.
 fn vector(vectors: &mut Vec<Vec<f64>>, index: usize, length: usize) -> &mut Vec<f64> {
     if vectors.len() <= index {
         vectors.resize_with(index + 1, Vec::new);
@@ -149,7 +149,7 @@ fn vector(vectors: &mut Vec<Vec<f64>>, index: usize, length: usize) -> &mut Vec<
     &mut vectors[index]
 }
 
-/// Modified Gram-Schmidt; the coefficients and the length of what is left go to the column.
+/// Modified Gram-Schmidt; the coefficients and the length of the remainder go to the column.
 fn orthogonalise(known: &[Vec<f64>], next: &mut [f64], column: &mut [f64]) {
     for (basis, coefficient) in known.iter().zip(column.iter_mut()) {
         *coefficient = dot(basis, next);
@@ -172,8 +172,8 @@ mod tests {
     impl LinearSystem for Convection {
         fn product(&mut self, x: &[f64], y: &mut [f64]) {
             for i in 0..self.0 {
-                let (left, right) =
-                    (if i > 0 { x[i - 1] } else { 0.0 }, x.get(i + 1).copied().unwrap_or(0.0));
+                let left = if i > 0 { x[i - 1] } else { 0.0 };
+                let right = x.get(i + 1).copied().unwrap_or(0.0);
                 y[i] = 2.5 * x[i] - 1.4 * left - 0.6 * right;
             }
         }

@@ -12,11 +12,12 @@ use super::shifted::{CHUNK, each_row};
 use super::sweep::SweepOrder;
 use super::triangular::{Backward, Forward, Part};
 
-/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It only has
-/// to be near: it is computed in single precision, and kept in half of that.
+/// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It
+/// need not be accurate: it is computed in single precision, and stored in half precision.
 ///
-/// It is stored as `L = D U`, D the triangular diagonal blocks of L: the blocks of U on the diagonal are unit matrices, and a sweep
-/// through U waits for nothing but the rows before. A pivot that is lost to the omitted fill is replaced by the pivot of the matrix.
+/// It is stored as `L = D U`, where D holds the triangular diagonal blocks of L. The diagonal blocks of U are unit
+/// matrices, so that a sweep through U waits only for the previous rows. A pivot lost to the omitted fill is replaced
+/// by the pivot of the matrix.
 #[derive(Debug, Clone)]
 pub struct IncompleteCholesky {
     /// On the couplings of the sweep: left of the diagonal U, right of it U^T.
@@ -37,8 +38,8 @@ impl IncompleteCholesky {
         }
     }
 
-    /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both in the positions of the pattern; `fixed`:
-    /// components that are left out, `[n_rows][3]` in the numbers of the pattern.
+    /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both at the positions of the pattern;
+    /// `fixed`: omitted components, `[n_rows][3]` in the numbering of the pattern.
     pub fn factorize<'a>(
         &mut self,
         sweep: &SweepOrder,
@@ -49,12 +50,15 @@ impl IncompleteCholesky {
     ) {
         let is_fixed = |row: usize, a: usize| fixed[3 * sweep.order[row] as usize + a];
         let entry = |position: usize, row: usize| -> [f32; 9] {
-            let (source, column) = (sweep.source[position] as usize, sweep.columns[position] as usize);
-            let (values, m) = (stiffness(source), mass[source]);
+            let source = sweep.source[position] as usize;
+            let column = sweep.columns[position] as usize;
+            let values = stiffness(source);
+            let m = mass[source];
             let mut block = [0.0; 9];
             for (at, value) in block.iter_mut().enumerate() {
                 // by columns
-                let (a, b) = (at % 3, at / 3);
+                let a = at % 3;
+                let b = at / 3;
                 if is_fixed(row, a) || is_fixed(column, b) {
                     *value = if row == column && a == b { 1.0 } else { 0.0 };
                 } else {
@@ -77,7 +81,7 @@ impl IncompleteCholesky {
         self.finish(sweep);
     }
 
-    /// Makes U of L, and copies it to the right of the diagonal, transposed.
+    /// Computes U from L, and copies it to the right of the diagonal, transposed.
     fn finish(&mut self, sweep: &SweepOrder) {
         let rows = 0..sweep.n_rows();
         each_row(sweep, rows.clone(), &mut self.lower, &mut self.pivots, &|own, pivot, row| {
@@ -86,7 +90,8 @@ impl IncompleteCholesky {
             *pivot = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
             left.as_chunks_mut().0.iter_mut().for_each(|block| *block = lower_times(inverse, block));
         });
-        let (lower, nothing) = (&self.lower, &mut vec![(); sweep.n_rows()]);
+        let lower = &self.lower;
+        let nothing = &mut vec![(); sweep.n_rows()];
         each_row(sweep, rows, self.factor.entries_mut(), nothing, &|own, (), row| {
             for (position, unit) in (sweep.row_begin[row]..).zip(own.as_chunks_mut().0) {
                 if position < sweep.diagonal[row] {
@@ -151,13 +156,15 @@ fn factorize_row(
     interior: &[f32],
     entry: &impl Fn(usize, usize) -> [f32; 9],
 ) {
-    let (begin, diagonal) = (sweep.row_begin[row], sweep.diagonal[row]);
+    let begin = sweep.row_begin[row];
+    let diagonal = sweep.diagonal[row];
     for position in begin..=diagonal {
         let column = sweep.columns[position] as usize;
         let original = entry(position, row);
         let mut work = original;
         // L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
-        let (mut own, mut other) = (begin, sweep.row_begin[column]);
+        let mut own = begin;
+        let mut other = sweep.row_begin[column];
         let end = sweep.diagonal[column];
         while own < position && other < end {
             let (left, right) = (sweep.columns[own], sweep.columns[other]);
@@ -213,7 +220,8 @@ fn lower_times(inverse: &[f32], A: &[f32]) -> [f32; 9] {
     product
 }
 
-/// Inverse of the Cholesky factor of a block; a pivot lost to the omitted fill is replaced by the pivot of the original diagonal.
+/// Inverse of the Cholesky factor of a block; a pivot lost to the omitted fill is replaced by the pivot of the original
+/// diagonal.
 fn inverse_factor(A: [f32; 9], original: [f32; 3]) -> [f32; 9] {
     const SMALLEST: f32 = 1e-3;
     let mut L = [[0f32; 3]; 3];
@@ -244,7 +252,7 @@ fn transposed(A: &[bf16; 9]) -> [bf16; 9] {
     [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
 }
 
-/// Works on ranges that follow one another, each with its own part of a slice; `at(row)`: where a row begins in the slice.
+/// Works on consecutive ranges, each with its own part of a slice; `at(row)`: start of a row in the slice.
 fn side_by_side<T: Send>(
     slice: &mut [T],
     ranges: &[Range<usize>],
@@ -271,7 +279,8 @@ pub mod tests {
 
     /// Mass of a box and a stiffness that is coupled in all components; `(mass, stiffness)`.
     pub fn elastic(pattern: &Pattern) -> (Vec<f64>, Vec<f64>) {
-        let (mut mass, mut stiffness) = (vec![0.0; pattern.n_blocks()], vec![0.0; 9 * pattern.n_blocks()]);
+        let mut mass = vec![0.0; pattern.n_blocks()];
+        let mut stiffness = vec![0.0; 9 * pattern.n_blocks()];
         for row in 0..pattern.n_rows() {
             let n = pattern.row(row).len() as f64;
             for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
@@ -297,7 +306,7 @@ pub mod tests {
 
     #[test]
     fn without_fill_it_is_the_factor_itself() {
-        // A chain has no fill: the incomplete factor is exact, to the 8 bits in which it is kept.
+        // A chain has no fill: the incomplete factor is exact, to its 8 stored bits.
         let lists: Vec<[u32; 2]> = (0..39).map(|i| [i, i + 1]).collect();
         let pattern = Pattern::new(40, lists.iter().map(|list| &list[..]));
         let (mass, stiffness) = elastic(&pattern);
@@ -326,7 +335,8 @@ pub mod tests {
 
     #[test]
     fn chunks_do_not_change_the_factor_of_their_own_rows() {
-        // Several chunks: the factor times its transpose agrees with the matrix on the pattern of every row without fill.
+        // Several chunks: the factor times its transpose agrees with the matrix on the pattern of every row without
+        // fill.
         let pattern = grid([6, 6, 280]);
         let (mass, stiffness) = elastic(&pattern);
         let sweep = SweepOrder::new(&pattern);

@@ -8,31 +8,31 @@ use super::real::Real;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-/// A vector of a solver: three components a row, each with C columns, and a zero that makes a register full. One column is a
-/// real vector; two are the real and the imaginary part of a complex one. `[row][4][C]`.
+/// A vector of a solver: three components per row, each with C columns, and a zero that fills a register. One column is
+/// a real vector; two columns are the real and imaginary parts of a complex one. `[row][4][C]`.
 pub type Row<T, const C: usize> = [[T; C]; 4];
 
-/// Entries that a product loads from the first of a block on: a register of the widest instruction set.
+/// Entries loaded by a product from the first entry of a block on: a register of the widest instruction set.
 pub const LOADED: usize = 16;
 
-/// How a matrix stores a number.
+/// Storage format of the numbers of a matrix.
 pub trait Entry: Copy + Default + Send + Sync + 'static {
     /// Number type in which products are computed.
     type Number: Real;
     /// The nearest entry.
     fn of(value: f64) -> Self;
-    /// The number that it stands for.
+    /// Its value.
     fn number(self) -> Self::Number;
-    /// Works with the kernel of the best instruction set that the machine has.
+    /// Uses the kernel of the best instruction set of the machine.
     fn dispatch<const C: usize, W: Work<Self, C>>(work: W) -> W::Output;
-    /// Works with the kernel of an instruction set that is not the best one of the machine.
+    /// Uses the kernel of an instruction set that is not the best one of the machine.
     #[cfg(test)]
     fn narrower<const C: usize, W: Work<Self, C>>(_: W) -> Option<W::Output> {
         None
     }
 }
 
-/// Double precision, where a solution is not corrected again.
+/// Double precision, for solutions that are not corrected.
 impl Entry for f64 {
     type Number = f64;
     #[inline(always)]
@@ -48,7 +48,8 @@ impl Entry for f64 {
     }
 }
 
-/// The upper half of a number of single precision: an iterative solver waits for memory, and what it returns is corrected again.
+/// The upper half of a number of single precision: an iterative solver is limited by memory, and its result is
+/// corrected.
 impl Entry for bf16 {
     type Number = f32;
     #[inline(always)]
@@ -74,7 +75,8 @@ impl Entry for bf16 {
     }
 }
 
-/// Work with a kernel. All that `run` reaches must be inlined into it, else it is compiled for the oldest machine.
+/// Work with a kernel. Everything called by `run` must be inlined into it; otherwise it is compiled for the oldest
+/// machine.
 pub trait Work<E: Entry, const C: usize> {
     /// Result.
     type Output;
@@ -94,7 +96,7 @@ pub trait Kernel<E: Entry, const C: usize>: Copy {
     fn total(self, sums: [Self::Sum; 2]) -> Row<E::Number, C>;
 }
 
-/// The kernel of any machine: four numbers at a time.
+/// The kernel for any machine: four numbers at a time.
 #[derive(Debug, Clone, Copy)]
 pub struct Portable;
 

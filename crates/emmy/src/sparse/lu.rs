@@ -1,4 +1,4 @@
-//! Sparse factorisation of a stage matrix that is not symmetric, for systems that GMRES does not solve.
+//! Sparse factorisation of a non-symmetric stage matrix, for systems that GMRES does not solve.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SparseColMatRef;
@@ -9,17 +9,17 @@ use faer::{Conj, MatMut, Par};
 use super::{Pattern, StageMatrix};
 use crate::error::{Error, Result};
 
-/// Factorisation `P A Q = L U` of the free part of a stage matrix, with partial pivots and an order of its own (COLAMD).
+/// Factorisation `P A Q = L U` of the free part of a stage matrix, with partial pivoting and its own order (COLAMD).
 #[derive(Debug)]
 pub struct SparseLu {
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
-    /// Places of the unknowns in `[k][n_rows][3]`.
+    /// Positions of the unknowns in `[k][n_rows][3]`.
     unknowns: Vec<usize>,
 }
 
 impl SparseLu {
-    /// Analyses and factorises; `fixed: [n_rows][3]`, whose rows and columns are left out.
+    /// Analyses and factorises; rows and columns of `fixed: [n_rows][3]` are omitted.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Linear`].
@@ -29,7 +29,7 @@ impl SparseLu {
             return Err(Error::Linear { reason: "the matrix has an entry that is not finite".into() });
         }
         let n = begin.len() - 1;
-        // Rows of the matrix, read as columns: its transposed.
+        // Rows of the matrix, read as columns of its transpose.
         let transposed = SymbolicSparseColMatRef::new_checked(n, n, &begin, None, &columns);
         let fail = |what: &str| Error::Linear { reason: what.to_string() };
         let symbolic = factorize_symbolic_lu(transposed, Default::default())
@@ -50,7 +50,7 @@ impl SparseLu {
         Ok(SparseLu { symbolic, numeric, unknowns: free.collect() })
     }
 
-    /// Solves `A x = b`; `b`, `x`: `[k][n_rows][3]`, x being zero where the matrix was left out.
+    /// Solves `A x = b`; `b`, `x`: `[k][n_rows][3]`; x is zero at omitted rows.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
@@ -88,7 +88,7 @@ mod tests {
             for position in part.rows().flat_map(|row| pattern.range(row)) {
                 for stages in 0..4 {
                     for (entry, value) in part.block_mut(position, stages).iter_mut().enumerate() {
-                        // The square: without it rows would be sums of two.
+                        // The square: without it, rows would be sums of two.
                         *value = (((position * 36 + stages * 9 + entry) as f64).powi(2) * 0.37).sin();
                     }
                 }

@@ -1,5 +1,5 @@
-//! Sparse linear algebra: block pattern and matrix, ordering, factorisation, Krylov. The only place that names a
-//! linear-algebra crate.
+//! Sparse linear algebra: block pattern and matrix, ordering, factorisation, Krylov methods. Only this module uses
+//! linear-algebra crates.
 
 #![allow(non_snake_case)]
 

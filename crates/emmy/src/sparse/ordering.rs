@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 
 /// Nested-dissection ordering of a pattern: `order[new] = old`.
 ///
-/// METIS (Karypis and Kumar 1998) finds separators of the coupling graph. With it the Cholesky factor of a 3D mesh is
-/// two to three times cheaper than with a minimum-degree ordering.
+/// METIS (Karypis and Kumar 1998) finds separators of the coupling graph. The Cholesky factor of a 3D mesh is then two
+/// to three times cheaper than with a minimum-degree ordering.
 ///
 /// # Errors
 /// [`Error::Linear`] if METIS runs out of memory or the pattern is too large for its 32-bit indices.
@@ -30,7 +30,8 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     if pattern.n_blocks() > i32::MAX as usize {
         return Err(Error::Linear { reason: "more than 2^31 couplings: too many for the ordering".into() });
     }
-    let (mut begin, mut neighbours) = (vec![0i32], Vec::with_capacity(pattern.n_blocks() - n));
+    let mut begin = vec![0i32];
+    let mut neighbours = Vec::with_capacity(pattern.n_blocks() - n);
     for row in 0..n {
         let others = pattern.row(row).iter().filter(|&&column| column as usize != row);
         neighbours.extend(others.map(|&column| column as i32));
@@ -40,8 +41,8 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
     Ok(order.into_iter().map(|node| node as usize).collect())
 }
 
-/// METIS draws from one random sequence for the whole process, which each call starts again: calls one after another
-/// always give the same order, calls side by side would not.
+/// METIS uses one random sequence for the whole process, restarted by each call: sequential calls always give the same
+/// order, concurrent calls would not.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// The call of METIS.

@@ -1,6 +1,6 @@
 //! Pattern of couplings between nodes.
 
-/// Which nodes are coupled: compressed rows, columns ascending, the diagonal included, structurally symmetric.
+/// Couplings of nodes: compressed rows, columns ascending, the diagonal included, structurally symmetric.
 ///
 /// ```
 /// use emmy::internals::sparse::Pattern;
@@ -15,10 +15,11 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern in which all nodes of a list are coupled with each other, for every list.
+    /// The pattern that couples all nodes of each list with each other.
     pub fn new<'a>(n_rows: usize, lists: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
         let (begin, list_of_row, lists) = lists_by_row(n_rows, lists);
-        let (mut row_begin, mut columns) = (vec![0], Vec::new());
+        let mut row_begin = vec![0];
+        let mut columns = Vec::new();
         let mut seen = vec![u32::MAX; n_rows];
         for row in 0..n_rows {
             let start = columns.len();
@@ -76,7 +77,7 @@ impl Pattern {
     }
 }
 
-/// For every row the lists that it is in, as compressed rows.
+/// For every row its lists, as compressed rows.
 fn lists_by_row<'a>(
     n_rows: usize,
     lists: impl Iterator<Item = &'a [u32]>,

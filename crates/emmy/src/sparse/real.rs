@@ -1,4 +1,4 @@
-//! Numbers of the iterative solvers: `f32` where a solution is only an approximation that is corrected again, `f64` else.
+//! Numbers of the iterative solvers: `f32` if the solution is corrected later, `f64` otherwise.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -22,7 +22,7 @@ pub trait Real:
     + SubAssign
     + 'static
 {
-    /// Four of them in one register.
+    /// Four numbers in one register.
     type Four: Copy + Add<Output = Self::Four> + Mul<Output = Self::Four> + AddAssign;
     /// A register of four numbers.
     fn four(values: [Self; 4]) -> Self::Four;

@@ -1,7 +1,7 @@
-//! Sums over vectors. Every dot product and norm goes through here, in fixed chunks, so that the result depends neither
-//! on threads nor on how a vector is divided.
+//! Sums over vectors. All dot products and norms are computed here, in fixed chunks, so that the result depends neither
+//! on threads nor on the division of a vector.
 
-/// Length of a chunk that is summed on its own; sums of chunks keep the rounding error small as well.
+/// Length of a chunk; sums over chunks also keep the rounding error small.
 const CHUNK: usize = 1024;
 
 /// Dot product.

@@ -12,23 +12,23 @@ use super::sweep::SweepOrder;
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
 pub struct ShiftedMatrix<E: Entry, const C: usize> {
-    /// With one column the blocks of `M + lambda K`, with two columns the blocks of K.
+    /// The blocks of `M + lambda K` with one column, the blocks of K with two columns.
     blocks: Blocks<E>,
-    /// Rounding errors of the blocks of a row, added to its diagonal block: a motion that does not strain must not cost
-    /// energy, and the rounding of neighbours would make it.
+    /// Rounding errors of the blocks of a row, added to its diagonal block: otherwise, the rounding of the neighbours
+    /// would give energy to a motion without strain.
     remainders: Vec<[[E::Number; 4]; 3]>,
-    /// M, with two columns.
+    /// M, with two columns only.
     mass: Vec<E::Number>,
     shift: [E::Number; 2],
-    /// Components that are held: rows of which are left out, `[3 row + component]` in the order of the sweep.
+    /// Fixed components, whose rows are omitted, `[3 row + component]` in the order of the sweep.
     fixed: Vec<u32>,
 }
 
-/// Rows that one task works on.
+/// Rows of one task.
 pub const CHUNK: usize = 2048;
 
 impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
-    /// Memory for a matrix; `fixed: [n_rows][3]` in the numbers of the pattern.
+    /// Memory for a matrix; `fixed: [n_rows][3]` in the numbering of the pattern.
     pub fn new(sweep: &SweepOrder, fixed: &[bool]) -> Self {
         let held = sweep.order.iter().enumerate().flat_map(|(new, &old)| {
             (0..3).filter(move |a| fixed[3 * old as usize + a]).map(move |a| (3 * new + a) as u32)
@@ -43,7 +43,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
         }
     }
 
-    /// Sets the matrix. `stiffness(position)`: block of K; `mass`: M, both in the positions of the pattern.
+    /// Sets the matrix. `stiffness(position)`: block of K; `mass`: M, both at the positions of the pattern.
     pub fn set<'a>(
         &mut self,
         sweep: &SweepOrder,
@@ -61,7 +61,8 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
                 let m = if C == 2 { 0.0 } else { mass[source as usize] };
                 for (at, stored) in block.iter_mut().enumerate() {
                     // by columns
-                    let (a, b) = (at % 3, at / 3);
+                    let a = at % 3;
+                    let b = at / 3;
                     let entry = factor * values[3 * a + b] + if a == b { m } else { 0.0 };
                     *stored = E::of(entry);
                     lost[b][a] += entry - stored.number().wide();
@@ -79,7 +80,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
             .for_each(|(m, &source)| *m = E::Number::of(mass[source as usize]));
     }
 
-    /// `y = (M + lambda K) x`, on rows that are free; held ones stay zero. Returns `x^T y` (not conjugated).
+    /// `y = (M + lambda K) x` on the free rows; fixed ones stay zero. Returns `x^T y` (not conjugated).
     pub fn multiply(
         &self,
         sweep: &SweepOrder,
@@ -95,7 +96,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
         summed(partial)
     }
 
-    /// Sets the rows that are held to zero; y: rows from `first_row` on.
+    /// Sets the fixed rows to zero; y: rows from `first_row` on.
     fn hold(&self, first_row: usize, y: &mut [Row<E::Number, C>]) {
         let first = 3 * first_row as u32;
         let begin = self.fixed.partition_point(|&at| at < first);
@@ -107,7 +108,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     }
 }
 
-/// `y = (M + lambda K) x` for rows that follow one another; returns their part of `x^T y`.
+/// `y = (M + lambda K) x` for consecutive rows; returns their part of `x^T y`.
 struct Multiply<'a, E: Entry, const C: usize> {
     matrix: &'a ShiftedMatrix<E, C>,
     sweep: &'a SweepOrder,
@@ -124,7 +125,8 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
         for index in 0..y.len() {
             let row = first + index;
             let couplings = sweep.row_begin[row]..sweep.row_begin[row + 1];
-            let (begin, columns) = (couplings.start, &sweep.columns[couplings.clone()]);
+            let begin = couplings.start;
+            let columns = &sweep.columns[couplings.clone()];
             let product = matrix.blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
             let mut stiff = times(&matrix.remainders[row], &x[row]);
             (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));
@@ -158,7 +160,8 @@ fn shifted<E: Entry, const C: usize>(
     row
 }
 
-/// Works on the blocks of each row and something else of it, in halves side by side; `blocks`: those of `rows`.
+/// Works on the blocks of each row and other data of the row, recursively in parallel halves; `blocks`: blocks of
+/// `rows`.
 pub fn each_row<E: Send, R: Send>(
     sweep: &SweepOrder,
     rows: Range<usize>,
@@ -185,7 +188,7 @@ pub fn each_row<E: Send, R: Send>(
 /// `x^T y`, not conjugated, as (real, imaginary).
 #[inline(always)]
 pub fn dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2] {
-    // A sum for each component, so that an addition need not wait for the one before.
+    // A sum for each component, so that an addition need not wait for the previous one.
     let mut sums = [[0.0; 4]; 2];
     for (x, y) in x.iter().zip(y) {
         for a in 0..4 {

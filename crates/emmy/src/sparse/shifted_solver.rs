@@ -15,7 +15,7 @@ use crate::error::Result;
 
 /// A solver; vectors are `[n_nodes][3][columns]`.
 pub trait ShiftedSolver: fmt::Debug + Send {
-    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the rows that are fixed, and lambda.
+    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the fixed rows, and lambda.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if the matrix is not finite or there is not enough memory.
@@ -27,17 +27,17 @@ pub trait ShiftedSolver: fmt::Debug + Send {
         shift: [f64; 2],
     ) -> Result<()>;
 
-    /// Solves in place to a relative tolerance. Returns the number of iterations, `None` if it was not reached.
+    /// Solves in place to a relative tolerance. Returns the number of iterations, or `None` if it missed the tolerance.
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
 
     /// Cost of a new stiffness and its factorisation, in solutions.
     fn refactorization_cost(&self) -> f64;
 
-    /// Solves in place, nearly, with the real matrix `M + |lambda| K`: always the same linear map.
+    /// Solves approximately in place with the real matrix `M + |lambda| K`: always the same linear map.
     fn precondition(&mut self, x: &mut [f64]);
 }
 
-/// Conjugate gradients, preconditioned by an incomplete factor, in single precision: what they return is corrected again.
+/// Conjugate gradients, preconditioned by an incomplete factor, in single precision; the caller corrects the result.
 #[derive(Debug)]
 pub struct Iterative<const C: usize> {
     sweep: Arc<SweepOrder>,
@@ -82,7 +82,8 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
             return Some(0);
         }
         gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
-        let (matrix, factor) = (&self.matrix, &mut self.factor);
+        let matrix = &self.matrix;
+        let factor = &mut self.factor;
         let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, size, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
@@ -160,8 +161,8 @@ impl ShiftedSolver for Direct {
     }
 }
 
-/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of iterations
-/// depends on neither mesh nor step size.
+/// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of
+/// iterations depends on neither mesh nor step size.
 #[derive(Debug)]
 pub struct DirectPair {
     sweep: Arc<SweepOrder>,
@@ -209,7 +210,8 @@ impl ShiftedSolver for DirectPair {
 
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
         gather(&self.sweep, x, 1.0, &mut self.krylov.rhs);
-        let (matrix, inverse) = (&self.matrix, &mut self.inverse);
+        let matrix = &self.matrix;
+        let inverse = &mut self.inverse;
         let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, MAX_ITERATIONS);
         scatter(&self.sweep, &self.krylov.solution, 1.0, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
@@ -236,7 +238,7 @@ fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
-/// Rows that one task works on at the least.
+/// Smallest number of rows of a task.
 const ROWS: usize = 2048;
 
 /// `rows = factor x`, rows in the order of the sweep.

@@ -1,10 +1,10 @@
-//! Which linear solver a step uses, and why.
+//! The linear solver of a step, and the reason for it.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The linear solver that the settings ask for.
+/// The requested linear solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// The cheaper one: see [`SolverChoice`].
@@ -16,12 +16,12 @@ pub enum Solver {
     Iterative,
 }
 
-/// All there are, with their names.
+/// All solvers with their names.
 pub const SOLVERS: [(&str, Solver, &str); 3] = [
     (
         Solver::Auto.name(),
         Solver::Auto,
-        "conjugate gradients or Cholesky factorisation, by what the first step asks for",
+        "conjugate gradients or Cholesky factorisation, whichever is cheaper in the first step",
     ),
     (Solver::Direct.name(), Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
     (
@@ -77,7 +77,7 @@ impl Solver {
     }
 }
 
-/// The solver that was chosen.
+/// The chosen solver.
 ///
 /// Conjugate gradients need about `sqrt(c)` iterations, c being the stiffness number
 ///
@@ -85,16 +85,16 @@ impl Solver {
 /// c = max_dof s^2 |lambda| K_dd / m_d
 /// ```
 ///
-/// (s: time scale of the stage equations, the step size of a time element; lambda: largest eigenvalue of the stage coupling; m:
-/// lumped mass): the square of the number of cells that a wave crosses in a step, but for a factor. The fill of a factorisation
-/// grows with the number of nodes.
+/// (s: time scale of the stage equations, the step size of a time element; lambda: largest eigenvalue of the stage
+/// coupling; m: lumped mass). Up to a factor, c is the square of the number of cells that a wave crosses in a step. The
+/// fill of a factorisation grows with the number of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SolverChoice {
     /// Its kind.
     pub kind: SolverKind,
     /// The stiffness number.
     pub stiffness: f64,
-    /// Stiffness number up to which conjugate gradients are chosen; `None` where a solver was requested, or where conjugate
+    /// Stiffness number up to which conjugate gradients are chosen; `None` if a solver was requested, or if conjugate
     /// gradients failed.
     pub limit: Option<f64>,
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Pattern;
 
-/// Rows of the stage system that one thread owns: it alone writes them.
+/// Rows of the stage system owned by one thread, which alone writes them.
 #[derive(Debug, Clone)]
 pub struct RowPart {
     rows: Range<usize>,
@@ -28,7 +28,7 @@ impl RowPart {
         RowPart { product: force.clone(), rows, first_block, degree, force, blocks }
     }
 
-    /// Rows (nodes) that the part owns.
+    /// Rows (nodes) of the part.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
@@ -38,7 +38,7 @@ impl RowPart {
         self.degree
     }
 
-    /// Whether a node is one of the part's rows.
+    /// Whether a node belongs to the part's rows.
     pub fn owns(&self, node: u32) -> bool {
         self.rows.contains(&(node as usize))
     }
@@ -50,15 +50,15 @@ impl RowPart {
         self.force[at..at + 3].iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
 
-    /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern that lies in the part's rows.
+    /// The 3 x 3 block of stages i, j (as `i k + j`) at a position of the pattern within the part's rows.
     #[inline(always)]
     pub fn block_mut(&mut self, position: usize, stages: usize) -> &mut [f64; 9] {
         let at = (position - self.first_block) * self.degree * self.degree + stages;
         &mut self.blocks.as_chunks_mut().0[at]
     }
 
-    /// Blocks of all stages, `[block][i k + j]`, and the number of the first block: those of a position of the pattern start at
-    /// `(position - first) k k`.
+    /// Blocks of all stages, `[block][i k + j]`, and the number of the first block; the blocks of a position of the
+    /// pattern start at `(position - first) k k`.
     #[inline(always)]
     pub fn blocks_mut(&mut self) -> (&mut [[f64; 9]], usize) {
         (self.blocks.as_chunks_mut().0, self.first_block)
@@ -81,9 +81,10 @@ impl RowPart {
         }
     }
 
-    /// Rows of the product with a vector over all rows, into the part's own memory.
+    /// Rows of the product with a full vector, into the part's own memory.
     fn multiply(&mut self, pattern: &Pattern, x: &[f64]) {
-        let (k, n_own) = (self.degree, self.rows.len());
+        let k = self.degree;
+        let n_own = self.rows.len();
         let stride = 3 * pattern.n_rows();
         for row in self.rows.clone() {
             let own = row - self.rows.start;
@@ -142,7 +143,7 @@ impl StageMatrix {
         &part.blocks[at..at + size]
     }
 
-    /// Puts the transposed matrix in the place of the matrix; the pattern is symmetric.
+    /// Replaces the matrix by its transpose; the pattern is symmetric.
     pub fn transpose(&mut self, pattern: &Pattern) {
         for row in 0..self.n_rows {
             for (position, &column) in pattern.range(row).zip(pattern.row(row)) {
@@ -161,8 +162,8 @@ impl StageMatrix {
         self.degree
     }
 
-    /// The matrix without fixed rows and columns, by rows: where they begin, columns ascending, entries. Unknowns are numbered stage
-    /// by stage.
+    /// The matrix without fixed rows and columns, by rows: their starts, ascending columns, entries. Unknowns are
+    /// numbered stage by stage.
     pub fn free_rows(&self, pattern: &Pattern, fixed: &[bool]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
         let mut number = vec![0; fixed.len()];
         let mut n_free = 0;
@@ -170,7 +171,10 @@ impl StageMatrix {
             *number = n_free;
             n_free += 1;
         }
-        let (k, mut begin, mut columns, mut values) = (self.degree, vec![0], Vec::new(), Vec::new());
+        let k = self.degree;
+        let mut begin = vec![0];
+        let mut columns = Vec::new();
+        let mut values = Vec::new();
         for (i, dof) in (0..k).flat_map(|i| (0..fixed.len()).map(move |dof| (i, dof))) {
             if fixed[dof] {
                 continue;
@@ -192,9 +196,11 @@ impl StageMatrix {
 
     /// The blocks of all stages at a position, transposed in stages and components.
     fn transposed(&self, position: usize) -> Vec<f64> {
-        let (k, block) = (self.degree, self.block(position));
+        let k = self.degree;
+        let block = self.block(position);
         let entry = |at: usize| {
-            let (stages, entry) = (at / 9, at % 9);
+            let stages = at / 9;
+            let entry = at % 9;
             block[9 * (stages % k * k + stages / k) + 3 * (entry % 3) + entry / 3]
         };
         (0..block.len()).map(entry).collect()

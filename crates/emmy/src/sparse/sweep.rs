@@ -1,5 +1,5 @@
-//! An order of the rows of a pattern for iterative solvers: neighbours near each other, and divided so that several threads can
-//! sweep through them.
+//! An order of the rows of a pattern for iterative solvers: neighbours are close to each other, and several threads can
+//! sweep through the rows.
 
 use std::ops::Range;
 
@@ -7,34 +7,34 @@ use super::Pattern;
 
 /// Rows in the order of Cuthill and McKee (1969), divided into chunks whose interiors are not coupled with each other.
 ///
-/// A chunk is a range of that order; those of its rows that are coupled with a later chunk are its *interface*, the others its
-/// *interior*. All interiors come first, then all interfaces. A triangular sweep works on all interiors side by side, and
-/// then on all interfaces. The division depends on the pattern alone, not on the number of threads.
+/// A chunk is a range of that order. Its rows that are coupled with a later chunk form its *interface*, the others its
+/// *interior*. All interiors come first, then all interfaces. A triangular sweep treats all interiors in parallel, and
+/// then all interfaces. The division depends on the pattern alone, not on the number of threads.
 #[derive(Debug, Clone)]
 pub struct SweepOrder {
     /// Old number of each row, `[new]`.
     pub order: Vec<u32>,
-    /// Where the couplings of each row begin, `[n_rows + 1]`.
+    /// Start of the couplings of each row, `[n_rows + 1]`.
     pub row_begin: Vec<usize>,
-    /// Where the diagonal of each row stands.
+    /// Position of the diagonal of each row.
     pub diagonal: Vec<usize>,
     /// Columns in the new numbers, ascending in each row.
     pub columns: Vec<u32>,
     /// Position of each coupling in the pattern.
     pub source: Vec<u32>,
-    /// Where the coupling of column with row stands, for that of row with column.
+    /// Position of the transposed coupling (column, row) for each coupling (row, column).
     pub mirror: Vec<u32>,
-    /// Rows of the interiors, then of the interfaces; the ranges of a kind follow one another.
+    /// Rows of the interiors, then of the interfaces; the ranges of a kind are consecutive.
     pub interiors: Vec<Range<usize>>,
     /// Rows of the interfaces.
     pub interfaces: Vec<Range<usize>>,
 }
 
-/// Chunks at the most: threads that can sweep side by side.
+/// Largest number of chunks: threads that can sweep in parallel.
 const MAX_CHUNKS: usize = 8;
 
-/// Rows of a chunk at the least: two chunks are worth their interface sooner than many. Every interface costs iterations: of the
-/// block of `benches` 10 % more with two chunks and 19 % with four than with one at r = 4, 11 % and 16 % at r = 6.
+/// Smallest number of rows of a chunk, lower for two chunks than for more. Every interface costs iterations: in the
+/// block of `benches`, 10 % more with two chunks and 19 % with four than with one at r = 4, 11 % and 16 % at r = 6.
 const MIN_ROWS: usize = 6144;
 const MIN_ROWS_OF_TWO: usize = 4096;
 
@@ -49,7 +49,7 @@ impl SweepOrder {
         loop {
             let (order, interiors, interfaces) = divided(pattern, &levels, n_chunks);
             let sweep = SweepOrder::renumbered(pattern, order, interiors, interfaces);
-            // Thin chunks have interfaces that meet: fewer chunks then.
+            // Thin chunks have interfaces that meet; then there are fewer chunks.
             if n_chunks == 1 || sweep.interfaces_are_apart() {
                 return sweep;
             }
@@ -75,7 +75,8 @@ impl SweepOrder {
     ) -> Self {
         let mut number = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(new, &old)| number[old as usize] = new as u32);
-        let (mut row_begin, mut diagonal) = (vec![0], Vec::with_capacity(order.len()));
+        let mut row_begin = vec![0];
+        let mut diagonal = Vec::with_capacity(order.len());
         let mut columns = Vec::with_capacity(pattern.n_blocks());
         let mut source = Vec::with_capacity(pattern.n_blocks());
         let mut row: Vec<(u32, u32)> = Vec::new();
@@ -103,11 +104,11 @@ impl SweepOrder {
     }
 }
 
-/// Where the transpose of each coupling stands.
+/// Position of the transpose of each coupling.
 fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
     let mut next = row_begin.to_vec();
     let mut mirror = vec![0; columns.len()];
-    // Rows ascend: the couplings of a column are met in the order in which they stand in its row.
+    // Rows ascend: the couplings of a column are met in their order in its row.
     for row in 0..row_begin.len() - 1 {
         for position in row_begin[row]..row_begin[row + 1] {
             let column = columns[position] as usize;
@@ -118,15 +119,16 @@ fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
     mirror
 }
 
-/// Breadth-first order of the rows, from a row far from the middle; parts that are not coupled follow one another.
+/// Breadth-first order of the rows, from a row far from the middle, component by component.
 fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
     let n = pattern.n_rows();
-    let (mut order, mut seen) = (Vec::with_capacity(n), vec![false; n]);
+    let mut order = Vec::with_capacity(n);
+    let mut seen = vec![false; n];
     for row in 0..n {
         if seen[row] {
             continue;
         }
-        // The last row of a first search is at the rim of the part.
+        // The last row of a first search is at the rim of the component.
         let start = order.len();
         search(pattern, row, &mut seen, &mut order);
         let rim = order[order.len() - 1] as usize;
@@ -137,7 +139,7 @@ fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
     order
 }
 
-/// Appends what can be reached from a row, nearest first; among neighbours, those with few couplings first.
+/// Appends the rows reachable from a row, nearest first; among neighbours, rows with few couplings first.
 fn search(pattern: &Pattern, from: usize, seen: &mut [bool], order: &mut Vec<u32>) {
     let mut next = order.len();
     seen[from] = true;
@@ -213,7 +215,8 @@ pub mod tests {
         for row in 0..sweep.n_rows() {
             assert_eq!(sweep.columns[sweep.diagonal[row]] as usize, row);
             for position in sweep.row_begin[row]..sweep.row_begin[row + 1] {
-                let (column, mirror) = (sweep.columns[position] as usize, sweep.mirror[position] as usize);
+                let column = sweep.columns[position] as usize;
+                let mirror = sweep.mirror[position] as usize;
                 assert_eq!(sweep.columns[mirror] as usize, row);
                 assert!((sweep.row_begin[column]..sweep.row_begin[column + 1]).contains(&mirror));
                 let old = pattern.position(sweep.order[row] as usize, sweep.order[column] as usize);

@@ -8,7 +8,7 @@ use super::blocks::{Blocks, Rows, minus, times};
 use super::kernel::{Kernel, Row, Work};
 use super::sweep::SweepOrder;
 
-/// Rows that a sweep goes through.
+/// Rows of a sweep.
 pub struct Part<'a, const C: usize> {
     /// Left of the diagonal U, right of it U^T.
     pub factor: &'a Blocks<bf16>,
@@ -26,7 +26,7 @@ pub struct Part<'a, const C: usize> {
 
 /// `x = U^-1 D^-1 x`.
 pub struct Forward<'a, const C: usize> {
-    /// Rows, and what it takes.
+    /// Rows, and the data of the sweep.
     pub part: Part<'a, C>,
     /// The vector at these rows.
     pub x: &'a mut [Row<f32, C>],
@@ -40,10 +40,11 @@ impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
         let first = rows.start;
         for row in rows {
             let columns = sweep.row_begin[row]..sweep.diagonal[row];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let begin = columns.start;
+            let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };
             let known = factor.product::<C, false, K>(kernel, begin, columns, x);
-            // The product with the pivot does not wait for the rows before.
+            // The product with the pivot does not wait for the previous rows.
             let x = &mut self.x[row - first];
             *x = minus(&times(&pivots[row], x), &known);
         }
@@ -52,7 +53,7 @@ impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
 
 /// `x = U^-T x`.
 pub struct Backward<'a, const C: usize> {
-    /// Rows, and what it takes.
+    /// Rows, and the data of the sweep.
     pub part: Part<'a, C>,
     /// The vector at these rows.
     pub x: &'a mut [Row<f32, C>],
@@ -66,7 +67,8 @@ impl<const C: usize> Work<bf16, C> for Backward<'_, C> {
         let first = rows.start;
         for row in rows.rev() {
             let columns = sweep.diagonal[row] + 1..sweep.row_begin[row + 1];
-            let (begin, columns) = (columns.start, &sweep.columns[columns]);
+            let begin = columns.start;
+            let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };
             let known = factor.product::<C, true, K>(kernel, begin, columns, x);
             let x = &mut self.x[row - first];

@@ -1,4 +1,4 @@
-//! Batches of points in the lanes of a SIMD register, with the instruction set that was found at run time.
+//! Batches of points in the lanes of a SIMD register of the instruction set found at run time.
 
 #![allow(non_snake_case)]
 
@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{Lane, Mat3, Sym, eigen, mat3};
 
-/// Points of a batch: as many as the widest register has lanes. Narrower ones work through a batch in parts.
+/// Points of a batch: the number of lanes of the widest register. Narrower ones process a batch in parts.
 pub const LANES: usize = 8;
 
 /// One number for each point of a batch, in memory.
@@ -16,7 +16,7 @@ pub const LANES: usize = 8;
 #[repr(align(64))] // no register's load crosses a cache line
 pub struct Packed(pub [f64; LANES]);
 
-/// A lane type that is loaded from batches: it holds `WIDTH` points of one, and `LANES / WIDTH` of it work through a batch.
+/// A lane type that is loaded from batches: it holds `WIDTH` points, and `LANES / WIDTH` registers cover a batch.
 pub trait Register: Lane {
     /// Number of points.
     const WIDTH: usize;
@@ -40,7 +40,7 @@ impl Register for f64 {
 
 /// The points in one register of the instruction set `S`.
 ///
-/// Every function that is reached from a dispatched one must be inlined into it, else it is compiled for the oldest
+/// Every function called from a dispatched one must be inlined into it; otherwise it is compiled for the oldest
 /// instruction set.
 ///
 /// ```
@@ -85,7 +85,7 @@ impl<S: Simd> Batch<S> {
         self.simd.first_true_m64s(mask) < S::F64_LANES
     }
 
-    /// Lanes that are not within the bounds, NaN among them.
+    /// Lanes outside the bounds, NaN included.
     #[inline(always)]
     fn outside(self, lower: f64, upper: f64) -> S::m64s {
         let simd = self.simd;
@@ -94,10 +94,11 @@ impl<S: Simd> Batch<S> {
         simd.not_m64s(simd.and_m64s(above, below))
     }
 
-    /// Sum of `coefficients[n] self^n`, the even and the odd terms beside each other.
+    /// Sum of `coefficients[n] self^n`, with separate sums of even and odd terms.
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
-        let (square, zero) = (self * self, self.splat(0.0));
+        let square = self * self;
+        let zero = self.splat(0.0);
         let (mut even, mut odd) = (zero, zero);
         for pair in coefficients.chunks(2).rev() {
             even = even.mul_add(square, self.splat(pair[0]));
@@ -121,9 +122,11 @@ impl<S: Simd> Batch<S> {
     /// x and n with `self = 2^n x` and x between the roots of 1/2 and 2, for positive numbers.
     #[inline(always)]
     fn scaled(self) -> (Self, Self) {
-        let (mut x, mut n) = (self, self.splat(0.0));
+        let mut x = self;
+        let mut n = self.splat(0.0);
         for power in [512, 256, 128, 64, 32, 16, 8, 4, 2, 1] {
-            let (scale, bound) = (2f64.powi(power), 2f64.powi(power) * std::f64::consts::FRAC_1_SQRT_2);
+            let scale = 2f64.powi(power);
+            let bound = 2f64.powi(power) * std::f64::consts::FRAC_1_SQRT_2;
             let power = self.splat(f64::from(power));
             let is_large = self.simd.greater_than_f64s(x.lanes, self.simd.splat_f64s(bound));
             (x, n) = (self.select(is_large, x * scale.recip(), x), self.select(is_large, n + power, n));
@@ -136,7 +139,8 @@ impl<S: Simd> Batch<S> {
     /// ln(1 + z) where z is not close to zero.
     #[inline(always)]
     fn ln_1p_of_any(self) -> Self {
-        let (simd, one) = (self.simd, self.splat(1.0));
+        let simd = self.simd;
+        let one = self.splat(1.0);
         let y = self + one;
         let (x, n) = y.scaled();
         // The rounding of a small z in 1 + z.
@@ -177,7 +181,8 @@ const EXP_BOUND: f64 = 1.4;
 
 /// `1 / (2 n + 3)`.
 const ARTANH: [f64; 11] = {
-    let (mut terms, mut n) = ([0.0; 11], 0);
+    let mut terms = [0.0; 11];
+    let mut n = 0;
     while n < terms.len() {
         terms[n] = 1.0 / (2 * n + 3) as f64;
         n += 1;
@@ -187,7 +192,9 @@ const ARTANH: [f64; 11] = {
 
 /// `1 / (n + 2)!`.
 const EXP: [f64; 14] = {
-    let (mut terms, mut term, mut n) = ([0.0; 14], 1.0, 0);
+    let mut terms = [0.0; 14];
+    let mut term = 1.0;
+    let mut n = 0;
     while n < terms.len() {
         term /= (n + 2) as f64;
         terms[n] = term;
@@ -284,7 +291,8 @@ impl<S: Simd> Lane for Batch<S> {
     #[inline(always)]
     fn exp_m1(self) -> Self {
         // |x| <= 0.35: 14 terms reach 1e-17 of the sum; two doublings lose less than two digits of the last place.
-        let (x, two) = (self * 0.25, self.splat(2.0));
+        let x = self * 0.25;
+        let two = self.splat(2.0);
         let quarter = (x * x).mul_add(x.polynomial(&EXP), x);
         let half = quarter * (two + quarter);
         let near = half * (two + half);
@@ -297,7 +305,9 @@ impl<S: Simd> Lane for Batch<S> {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        let (simd, a, b) = (self.simd, self.lanes, other.lanes);
+        let simd = self.simd;
+        let a = self.lanes;
+        let b = other.lanes;
         let is_number = simd.equal_f64s(a, a);
         self.select(simd.or_m64s(simd.less_than_f64s(a, b), simd.not_m64s(is_number)), self, other)
     }
@@ -315,7 +325,8 @@ impl<S: Simd> Lane for Batch<S> {
         for a in 0..6 {
             A[a].store(&mut tensors[a], 0);
         }
-        let (mut values, mut vectors) = ([Packed([0.0; LANES]); 3], [[Packed([0.0; LANES]); 3]; 3]);
+        let mut values = [Packed([0.0; LANES]); 3];
+        let mut vectors = [[Packed([0.0; LANES]); 3]; 3];
         for lane in 0..S::F64_LANES {
             let (value, Q) = eigen(&tensors.map(
                 #[inline(always)]
@@ -339,8 +350,8 @@ impl<S: Simd> Lane for Batch<S> {
     }
 }
 
-/// A function to be called in the instruction set of registers. Not `FnOnce`: a closure that could be called again would be called
-/// through a function of its own, which is not inlined.
+/// A function to be called in the instruction set of registers. Not `FnOnce`: a closure that could be called again
+/// would be compiled as a separate function, not inlined.
 struct Call<F>(F);
 
 impl<T, F: FnMut() -> T> WithSimd for Call<F> {

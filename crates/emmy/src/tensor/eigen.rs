@@ -4,7 +4,7 @@
 
 use super::{Mat3, SYM_INDEX, Sym};
 
-/// More sweeps than Jacobi's method ever needs: it converges quadratically, in four or five of them.
+/// Upper bound on the sweeps of Jacobi's method, which converges quadratically, in four or five.
 const SWEEPS: usize = 30;
 
 /// Eigenvalues and eigenvectors (in columns, orthonormal, in no order) of a symmetric tensor.
@@ -13,8 +13,8 @@ const SWEEPS: usize = 30;
 /// A = Q diag(values) Q^T
 /// ```
 ///
-/// Jacobi's method: backward stable, so that equal and nearly equal eigenvalues lose nothing. Source: Golub and Van Loan
-/// (2013), Matrix Computations, section 8.5.
+/// Jacobi's method: backward stable, so that equal and nearly equal eigenvalues lose nothing. Source: Golub and Van
+/// Loan (2013), Matrix Computations, section 8.5.
 ///
 /// ```
 /// let (values, Q) = emmy::internals::tensor::eigen(&[1.0, 1.0, 5.0, 2.0, 0.0, 0.0]);
@@ -26,7 +26,7 @@ pub fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
     let mut Q = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let size = A.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
     for _ in 0..SWEEPS {
-        // Far below the rounding of the values: the vectors are as good as they get.
+        // Far below the rounding of the values: the vectors cannot be more accurate.
         if [(0, 1), (1, 2), (0, 2)].iter().all(|&(p, q)| a[p][q].abs() <= 1e-20 * size) {
             break;
         }
@@ -50,7 +50,8 @@ fn rotate(a: &mut Mat3<f64>, Q: &mut Mat3<f64>, p: usize, q: usize) {
     a[q][q] += t * a[p][q];
     (a[p][q], a[q][p]) = (0.0, 0.0);
     let r = 3 - p - q;
-    let (rp, rq) = (a[r][p], a[r][q]);
+    let rp = a[r][p];
+    let rq = a[r][q];
     (a[r][p], a[r][q]) = (c * rp - s * rq, s * rp + c * rq);
     (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
     for row in Q {

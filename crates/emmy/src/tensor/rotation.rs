@@ -41,7 +41,8 @@ pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
     let half = 0.5 * angle;
     // sin(half)/angle without division by zero.
     let s = if half < 1e-8 { 0.5 } else { half.sin() / angle };
-    let (c, [x, y, z]) = (half.cos(), w.map(|w| s * w));
+    let c = half.cos();
+    let [x, y, z] = w.map(|w| s * w);
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - c * z), 2.0 * (x * z + c * y)],
         [2.0 * (x * y + c * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - c * x)],
@@ -49,9 +50,9 @@ pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
     ]
 }
 
-/// Rotation vector of a rotation, of a length of at most pi.
+/// Rotation vector of a rotation, at most of length pi.
 ///
-/// The quaternion from its largest component (Shepperd 1978): nothing cancels at any angle.
+/// The quaternion from its largest component (Shepperd 1978): no cancellation at any angle.
 pub fn log(R: &Mat3<f64>) -> [f64; 3] {
     let trace = R[0][0] + R[1][1] + R[2][2];
     let squares =

@@ -1,4 +1,4 @@
-//! Dissipation of a time element in its velocities, which leaves momenta and rigid motions alone.
+//! Dissipation of a time element through its velocities, which conserves momenta and does not damp rigid motions.
 //!
 //! A time element of degree k with the coefficients a of Gauss' method dissipates nothing. With
 //!
@@ -6,12 +6,15 @@
 //! a_ij + beta p_i b_j p_j,    beta = chi / (2 (2 k - 1)),    chi = (1 - rho) / (1 + rho)
 //! ```
 //!
-//! in their place, p the Legendre polynomial of degree k - 1 at the Gauss points with the norm one on the unit interval, `p(1) = sqrt(2 k - 1)`, it is
-//! algebraically stable, of order 2 k - 1, and has the spectral radius rho at infinity (Hairer and Wanner 1981, Algebraically stable and implementable Runge-Kutta methods of high order, SIAM Journal on Numerical
-//! Analysis 18): from Gauss' method, rho = 1, to that of Radau IIA, rho = 0; for k = 1 from the mid-point rule to backward Euler. In a linear body the additional part is
-//! one of the strains and one of the velocities; both are kept here in a form that takes energy out of any motion of any body:
+//! in their place, it is algebraically stable, of order 2 k - 1, and has the spectral radius rho at infinity (Hairer
+//! and Wanner 1981, Algebraically stable and implementable Runge-Kutta methods of high order, SIAM Journal on Numerical
+//! Analysis 18). Here p is the Legendre polynomial of degree k - 1 at the Gauss points with norm one on the unit
+//! interval, `p(1) = sqrt(2 k - 1)`. The methods range from Gauss' method, rho = 1, to Radau IIA, rho = 0; for k = 1
+//! from the mid-point rule to backward Euler. In a linear body the additional part consists of a strain part and a
+//! velocity part. Both are used here in a form that dissipates energy in any motion of any body:
 //!
-//! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest ([`crate::average::Damping`]).
+//! *Strains*: the stress `beta p_i D : delta_E`, `delta_E = sum_j b_j p_j E'_j`, with the elasticity D at rest
+//! ([`crate::average::Damping`]).
 //!
 //! *Velocities*: the rates of the displacement are no longer the velocity,
 //!
@@ -19,20 +22,22 @@
 //! x_i/h = v(c_i) + beta p_i gamma,    gamma = Pi delta_v,    delta_v = sum_j b_j p_j v'_j
 //! ```
 //!
-//! The angular momentum changes by `sum_A x_iA x (M v)_iA` besides, whose average over the step is zero if gamma is orthogonal, in M, to the three
-//! vectors `e x delta_q`, `delta_q = sum_j b_j p_j x_j`; the centre of mass has the velocity of the momentum if it is orthogonal to the translations e.
-//! Pi is the projection that makes it so. The energy taken out is `beta delta_v . M Pi delta_v >= 0`. A body in a relative equilibrium, that
-//! is one that turns as if it were rigid, has its `delta_v` in the span of those vectors for k = 1, so that nothing is taken from
-//! it (the aim of Armero and Romero 2001, On the formulation of high-frequency dissipative time-stepping algorithms for
-//! nonlinear dynamics, Computer Methods in Applied Mechanics and Engineering 190, who scale velocities node by node to reach it).
+//! The angular momentum also changes by `sum_A x_iA x (M v)_iA`, whose average over the step is zero if gamma is
+//! M-orthogonal to the three vectors `e x delta_q`, `delta_q = sum_j b_j p_j x_j`. The centre of mass has the velocity
+//! of the momentum if gamma is orthogonal to the translations e. Pi is the projection onto these conditions. The
+//! dissipated energy is `beta delta_v . M Pi delta_v >= 0`. A body in a relative equilibrium, which rotates as if it
+//! were rigid, has its `delta_v` in the span of those vectors for k = 1, so no energy is dissipated. (This is the aim
+//! of Armero and Romero 2001, On the formulation of high-frequency dissipative time-stepping algorithms for nonlinear
+//! dynamics, Computer Methods in Applied Mechanics and Engineering 190, who reach it by scaling velocities node by
+//! node.)
 //!
-//! With `w_j = x_j/h - v_1` gamma is known by the unknowns alone, and so is the momentum:
+//! With `w_j = x_j/h - v_1`, gamma and the momentum follow from the unknowns alone:
 //!
 //! ```math
 //! gamma = (delta_w - U lambda) / (1 + chi),    delta_w = sum_j eta_j w_j,    eta_j = sum_i b_i p_i (a^-1)_ij
 //! ```
 //!
-//! where the columns of U are those six vectors and `U^T M (delta_w - U lambda) = 0`: no solution with M.
+//! where the columns of U are those six vectors and `U^T M (delta_w - U lambda) = 0`; this needs no solution with M.
 
 #![allow(non_snake_case)]
 
@@ -40,7 +45,7 @@ use crate::average::Rule;
 use crate::body::{Body, sum};
 use crate::tensor::{Mat3, SYM, cross, eigen};
 
-/// The coefficients of a time element that dissipates.
+/// The coefficients of a dissipative time element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dissipation {
     /// chi.
@@ -51,16 +56,18 @@ pub struct Dissipation {
     highest_mode: Vec<f64>,
     /// eta_j.
     eta: Vec<f64>,
-    /// `beta mu_i / (1 + chi)`, `mu_i = sum_j (a^-1)_ij p_j`: how U lambda enters the stage equations.
+    /// `beta mu_i / (1 + chi)`, `mu_i = sum_j (a^-1)_ij p_j`: coefficients of U lambda in the stage equations.
     stage_weights: Vec<f64>,
-    /// The same in the new velocity.
+    /// Coefficient of U lambda in the new velocity.
     end_weight: f64,
 }
 
 impl Dissipation {
     /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
     pub fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
-        let (k, b, p) = (rule.degree(), rule.weights(), rule.highest_mode());
+        let k = rule.degree();
+        let b = rule.weights();
+        let p = rule.highest_mode();
         let strength = (1.0 - spectral_radius) / (1.0 + spectral_radius);
         let excess = strength / (2 * (2 * k - 1)) as f64;
         let row = |i: usize| (0..k).map(|j| inverse[i * k + j] * p[j]).sum::<f64>();
@@ -75,26 +82,27 @@ impl Dissipation {
         }
     }
 
-    /// Coefficients in the place of a, `[i k + j]`.
+    /// Coefficients that replace a, `[i k + j]`.
     pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
-        let (k, p) = (rule.degree(), rule.highest_mode());
+        let k = rule.degree();
+        let p = rule.highest_mode();
         let excess = |n: usize| self.excess * p[n / k] * self.highest_mode[n % k];
         rule.coefficients().iter().enumerate().map(|(n, a)| a + excess(n)).collect()
     }
 }
 
-/// Projection on the translations and turns in which nothing is dissipated, for the unknowns of a step.
+/// Projection on translations and rotations without dissipation, for the unknowns of a step.
 #[derive(Debug)]
 pub struct RigidProjection {
     dissipation: Dissipation,
-    /// Directions in which no node is held.
+    /// Directions without a fixed node.
     translations: [bool; 3],
-    /// Axes across which every node is free, or held altogether.
+    /// Axes perpendicular to which every node is free, or all nodes are fixed.
     turns: [bool; 3],
-    /// `sum_B M_AB`, one number a node.
+    /// `sum_B M_AB`, one number per node.
     row_sums: Vec<f64>,
     mass: f64,
-    /// delta_q about its mean, and times M.
+    /// delta_q minus its mean, and M times this vector.
     arm: Vec<f64>,
     weighted_arm: Vec<f64>,
     /// M delta_w.
@@ -106,7 +114,7 @@ pub struct RigidProjection {
     change: Change,
 }
 
-/// Coefficients of the six vectors: a translation, and a turn of the arms.
+/// Coefficients of the six vectors: a translation, and a rotation of the arms.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 struct RigidVelocity {
     translation: [f64; 3],
@@ -122,7 +130,7 @@ struct Change {
     momentum: Vec<f64>,
 }
 
-/// Turns with less than this part of the largest moment of inertia are rounding.
+/// Rotations with less than this part of the largest moment of inertia are rounding.
 const NO_TURN: f64 = 1e-13;
 
 impl RigidProjection {
@@ -158,7 +166,7 @@ impl RigidProjection {
         }
     }
 
-    /// Finds lambda of rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
+    /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
     pub fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
         let Dissipation { highest_mode, eta, .. } = &self.dissipation;
         combine(highest_mode, rates, &mut self.arm);
@@ -190,10 +198,12 @@ impl RigidProjection {
         body.mass_product(arm, weighted_arm);
         body.mass_product(velocity, momentum);
         centre(self.translations, self.mass, &self.row_sums, arm, weighted_arm);
-        let (first, second) = (outer(arm, &self.weighted_arm), outer(&self.arm, weighted_arm));
+        let first = outer(arm, &self.weighted_arm);
+        let second = outer(&self.arm, weighted_arm);
         let change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
         let turned = inertia_times(&change, multipliers.turn);
-        let (own, other) = (moment(&self.arm, momentum), moment(arm, &self.momentum));
+        let own = moment(&self.arm, momentum);
+        let other = moment(arm, &self.momentum);
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
         let change = self.projected(sum(&self.change.momentum), right);
         self.add(change, h, residual);
@@ -207,8 +217,8 @@ impl RigidProjection {
         }
     }
 
-    /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r` in that
-    /// subspace, where the strain response is neglected.
+    /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
+    /// in that subspace, where the strain response is neglected.
     pub fn correct(&mut self, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
@@ -216,8 +226,8 @@ impl RigidProjection {
         self.add(part, -1.0, right);
     }
 
-    /// Adds `end_weight U lambda` to the new velocity, whose first part is there, and returns the energy dissipated through velocities,
-    /// `beta gamma . M gamma`; `velocity`: v_1.
+    /// Adds `end_weight U lambda` to the new velocity, which already has its first part, and returns the energy
+    /// dissipated through velocities, `beta gamma . M gamma`; `velocity`: v_1.
     pub fn complete_end_velocity(&mut self, rates: &[f64], velocity: &[f64], h: f64, new: &mut [f64]) -> f64 {
         let Dissipation { eta, end_weight, excess, strength, .. } = &self.dissipation;
         combine(eta, rates, &mut self.change.velocity);
@@ -269,8 +279,8 @@ impl RigidVelocity {
     }
 }
 
-/// The turn about the allowed axes with a given moment, `sum_A arm_A x M (turn x arm)_A`: the least one where a line of arms has no moment of
-/// inertia.
+/// The rotation about the allowed axes with a given moment, `sum_A arm_A x M (turn x arm)_A`: the smallest one if a
+/// line of arms has no moment of inertia.
 fn turn_of(tensor: &Mat3<f64>, axes: [bool; 3], moment: [f64; 3]) -> [f64; 3] {
     let trace = tensor[0][0] + tensor[1][1] + tensor[2][2];
     let inertia = |i: usize, j: usize| match axes[i] && axes[j] {
@@ -293,7 +303,7 @@ fn inertia_times(T: &Mat3<f64>, v: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| trace * v[i] - (0..3).map(|j| T[j][i] * v[j]).sum::<f64>())
 }
 
-/// Takes the mean from arms and from their products with M, in some directions.
+/// Subtracts the mean from arms and from their products with M, in some directions.
 fn centre(directions: [bool; 3], mass: f64, row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
     let total = sum(weighted);
     let mean = [0, 1, 2].map(|d| if directions[d] { total[d] / mass } else { 0.0 });
@@ -352,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn the_spectral_radius_at_infinity_is_what_was_asked_for() {
+    fn the_spectral_radius_at_infinity_matches_the_request() {
         for (k, radius) in (1..=5).flat_map(|k| [0.0, 0.3, 0.8, 1.0].map(|radius| (k, radius))) {
             let (rule, dissipation) = dissipation(k, radius);
             let found = stability(&rule, &dissipation.coefficients(&rule), -1e9).abs();
@@ -362,7 +372,8 @@ mod tests {
 
     #[test]
     fn full_dissipation_is_radau_iia() {
-        // Its stability functions are the subdiagonal Pade approximants of exp: 1/(1 - z), (1 + z/3)/(1 - 2 z/3 + z^2/6).
+        // Its stability functions are the subdiagonal Pade approximants of exp: 1/(1 - z), (1 + z/3)/(1 - 2 z/3 +
+        // z^2/6).
         for z in [-3.0, -0.7, 0.4] {
             let (rule, full) = dissipation(1, 0.0);
             assert!((stability(&rule, &full.coefficients(&rule), z) - 1.0 / (1.0 - z)).abs() < 1e-14);
@@ -374,7 +385,8 @@ mod tests {
 
     #[test]
     fn a_turn_has_the_moment_asked_for() {
-        // Arms of unit masses: the moment of `turn x arm` is the moment given, and a line of arms cannot turn about itself.
+        // Arms of unit masses: the moment of `turn x arm` equals the given moment, and a line of arms cannot rotate
+        // about itself.
         let arms = [0.3, -0.2, 0.5, 0.9, 0.1, -0.4, -1.2, 0.1, -0.1];
         let turn = turn_of(&outer(&arms, &arms), [true; 3], [0.3, 0.7, -0.2]);
         let moved: Vec<f64> = arms.as_chunks().0.iter().flat_map(|arm| cross(turn, *arm)).collect();

@@ -26,7 +26,7 @@ use crate::sparse::reduce::dot;
 pub struct TimeElementStepper<'a> {
     system: StageSystem<'a>,
     iteration: Iteration,
-    /// For the velocity beside driven degrees of freedom; `None` where there are none.
+    /// Solver for the velocity beside driven degrees of freedom; `None` if there are none.
     mass_solver: Option<MassSolver>,
     /// Momentum at the start of the step.
     momentum: Vec<f64>,
@@ -35,22 +35,23 @@ pub struct TimeElementStepper<'a> {
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     end_velocity: Vec<f64>,
-    /// Force on the ground in every stage; empty without springs and attractions to it.
+    /// Force on the ground in every stage; empty without springs and attractions to the ground.
     ground: Vec<f64>,
     is_loaded: bool,
-    /// Displacement that the stage system's is relative to.
+    /// Origin of the displacement in the stage system.
     origin: [f64; 3],
-    /// Parts of a free body's mass, `[n_nodes]`; else empty.
+    /// Mass fractions of the nodes of a free body, `[n_nodes]`; empty otherwise.
     mass_shares: Vec<f64>,
 }
 
 impl<'a> TimeElementStepper<'a> {
-    /// A stepper with all its memory; symbolic work is done here, once.
+    /// A stepper with all its memory; the symbolic factorisations are done here, once.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), element.degree);
+        let n = body.n_dofs();
+        let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
         Ok(TimeElementStepper {
             iteration: Iteration::new(&system.coefficients, n, settings),
@@ -81,7 +82,8 @@ impl<'a> TimeElementStepper<'a> {
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
         let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
-        let (k, n) = (coefficients.rule.degree(), self.momentum.len());
+        let k = coefficients.rule.degree();
+        let n = self.momentum.len();
         for (row, known) in coefficients.mass.chunks_exact(k).zip(known.chunks_exact_mut(n)) {
             let row_sum: f64 = row.iter().sum();
             known.iter_mut().zip(&self.momentum).for_each(|(g, p)| *g = row_sum * h * p);
@@ -95,10 +97,11 @@ impl<'a> TimeElementStepper<'a> {
         self.system.set_driven_rates(state.time, h);
     }
 
-    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground has its
-    /// part in the impulses; its work is a change of the body's own energy.
+    /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground
+    /// contributes to the impulses; its work is a change of the body's own energy.
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
-        let (body, n) = (self.system.body, self.system.body.n_dofs());
+        let body = self.system.body;
+        let n = self.system.body.n_dofs();
         let has_supports = body.fixed().contains(&true);
         let mut impulses = Impulses::default();
         if has_supports {
@@ -143,7 +146,7 @@ impl<'a> TimeElementStepper<'a> {
         Ok(impulses)
     }
 
-    /// Strain energy and smallest det F at the end of the step, whose displacement is left in `position`.
+    /// Strain energy and smallest det F at the end of the step, whose displacement is then in `position`.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`]: a rule may not evaluate the end, and no step can start from an inverted state.
@@ -158,7 +161,8 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Adds the rates of the step to a displacement.
     fn displace(&self, state: &mut State) {
-        let (n, weights) = (state.displacement.len(), self.system.coefficients.rule.weights());
+        let n = state.displacement.len();
+        let weights = self.system.coefficients.rule.weights();
         state.displacement_low.resize(n, 0.0);
         for dof in 0..n {
             let rates = self.iteration.rates[dof..].iter().step_by(n);
@@ -166,7 +170,7 @@ impl<'a> TimeElementStepper<'a> {
         }
     }
 
-    /// Advances a state as [`Stepper::advance`] does, with rates from which the iteration starts.
+    /// Advances a state like [`Stepper::advance`], with given rates as the starting point.
     ///
     /// # Errors
     /// As [`Stepper::advance`].
@@ -188,8 +192,8 @@ impl<'a> TimeElementStepper<'a> {
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
-    /// Advances a state by a step with the rates given, corrected by a function of the equations and the rates; false if that function
-    /// says that it failed.
+    /// Advances a state by a step with given rates, corrected by a function of the equations and the rates; false if
+    /// that function reports failure.
     ///
     /// # Errors
     /// As the function.
@@ -212,9 +216,9 @@ impl<'a> TimeElementStepper<'a> {
 
     /// The state at the end of the step.
     ///
-    /// Velocity and momentum are taken from the inertia side of the stage equations, `h f_i` being replaced through `R_i = 0`:
-    /// then an error of the iteration enters the energy balance through `R_i . x_i` only. So taken, the velocity is that of the
-    /// momentum without a solution with M.
+    /// Velocity and momentum follow from the inertia terms of the stage equations, with `h f_i` replaced by `R_i = 0`.
+    /// Then an error of the iteration enters the energy balance through `R_i . x_i` only, and the velocity belongs to
+    /// the momentum without a solution with M.
     fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         self.displace(state);
         if self.system.body.is_driven() {
@@ -225,7 +229,7 @@ impl<'a> TimeElementStepper<'a> {
         }
     }
 
-    /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`, and what a scheme that dissipates takes out on the way.
+    /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`, and the correction of a dissipative scheme.
     fn update_velocity(&mut self, state: &mut State, h: f64) -> f64 {
         let n = state.velocity.len();
         self.position.copy_from_slice(&state.velocity);
@@ -256,8 +260,8 @@ impl<'a> TimeElementStepper<'a> {
         self.system.coefficients.end_weights(j)[1]
     }
 
-    /// Gives the driven degrees of freedom the velocity that they have after the step, the free ones that of their momentum, and
-    /// the driven ones their momentum: p = M v with all of M.
+    /// Sets the velocity of the driven degrees of freedom after the step, the velocity of the free ones from their
+    /// momentum, and the momentum of the driven ones: p = M v with the complete M.
     fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
         let body = self.system.body;
         self.set_end_velocity(&state.velocity, h);
@@ -271,10 +275,11 @@ impl<'a> TimeElementStepper<'a> {
         self.add_jump(state, impulses);
     }
 
-    /// Sets the velocity `v_c` with which the polynomial of the step ends at the driven degrees of freedom; `velocity`: that of
-    /// its start.
+    /// Sets the velocity `v_c` at the end of the step's polynomial at the driven degrees of freedom; `velocity`: at the
+    /// start.
     fn set_end_velocity(&mut self, velocity: &[f64], h: f64) {
-        let (body, n) = (self.system.body, velocity.len());
+        let body = self.system.body;
+        let n = velocity.len();
         self.end_velocity.copy_from_slice(velocity);
         for j in 0..self.averages.len() {
             let beta = self.end_weight(j);
@@ -284,8 +289,8 @@ impl<'a> TimeElementStepper<'a> {
         }
     }
 
-    /// Adds what the reactions do at the end of the step, where the given velocity `v_c^+` takes the place of that of the
-    /// polynomial: the impulse `p_c^+ - p_c` with the work `(v_c + v_c^+)/2 . (p_c^+ - p_c)`.
+    /// Adds the impulse of the reactions at the end of the step, where the given velocity `v_c^+` replaces the velocity
+    /// of the polynomial: the impulse `p_c^+ - p_c` with the work `(v_c + v_c^+)/2 . (p_c^+ - p_c)`.
     fn add_jump(&mut self, state: &State, impulses: &mut Impulses) {
         let body = self.system.body;
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
@@ -301,7 +306,7 @@ fn mass_shares(body: &Body) -> Vec<f64> {
     body.lumped_mass().iter().map(|mass| mass / total).collect()
 }
 
-/// Takes the entries of the fixed degrees of freedom over.
+/// Copies the entries of the fixed degrees of freedom.
 fn take_fixed(body: &Body, from: &[f64], to: &mut [f64]) {
     let fixed = body.fixed().iter().zip(from).zip(to);
     fixed.filter(|((fixed, _), _)| **fixed).for_each(|((_, from), to)| *to = *from);

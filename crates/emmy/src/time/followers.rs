@@ -1,9 +1,9 @@
-//! Loads that follow the motion, in the equations of a step.
+//! Follower loads in the equations of a step.
 
 use crate::average::{FollowerRule, Rule};
 use crate::body::{Assembly, Body, StepInput};
 
-/// Stage averages of the loads that follow, with their memory.
+/// Stage averages of the follower loads, with their memory.
 #[derive(Debug)]
 pub struct Followers {
     rule: FollowerRule,
@@ -25,17 +25,17 @@ impl Followers {
         }
     }
 
-    /// Sets the factors of a step from the averages of the histories.
+    /// Sets the factors of a step from the averages of the time functions.
     pub fn average(&mut self, body: &Body, time: f64, step_size: f64) {
         body.follower_averages(&self.rule, time, step_size, &mut self.averages, &mut self.factors);
     }
 
-    /// Sets the factors of a step from the histories at the points of the rule.
+    /// Sets the factors of a step from the time functions at the points of the rule.
     pub fn sample(&mut self, body: &Body, time: f64, step_size: f64) {
         body.follower_values(&self.rule, time, step_size, &mut self.factors);
     }
 
-    /// Whether any of them acts in this step.
+    /// Whether any follower load acts in this step.
     pub fn are_active(&self) -> bool {
         self.factors.iter().any(|&factor| factor != 0.0)
     }
@@ -47,7 +47,7 @@ impl Followers {
         }
     }
 
-    /// Adds their part to the tangent of the stage equations.
+    /// Adds their derivatives to the tangent of the stage equations.
     pub fn add_tangent(&self, body: &Body, step: &StepInput<'_>, assembly: &mut Assembly) {
         body.add_follower_tangent(step, &self.rule, &self.factors, assembly);
     }

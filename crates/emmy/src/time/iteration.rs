@@ -1,4 +1,4 @@
-//! Newton's iteration over the equations of a step: its starting points, in the order in which they are tried.
+//! Newton's iteration over the equations of a step, and its starting points in the order of the attempts.
 
 use super::prediction::{Carry, Prediction};
 use super::stage_coefficients::StageCoefficients;
@@ -16,16 +16,16 @@ pub struct Iteration {
     /// The unknowns x_i, `[k][n_nodes][3]`.
     pub rates: Vec<f64>,
     prediction: Prediction,
-    /// Residual at a starting point, where there is a choice, and residual of the rigid motion.
+    /// Residual at a starting point, if there is a choice, and residual of the rigid motion.
     residual: Vec<f64>,
 }
 
-/// Starting points of the iteration, in the order in which they are tried.
+/// Starting points of the iteration, in the order of the attempts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Guess {
-    /// Rates that the caller has.
+    /// Rates given by the caller.
     Given,
-    /// The rigid motion of the step, and what the last step did besides.
+    /// The rigid motion of the step and the deviation of the last step.
     Continued,
     /// The rigid motion alone.
     Rigid,
@@ -69,7 +69,7 @@ impl Iteration {
         memory.keep_number("newton.forcing", forcing);
     }
 
-    /// Restores what [`Iteration::keep`] kept.
+    /// Restores the data of [`Iteration::keep`].
     ///
     /// # Errors
     /// [`Error::Memory`].
@@ -88,8 +88,8 @@ impl Iteration {
         self.newton.history()
     }
 
-    /// Begins a step whose equations are set: finds its rigid motion, with which the kept stiffness turns. Loads that follow are
-    /// evaluated along h v, not where the last iteration left them: a motion that is resumed has no such memory.
+    /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Follower
+    /// loads are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
     pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
         if system.body.n_followers() > 0 {
             self.set_straight(state, step_size);
@@ -106,7 +106,7 @@ impl Iteration {
         system.drive(&mut self.rates);
     }
 
-    /// Solves the equations of a step from the first starting point that leads to a solution; rates that are given are the first.
+    /// Solves the equations of a step from the first starting point with a solution; given rates come first.
     ///
     /// # Errors
     /// [`Error::NoConvergence`].
@@ -139,8 +139,9 @@ impl Iteration {
             }
         }
         self.newton.forget();
-        // An iteration that ran says more than one that could not start.
-        let (step, time) = (state.step + 1, state.time + step_size);
+        // An iteration that ran is more informative than one that could not start.
+        let step = state.step + 1;
+        let time = state.time + step_size;
         Err(failure
             .or(cause.map(|cause| Error::StepFailed { step, time, cause }))
             .unwrap_or(Error::Linear { reason: format!("no starting point for step {step}") }))
@@ -192,7 +193,7 @@ impl Iteration {
         self.prediction.remember(coefficients, &self.rates, step_size);
     }
 
-    /// Predicts the rates by that carry of the last deviation that leaves the smaller residual; for k = 1 they are the same.
+    /// Predicts the rates by the carry of the last deviation with the smaller residual; for k = 1 they are equal.
     fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
         if system.coefficients.rule.degree() == 1 {
             return self.prediction.predict(
@@ -248,11 +249,12 @@ impl Iteration {
     }
 }
 
-/// Part of energy or momenta that rounding may make of a step: three digits are left.
+/// Largest effect of rounding on energy or momenta of a step: three digits are left.
 pub const LARGEST_ROUNDING: f64 = 1e-3;
 
 fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
-    let (step, time) = (state.step + 1, state.time + step_size);
+    let step = state.step + 1;
+    let time = state.time + step_size;
     Error::NoDigits { step, time, digits: -rounding.log10() }
 }
 

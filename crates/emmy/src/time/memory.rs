@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
-/// State of a stepper between two steps: everything that the next steps depend on besides the [`super::State`] itself. What follows
-/// from it, such as a factorisation, is not kept.
+/// State of a stepper between two steps: everything that the next steps depend on besides the [`super::State`] itself.
+/// Derived data, such as a factorisation, is not kept.
 ///
 /// ```
 /// let mut memory = emmy::internals::time::Memory::default();

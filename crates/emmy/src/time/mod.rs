@@ -1,5 +1,5 @@
-//! Advancing in time: schemes as values, the time finite element of degree k (sections 3 and 4), the steppers that are not
-//! time elements, one step and its linear solver.
+//! Advancing in time: schemes as values, the time finite element of degree k (sections 3 and 4), the other steppers,
+//! one step and its linear solver.
 
 #![allow(non_snake_case)]
 

@@ -5,35 +5,36 @@ use crate::sparse::eliminate;
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{IDENTITY, log, moment, product, product_transposed, skew};
 
-/// More iterations than Newton's method needs from no rotation, up to a radian or two a step.
+/// More iterations than Newton's method needs from no rotation, for up to a radian or two per step.
 const ITERATIONS: usize = 20;
 
-/// A balance of moments up to this part of their size is one.
+/// Moments up to this part of their terms count as balanced.
 const ROUNDING: f64 = 1e-13;
 
-/// Inertia, over the largest, that a body without any about an axis (one on a line) is given.
+/// Inertia, relative to the largest, assigned to a body without any about an axis (all points on a line).
 const SMALLEST: f64 = 1e-10;
 
-/// Passes that find a spin to rounding.
+/// Passes that compute a spin to rounding.
 const REFINEMENTS: usize = 3;
 
 /// The rates of a step in which a body moves without strain.
 ///
-/// With the positions y about the centre of mass at the start of the step the rates are `x_j = D_j y`. No strain rate at the
-/// Gauss points c_i means a spin w_i there,
+/// With the positions y about the centre of mass at the start of the step, the rates are `x_j = D_j y`. Zero strain
+/// rates at the Gauss points c_i mean a spin w_i there,
 ///
 /// ```math
 /// D_i = [w_i] T_i,     T_i = I + sum_j a_ij D_j
 /// ```
 ///
-/// which is Gauss collocation of a rotation: the body ends turned by an orthogonal tensor (for k = 1 Cayley's). The forces
-/// inside a body have no moment about its positions `T_i y`, so that the stage equations leave
+/// which is Gauss collocation of a rotation: the body ends rotated by an orthogonal tensor (for k = 1 Cayley's).
+/// Internal forces have no moment about the positions `T_i y`, so the stage equations leave
 ///
 /// ```math
 /// sum_A T_i y_A x ( sum_j m_ij (M D_j y)_A - G_iA ) = 0,     G_i = g_i + s^2 f_i^ext
 /// ```
 ///
-/// in which the body is but the tensors `J = sum_A (M y)_A y_A^T` and `B_i = sum_A G_iA y_A^T`: 3k equations for k spins.
+/// which contain the body only through the tensors `J = sum_A (M y)_A y_A^T` and `B_i = sum_A G_iA y_A^T`: 3k equations
+/// for k spins.
 #[derive(Debug)]
 pub struct RigidStep {
     /// Degree of the time element.
@@ -82,8 +83,8 @@ impl RigidStep {
         self.is_solved = false;
     }
 
-    /// Changes of the D_j that take moments of the stages out of a body, `moments: [k]`; zero about the axes that are not free, and
-    /// where there is no rotation to be had.
+    /// Changes of the D_j that remove the moments of the stages from a body, `moments: [k]`; zero about axes that are
+    /// not free, and if no rotation is possible.
     pub fn balance(&mut self, moments: &[[f64; 3]], free: [bool; 3], changes: &mut [Mat3<f64>]) {
         changes.fill([[0.0; 3]; 3]);
         if !self.is_solved {
@@ -106,7 +107,7 @@ impl RigidStep {
         }
     }
 
-    /// Finds the spins about the axes that are free; where there is no solution the body stays.
+    /// Finds the spins about the free axes; without a solution the body does not rotate.
     pub fn solve(
         &mut self,
         coefficients: &StageCoefficients,
@@ -146,7 +147,9 @@ impl RigidStep {
     /// D_i - [w_i] sum_j a_ij D_j = [w_i],     dD_i - [w_i] sum_j a_ij dD_j = [dw_i] T_i
     /// ```
     fn collocate(&mut self, coefficients: &StageCoefficients) -> bool {
-        let (k, n, a) = (self.k, 3 * self.k, coefficients.rule.coefficients());
+        let k = self.k;
+        let n = 3 * self.k;
+        let a = coefficients.rule.coefficients();
         // T_i first, for the right-hand sides of the changes; two eliminations of a small matrix.
         for columns in [3, 3 + 3 * n] {
             self.collocation.fill(0.0);
@@ -182,7 +185,7 @@ impl RigidStep {
         true
     }
 
-    /// Sets the moments, with the other sign, and their derivatives by the spins; whether the moments are balanced.
+    /// Sets the negative moments and their derivatives by the spins; returns whether the moments are balanced.
     fn linearise(
         &mut self,
         coefficients: &StageCoefficients,
@@ -190,8 +193,11 @@ impl RigidStep {
         known: &[Mat3<f64>],
         free: [bool; 3],
     ) -> bool {
-        let (k, n) = (self.k, 3 * self.k);
-        let (m, a, columns) = (&coefficients.mass, coefficients.rule.coefficients(), 3 + 3 * n);
+        let k = self.k;
+        let n = 3 * self.k;
+        let m = &coefficients.mass;
+        let a = coefficients.rule.coefficients();
+        let columns = 3 + 3 * n;
         let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
         let (mut size, mut largest) = (0f64, 0f64);
         for i in 0..k {
@@ -229,12 +235,14 @@ impl RigidStep {
     }
 }
 
-/// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the axes that are free; `None` if its inertia is singular.
+/// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the free axes; `None` if its inertia
+/// is singular.
 pub fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
     let about = |d: usize, e: usize| if d == e { trace - inertia[d][e] } else { -inertia[d][e] };
-    let (moments, mut spin) = (moment(moments), [0.0; 3]);
-    // The regularised tensor leaves its own small part to the next pass, but for an axis without inertia.
+    let moments = moment(moments);
+    let mut spin = [0.0; 3];
+    // The regularisation leaves its own small part to the next pass, except along an axis without inertia.
     for _ in 0..REFINEMENTS {
         let (mut matrix, mut change) = ([0.0; 9], [0.0; 3]);
         for d in (0..3).filter(|&d| free[d]) {

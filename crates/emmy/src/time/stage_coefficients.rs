@@ -3,14 +3,14 @@
 use super::dissipation::Dissipation;
 use crate::average::Rule;
 
-/// Coefficients of the stage equations: the only difference between one implicit stepper and another.
+/// Coefficients of the stage equations: the only difference between implicit steppers.
 ///
 /// ```math
 /// R_i = sum_j m_ij M x_j - g_i + s^2 (f_i - f_i^ext) = 0
 /// ```
 ///
-/// with the stage averages f_i of a rule, a known vector g_i and a time s that are set for every step. A body in a medium adds the drag
-/// `s alpha M x_i` to that, a scheme that dissipates `s weight_i M U lambda`.
+/// with the stage averages f_i of a rule, and a known vector g_i and a time s that are set for every step. Drag adds `s
+/// alpha M x_i` to this, a dissipative scheme `s weight_i M U lambda`.
 #[derive(Debug)]
 pub struct StageCoefficients {
     /// The rule that averages the internal force.
@@ -26,9 +26,11 @@ pub struct StageCoefficients {
 }
 
 impl StageCoefficients {
-    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i (a^-1)_ij`.
+    /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i
+    /// (a^-1)_ij`.
     pub fn end_weights(&self, j: usize) -> [f64; 2] {
-        let (b, k) = (self.rule.weights(), self.rule.degree());
+        let b = self.rule.weights();
+        let k = self.rule.degree();
         [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]
     }
 }

@@ -4,10 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, InitialVelocity};
 use crate::error::Result;
+use crate::tensor::cross;
 
 /// State of a body in motion.
 ///
-/// Displacement instead of position keeps the digits of small strains; see ARCHITECTURE.md.
+/// It holds the displacement, not the position, which would lose the digits of small strains
+/// (`book/src/design/cells.md`).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// Time \[time\].
@@ -16,16 +18,16 @@ pub struct State {
     pub step: usize,
     /// Displacement u = q - X, `[n_nodes][3]` \[length\].
     pub displacement: Vec<f64>,
-    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\]; M is the consistent mass, for central differences the lumped
-    /// one.
+    /// Momentum p = M v, `[n_nodes][3]` \[mass length/time\]; M is the consistent mass, for central differences the
+    /// lumped one.
     pub momentum: Vec<f64>,
     /// Velocity v = M^-1 p, `[n_nodes][3]` \[length/time\].
     pub velocity: Vec<f64>,
-    /// Low part of the displacement, `[n_nodes][3]` \[length\]; empty: zero. The sum of both has twice the digits, so that a body
-    /// that flies far keeps those of its strains.
+    /// Low part of the displacement, `[n_nodes][3]` \[length\]; empty: zero. The sum of both parts has twice the
+    /// digits, so that a body keeps the digits of its strains in a long flight.
     pub displacement_low: Vec<f64>,
-    /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps take it out again. Far from the
-    /// origin it would have a long lever.
+    /// Linear momentum that rounding has added to a free body \[mass length/time\]; the next steps remove it. Far from
+    /// the origin it would have a long lever.
     pub momentum_error: [f64; 3],
 }
 
@@ -48,7 +50,7 @@ impl State {
         })
     }
 
-    /// Takes over another state of the same body, in the memory that there is.
+    /// Copies another state of the same body without allocation.
     pub fn copy_from(&mut self, other: &State) {
         (self.time, self.step) = (other.time, other.step);
         self.displacement.copy_from_slice(&other.displacement);
@@ -63,7 +65,7 @@ impl State {
         [0, 1, 2].map(|i| body.mesh().points()[node][i] + self.displacement[3 * node + i])
     }
 
-    /// Displacement of the first node of a free body, zero for any other: strains and forces of the body do not depend on it.
+    /// Displacement of the first node of a free body, zero for any other body: strains and forces do not depend on it.
     pub fn origin(&self, body: &Body) -> [f64; 3] {
         let first = self.displacement.first_chunk();
         first.filter(|_| body.is_free()).copied().unwrap_or_default()
@@ -92,27 +94,29 @@ impl State {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn angular_momentum(&self, body: &Body) -> [f64; 3] {
-        let (origin, mut total) = (self.origin(body), [0.0; 3]);
+        let origin = self.origin(body);
+        let mut total = [0.0; 3];
         let mut moment = [0.0; 3];
         for (node, p) in self.momentum.as_chunks::<3>().0.iter().enumerate() {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
-            let (X, at) = (body.mesh().points()[node], 3 * node);
+            let X = body.mesh().points()[node];
+            let at = 3 * node;
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
-            add_cross(&mut moment, q, *p);
-            (0..3).for_each(|d| total[d] += p[d]);
+            add(&mut moment, cross(q, *p));
+            add(&mut total, *p);
         }
-        add_cross(&mut moment, origin, total);
+        add(&mut moment, cross(origin, total));
         moment
     }
 
-    /// Adds an increment of the displacement at a degree of freedom, both parts of it.
+    /// Adds an increment of the displacement at a degree of freedom, to both parts.
     pub(super) fn displace(&mut self, dof: usize, increment: f64) {
         let (high, error) = two_sum(self.displacement[dof], increment);
         let low = self.displacement_low[dof] + error;
         (self.displacement[dof], self.displacement_low[dof]) = two_sum(high, low);
     }
 
-    /// Adds to the error of the momentum what has changed since `before` beyond an impulse.
+    /// Adds the change of the momentum since `before`, less an impulse, to the error of the momentum.
     pub(super) fn note_momentum_error(&mut self, before: &[f64], impulse: [f64; 3]) {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
         for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {
@@ -133,9 +137,6 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// Adds a x b.
-fn add_cross(sum: &mut [f64; 3], a: [f64; 3], b: [f64; 3]) {
-    sum[0] += a[1] * b[2] - a[2] * b[1];
-    sum[1] += a[2] * b[0] - a[0] * b[2];
-    sum[2] += a[0] * b[1] - a[1] * b[0];
+fn add(sum: &mut [f64; 3], vector: [f64; 3]) {
+    (0..3).for_each(|d| sum[d] += vector[d]);
 }

@@ -12,15 +12,15 @@ use crate::sparse::SolverChoice;
 ///
 /// A stepper owns its memory (the last increment, an acceleration), which belongs to the one state that it advances.
 pub trait Stepper: fmt::Debug + Send {
-    /// Advances displacement, momentum and velocity by one step; `time` and `step` of the state are left to the caller.
+    /// Advances displacement, momentum and velocity by one step; the caller sets `time` and `step` of the state.
     ///
     /// # Errors
     /// [`crate::Error::NoConvergence`], [`crate::Error::StepTooLarge`], [`crate::Error::Inverted`]; the state is then
     /// unchanged.
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome>;
 
-    /// Rates `x_j = du^h/dalpha` of the last step at the k Gauss points, `[k][n_nodes][3]` \[length\]; empty for steppers that are not time
-    /// elements.
+    /// Rates `x_j = du^h/dalpha` of the last step at the k Gauss points, `[k][n_nodes][3]` \[length\]; empty for other
+    /// steppers than time elements.
     fn rates(&self) -> &[f64] {
         &[]
     }
@@ -31,7 +31,8 @@ pub trait Stepper: fmt::Debug + Send {
     /// Memory that later steps depend on, besides the state.
     fn memory(&self) -> Memory;
 
-    /// Restores the memory of a stepper of the same scheme and body. Later steps are then bit-identical to those of the other stepper.
+    /// Restores the memory of a stepper of the same scheme and body. Later steps are then bit-identical to the steps of
+    /// that stepper.
     ///
     /// # Errors
     /// [`crate::Error::Memory`] if the memory does not fit, [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -51,20 +52,20 @@ pub struct StepOutcome {
     pub solver: Option<SolverChoice>,
 }
 
-/// Work and impulses of loads and reactions in a step, by the scheme's own quadrature in time. The residual of a balance is then
-/// the conservation error of the scheme itself.
+/// Work and impulses of loads and reactions in a step, by the scheme's own quadrature in time. The residual of a
+/// balance is then the conservation error of the scheme itself.
 ///
-/// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven degrees of
-/// freedom:
+/// For a time element these are its stage averages, with the reactions `lambda_i = R_i / h^2` at fixed and driven
+/// degrees of freedom:
 ///
 /// ```math
 /// W = sum_i b_i (f_i^ext + lambda_i) . x_i,   I = h sum_i b_i (f_i^ext + lambda_i),   J = h sum_i b_i q^h(c_i) x (f_i^ext + lambda_i)
 /// ```
 ///
-/// At the end of a step driven degrees of freedom take their given velocity over from the polynomial of the step; the impulse
-/// that this needs is one of the reactions, with its work.
+/// At the end of a step, driven degrees of freedom change from the velocity of the polynomial to their given velocity;
+/// the impulse for this counts as a reaction, with its work.
 ///
-/// For the others, the forces at the times t_s of the step that they use, with the weights w_s that these have in the new
+/// For other steppers, they are the forces at the times t_s of the step with the weights w_s of the forces in the new
 /// velocity, and the reactions `lambda = M a + f(u) - F` at fixed degrees of freedom:
 ///
 /// ```math
@@ -72,11 +73,12 @@ pub struct StepOutcome {
 /// ```
 ///
 /// The weights are 1 - gamma and gamma at start and end for Newmark's family, 1/2 and 1/2 for central differences, and
-/// `1/(2 (2 - gamma))` twice and `(1 - gamma)/(2 - gamma)` at start, split and end for Bathe's method. Loads between the t_s
-/// are not seen; a jump of a history belongs on none of them, since rounding of the time decides on which side it falls.
+/// `1/(2 (2 - gamma))` twice and `(1 - gamma)/(2 - gamma)` at start, split and end for Bathe's method. Loads between
+/// the t_s are not seen. A time function should not jump at any of them, because rounding of the time would decide the
+/// side.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Impulses {
-    /// Work of loads and reactions W \[energy\]; reactions do work where supports move.
+    /// Work of loads and reactions W \[energy\]; reactions do work if supports move.
     pub work: f64,
     /// Energy dissipated by viscosity, drag and the scheme \[energy\].
     pub dissipated: f64,
@@ -89,7 +91,8 @@ pub struct Impulses {
 impl Impulses {
     /// Adds the impulses of a nodal force that acts for a time at a displacement, both `[n_nodes][3]`.
     pub fn add_force(&mut self, body: &Body, duration: f64, displacement: &[f64], force: &[f64]) {
-        let (total, moment) = (sum(force), body.moment(displacement, force));
+        let total = sum(force);
+        let moment = body.moment(displacement, force);
         (0..3).for_each(|d| self.linear[d] += duration * total[d]);
         (0..3).for_each(|d| self.angular[d] += duration * moment[d]);
     }

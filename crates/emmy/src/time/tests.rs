@@ -61,7 +61,7 @@ fn newton_converges_quadratically() {
                 let element = TimeElement::new(rule, degree).unwrap();
                 let norms = residuals(&body, element);
                 let last = norms.iter().position(|norm| *norm < 1e-13).expect("six iterations suffice");
-                // e_(n+1) <= C e_n^2 in the last iteration above rounding, with the C of the one before within ten times.
+                // e_(n+1) <= C e_n^2 in the last iteration above rounding, with C within ten times its previous value.
                 let constant = |n: usize| norms[n] / norms[n - 1].powi(2);
                 let bound = 10.0 * constant(1).max(constant(2)) * norms[last - 1].powi(2) + 1e-14;
                 assert!(last >= 3 && norms[last] < bound, "{element}: {norms:?}");

@@ -8,7 +8,7 @@ use crate::average::{AveragingRule, Rule};
 use crate::error::{Error, Result};
 use crate::sparse::inverse;
 
-/// Highest degree of a time element: beyond, the stage equations are too ill-conditioned to gain anything.
+/// Highest degree of a time element: beyond, the stage equations are too ill-conditioned for any gain.
 ///
 /// ```
 /// use emmy::time::{MAX_DEGREE, TimeElement};
@@ -16,7 +16,7 @@ use crate::sparse::inverse;
 /// ```
 pub const MAX_DEGREE: usize = 8;
 
-/// Time finite element: an averaging rule, a degree, and dissipation if wanted.
+/// Time finite element: an averaging rule, a degree, and optional dissipation.
 ///
 /// On a step of size h, `q^h(alpha) = q_1 + sum_j L_j(alpha) x_j`, where `L_j` are the integrals of the Lagrange basis
 /// on the k Gauss points `c_i`. The unknowns x_j \[length\] obey, for i = 1..k,
@@ -27,9 +27,9 @@ pub const MAX_DEGREE: usize = 8;
 ///
 /// (Betsch and Steinmann (2001), equations (28)-(32); for k = 1 equation (42).)
 ///
-/// With a spectral radius rho at infinite frequency, from 1 (no dissipation) to 0, the element takes energy out of the highest
-/// polynomial mode in a step and never adds any. Momenta are conserved, rigid motions are left alone, the order is 2 k - 1. After
-/// Hairer and Wanner (1981), Armero and Romero (2001).
+/// With a spectral radius rho at infinite frequency, from 1 (no dissipation) to 0, the element dissipates energy in the
+/// highest polynomial mode of a step and never adds any. Momenta are conserved, rigid motions are not damped, the order
+/// is 2 k - 1. After Hairer and Wanner (1981), Armero and Romero (2001).
 ///
 /// ```
 /// use emmy::time::TimeElement;
@@ -44,7 +44,7 @@ pub struct TimeElement {
     pub rule: AveragingRule,
     /// Degree k.
     pub degree: usize,
-    /// Spectral radius at infinite frequency of an element that dissipates.
+    /// Spectral radius at infinite frequency of a dissipative element.
     pub spectral_radius: Option<f64>,
 }
 
@@ -59,7 +59,7 @@ impl TimeElement {
     /// An element without dissipation.
     ///
     /// # Errors
-    /// [`Error::Scheme`] if the degree is not between 1 and [`MAX_DEGREE`] or the rule has too few points for it.
+    /// [`Error::Scheme`] if the degree is not between 1 and [`MAX_DEGREE`], or the rule has too few points for it.
     pub fn new(rule: AveragingRule, degree: usize) -> Result<Self> {
         let element = TimeElement { rule, degree, spectral_radius: None };
         element.check().map(|()| element)
@@ -73,7 +73,8 @@ impl TimeElement {
         TimeElement::new(AveragingRule::Standard(points), degree)
     }
 
-    /// `AS(n)`: assumed strain in time with n inner Gauss points. It conserves momenta, and energy up to the inner rule.
+    /// `AS(n)`: assumed strain in time with n inner Gauss points. It conserves momenta, and energy up to the inner
+    /// rule.
     ///
     /// # Errors
     /// As [`TimeElement::new`].
@@ -123,13 +124,13 @@ impl TimeElement {
         if self.spectral_radius.is_some() { 2 * self.degree - 1 } else { 2 * self.degree }
     }
 
-    /// Its scheme as an input has it, without the degree: `DGM(0.8)`.
+    /// Its scheme as written in an input, without the degree: `DGM(0.8)`.
     pub fn name(self) -> String {
         let (word, points) = self.rule.word_and_points();
         named(word, points.map(|n| n as f64).into_iter().chain(self.spectral_radius))
     }
 
-    /// Checks that rule, degree and spectral radius go together.
+    /// Checks that rule, degree and spectral radius are compatible.
     ///
     /// # Errors
     /// [`Error::Scheme`].
@@ -211,7 +212,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coefficients_are_those_of_gauss_collocation() {
+    fn coefficients_match_gauss_collocation() {
         // Butcher (1964): the two-stage Gauss method.
         let coefficients = TimeElement::standard(2, 2).unwrap().coefficients();
         let root = 3f64.sqrt() / 6.0;
@@ -235,7 +236,8 @@ mod tests {
         // q = t^3 on a step 0..1, continued over 1..1.7: rates dq/dalpha at the Gauss points.
         let rule = TimeElement::standard(3, 3).unwrap().coefficients().rule;
         let c = rule.nodes();
-        let (old, ratio) = ([0, 1, 2].map(|j| 3.0 * c[j] * c[j]), 0.7);
+        let old = [0, 1, 2].map(|j| 3.0 * c[j] * c[j]);
+        let ratio = 0.7;
         let mut e = [0.0; 9];
         rule.continuation(ratio, &mut e);
         for i in 0..3 {

@@ -1,4 +1,4 @@
-//! Nothing is allocated inside a step once the first ones are done.
+//! A step allocates no memory after the first ones.
 
 use allocation_counter::measure;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity};
@@ -102,7 +102,7 @@ fn a_step_allocates_nothing() {
         let state = State::initial(body, 0.0, std::slice::from_ref(&spin)).unwrap();
         let mut motion = Motion::starting(body, at(scheme, degree), settings, state).unwrap();
         let mut step = |_: usize| motion.step(size).map(|record| record.newton_iterations).unwrap();
-        // GMRES has met its longest iteration, and the factorisation was renewed, before counting begins.
+        // Before counting begins, GMRES has had its longest iteration, and a refactorization has happened.
         (1..100).for_each(|i| {
             step(i);
         });

@@ -1,9 +1,9 @@
-//! The invariants of ARCHITECTURE.md that can be read off the source.
+//! The invariants of ARCHITECTURE.md that the source shows.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules in the order in which they may use each other: each only those before it.
+/// Modules in their order; each may use only earlier ones.
 const ORDER: [&str; 16] = [
     "number",
     "error",
@@ -152,7 +152,7 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Files of the library, each with its module at the root.
+/// Files of the library, each with its top-level module.
 fn files() -> Vec<(String, PathBuf)> {
     let mut files = Vec::new();
     rust_files(&source(), &mut files);
@@ -167,7 +167,7 @@ fn rank(module: &str) -> Option<usize> {
     ORDER.iter().position(|own| *own == module)
 }
 
-/// Code of a file without its comments and without what stands in `mod tests`.
+/// Code of a file without comments and without `mod tests`.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap().to_string();
@@ -175,7 +175,7 @@ fn code(path: &Path) -> String {
 }
 
 #[test]
-fn modules_use_only_what_stands_before_them() {
+fn modules_use_only_earlier_modules() {
     let is_test = |path: &Path| {
         let names = ["tests.rs", "conformance.rs", "conformance"];
         path.components().any(|part| names.iter().any(|name| part.as_os_str() == *name))
@@ -187,7 +187,7 @@ fn modules_use_only_what_stands_before_them() {
         assert!(own < ORDER.len(), "{module} has no place in the order");
         for used in code(&path).split("crate::").skip(1) {
             let used: String = used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            // The error names kinds of cells in its fields: data, no behaviour.
+            // The error has kinds of cells in its fields: data, no behaviour.
             let is_data = module == "error" && used == "mesh";
             if let Some(rank) = rank(&used).filter(|_| used != module && !is_data) {
                 assert!(rank < own, "{}: {module} uses {used}", path.display());
@@ -196,7 +196,8 @@ fn modules_use_only_what_stands_before_them() {
     }
 }
 
-/// Paths of a code that begin with `super` or `crate`, a list in braces taken apart: `super::{a, b::C}` is `super a`, `super b C`.
+/// Paths in code that begin with `super` or `crate`; a list in braces is expanded: `super::{a, b::C}` is `super a`,
+/// `super b C`.
 fn paths(code: &str) -> Vec<Vec<String>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut paths = Vec::new();
@@ -255,7 +256,7 @@ fn reexports(folder: &Path) -> Vec<(String, String)> {
 }
 
 #[test]
-fn files_use_only_what_stands_before_them_in_their_module() {
+fn files_use_only_earlier_files_of_their_module() {
     for (module, order) in INSIDE {
         let folder = source().join(module);
         let reexports = reexports(&folder);
@@ -338,7 +339,7 @@ fn unsafe_code_has_one_place() {
     assert_eq!(places, [source().join("sparse/ordering.rs")]);
 }
 
-/// A file of tests that no module names would be ignored without a word.
+/// A file of tests without a `mod` line would be ignored silently.
 #[test]
 fn every_file_of_tests_is_a_module() {
     for (name, suite) in [("emmy", "suite"), ("emmy-io", "suite"), ("emmy-cli", "cli")] {

@@ -1,5 +1,5 @@
-//! Balances of energy and momentum under loads and supports (section 6 of the method): identities of the schemes that
-//! conserve, at round-off in every step, whatever the steps have to do with the kinks of the time functions.
+//! Balances of energy and momentum under loads and supports (section 6 of the method): identities of the conserving
+//! schemes, at round-off in every step, for any position of the kinks of the time functions.
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
 use emmy::material::NeoHooke;
@@ -16,7 +16,7 @@ fn time_function(entries: &[(f64, f64)]) -> TimeFunction {
     TimeFunction::new(entries.to_vec()).unwrap()
 }
 
-/// A traction with a kink and a jump, a force, and gravity that is switched on: none of it where a step ends.
+/// A traction with a kink and a jump, a force, and gravity that is switched on; no kink at the end of a step.
 fn loads() -> Vec<Load> {
     let traction = LoadKind::Traction { group: "y-max".into(), traction: [20.0, -10.0, 15.0] };
     let force = LoadKind::Force { group: "x-max".into(), force: [0.0, 30.0, 40.0] };
@@ -73,14 +73,14 @@ fn supported_body_under_load() {
         for scheme in [DGM, assumed_strain(10)] {
             let records = records(&supports, &loads(), scheme, degree);
             assert_closed(&records, &format!("{scheme} k = {degree}"));
-            // The supports carry momentum away: without their reactions the balance would not close.
+            // The supports take momentum: without their reactions the balance would not close.
             let change = records[1].linear_momentum[1] - records[0].linear_momentum[1];
             assert!(change.abs() > 1e-3);
         }
     }
 }
 
-/// What a scheme does not conserve is seen in the balance: Table III by running.
+/// The balance shows non-conserved quantities: Table III by running.
 #[test]
 fn defects_of_standard_rules_are_seen() {
     let worst = |scheme| {
@@ -96,8 +96,8 @@ fn defects_of_standard_rules_are_seen() {
     assert!(energy > 1e-5 && momentum > 1e-5);
 }
 
-/// A force at each of n nodes pushes the body with n times the force, whatever their areas: after a time t with constant
-/// forces the momentum is n F t.
+/// A force at each of n nodes gives n times the force, regardless of their areas: after a time t with constant forces
+/// the momentum is n F t.
 #[test]
 fn forces_at_nodes_add_up() {
     let kind = LoadKind::NodalForce { group: "y-max".into(), force: [0.0, 2.0, -1.0] };
@@ -108,7 +108,7 @@ fn forces_at_nodes_add_up() {
     assert!((change(1) - 4.0 * 2.0 * duration).abs() < 1e-12 && (change(2) + 4.0 * duration).abs() < 1e-12);
 }
 
-/// The impulse of a load is the integral of its time function; a free body's momentum is exactly that.
+/// The impulse of a load is the integral of its time function, and equals the momentum of a free body.
 #[test]
 fn momentum_is_the_integral_of_the_load() {
     let load = Load {
@@ -121,8 +121,8 @@ fn momentum_is_the_integral_of_the_load() {
     assert!((after - before - 3.0 * (0.04 + 0.05)).abs() < 1e-12);
 }
 
-/// A body that falls freely does so exactly: the time element reproduces a parabola from degree 2 on, and the mid-point
-/// rule its end points.
+/// A freely falling body is exact: the time element reproduces a parabola from degree 2 on, and the mid-point rule its
+/// end points.
 #[test]
 fn free_fall() {
     let gravity = Load {
@@ -143,7 +143,7 @@ fn free_fall() {
     }
 }
 
-/// Rows are owned by parts: the numbers are the same, to the last bit, with any number of threads.
+/// Parts own rows: the numbers are bitwise identical for any number of threads.
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let run = |threads: usize| {
@@ -163,7 +163,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert!([2, 3, 5].into_iter().all(|threads| run(threads) == one));
 }
 
-/// A moving body without load has no force at its starting point; that does not make rest a solution.
+/// A moving body without load has no force at its starting point, but rest is not a solution.
 #[test]
 fn a_moving_body_is_never_solved_without_an_iteration() {
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).build().unwrap();
@@ -175,7 +175,7 @@ fn a_moving_body_is_never_solved_without_an_iteration() {
         let mut motion =
             Motion::starting(&body, at(scheme, degree), NewtonSettings::default(), state).unwrap();
         for _ in 1..=3 {
-            // A step of this size may fail; what it must not do is to stand still and call that a solution.
+            // A step of this size may fail, but it must not accept rest as a solution.
             let Ok(record) = motion.step(size) else { break };
             assert!(record.newton_iterations > 0, "{scheme} k = {degree}");
             assert!(record.linear_momentum_residual < 1e-9 * 40.0, "{scheme} k = {degree}: {record:?}");

@@ -1,4 +1,4 @@
-//! Steppers that are not time elements, in large rotation and under loads: what they conserve, what they do not.
+//! Steppers that are not time elements, in large rotation and under loads: conserved and non-conserved quantities.
 
 use emmy::Error;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
@@ -39,7 +39,7 @@ fn clamp() -> Vec<Support> {
     vec![Support { group: "face-a".into(), fix: [true, true, false], ..Default::default() }]
 }
 
-/// Records of the L-block over a time of 0.4.
+/// Records of the L-block until t = 0.4.
 fn l_block(scheme: &str, h: f64, supports: &[Support], loads: &[Load]) -> Vec<Record> {
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap())
         .region(rubber())
@@ -54,7 +54,7 @@ fn l_block(scheme: &str, h: f64, supports: &[Support], loads: &[Load]) -> Vec<Re
     (1..=n_steps).map(|_| motion.step(h).unwrap().clone()).collect()
 }
 
-/// Largest defects over the sizes of what they are defects of: energy, linear and angular momentum.
+/// Largest residuals of energy, linear and angular momentum, relative to their sizes.
 fn defects(records: &[Record]) -> [f64; 3] {
     let largest = |of: fn(&Record) -> f64| records.iter().map(of).fold(0.0, f64::max);
     let norm = |x: &[f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -76,7 +76,7 @@ fn central_differences_conserve_both_momenta() {
         let [energy, linear, angular] = defects(&records);
         println!("{energy:e} {linear:e} {angular:e}");
         assert!(linear < 1e-13 && angular < 1e-13, "{linear:e} {angular:e}");
-        // Symplectic: each step's energy error is seen, but it does not add up.
+        // Symplectic: each step has an energy error, but the errors do not accumulate.
         assert!(energy > 1e-8);
         let balance: f64 = records.iter().map(|record| record.energy_residual).sum();
         assert!(balance.abs() < 0.02 * records[records.len() - 1].total_energy, "{balance}");
@@ -95,8 +95,8 @@ fn newmark_and_bathe_conserve_linear_momentum_only() {
     }
 }
 
-/// The averages of inertia and forces are not taken at the same time: momentum is that of an averaged load, exactly
-/// conserved without one.
+/// Inertia and forces are averaged at different times: the momentum follows an averaged load, and is exactly conserved
+/// without loads.
 #[test]
 fn alpha_methods_conserve_linear_momentum_in_free_flight() {
     for scheme in ["HHT(0.05)", "generalized-alpha(0.8)"] {
@@ -120,7 +120,7 @@ fn average_acceleration_is_the_time_element_with_the_trapezoidal_rule() {
     }
 }
 
-/// A falling body: constant force, a parabola, which every one of them reproduces, with work and impulse.
+/// A falling body: a constant force gives a parabola, which every method reproduces, with work and impulse.
 #[test]
 fn free_fall_is_exact() {
     let gravity = Load {
@@ -161,7 +161,7 @@ fn free_flight_has_no_work_and_no_impulse() {
     }
 }
 
-/// Momenta of the lumped mass are the state's: total mass and linear momentum are those of the body.
+/// The momenta of the state use the lumped mass; total mass and linear momentum equal those of the body.
 #[test]
 fn central_differences_report_the_lumped_mass() {
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(rubber()).build().unwrap();
@@ -175,8 +175,8 @@ fn central_differences_report_the_lumped_mass() {
     assert!((motion.record().kinetic_energy - 2.5 * mass).abs() < 1e-11);
 }
 
-/// Parts of the mass at the nodes of one cell: row sums for linear cells; scaled diagonals are 1/36 and 4/27 of a tet10, and
-/// products of 1/6, 4/6, 1/6 of a hex27 (Hughes (1987), section 7.3.2). All are positive, those of a hex20 too.
+/// Mass fractions at the nodes of one cell: row sums for linear cells; scaled diagonals are 1/36 and 4/27 for a tet10,
+/// and products of 1/6, 4/6, 1/6 for a hex27 (Hughes (1987), section 7.3.2). All are positive, also for a hex20.
 #[test]
 fn lumped_masses_are_positive() {
     for (kind, corner, last) in [
@@ -200,7 +200,7 @@ fn lumped_masses_are_positive() {
     }
 }
 
-/// The critical step is that of the current shape: a body that is pressed together stiffens, and is stopped in time.
+/// The critical step belongs to the current shape: a compressed body stiffens, and the run stops in time.
 #[test]
 fn the_critical_step_follows_the_deformation() {
     let press = Load {
@@ -218,7 +218,7 @@ fn the_critical_step_follows_the_deformation() {
     let error = (1..2000).find_map(|_| motion.step(h).err()).unwrap();
     let Error::StepTooLarge { step, critical, .. } = error else { panic!("{error}") };
     assert!(step > 50 && critical < h / 0.98, "{step} {critical}");
-    // Stopped before it became unstable: the last good step is as calm as slow pressing is.
+    // It stopped before it became unstable: the last good step is still quasi-static.
     assert!(motion.record().kinetic_energy < 1e-3 * motion.record().strain_energy, "{:?}", motion.record());
 }
 

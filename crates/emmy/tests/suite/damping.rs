@@ -1,4 +1,4 @@
-//! Viscosity, drag, and schemes that dissipate: decay against theory, balances, what is left alone.
+//! Viscosity, drag, and dissipative schemes: decay against theory, balances, invariants.
 
 use emmy::body::{
     Body, InitialVelocity, Load, LoadKind, PointTerms, Region, Support, TimeFunction, Viscosity,
@@ -22,7 +22,7 @@ fn scheme(text: &str) -> Scheme {
     text.parse().unwrap()
 }
 
-/// A mass 1 on a spring of stiffness k to a fixed point, moving along it so slowly that it is linear.
+/// A mass 1 on a spring of stiffness k to a fixed point, with an amplitude so small that it is linear.
 fn oscillator(k: f64, time: f64, drag: f64) -> Body {
     let viscosity = Viscosity { time, ..Viscosity::default() };
     let region = Region::links(Link::spring(k, None).unwrap(), 0.0).with_viscosity(viscosity);
@@ -76,7 +76,7 @@ fn records(body: &Body, scheme: Scheme, degree: usize, state: State, h: f64, n: 
     (0..n).map(step).collect()
 }
 
-/// Largest defects of the balances, relative to the first energy and to the size of the momenta.
+/// Largest residuals of the balances, relative to the first energy and to the size of the momenta.
 fn worst(records: &[Record]) -> [f64; 3] {
     let energy = records.iter().map(|r| r.kinetic_energy + r.strain_energy.abs()).fold(0.0, f64::max);
     let largest = |of: fn(&Record) -> f64| records.iter().map(of).fold(0.0, f64::max);
@@ -116,7 +116,8 @@ fn a_viscous_spring_and_a_braked_mass_decay_as_in_theory() {
     }
 }
 
-/// A unit cube of one cell whose face x = 1 moves with a velocity, while the rest is held: F = I + t velocity x e_x.
+/// A unit cube of one cell whose face x = 1 moves with a velocity, while the opposite face is fixed: F = I + t velocity
+/// x e_x.
 fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
     let along = |v: f64| (v != 0.0).then(|| TimeFunction::smooth("v*t", move |t| [v * t, v, 0.0]));
     let held = Support { group: "x-min".into(), fix: [true; 3], ..Support::default() };
@@ -134,17 +135,18 @@ fn deformed_cube(region: Region, velocity: [f64; 3]) -> Body {
         .unwrap()
 }
 
-/// What is dissipated in a given deformation is an integral over time, done by hand.
+/// The dissipation of a given deformation is an integral over time, computed by hand.
 #[test]
-fn a_given_deformation_dissipates_what_its_formula_says() {
-    // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per volume of
+fn dissipation_of_a_given_deformation_matches_its_formula() {
+    // E = (F^T F - I)/2 with F = I + t v x e_x: E'_xx = v_x + t |v|^2, E'_xy = v_y/2, E'_xz = v_z/2. The power per
+    // volume of
     // S = t_v (lambda tr E' I + 2 mu E') + 2 eta dev E' + zeta tr E' I is
     // (t_v lambda + zeta - 2/3 eta) (tr E')^2 + 2 (t_v mu + eta) E' : E'.
     let (lambda, mu, until) = (30.0, 15.0, 0.6);
     let materials: [&dyn Fn() -> Region; 3] = [
         &|| Region::new(NeoHooke::new(lambda, mu).unwrap(), 1.0),
         &|| Region::new(SaintVenantKirchhoff::new(lambda, mu).unwrap(), 1.0),
-        // Fibres have no stiffness at rest, so no part in D_0, though the motion stretches them.
+        // Fibres have no stiffness at rest, so no part in D_0, although the motion stretches them.
         &|| {
             let (bulk, fibres) = (lambda + 2.0 / 3.0 * mu, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
             let law = Volumetric::default();
@@ -166,7 +168,8 @@ fn a_given_deformation_dissipates_what_its_formula_says() {
                     let state = State::initial(&body, 0.0, &[]).unwrap();
                     let taken = records(&body, scheme(text), degree, state, h, n as usize)[n as usize - 1]
                         .dissipated_energy;
-                    // (E'_xx)^2 integrated: exactly by two Gauss points and more, by the mid-points for k = 1, which miss h^2 |v|^4/12.
+                    // (E'_xx)^2 integrated: exactly by two Gauss points and more, by the mid-points for k = 1, which
+                    // miss h^2 |v|^4/12.
                     let cube = |t: f64| (velocity[0] + t * square).powi(3) / (3.0 * square);
                     let missed = if degree == 1 { h * h * square * square / 12.0 * until } else { 0.0 };
                     let squared = cube(until) - cube(0.0) - missed;
@@ -181,8 +184,8 @@ fn a_given_deformation_dissipates_what_its_formula_says() {
     }
 }
 
-/// A cell that vibrates along x with a face held, small strain: `rho L^2/3 u'' + V u' + (lambda + 2 mu) u = 0` with the consistent
-/// mass and V = t_v (lambda + 2 mu) + 4/3 eta + zeta.
+/// A cell that vibrates along x with a fixed face, at small strain: `rho L^2/3 u'' + V u' + (lambda + 2 mu) u = 0` with
+/// the consistent mass and V = t_v (lambda + 2 mu) + 4/3 eta + zeta.
 #[test]
 fn a_viscous_block_decays_as_in_theory() {
     let (lambda, mu, density, v, t) = (4.0, 3.0, 2.0, 1e-8, 3.0);
@@ -203,14 +206,16 @@ fn a_viscous_block_decays_as_in_theory() {
         (1..=60).for_each(|_| drop(motion.step(t / 60.0).unwrap().clone()));
         let exact = v / w * (-delta * t).exp() * (w * t).sin();
         let found = motion.state().displacement[3 * body.mesh().nearest_node([1.0; 3])];
-        // The time element's phase error, (w h)^6 w t/100800, is 1e-8; strains of 1e-8 add as much to a linear solution.
+        // The time element's phase error, (w h)^6 w t/100800, is 1e-8; strains of 1e-8 add as much to a linear
+        // solution.
         assert!((found - exact).abs() * w / v < 1e-7, "{time} {shear} {bulk}: {found} is not {exact}");
     }
 }
 
 #[test]
 fn a_braked_body_in_free_flight_slows_down_by_the_factor_of_the_midpoint() {
-    // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade approximant of exp.
+    // h alpha x + 2 (M x - h p)/.. : v_2/v_1 = (1 - h alpha/2)/(1 + h alpha/2), and for k = 2 the (2, 2) Pade
+    // approximant of exp.
     let body = block_in_medium(0.8, Viscosity::default(), &[], &[]);
     let field = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..InitialVelocity::default() };
     let z: f64 = -0.8 * 0.5;
@@ -249,7 +254,7 @@ fn balances_close_with_viscosity_drag_loads_and_supports() {
             );
             assert!(records.windows(2).all(|pair| pair[1].dissipated_energy > pair[0].dissipated_energy));
         }
-        // FE: its momenta, and its energy by as much as its stress is not that of the energy.
+        // FE conserves its momenta; its energy is wrong as far as its stress is not the derivative of an energy.
         let [_, linear, angular] = worst(&records(&body, scheme("FE(2)"), 2, tumbling(&body), 0.1, 20));
         assert!(linear < 1e-12 && angular < 1e-12, "FE(2): {linear:e} {angular:e}");
     }
@@ -321,7 +326,7 @@ fn schemes_that_dissipate_never_add_energy_and_keep_the_momenta() {
             assert!(drift.fold(0.0, f64::max) < 1e-10, "{text} {degree} {h}");
         }
     }
-    // The quadrature of AS(8) is exact enough at these steps; without dissipation nothing is taken.
+    // The quadrature of AS(8) is exact enough at these steps; without dissipation no energy is lost.
     let free = records(&body, scheme("DGM(1)"), 1, tumbling(&body), 0.1, 20);
     let same = records(&body, scheme("DGM"), 1, tumbling(&body), 0.1, 20);
     assert!(free.iter().zip(&same).all(|(a, b)| (a.kinetic_energy - b.kinetic_energy).abs() < 1e-11));
@@ -474,7 +479,8 @@ fn dissipative_elements_are_of_order_2k_less_1() {
 #[test]
 fn a_relative_equilibrium_is_left_alone() {
     // Two masses m at the ends of a spring that turns by theta a step without changing its length l = 2 r:
-    // x/h = (v_1 + v_2)/2 gives the speed 2 r tan(theta/2)/h, and M dv = -h f with f = kappa q in the middle tan^2(theta/2) = h^2 kappa/(4 m), kappa = k (l - L)/r.
+    // x/h = (v_1 + v_2)/2 gives the speed 2 r tan(theta/2)/h, and M dv = -h f with f = kappa q in the middle
+    // tan^2(theta/2) = h^2 kappa/(4 m), kappa = k (l - L)/r.
     let (m, k, length, r, h) = (1.3f64, 50.0, 1.0, 0.6, 0.3);
     let kappa = k * (2.0 * r - length) / r;
     let tangent = (h * h * kappa / (4.0 * m)).sqrt();
@@ -486,7 +492,7 @@ fn a_relative_equilibrium_is_left_alone() {
         .point_terms(PointTerms { masses: masses(&[m, m]), ..PointTerms::default() })
         .build()
         .unwrap();
-    // In flight besides.
+    // Also in free flight.
     let mut state = moving(&body, &[[0.3, speed, 0.1], [0.3, -speed, 0.1]]);
     (state.displacement[0], state.displacement[3]) = (r - 0.5 * length, 0.5 * length - r);
     for radius in [0.0, 0.5] {
@@ -494,7 +500,7 @@ fn a_relative_equilibrium_is_left_alone() {
         let records = records(&body, dissipative, 1, state.clone(), h, 500);
         assert!((records[499].total_energy / records[0].total_energy - 1.0).abs() < 1e-12);
         assert!(records[499].dissipated_energy.abs() < 1e-12 * records[0].total_energy);
-        // While a mode of the spring dies out.
+        // While a mode of the spring decays.
         let mut shaken = state.clone();
         (0..6).for_each(|dof| shaken.velocity[dof] += [0.4, 0.0, 0.0, -0.4, 0.0, 0.0][dof]);
         body.mass_product(&shaken.velocity, &mut shaken.momentum);
@@ -516,7 +522,7 @@ fn accelerations_of_a_state_know_viscosity_and_drag() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
+fn incompatible_combinations_are_rejected() {
     let viscous = block(Viscosity { time: 0.1, ..Viscosity::default() }, &[], &[]);
     for text in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
         let error =

@@ -1,4 +1,4 @@
-//! Supports that move: against solutions in closed form, balances at round-off, order of accuracy.
+//! Driven supports: closed-form solutions, balances at round-off, order of accuracy.
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
@@ -43,7 +43,7 @@ fn march(
     (motion.state().clone(), records)
 }
 
-/// All of a block is driven with a constant acceleration: the reactions do the work m a^2 t^2 / 2, whatever the step.
+/// The whole block has a constant acceleration: the work of the reactions is m a^2 t^2 / 2 for any step.
 #[test]
 fn a_block_that_is_carried_along() {
     let parabola =
@@ -88,7 +88,8 @@ fn base_excitation_of_an_oscillator() {
     let w = 15f64.sqrt();
     let response = amplitude * (w * w + 0.5 * drive * drive) / (w * w - drive * drive);
     let end = body.mesh().nearest_node([1.0; 3]);
-    // The phase of the time element lags by (w h)^2k w t / 720 and / 100800; strains of 1e-8 add as much to a linear solution.
+    // The phase of the time element lags by (w h)^2k w t / 720 and / 100800; strains of 1e-8 add as much to a linear
+    // solution.
     for (degree, bound) in [(2, 5e-5), (3, 1e-6)] {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         assert!((state.velocity[0] - amplitude * drive).abs() < 1e-22 && state.velocity[3 * end] == 0.0);
@@ -99,8 +100,8 @@ fn base_excitation_of_an_oscillator() {
     }
 }
 
-/// Everything at once: one face follows tables with kinks inside the steps, the opposite one turns and moves, a third one is
-/// held in one direction, and loads act.
+/// All features together: one face follows tables with kinks inside the steps, the opposite one rotates and moves, a
+/// third one is fixed in one direction, and loads act.
 #[test]
 fn balances_close_under_loads_with_kinks_inside_steps() {
     let zigzag = |a: f64| Some(table(&[(0.05, 0.0), (0.11, a), (0.13, a), (0.31, -a)]));
@@ -129,13 +130,14 @@ fn balances_close_under_loads_with_kinks_inside_steps() {
                 assert!(record.angular_momentum_residual < 3e-11, "{scheme} k = {degree}: {record:?}");
             }
             assert!(records[3].external_work.abs() > 1e-2);
-            // The foot is where the table says, and at rest after its last entry.
+            // The foot follows the table, and is at rest after its last entry.
             assert!((state.displacement[0] + 0.03).abs() < 1e-15 && state.velocity[0] == 0.0);
         }
     }
 }
 
-/// A block spun by one of its faces, and in that spin from the start: the steady motion of a stiff body, L = I omega.
+/// A block driven by one of its faces in steady rotation from the start: the steady motion of a stiff body, L = I
+/// omega.
 #[test]
 fn a_driven_face_keeps_a_spin() {
     let (omega, about) = (2.0, [0.5, 0.5, 0.0]);
@@ -150,7 +152,7 @@ fn a_driven_face_keeps_a_spin() {
     let spin = InitialVelocity { angular_velocity: [0.0, 0.0, omega], about, ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
     let (state, records) = march(&body, DGM, 2, state, &[(std::f64::consts::PI, 0.05)]);
-    // I_zz = m (a^2 + b^2)/12 about its own axis, which stands through (0.5, 0.5) and does not move.
+    // I_zz = m (a^2 + b^2)/12 about its own axis through (0.5, 0.5), which is at rest.
     let momentum = 3.0 / 6.0 * omega;
     for record in &records {
         assert!((record.angular_momentum[2] - momentum).abs() < 1e-3 * momentum, "{record:?}");
@@ -159,12 +161,12 @@ fn a_driven_face_keeps_a_spin() {
             "{record:?}"
         );
     }
-    // One turn: the driven nodes are back.
+    // One revolution: the driven nodes are back.
     assert!((0..4).all(|dof| state.displacement[dof].abs() < 1e-13));
 }
 
-/// All of a block is turned by a given angle, about an axis that is none of its own: no strain, the velocities are those of
-/// the rotation, angle' e x r, L = I e angle' and T = I angle'^2/2, at the end of every step and whatever its size.
+/// The whole block rotates by a given angle, about an axis that is not its own: no strain, velocities angle' e x r, L =
+/// I e angle' and T = I angle'^2/2, at the end of every step for any step size.
 #[test]
 fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
     let (axis, about) = ([2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], [0.3, -0.4, 0.2]);
@@ -173,7 +175,7 @@ fn a_block_that_is_turned_has_the_velocities_of_the_rotation() {
             let (sin, cos) = (2.0 * t).sin_cos();
             [0.7 * t + sin, 0.7 + 2.0 * cos, -4.0 * sin]
         }),
-        // A kink inside a step; its rate is that of the piece on the right.
+        // A kink inside a step; its rate is the rate after it.
         table(&[(0.0, 0.0), (0.35, 0.9), (2.0, -0.3)]),
     ];
     let rate_at = |which: usize, t: f64| match which {
@@ -256,7 +258,7 @@ fn order_is_twice_the_degree() {
 }
 
 #[test]
-fn what_cannot_be_driven_is_refused() {
+fn impossible_drives_are_rejected() {
     let body = |supports: &[Support]| {
         let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
         Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).supports(supports).build()
@@ -279,15 +281,15 @@ fn what_cannot_be_driven_is_refused() {
     }
 }
 
-/// A block that is swung about an axis, faster and faster, while a plane holds it in z; let go at t = 0.5, of the plane at
-/// t = 0.7. Momenta go on as they are, and in free flight energy and momenta stay.
+/// A block in accelerated rotation about an axis, fixed in z by a plane; released from the axis at t = 0.5, from the
+/// plane at t = 0.7. Momenta are continuous, and conserved in free flight together with the energy.
 #[test]
 fn a_swing_that_is_released() {
     let angle = TimeFunction::smooth("3 t^2", |t| [3.0 * t * t, 6.0 * t, 6.0]);
     let plane = Support { group: "z-min".into(), symmetry: true, until: Some(0.7), ..Default::default() };
     let mut swing = turned("y-min", [0.0, 0.0, 1.0], [0.5, -2.0, 0.0], angle);
     (swing.rotation, swing.until) = (swing.rotation.take(), Some(0.5));
-    // The edge at z = 0 of the face is held by both.
+    // The edge at z = 0 of the face belongs to both.
     let rubber = || Region::new(NeoHooke::new(500.0, 250.0).unwrap(), 1.0);
     let block = || mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
     let both = Body::builder(block()).region(rubber()).support(plane.clone()).support(swing.clone()).build();

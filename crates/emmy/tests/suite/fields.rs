@@ -1,5 +1,5 @@
-//! Fields of a state: exact for homogeneous deformations on every kind of cell, convergent for others, objective, and of the
-//! energy that the body has.
+//! Fields of a state: exact for homogeneous deformations on every kind of cell, convergent for others, objective, and
+//! consistent with the energy of the body.
 
 #![allow(non_snake_case)]
 
@@ -58,8 +58,8 @@ fn fields(body: &Body, displacement: &[f64], names: &[FieldName]) -> Vec<Vec<f64
     Fields::new(body).at(displacement, &rest, names).into_iter().map(|field| field.numbers).collect()
 }
 
-/// What a neo-Hookean point has: Cauchy stress `(mu (b - I) + lambda ln J I) / J`, second Piola-Kirchhoff stress
-/// `mu (I - C^-1) + lambda ln J C^-1`, energy `mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2`.
+/// Fields of a neo-Hookean point: Cauchy stress `(mu (b - I) + lambda ln J I) / J`, second Piola-Kirchhoff stress `mu
+/// (I - C^-1) + lambda ln J C^-1`, energy `mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2`.
 fn neo_hooke(F: &Mat3<f64>) -> (Mat3<f64>, Mat3<f64>, f64) {
     let (J, b, C) = (det(F), product(F, &transposed(F)), product(&transposed(F), F));
     let unit = |i: usize, j: usize| f64::from(u8::from(i == j));
@@ -76,7 +76,7 @@ fn neo_hooke(F: &Mat3<f64>) -> (Mat3<f64>, Mat3<f64>, f64) {
     (cauchy, second, 0.5 * MU * (trace - 3.0) - MU * J.ln() + 0.5 * LAMBDA * J.ln().powi(2))
 }
 
-/// `sqrt(3/2 s : s)` by the deviator itself.
+/// `sqrt(3/2 s : s)` from the deviator itself.
 fn von_mises(stress: &Mat3<f64>) -> f64 {
     let mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3.0;
     let deviator = |i: usize, j: usize| stress[i][j] - if i == j { mean } else { 0.0 };
@@ -143,7 +143,7 @@ fn homogeneous_deformations_are_exact_on_every_kind() {
     }
 }
 
-/// In plane strain the stress across the plane is that of a stretch of 1, not zero.
+/// In plane strain, the stress across the plane belongs to a stretch of 1; it is not zero.
 #[test]
 fn homogeneous_deformations_are_exact_in_plane_strain() {
     let Q = rotation([0.0, 0.0, 1.0], 0.5);
@@ -157,7 +157,7 @@ fn homogeneous_deformations_are_exact_in_plane_strain() {
     }
 }
 
-/// Positions `X + 0.1 f(X)` with f_i made of quadratic functions, and their F.
+/// Positions `X + 0.1 f(X)` with quadratic functions f_i, and their F.
 fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
     let f = [x * y + 0.5 * z * z, y * y - x * z, x * x + 0.3 * y * z];
     let G = [[y, x, z], [-z, 2.0 * y, -x], [2.0 * x, 0.3 * z, 0.3 * y]];
@@ -165,7 +165,8 @@ fn bent([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
     ([x + 0.1 * f[0], y + 0.1 * f[1], z + 0.1 * f[2]], F)
 }
 
-/// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the surface too.
+/// Quadratic cells have a deformation that is linear in space at their points, and its projection is exact, at the
+/// surface too.
 #[test]
 fn fields_that_vary_are_exact_where_the_cells_have_them() {
     for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Tet10, CellKind::Wedge15, CellKind::Pyramid13] {
@@ -181,7 +182,7 @@ fn fields_that_vary_are_exact_where_the_cells_have_them() {
     }
 }
 
-/// Positions of a smooth deformation that no cell has, and its F.
+/// Positions of a smooth deformation that no cell reproduces, and its F.
 fn waved([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
     let (a, b, c) = (2.0 * x + y, 2.0 * y - z, 2.0 * z + x);
     let position = [x + 0.08 * a.sin(), y + 0.08 * b.cos(), z + 0.08 * c.sin()];
@@ -193,7 +194,7 @@ fn waved([x, y, z]: [f64; 3]) -> ([f64; 3], Mat3<f64>) {
     (position, [0, 1, 2].map(|i| [0, 1, 2].map(|j| G[i][j] + f64::from(u8::from(i == j)))))
 }
 
-/// Largest error of the Cauchy stress at the nodes inside, and at all of them.
+/// Largest error of the Cauchy stress at the inner nodes, and at all nodes.
 fn errors(kind: CellKind, bricks: usize) -> [f64; 2] {
     let body = body(Patch { bricks, curved: false, distortion: 1.0 }.mesh(kind));
     let displacement = displacement(body.mesh(), |X| waved(X).0);
@@ -203,7 +204,7 @@ fn errors(kind: CellKind, bricks: usize) -> [f64; 2] {
         let (cauchy, ..) = neo_hooke(&waved(X).1);
         let error =
             found.iter().zip(PAIRS).map(|(found, (i, j))| (found - cauchy[i][j]).abs()).fold(0.0, f64::max);
-        // One cell away from the surface, averages are no longer of one side.
+        // One cell away from the surface, averages are two-sided.
         if X.iter().all(|&x| x > 0.2 && x < 0.8) {
             errors[0] = errors[0].max(error);
         }
@@ -280,9 +281,9 @@ fn volume(mesh: &Mesh, index: usize) -> f64 {
         .sum()
 }
 
-/// The mean energy density of a cell times its volume is the energy that the body sums up, quadrature point by point.
+/// The mean energy density of a cell times its volume is the energy summed by the body over the quadrature points.
 #[test]
-fn energies_of_the_cells_add_up_to_that_of_the_body() {
+fn energies_of_the_cells_add_up_to_the_energy_of_the_body() {
     let solids = CellKind::SOLIDS.map(|kind| Patch { bricks: 2, curved: true, distortion: 1.0 }.mesh(kind));
     let planes = CellKind::PLANES.map(|kind| plane_patch(kind, 3));
     for mesh in solids.into_iter().chain(planes) {
@@ -360,7 +361,7 @@ fn momentum_density_is_density_times_velocity_without_point_masses() {
     assert_eq!(found[1].numbers, velocity);
 }
 
-/// Two bars and a spring from one node: forces, and stresses along the bars as they lie now.
+/// Two bars and a spring at one node: forces, and stresses along the current bars.
 #[test]
 fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     let mut builder = MeshBuilder::new();
@@ -406,7 +407,7 @@ fn links_have_a_force_and_bars_a_stress_along_their_axis() {
     near(&found[6].numbers, &[0.0; 18]);
     near(&found[9].numbers, &[1.0; 9]);
     near(&found[11].numbers, &[0.0, 0.0, 0.0, -8.0, 9.6, 0.0, 0.0, 0.0, 0.0]);
-    // What is not there need not be written.
+    // Zero stresses need not be written.
     let fields = Fields::new(&body);
     assert!(fields.has(FieldName::AxialForce) && fields.has(FieldName::CellCauchyStress));
     assert!(!fields.has(FieldName::CauchyStress) && !Fields::new(&two_cubes()).has(FieldName::AxialForce));
@@ -426,7 +427,7 @@ fn a_body_at_rest_has_no_stress() {
 }
 
 #[test]
-fn what_is_turned_inside_out_has_no_numbers() {
+fn inverted_cells_have_no_values() {
     let body = body(block([1.0; 3], [1; 3]).unwrap());
     let displacement = displacement(body.mesh(), |[x, y, z]| [-x, y, z]);
     let found = fields(&body, &displacement, &NODAL);

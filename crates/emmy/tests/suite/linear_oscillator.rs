@@ -1,7 +1,7 @@
 //! One degree of freedom in tiny vibration: every stepper against its amplification in closed form.
 //!
 //! A brick of length 1 and cross-section 2 x 2 is clamped at one end and cannot move sideways. Its axial mode has the
-//! stiffness (lambda + 2 mu) A/L = 12 and a third of the brick's mass, 4/3 (half of it, 2, where the mass is lumped).
+//! stiffness (lambda + 2 mu) A/L = 12 and a third of the brick's mass, 4/3 (half of it, 2, with lumped mass).
 
 use emmy::body::{Body, Region, Support};
 use emmy::material::SaintVenantKirchhoff;
@@ -13,7 +13,7 @@ use crate::shared::schemes::at;
 const OMEGA: f64 = 3.0;
 const OMEGA_LUMPED: f64 = 2.449_489_742_783_178;
 
-/// So small that the non-linearity is rounding.
+/// So small that the non-linearity is below rounding.
 const AMPLITUDE: f64 = 1e-13;
 
 fn brick() -> Body {
@@ -80,7 +80,7 @@ fn newmark_family([alpha_m, alpha_f, beta, gamma]: [f64; 4], h: f64, n_steps: us
 }
 
 #[test]
-fn newmark_family_is_that_of_the_textbooks() {
+fn newmark_family_matches_the_textbooks() {
     let third = 1.0 / 3.0;
     for (scheme, parameters) in [
         ("Newmark(0.25, 0.5)", [0.0, 0.0, 0.25, 0.5]),
@@ -127,7 +127,7 @@ fn bathe_is_the_composite_rule() {
 }
 
 #[test]
-fn central_differences_are_those_of_the_lumped_oscillator() {
+fn central_differences_match_the_lumped_oscillator() {
     let square = OMEGA_LUMPED * OMEGA_LUMPED;
     for h in [0.05, 0.4, 0.8] {
         let (mut u, mut v) = (1.0, 0.5);
@@ -150,9 +150,9 @@ fn recurrence(values: &[f64], s: f64, r: f64) -> f64 {
     values.windows(4).map(|y| residual(y).abs() / size).fold(0.0, f64::max)
 }
 
-/// Spectral radius at infinite frequency: rho for generalized-alpha (Chung and Hulbert (1993), section 3), `(1 - alpha)/(1 +
-/// alpha)` for HHT (Hilber, Hughes and Taylor 1977) with the spurious root `-alpha/(1 - alpha)`, 1 for average
-/// acceleration.
+/// Spectral radius at infinite frequency: rho for generalized-alpha (Chung and Hulbert (1993), section 3), `(1 -
+/// alpha)/(1 + alpha)` for HHT (Hilber, Hughes and Taylor 1977) with the spurious root `-alpha/(1 - alpha)`, 1 for
+/// average acceleration.
 #[test]
 fn high_modes_decay_by_the_spectral_radius() {
     for (scheme, spurious, radius) in [
@@ -170,7 +170,7 @@ fn high_modes_decay_by_the_spectral_radius() {
             assert!(residual < 1e-8, "{scheme}: {residual:e}");
         }
     }
-    // L-stable: what no step resolves is gone after one, to 4 h/omega (here 1e-5).
+    // L-stable: an unresolved mode vanishes after one step, to 4 h/omega (here 1e-5).
     let [u, v] = run(Scheme::Bathe, 1e6, 1)[0];
     assert!(u.abs() < 1e-5 && v.abs() < 1e-5, "{u:e} {v:e}");
 }
@@ -213,7 +213,7 @@ fn central_differences_know_their_critical_step() {
     }
     assert_eq!(*motion.state(), before);
     let h = 0.979 * critical;
-    // Stable to the end: the velocity stays below that of the exact oscillator over the root of 1 - (h/h_critical)^2.
+    // Stable to the end: the velocity stays below the exact one divided by the root of 1 - (h/h_critical)^2.
     for _ in 1..=500 {
         motion.step(h).unwrap();
         let largest = motion.state().displacement.iter().fold(0.0, |size: f64, u| size.max(u.abs()));

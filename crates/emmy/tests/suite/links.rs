@@ -1,4 +1,5 @@
-//! Links of two nodes, point masses, springs and attraction to the ground: the systems of point masses of Part I, and theory.
+//! Links of two nodes, point masses, springs and attraction to the ground: the systems of point masses of Part I, and
+//! theory.
 
 use std::f64::consts::{PI, TAU};
 
@@ -28,8 +29,8 @@ fn march(motion: &mut Motion<'_>, end: f64, n_steps: usize, mut each: impl FnMut
     }
 }
 
-/// Two bodies of masses 2 and 1 at a distance of 1 that attract each other with g = 3 and turn about their common centre, at
-/// `speed` times the speed of the circular orbit.
+/// Two bodies of masses 2 and 1 at a distance of 1 that attract each other with g = 3 and rotate about their common
+/// centre, at `speed` times the speed of the circular orbit.
 fn two_bodies(speed: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
     let nodal = PointTerms { masses: masses(&[2.0, 1.0]), ..Default::default() };
@@ -39,7 +40,7 @@ fn two_bodies(speed: f64) -> (Body, State) {
     (body, state)
 }
 
-/// omega^2 = g / (mu r^3), the reduced mass mu being 2/3: Kepler's third law.
+/// omega^2 = g / (mu r^3), with the reduced mass mu = 2/3: Kepler's third law.
 const OMEGA: f64 = 2.121_320_343_559_642_6;
 
 #[test]
@@ -83,7 +84,8 @@ fn an_eccentric_orbit_keeps_energy_and_momenta() {
     }
 }
 
-/// A lattice of 3 x 3 x 3 point masses, shaken out of order, each joined to its neighbours along the axes and across faces.
+/// A lattice of 3 x 3 x 3 irregularly displaced point masses, each joined to its neighbours along the axes and across
+/// faces.
 fn lattice() -> (Body, State) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let noise = |n: usize| ((n + 1) as f64 * golden).fract() - 0.5;
@@ -117,7 +119,8 @@ fn a_network_of_springs_keeps_energy_and_momenta() {
             assert!(record.energy_residual.abs() < 1e-12 * first.total_energy, "k = {degree}: {record:?}");
             assert!(record.linear_momentum_residual < 1e-12, "k = {degree}: {record:?}");
             assert!(record.angular_momentum_residual < 1e-11, "k = {degree}: {record:?}");
-            // A kept stiffness leaves a part of 1e-2 of the residual, or less: from 1e-2 to rounding in seven, and a renewal.
+            // A reused stiffness leaves at most 1e-2 of the residual: from 1e-2 to rounding in seven, and a
+            // refactorization.
             assert!(record.newton_iterations <= 9, "k = {degree}: {record:?}");
         });
         let last = motion.record();
@@ -147,8 +150,8 @@ fn a_network_of_springs_is_met_with_order_2k() {
     }
 }
 
-/// Two masses on a spring, or at the ends of a bar, swing along it: omega^2 = k (1/m_1 + 1/m_2); a bar adds its consistent mass,
-/// rho A L/3 on the diagonal and rho A L/6 beside it.
+/// Two masses on a spring, or at the ends of a bar, vibrate along it: omega^2 = k (1/m_1 + 1/m_2); a bar adds its
+/// consistent mass, rho A L/3 on the diagonal and rho A L/6 beside it.
 #[test]
 fn masses_on_a_link_swing_as_fast_as_theory_says() {
     let mesh = || network(&[[0.0; 3], [1.2, 1.6, 0.0]], &[[0, 1]]);
@@ -168,7 +171,7 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
             assert!((found - expected).abs() < tolerance * v, "{t}: {found} {expected}");
         }
     };
-    // The spring is linear in its length: large amplitudes swing alike. Momentum zero: v_1 = -v m_2/m_1.
+    // The spring is linear in its length: large amplitudes have the same period. Momentum zero: v_1 = -v m_2/m_1.
     let nodal = PointTerms { masses: masses(&[0.5, 2.0]), ..Default::default() };
     let spring = linked(mesh(), Link::spring(8.0, None).unwrap(), &nodal);
     swings(&spring, 0.1, 4.0, (8.0f64 * (1.0 / 0.5 + 1.0 / 2.0)).sqrt(), 1e-8);
@@ -179,7 +182,7 @@ fn masses_on_a_link_swing_as_fast_as_theory_says() {
     swings(&bar, 1e-7, 1.0, (2.0 * 10.0f64 / (1.5 + 1.0 - 0.5)).sqrt(), 1e-6);
 }
 
-/// u = g t^2/2, p = m g t: gravity acts on point masses as on those of cells, and time elements are exact for it.
+/// u = g t^2/2, p = m g t: gravity acts on point masses and on the mass of cells, and time elements are exact for it.
 #[test]
 fn point_masses_fall() {
     let mesh = network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
@@ -223,7 +226,7 @@ fn springs_to_the_ground_make_an_oscillator() {
     (0..6).for_each(|dof| assert!((u[dof] - expected[dof % 3]).abs() < 1e-10, "{u:?}"));
 }
 
-/// The ground is external: what it does to the momenta is counted by every scheme's own quadrature.
+/// The ground is external: every scheme's own quadrature counts its impulse.
 #[test]
 fn impulses_of_the_ground_close_the_balances_of_every_scheme() {
     let (spun, _) = on_the_ground();
@@ -254,7 +257,7 @@ fn impulses_of_the_ground_close_the_balances_of_every_scheme() {
     }
 }
 
-/// On a group of facets the stiffness is one per area: a block on an elastic foundation of k = 6 per area.
+/// On a group of facets the stiffness is per area: a block on an elastic foundation of k = 6 per area.
 #[test]
 fn springs_on_facets_are_a_foundation() {
     let springs = vec![GroundSpring { group: "z-min".into(), stiffness: 6.0 }];
@@ -269,7 +272,7 @@ fn springs_on_facets_are_a_foundation() {
     assert!((body.strain_state(&displacement).smallest_determinant - 1.0).abs() < 1e-14);
 }
 
-/// A link may turn through any angle: it has no det F that means something.
+/// A link may rotate by any angle: its det F has no meaning.
 #[test]
 fn links_have_no_determinant() {
     let spring = Link::spring(2.0, None).unwrap();
@@ -279,7 +282,7 @@ fn links_have_no_determinant() {
     assert_eq!(body.strain_state(&turned_about).smallest_determinant, f64::INFINITY);
 }
 
-/// Two planets opposite each other on a circle about a star that is not at the origin, joined by a spring at rest.
+/// Two planets opposite each other on a circle about a star away from the origin, joined by a spring at rest.
 #[test]
 fn a_star_holds_its_planets_on_a_circle() {
     let (c, radius, g) = ([1.0, -2.0, 0.5], 1.5f64, 6.0);
@@ -307,7 +310,7 @@ fn a_star_holds_its_planets_on_a_circle() {
     assert!((order - 4.0).abs() < 0.3, "{order}");
 }
 
-/// A block, a mass on two springs beside it, and a bar between mass and block, in free flight.
+/// A block, a mass on two springs, and a bar between mass and block, in free flight.
 #[test]
 fn solids_springs_bars_and_masses_fly_together() {
     let solid = block([1.0; 3], [1; 3]).unwrap();
@@ -355,7 +358,7 @@ fn solids_springs_bars_and_masses_fly_together() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn unsuitable_links_are_rejected() {
     let mesh = || network(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]]);
     let body = |regions: Vec<Region>, nodal: PointTerms, supports: &[Support]| -> Result<Body> {
         Body::builder(mesh()).regions(regions).point_terms(nodal.clone()).supports(supports).build()
@@ -364,7 +367,7 @@ fn what_does_not_fit_is_refused() {
     let one = || PointTerms { masses: masses(&[1.0]), ..Default::default() };
     let lost = body(spring(), one(), &[]).unwrap_err();
     assert_eq!(lost, Error::NoMass { node: 1, position: [1.0, 0.0, 0.0] });
-    // A node that is held needs none.
+    // A fixed node needs none.
     let wall = Support { group: "1".into(), fix: [true; 3], ..Default::default() };
     let held = body(spring(), one(), std::slice::from_ref(&wall)).unwrap();
     let state = moving(&held, &[[0.0, 1.0, 0.0]]);

@@ -1,7 +1,7 @@
-//! Long free flight of the large-strain block (Betsch and Steinmann 2001, Section 5.1.2) at h = 0.04: energy and angular
-//! momentum stay what they are, for thousands of steps.
+//! Long free flight of the large-strain block (Betsch and Steinmann 2001, Section 5.1.2) at h = 0.04: energy and
+//! angular momentum are conserved for thousands of steps.
 //!
-//! The quick form runs with the other tests; the full one, 10,000 steps, by `.ci/run` and `just validate`.
+//! The quick form runs with the other tests; the full one, 10,000 steps, with `.ci/run` and `just validate`.
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, TimeFunction};
 use emmy::material::NeoHooke;
@@ -25,8 +25,8 @@ fn drift_of_block(scheme: &str, steps: usize) -> (f64, f64) {
     drift(scheme, &mut motion, 0.04, steps)
 }
 
-/// Relative drift of energy and angular momentum of a small body, two cells of rubber that tumble and swing with strains of a
-/// fifth, at steps of half of the slowest period of stretching.
+/// Relative drift of energy and angular momentum of a small body, two tumbling cells of rubber that vibrate with
+/// strains of a fifth, at steps of half of the slowest period of stretching.
 fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
@@ -39,7 +39,7 @@ fn drift_of_two_cells(scheme: &str, steps: usize) -> (f64, f64) {
     drift(scheme, &mut motion, 0.05, steps)
 }
 
-/// The same for two cells that turn and fly 4,000 lengths, where the displacement has lost four of its digits.
+/// The same for two rotating cells that fly 4,000 lengths, where the displacement has lost four digits.
 fn drift_far_away(steps: usize) -> (f64, f64) {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
     let mesh = emmy::mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
@@ -77,7 +77,8 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// What is rounding differs from machine to machine: bounds for that. `error`: the drift of the energy that a scheme has by its own.
+/// Rounding differs from machine to machine; these are bounds for it. `error`: the drift of the energy due to the
+/// scheme.
 fn assert_drift(scheme: &str, steps: usize, error: f64, rounding: f64) {
     let (energy, momentum) = drift_of_block(scheme, steps);
     assert!((energy - error).abs() < 0.02 * error + rounding, "{scheme}: energy drifts by {energy:e}");
@@ -92,7 +93,7 @@ fn five_hundred_steps() {
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_dgm() {
-    // A random walk comes to 1e-14; work of one sign that the iteration leaves would exceed this.
+    // A random walk reaches 1e-14; work of one sign left by the iteration would exceed this.
     assert_drift("DGM", 10_000, 0.0, 4e-14);
 }
 
@@ -102,7 +103,7 @@ fn ten_thousand_steps_as8() {
     assert_drift("AS(8)", 10_000, 5.5e-10, 1e-12);
 }
 
-/// The inner rule of five points leaves an error of its own, that of eight a smaller one: the README's.
+/// The inner rule of five points has an error, the rule of eight points a smaller one: the README's.
 #[test]
 #[ignore = "minutes; `.ci/run` and `just validate` run it"]
 fn ten_thousand_steps_as5() {
@@ -122,7 +123,8 @@ fn ten_thousand_steps_of_two_cells() {
     assert_small_drift("AS(8)", 10_000);
 }
 
-/// The body is fast here: the rounding of its linear momentum, 4 eps, at an arm of 4,000 is 4e-12 of its angular momentum.
+/// The body is fast here: the rounding of its linear momentum, 4 eps, at an arm of 4,000 is 4e-12 of its angular
+/// momentum.
 #[test]
 fn ten_thousand_steps_far_away() {
     let (energy, momentum) = drift_far_away(10_000);

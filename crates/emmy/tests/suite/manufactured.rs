@@ -1,8 +1,8 @@
-//! Manufactured solutions: a motion with finite strain is given, the loads that make it a solution are derived from it by
-//! dual numbers, and the computed motion must come back to it with the order of the method.
+//! Manufactured solutions: for a given motion with finite strain, the loads are derived by dual numbers, and the
+//! computed motion must converge to it with the order of the method.
 //!
 //! ```math
-//! b = rho u_,tt - div P,    t = P n,    P = mu (F - F^-T) + lambda ln J F^-T     (neo-Hooke, written down anew)
+//! b = rho u_,tt - div P,    t = P n,    P = mu (F - F^-T) + lambda ln J F^-T     (neo-Hooke, written independently of the library)
 //! ```
 
 #![allow(non_snake_case)]
@@ -28,8 +28,8 @@ enum Given {
     Plane,
 }
 
-/// The displacement: at rest on the face x = 0, else strains of up to 20 %, without any symmetry. In plane strain it is that of
-/// the plane z = 0, but for the component along z.
+/// The displacement: at rest on the face x = 0, else strains of up to 20 %, without any symmetry. In plane strain it is
+/// taken in the plane z = 0, without the component along z.
 fn u<D: DualNum<Primitive = f64> + Copy>(given: Given, [x, y, z]: [D; 3], t: D) -> [D; 3] {
     if given == Given::Plane {
         let zero = <D as From<f64>>::from(0.0);
@@ -81,7 +81,7 @@ fn body_force(given: Given, X: [f64; 3], t: f64) -> [f64; 3] {
     force
 }
 
-/// The body under its loads, held on x = 0.
+/// The body under its loads, fixed on x = 0.
 fn body(mesh: Mesh, given: Given) -> Body {
     let field = Field::new(move |X, t| body_force(given, X, t));
     let mut kinds = vec![LoadKind::BodyForceField { group: None, field }];
@@ -159,14 +159,14 @@ fn order_in_space(kind: CellKind, n: usize) -> f64 {
             Given::Plane => plane_patch(kind, bricks as u32),
         };
         let body = body(mesh, given);
-        // Degree 3 in time: four steps have an error far below that in space.
+        // Degree 3 in time: four steps have an error far below the error in space.
         error(&body, given, &run(&body, given, 3, 0.2, 4))
     };
     (error(n) / error(2 * n)).log2()
 }
 
-/// Order p + 1 in L2. The linear tetrahedron and wedge come to theirs slowly from below (1.6 and 1.7 from 3 to 6 bricks, 1.84
-/// and 1.88 from 6 to 12): they get finer meshes.
+/// Order p + 1 in L2. The linear tetrahedron and wedge approach their order slowly from below (1.6 and 1.7 from 3 to 6
+/// bricks, 1.84 and 1.88 from 6 to 12): they get finer meshes.
 #[test]
 fn every_kind_has_its_order_in_space() {
     for kind in CellKind::SOLIDS.into_iter().chain(CellKind::PLANES) {
@@ -182,7 +182,7 @@ fn every_kind_has_its_order_in_space() {
     }
 }
 
-/// Order 2k in time, on one mesh: differences between runs, so that the error in space is left out.
+/// Order 2k in time, on one mesh: differences between runs, which exclude the error in space.
 #[test]
 fn time_elements_have_order_2k() {
     let body = body(Patch { bricks: 1, curved: false, distortion: 0.0 }.mesh(CellKind::Hex8), Given::Space);

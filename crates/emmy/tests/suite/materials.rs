@@ -1,4 +1,4 @@
-//! Every material in free flight: energy and angular momentum kept at round-off by DGM, in few Newton iterations.
+//! Every material in free flight: DGM keeps energy and angular momentum at round-off, in few Newton iterations.
 
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::{
@@ -9,7 +9,7 @@ use emmy::motion::{Motion, NewtonSettings, State};
 
 use crate::shared::schemes::{DGM, at};
 
-/// A block of 2 x 2 x 2 cells that turns about all axes and is stretched and sheared by its velocities.
+/// A block of 2 x 2 x 2 cells that rotates about all axes; its velocities stretch and shear it.
 fn block(material: impl Material) -> Body {
     let mesh = emmy::mesh::block([1.0, 1.5, 1.0], [2; 3]).unwrap();
     Body::builder(mesh).region(Region::new(material, 0.7)).build().unwrap()
@@ -47,7 +47,8 @@ fn assert_balanced(material: &(impl Material + std::fmt::Debug)) -> usize {
     worst
 }
 
-/// Newton converges quadratically: three iterations take the error of a prediction to 1e-10, and one or two corrections follow.
+/// Newton converges quadratically: three iterations reduce the error of a prediction to 1e-10, and one or two
+/// corrections follow.
 const QUADRATIC: usize = 5;
 
 #[test]
@@ -89,12 +90,12 @@ fn anisotropic_materials_keep_their_balances() {
     for (kappa, fibres) in [(0.0, &fibres[..1]), (0.226, &fibres)] {
         let law = Volumetric::default();
         let tissue = HolzapfelGasserOgden::new(300.0, [400.0, 0.8], kappa, fibres, 1000.0, law).unwrap();
-        // Where fibres slacken or tighten in a step, D jumps and an iteration may be lost.
+        // Where fibres slacken or tighten in a step, D jumps and an additional iteration may be needed.
         assert!(assert_balanced(&tissue) <= QUADRATIC + 1);
     }
 }
 
-/// Ogden with exponents 2 and -2 is Mooney-Rivlin, on its whole way.
+/// Ogden with exponents 2 and -2 is Mooney-Rivlin, along the whole motion.
 #[test]
 fn ogden_with_exponents_2_and_minus_2_moves_as_mooney_rivlin() {
     let fly = |body: &Body| {

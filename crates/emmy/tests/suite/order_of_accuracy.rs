@@ -1,5 +1,5 @@
-//! Order 2k at the time nodes for FE(k), AS and DGM of degree k (Betsch and Steinmann 2001; Gauss collocation); order 2 for
-//! the steppers that are not time elements, but for Newmark's method with gamma other than 1/2.
+//! Order 2k at the time nodes for FE(k), AS and DGM of degree k (Betsch and Steinmann 2001; Gauss collocation); order 2
+//! for the other steppers, except Newmark's method with gamma other than 1/2.
 
 use emmy::body::{Body, InitialVelocity, Region};
 use emmy::material::{HolzapfelGasserOgden, NeoHooke, Volumetric};
@@ -8,7 +8,7 @@ use emmy::time::{NewmarkFamily, Scheme};
 
 use crate::shared::schemes::{DGM, TRAPEZOIDAL, assumed_strain, at, fe};
 
-/// A soft block that is stretched, sheared and turned, so slowly that every mode is resolved by the steps.
+/// A soft block that is stretched, sheared and rotated, so slowly that the steps resolve every mode.
 fn body() -> Body {
     let rubber = Region::new(NeoHooke::new(1.0, 0.5).unwrap(), 1.0);
     Body::builder(emmy::mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(rubber).build().unwrap()
@@ -42,7 +42,7 @@ fn order(body: &Body, reference: &[f64], scheme: Scheme, degree: usize, size: f6
 #[test]
 fn order_is_twice_the_degree() {
     let body = body();
-    // Two more degrees and a step at which they have converged to rounding.
+    // Two more degrees, and a step at which they have converged to rounding.
     let reference = displacement(&body, DGM, 5, 0.05);
     for (degree, size) in [(1, 0.05), (2, 0.2), (3, 0.25)] {
         for scheme in [fe(degree), assumed_strain(5), DGM] {
@@ -52,7 +52,7 @@ fn order_is_twice_the_degree() {
     }
 }
 
-/// Fibres that go slack during the motion: the tangent has a kink there, which no polynomial in time sees.
+/// Fibres that go slack during the motion: the tangent has a kink there, which no polynomial in time reproduces.
 #[test]
 fn fibres_that_go_slack_cost_the_order() {
     let tissue = |k1: f64| {
@@ -102,7 +102,7 @@ fn classic_steppers_are_of_second_order() {
 #[test]
 fn central_differences_are_of_second_order() {
     let body = body();
-    // The lumped mass makes it another system of equations: it is its own reference.
+    // The lumped mass gives another system of equations, which is its own reference.
     let scheme = Scheme::CentralDifferences;
     let reference = displacement(&body, scheme, 1, 0.05 / 128.0);
     assert!((order(&body, &reference, scheme, 1, 0.05) - 2.0).abs() < 0.1);

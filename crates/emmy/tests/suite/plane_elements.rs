@@ -1,4 +1,4 @@
-//! Every kind of plane cell in a distorted patch: the patch test, free flight, and the slab of bricks that plane strain is.
+//! Every kind of plane cell in a distorted patch: the patch test, free flight, and the equivalent slab of bricks.
 
 #![allow(non_snake_case)]
 
@@ -21,8 +21,8 @@ fn rubber() -> Vec<Region> {
 
 const H: [[f64; 2]; 2] = [[0.1, 0.05], [-0.03, 0.2]];
 
-/// First Piola-Kirchhoff stress in the plane and W of the neo-Hookean material with mu = 500, lambda = 1000 at F = I + H,
-/// F_33 = 1: P = mu (F - F^-T) + lambda ln J F^-T, W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J.
+/// First Piola-Kirchhoff stress in the plane and W of the neo-Hookean material with mu = 500, lambda = 1000 at F = I +
+/// H, F_33 = 1: P = mu (F - F^-T) + lambda ln J F^-T, W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J.
 fn stress_and_energy() -> ([[f64; 2]; 2], f64) {
     let F = [[1.0 + H[0][0], H[0][1]], [H[1][0], 1.0 + H[1][1]]];
     let J = F[0][0] * F[1][1] - F[0][1] * F[1][0];
@@ -61,8 +61,8 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
     force
 }
 
-/// A linear displacement gives the forces of its constant stress at every node: zero inside, those of the tractions P n on
-/// the edges, with the thickness.
+/// A linear displacement gives the forces of its constant stress at every node: zero inside, the tractions P n on the
+/// edges, with the thickness.
 #[test]
 fn every_kind_passes_the_patch_test() {
     let (P, energy) = stress_and_energy();
@@ -95,7 +95,7 @@ fn every_kind_flies_free_with_three_materials() {
     every_kind_flies(&CellKind::PLANES, |kind| plane_patch(kind, 3), &field);
 }
 
-/// TimeFunction of a cantilever that is loaded at its end: energies and the position of a corner.
+/// History of a cantilever under a load at its end: energies and the position of a corner.
 fn cantilever(mesh: Mesh, thickness: f64, supports: &[Support]) -> Vec<[f64; 4]> {
     let region = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(thickness);
     let kind = LoadKind::Traction { group: "y-max".into(), traction: [20.0, 5.0, 0.0] };

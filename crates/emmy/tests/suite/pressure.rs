@@ -1,4 +1,4 @@
-//! Follower pressure: what it does to energy and momenta, for every kind of facet and every family of schemes.
+//! Follower pressure: its effect on energy and momenta, for every kind of facet and every family of schemes.
 
 #![allow(non_snake_case)]
 
@@ -54,7 +54,7 @@ fn hollow() -> Mesh {
     builder.build().unwrap()
 }
 
-/// Volume that the facets of a group enclose, by Gauss' theorem; positive if their normals look out of it.
+/// Volume enclosed by the facets of a group, by Gauss' theorem; positive if their normals point outward.
 fn enclosed_volume(body: &Body, group: &str, state: &State) -> f64 {
     let mesh = body.mesh();
     let mut volume = 0.0;
@@ -116,8 +116,8 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A constant pressure p on a closed surface has the potential p V with the enclosed volume V: T + V + p V stays what it is,
-/// as does the linear momentum, and the balances close.
+/// A constant pressure p on a closed surface has the potential p V with the enclosed volume V: T + V + p V and the
+/// linear momentum are conserved, and the balances close.
 fn keeps_the_sum(body: &Body, group: &str, scheme: &str, k: usize) {
     let flight = flight(body, group, scheme, k, (15, 0.01));
     let sum = |(record, volume): &(Record, f64)| record.total_energy + PRESSURE * volume;
@@ -157,7 +157,7 @@ fn drift(body: &Body, scheme: &str, k: usize, n: usize) -> f64 {
     distance(last, first) / distance(first, [0.0; 3])
 }
 
-/// FE(k) evaluates the pressure at the k Gauss points, where a closed surface has no moment whatever its shape.
+/// FE(k) evaluates the pressure at the k Gauss points, where a closed surface of any shape has no moment.
 #[test]
 fn closed_surfaces_have_no_moment_with_fe_k() {
     let body = body(cube(CellKind::Hex20), &[], pressure("surface", TimeFunction::constant()));
@@ -166,7 +166,7 @@ fn closed_surfaces_have_no_moment_with_fe_k() {
     }
 }
 
-/// With the averages that have the exact work the moment of a closed surface is of order 2k in the step.
+/// With averages of exact work, the moment of a closed surface is of order 2k in the step.
 #[test]
 fn moments_of_closed_surfaces_are_of_order_2k_with_dgm() {
     let body = body(cube(CellKind::Hex8), &[], pressure("surface", TimeFunction::constant()));
@@ -195,8 +195,8 @@ fn balances_close_with_time_functions_and_supports() {
     }
 }
 
-/// The derivatives in the stage matrix are those of the stage averages, which are quadratic in the rates: their central
-/// difference is exact whatever its step.
+/// The derivatives in the stage matrix belong to the stage averages, which are quadratic in the rates: their central
+/// difference is exact for any step.
 #[test]
 fn tangent_is_consistent() {
     let kind = CellKind::Wedge15;
@@ -248,7 +248,8 @@ fn tangent_is_consistent() {
     }
 }
 
-/// A strong pressure on one face is solved with Newton's quadratic convergence: three iterations and one or two corrections after them.
+/// A strong pressure on one face is solved with Newton's quadratic convergence: three iterations and one or two
+/// corrections after them.
 #[test]
 fn newton_converges_quadratically() {
     let clamp = Support { group: "x-min".into(), fix: [true; 3], ..Default::default() };
@@ -310,7 +311,7 @@ fn pressure_around_a_plane_body_has_a_potential() {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_thickness(0.5);
     let mesh = emmy::mesh::rectangle([1.0, 1.0], [2, 2]).unwrap();
     let body = Body::builder(mesh).region(rubber).loads(&loads).build().unwrap();
-    // Area by the shoelace formula over the nodes of the boundary, which follow each other as the edges say.
+    // Area by the shoelace formula over the nodes of the boundary, in the order of the edges.
     let area = |state: &State| -> f64 {
         let edges = sides.iter().flat_map(|group| body.mesh().groups().facets(group).unwrap());
         let part = |&facet: &emmy::mesh::Facet| {

@@ -6,7 +6,7 @@ use emmy::motion::{Motion, NewtonSettings, Phase, State, StepPlan};
 
 use crate::shared::schemes::at;
 
-/// What the independent implementation found.
+/// Results of the independent implementation.
 struct Expected {
     kinetic: f64,
     strain: f64,

@@ -1,4 +1,4 @@
-//! A motion that goes on from a snapshot is the motion itself, in every bit; steps that fail are cut and grow back.
+//! A motion resumed from a snapshot equals the motion itself, bit for bit; failed steps are cut and grow back.
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
@@ -19,7 +19,7 @@ fn bits(records: &[Record], state: &State) -> String {
     format!("{records:?} {state:?}")
 }
 
-/// One motion in one go, and in two parts with a snapshot between them after every one of some steps.
+/// One motion without interruption, and in two parts with a snapshot after each of some steps.
 fn assert_same(
     body: &Body,
     (scheme, degree): (Scheme, usize),
@@ -75,7 +75,7 @@ fn force() -> Load {
 }
 
 #[test]
-fn every_time_element_goes_on_in_every_bit() {
+fn every_time_element_resumes_bit_for_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).load(force()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
@@ -111,7 +111,7 @@ fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
 }
 
 #[test]
-fn every_classic_stepper_goes_on_in_every_bit() {
+fn every_classic_stepper_resumes_bit_for_bit() {
     let held = Support { group: "y-min".into(), fix: [true; 3], ..Default::default() };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     for supports in [vec![], vec![held]] {
@@ -130,7 +130,7 @@ fn every_classic_stepper_goes_on_in_every_bit() {
 }
 
 #[test]
-fn a_stiff_body_that_turns_goes_on_in_every_bit() {
+fn a_stiff_rotating_body_resumes_bit_for_bit() {
     let stiff = Region::new(SaintVenantKirchhoff::new(1e6, 1e6).unwrap(), 1.5);
     let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(stiff).build().unwrap();
     let spin = InitialVelocity { gradient: [[0.0; 3]; 3], ..spin() };
@@ -192,10 +192,10 @@ fn pressure() -> Load {
 }
 
 #[test]
-fn a_free_body_under_pressure_goes_on_in_every_bit() {
+fn a_free_body_under_pressure_resumes_bit_for_bit() {
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).load(pressure()).load(force()).build().unwrap();
-    // The pressure ends at 0.4: nothing of it may be left in the steps after.
+    // The pressure ends at 0.4: it must have no effect on later steps.
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (scheme, degree, solver) in families() {
         assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
@@ -203,7 +203,7 @@ fn a_free_body_under_pressure_goes_on_in_every_bit() {
 }
 
 #[test]
-fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
+fn a_released_body_under_pressure_resumes_bit_for_bit() {
     let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
     let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
     let body = Body::builder(block()).region(rubber()).support(released).load(pressure()).build().unwrap();
@@ -213,7 +213,7 @@ fn a_body_under_pressure_that_is_released_goes_on_in_every_bit() {
     }
 }
 
-/// A body, started with velocities that turn its cells inside out within a large step.
+/// A body with initial velocities that invert its cells within a large step.
 fn violent() -> (Body, InitialVelocity) {
     let soft = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 1.0);
     let body = Body::builder(mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap()).region(soft).build().unwrap();
@@ -236,14 +236,14 @@ fn a_step_that_fails_is_cut_and_grows_back() {
     let of = |kind| watch.events.iter().filter(|event| event.kind == kind).count();
     assert!(of(EventKind::Cut) > 0 && of(EventKind::Grown) > 0, "{:?}", watch.events);
     assert_eq!(watch.records.iter().map(|record| record.cuts).sum::<usize>(), of(EventKind::Cut));
-    // Every time of the plan is the end of a step, in every bit, and all sizes are its own over powers of two.
+    // Every time of the plan is exactly the end of a step, and all sizes are planned sizes over powers of two.
     for step in plan.steps() {
         assert!(watch.records.iter().any(|record| record.time == step.end), "{}", step.end);
     }
     let sizes = watch.records[1..].iter().map(|record| 0.5 / record.step_size);
     assert!(sizes.clone().all(|n| n.log2().fract() == 0.0 && n <= 1024.0));
     assert!(sizes.clone().fold(0.0, f64::max) > 1.0);
-    // In the middle of a divided step as between two.
+    // In the middle of a divided step as well as between two.
     for after in 0..watch.records.len() - 1 {
         let (mut whole, mut rest) =
             (Watch { snapshot_after: Some(after), ..Watch::default() }, Watch::default());
@@ -288,7 +288,7 @@ fn central_differences_are_cut_below_their_critical_step() {
 }
 
 #[test]
-fn a_memory_of_another_body_is_refused() {
+fn a_memory_of_another_body_is_rejected() {
     let body = |n| Body::builder(mesh::block([1.0; 3], [n; 3]).unwrap()).region(rubber()).build().unwrap();
     let (small, large) = (body(1), body(2));
     let motion = |body| {

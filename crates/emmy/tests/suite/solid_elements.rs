@@ -1,4 +1,4 @@
-//! Every kind of solid cell in a patch that is distorted: states of constant strain are reproduced to round-off, and the
+//! Every kind of solid cell in a distorted patch: states of constant strain are reproduced to round-off, and the
 //! conserving scheme keeps its balances in free flight.
 
 #![allow(non_snake_case)]
@@ -20,8 +20,8 @@ fn patch(kind: CellKind, curved: bool) -> Mesh {
 
 const H: [[f64; 3]; 3] = [[0.1, 0.05, -0.02], [-0.03, 0.2, 0.04], [0.06, -0.01, -0.15]];
 
-/// First Piola-Kirchhoff stress of the neo-Hookean material with mu = 500, lambda = 1000 at F = I + H, and W, written
-/// down anew: P = mu (F - F^-T) + lambda ln J F^-T.
+/// First Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln J F^-T and energy W of the neo-Hookean material with mu =
+/// 500, lambda = 1000 at F = I + H, independent of the library.
 fn stress_and_energy() -> ([[f64; 3]; 3], f64) {
     let F = [0, 1, 2].map(|i| [0, 1, 2].map(|j| H[i][j] + f64::from(u8::from(i == j))));
     let cofactor = [0, 1, 2].map(|i| {
@@ -76,8 +76,8 @@ fn linear_displacement(mesh: &Mesh) -> Vec<f64> {
     mesh.points().iter().flat_map(u).collect()
 }
 
-/// The patch test: a linear displacement gives the forces of its constant stress at every node. At inner nodes they
-/// vanish, on the surface they are those of the tractions P n.
+/// The patch test: a linear displacement gives the forces of its constant stress at every node. They vanish at inner
+/// nodes and equal the tractions P n on the surface.
 fn passes_the_patch_test(kind: CellKind, curved: bool) {
     let (P, energy) = stress_and_energy();
     let body = Body::builder(patch(kind, curved)).regions(rubber()).loads(tractions(P)).build().unwrap();
@@ -110,7 +110,7 @@ fn every_kind_passes_the_patch_test() {
     CellKind::SOLIDS.into_iter().for_each(|kind| passes_the_patch_test(kind, false));
 }
 
-/// tet10 is not among them: its four points integrate the gradients of curved cells almost, not quite.
+/// tet10 is not included: its four points integrate the gradients of curved cells almost exactly, but not quite.
 #[test]
 fn curved_cells_pass_it_too() {
     for kind in [CellKind::Hex20, CellKind::Hex27, CellKind::Wedge15, CellKind::Pyramid13] {
@@ -165,7 +165,7 @@ fn rank(mut A: Vec<Vec<f64>>) -> usize {
     n
 }
 
-/// The quadrature leaves no deformation without energy: only the six rigid motions of a cell cost nothing.
+/// The quadrature leaves no deformation without energy: only the six rigid motions of a cell have zero energy.
 #[test]
 fn no_kind_has_modes_without_energy() {
     for kind in CellKind::SOLIDS {

@@ -10,7 +10,7 @@ use emmy::time::Scheme;
 
 use crate::shared::schemes::{DGM, assumed_strain, at, fe};
 
-/// Worst residuals of a run: energy over T + V, angular momentum over its largest part `sum |q x p|` scale.
+/// Worst residuals of a run: energy relative to T + V, angular momentum relative to the scale `sum |q x p|`.
 #[derive(Debug)]
 struct Worst {
     energy: f64,
@@ -26,7 +26,7 @@ fn run(body: &Body, scheme: Scheme, degree: usize, field: InitialVelocity, size:
     for _ in 1..=steps {
         let record = motion.step(size).unwrap().clone();
         let state = motion.state();
-        // Angular momentum is judged by the size of the moments that it is the sum of.
+        // Angular momentum is judged by the size of the moments in its sum.
         let nodes = body.mesh().points().iter().zip(state.momentum.chunks_exact(3));
         let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let moments: f64 = nodes.map(|(X, p)| norm(X) * norm(p)).sum();
@@ -127,10 +127,10 @@ fn rigid_rotation() {
     }
 }
 
-/// A rotation by half a radian a step of a body that is all but rigid. Newton's iteration has to begin at the right rotation: the
-/// strain that a wrong one of angle d leaves after a linear correction is d^2/2, and where `E d^2/2` outweighs the inertia
-/// `density (length/h)^2` it leads nowhere. From the rigid motion of the step it begins within its quadratic convergence: four
-/// iterations with the exact tangent and the last correction, and one to spare.
+/// Rotation of a quasi-rigid body by half a radian per step. Newton's iteration must start at the right rotation: a
+/// rotation error of angle d leaves the strain d^2/2 after a linear correction, and the iteration fails if `E d^2/2`
+/// exceeds the inertia `density (length/h)^2`. From the rigid motion of the step it starts within quadratic
+/// convergence: four iterations with the exact tangent and the last correction, and one in reserve.
 #[test]
 fn a_rigid_rotation_takes_few_iterations() {
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(svk(1e7, 1.0)).build().unwrap();
@@ -152,8 +152,9 @@ fn a_rigid_rotation_takes_few_iterations() {
     }
 }
 
-/// In a quasi-rigid body that turns by a fifth of a radian a step the kept stiffness is right for modes that strain: with that of the
-/// mid-point rule a first correction leaves 0.3, because its stress is that of chords.
+/// In a quasi-rigid body that rotates by a fifth of a radian per step, the approximate tangent is accurate for modes
+/// with strain; with the tangent of the mid-point rule, which sees mid-step shrinkage as strain, a first correction
+/// leaves 0.3.
 #[test]
 fn the_kept_stiffness_of_a_turning_body_is_right() {
     let body = Body::builder(emmy::mesh::l_block(1.0).unwrap()).region(svk(1e7, 0.5)).build().unwrap();
@@ -163,7 +164,7 @@ fn the_kept_stiffness_of_a_turning_body_is_right() {
         let mut stepper = scheme.stepper(&body, NewtonSettings::default(), &mut state).unwrap();
         for step in 1..=20 {
             stepper.advance(&mut state, 0.2).unwrap();
-            // The first step starts far away, with the velocity of the start on a chord.
+            // The first step starts far away, with the velocity of the start along a chord.
             let [start, corrected, ..] = *stepper.newton_history() else { panic!("{scheme}: no correction") };
             assert!(
                 step == 1 || corrected < 1e-2 * start,
@@ -173,8 +174,8 @@ fn the_kept_stiffness_of_a_turning_body_is_right() {
     }
 }
 
-/// A tumbling steel part in mm, t, s with steps of a second: the stiffness is 1e13 times the inertia and more, and both sizes of the
-/// part keep the digits that are said to be left.
+/// A tumbling steel part in mm, t, s with steps of a second: the stiffness is 1e13 times the inertia and more, and both
+/// sizes of the part keep the reported number of digits.
 #[test]
 fn a_steel_part_tumbles_in_steps_of_a_second() {
     for scale in [1.0, 0.1] {
@@ -227,7 +228,8 @@ fn a_block_beyond_all_stiffness_keeps_six_digits() {
     }
 }
 
-/// Schemes whose internal forces have a moment lose their digits to rounding, and say so instead of going on.
+/// Schemes whose internal forces have a moment lose their digits to rounding, and report an error instead of
+/// continuing.
 #[test]
 fn a_step_without_digits_fails() {
     let mesh = emmy::mesh::block([1.0; 3], [3; 3]).unwrap();

@@ -1,4 +1,4 @@
-//! A tuning fork in its lowest modes: the error at the end as it is estimated, in a body that is stiff to its steps.
+//! A tuning fork in its lowest modes: the estimated error at the end, in a body that is stiff relative to its steps.
 
 use emmy::body::{Body, InitialVelocity, Region, Support};
 use emmy::material::NeoHooke;
@@ -12,7 +12,7 @@ fn settings() -> NewtonSettings {
     NewtonSettings { tolerance: 1e-12, max_iterations: 30, ..NewtonSettings::default() }
 }
 
-/// Where the tines, of length 10 and thickness 1, begin.
+/// Start of the tines, of length 10 and thickness 1.
 const TINES: f64 = 3.0;
 
 /// Stem, bridge and tines of bricks of 1/2 x 1 x 1; groups `stem`, `left`, `right`.
@@ -59,7 +59,7 @@ fn fork() -> Body {
     Body::builder(mesh()).region(metal).support(held).build().unwrap()
 }
 
-/// The fork after ten periods by Bathe's method, which takes away the modes that its steps do not resolve.
+/// The fork after ten periods by Bathe's method, which damps the modes that its steps do not resolve.
 fn ringing(body: &Body) -> State {
     let swing = |group: &str, rate: f64| InitialVelocity {
         group: Some(group.into()),
@@ -119,7 +119,7 @@ fn the_error_at_the_end_is_estimated_in_low_modes() {
             println!(
                 "k = {degree}, {name} steps: estimated/true {ratio:.4}, error {error:.2e}, references differ by {doubt:.1e}"
             );
-            // The reference is known well enough to divide by its distance.
+            // The reference is accurate enough as a divisor.
             assert!(doubt < 0.1 * error, "k = {degree}, {name}: {error:e}, references differ by {doubt:e}");
             assert!(
                 (ratio - quoted).abs() < 0.01,

@@ -47,7 +47,8 @@ fn fault(flag: &str, what: impl std::fmt::Display, help: &str) -> Failure {
 
 /// Start and end of the runs.
 fn span(arguments: &Arguments, problem: &Problem) -> Result<(f64, f64), Failure> {
-    let (start, end) = (problem.plan.start(), problem.plan.end());
+    let start = problem.plan.start();
+    let end = problem.plan.end();
     let plan = format!("the plan goes from t = {} to t = {}", number(start), number(end));
     let from = arguments.from.unwrap_or(start);
     if !(start..end).contains(&from) {
@@ -108,7 +109,7 @@ fn reference_scheme(asked: Option<&str>, problem: &Problem) -> Result<Scheme, Fa
         .map_err(|error| fault("--reference-scheme", error, "such as --reference-scheme DGM"))
 }
 
-/// The scheme of the reference with the degree asked for, or that of the input.
+/// The scheme of the reference with the requested degree, or the degree of the input.
 fn with_degree(scheme: Scheme, asked: Option<usize>, own: usize) -> Result<Scheme, Failure> {
     let degree = asked.unwrap_or(own);
     let flag = format!("--reference-degree {degree}");
@@ -140,7 +141,8 @@ fn below(size: f64, smallest: f64) -> Result<f64, Failure> {
 
 /// Rejects sizes so small that the samples would not fit; they are probably typing errors.
 fn affordable(study: &Study, n_dofs: usize) -> Result<(), Failure> {
-    let (mut n_times, all) = (0.0, study.sizes.iter().map(|&size| ("--sizes", size)));
+    let mut n_times = 0.0;
+    let all = study.sizes.iter().map(|&size| ("--sizes", size));
     for (flag, size) in all.chain([("--reference", study.reference_size)]) {
         let plan = study.plan(size).map_err(|error| fault(&format!("{flag}: {size}"), error, ""))?;
         if flag == "--sizes" {

@@ -28,7 +28,9 @@ pub fn report(results: &Results, status: Status, page: Option<&Path>) {
     residuals(statistics);
     let most = statistics.largest_displacement;
     if most.value > 0.0 {
-        let (value, time, at) = (number(most.value), number(most.time), vector(most.point));
+        let value = number(most.value);
+        let time = number(most.time);
+        let at = vector(most.point);
         message!("largest displacement: {value} at t = {time}, node {} at {at}", most.node);
     }
     let directory = results.directory();
@@ -88,7 +90,8 @@ pub fn warnings(statistics: &RunStatistics) {
         );
     }
     if statistics.unresolved_loads > 0 {
-        let (missed, steps) = (statistics.unresolved_loads, statistics.steps);
+        let missed = statistics.unresolved_loads;
+        let steps = statistics.steps;
         message!(
             "warning: {missed} of {steps} steps did not resolve a load or a moving support; `emmy check` says which, and near which time"
         );

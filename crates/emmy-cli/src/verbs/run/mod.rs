@@ -41,7 +41,8 @@ pub struct RunOptions {
     /// One JSON object a step on standard output, and the summary at the end
     #[arg(long)]
     pub json: bool,
-    /// Estimate the error of the positions at the end by a second motion of the next degree; takes two to three times as long
+    /// Estimate the error of the positions at the end by a second motion of the next degree; takes two to three times
+    /// as long
     #[arg(long)]
     pub estimate_error: bool,
 }

@@ -1,4 +1,4 @@
-//! Input files that are none.
+//! Files that are not valid inputs.
 
 use super::{BOX, MESH, Mistake, changed, whole};
 

@@ -1,4 +1,4 @@
-//! Keys that are not keys, or not there.
+//! Unknown and missing keys.
 
 use super::{MATERIAL, MESH, Mistake, changed, whole};
 

@@ -3,7 +3,7 @@
 use super::super::materials::good;
 use super::{MATERIAL, Mistake, changed};
 
-/// A material with one change of its good parameters. The message is `MODEL-NAME`.
+/// A material with one of its valid parameters changed. The message is `MODEL-NAME`.
 fn parameter(model: &str, name: &str, from: &str, to: &str) -> Mistake {
     let (name, good) = (format!("{model}-{name}"), good(model));
     assert!(good.contains(from), "{name}: {from}");

@@ -7,7 +7,7 @@ fn built_in(name: &str, to: &str) -> Mistake {
     changed(name, MESH, to)
 }
 
-/// A mesh file of the given text in place of the built-in mesh.
+/// A mesh file with a text instead of the built-in mesh.
 fn file(name: &str, file: &'static str, text: impl Into<Vec<u8>>) -> Mistake {
     changed(name, MESH, &format!("file = \"{file}\"")).beside(file, text).unseen()
 }
@@ -101,7 +101,7 @@ fn formats() -> Vec<Mistake> {
     ]
 }
 
-/// Files with something wrong in them.
+/// Invalid files.
 fn contents() -> Vec<Mistake> {
     let tet = "$Elements\n1\n1 4 2 1 1 1 2 3 9\n$EndElements\n";
     vec![

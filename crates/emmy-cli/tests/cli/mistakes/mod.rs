@@ -1,4 +1,4 @@
-//! Mistakes that people make, each with its whole message, and what the JSON schema says of them.
+//! Common mistakes, each with its whole message and the verdict of the JSON schema.
 
 mod files;
 mod flags;
@@ -25,7 +25,7 @@ const FIX: &str = "fix = [\"x\", \"y\", \"z\"]";
 const STEPS: &str = "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
 const PROBES: &str = "probes = [{ name = \"tip\", point = [0, 2, 0] }]";
 
-/// An input that is wrong in one way.
+/// An input with one mistake.
 struct Mistake {
     /// Name of its message in `snapshots`.
     name: String,
@@ -37,7 +37,7 @@ struct Mistake {
     seen: bool,
 }
 
-/// An input of its own.
+/// A complete input.
 fn whole(name: &str, input: impl Into<Vec<u8>>) -> Mistake {
     Mistake { name: name.to_string(), input: input.into(), files: Vec::new(), flags: &[], seen: true }
 }
@@ -48,12 +48,12 @@ fn changed(name: &str, from: &str, to: &str) -> Mistake {
 }
 
 impl Mistake {
-    /// The same as one that a schema cannot see: it is in the sense of the values, in a mesh, or in a flag.
+    /// The same, but invisible to a schema: a mistake in the meaning of the values, in a mesh, or in a flag.
     fn unseen(self) -> Self {
         Mistake { seen: false, ..self }
     }
 
-    /// The same with one more change.
+    /// The same with another change.
     fn and(self, from: &str, to: &str) -> Self {
         let input = String::from_utf8(self.input).unwrap();
         assert!(input.contains(from), "{}: {from}", self.name);
@@ -71,13 +71,13 @@ impl Mistake {
         Mistake { flags, ..self }
     }
 
-    /// The input as the schema sees it; nothing if it is no TOML, which editors find without one.
+    /// The input for the schema; `None` if it is not TOML, which editors report by themselves.
     fn json(&self) -> Option<serde_json::Value> {
         let table: toml::Table = std::str::from_utf8(&self.input).ok()?.parse().ok()?;
         serde_json::to_value(table).ok()
     }
 
-    /// The whole message of `emmy run`, which must change nothing. Without flags, `emmy check` says the same.
+    /// The whole message of `emmy run`, which must change nothing. Without flags, `emmy check` prints the same.
     fn message(&self) -> String {
         let place = Place::new();
         std::fs::write(place.path("box.toml"), &self.input).unwrap();
@@ -89,7 +89,7 @@ impl Mistake {
         if self.flags.is_empty() {
             let check = place.emmy(&["check", "box.toml"]);
             match check.code {
-                // The directory of the results is no fault of the input.
+                // The output directory is not a fault of the input.
                 0 => assert!(check.stderr.starts_with("note: `emmy run` will reject this: "), "{name}"),
                 code => assert_eq!((code, &check.stderr), (2, &outcome.stderr), "{name}"),
             }

@@ -1,4 +1,4 @@
-//! Values out of range, materials above all.
+//! Values out of range, mainly of materials.
 
 use super::{Mistake, TRACTION, changed};
 

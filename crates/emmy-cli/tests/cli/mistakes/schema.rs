@@ -1,4 +1,4 @@
-//! What the JSON schema says of the mistakes, and of inputs that are right.
+//! The JSON schema on the mistakes, and on valid inputs.
 
 use regex_lite::Regex;
 use serde_json::Value;
@@ -6,8 +6,8 @@ use serde_json::Value;
 use super::super::{BOX, Place};
 use super::all;
 
-/// The part of JSON schema (draft 7) that `emmy schema` speaks. A library for all of it would be the heaviest crate of the tests; what is
-/// not known here fails, so that nothing is passed over.
+/// The part of JSON schema (draft 7) that `emmy schema` uses. A library for all of it would be the heaviest crate of
+/// the tests; unknown keywords fail, so that nothing is ignored.
 struct Validator {
     schema: Value,
 }
@@ -17,7 +17,7 @@ impl Validator {
         Validator { schema: serde_json::from_str(&Place::new().succeed(&["schema"]).stdout).unwrap() }
     }
 
-    /// What is wrong with an input.
+    /// Faults of an input.
     fn errors(&self, input: &Value) -> Vec<String> {
         let mut errors = Vec::new();
         self.check(&self.schema, input, "", &mut errors);
@@ -128,13 +128,13 @@ fn is_kind(value: &Value, kind: &Value) -> bool {
     }
 }
 
-/// An input as a language server hands it to a validator.
+/// An input as passed by a language server to a validator.
 fn json(text: &str) -> Value {
     serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap()
 }
 
 #[test]
-fn the_schema_marks_what_it_can_see_of_them() {
+fn the_schema_marks_the_mistakes_that_it_can_see() {
     let validator = Validator::new();
     let mut wrong = Vec::new();
     for mistake in all() {

@@ -1,4 +1,4 @@
-//! What acts on the body and what holds it.
+//! Supports and loads.
 
 use super::{FIX, HISTORY, MESH, Mistake, TRACTION, changed};
 
@@ -94,7 +94,7 @@ fn supports() -> Vec<Mistake> {
     ]
 }
 
-/// Supports that move.
+/// Driven supports.
 fn motions() -> Vec<Mistake> {
     let plane = "rectangle = { size = [1, 2], cells = [1, 2] }";
     vec![

@@ -18,7 +18,7 @@ pub(super) fn all() -> Vec<Mistake> {
         changed("no-value", "degree = 1", "degree ="),
         changed("nan", "density = 2.0", "density = nan"),
         changed("infinity", "density = 2.0", "density = inf"),
-        // Read as infinity, which JSON has no word for.
+        // Read as infinity, which JSON cannot express.
         changed("too-large-for-a-number", "density = 2.0", "density = 1e999"),
         changed("too-large-for-a-whole-number", "density = 2.0", "density = 99999999999999999999"),
         changed("date", "title = \"box\"", "title = 2001-02-03"),

@@ -1,7 +1,7 @@
-//! The input described: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
+//! Description of the input: tables, their keys with kinds, defaults and a sentence each, and the rules between keys.
 //!
-//! Every table is described once, in the file that reads it. From these descriptions come the check of keys, the
-//! defaults, the JSON schema and the tables of `docs/input.md`.
+//! Every table is described once, in the file that reads it. The check of keys, the defaults, the JSON schema and the
+//! tables of `docs/input.md` come from these descriptions.
 
 mod synonyms;
 
@@ -13,18 +13,18 @@ use emmy::material::Volumetric;
 use super::suggest::did_you_mean;
 use super::{material, problem};
 
-/// A table of the input. Descriptions are made once, where they are needed first.
+/// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
 
 /// A table of the input, such as `[mesh]` or `box`.
 #[derive(Debug)]
 pub(super) struct Section {
-    /// Name by which messages speak of it.
+    /// Name of the table in messages.
     pub(super) name: &'static str,
     /// One sentence on it.
     pub(super) doc: String,
     pub(super) keys: Vec<Key>,
-    /// Which keys go together.
+    /// Rule between the keys.
     pub(super) rule: Rule,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Section {
 pub(super) struct Key {
     pub(super) name: &'static str,
     pub(super) kind: Kind,
-    /// Unit, such as `length`; empty for a number without dimension and for what is no number.
+    /// Unit, such as `length`; empty for a number without dimension and for other values.
     pub(super) unit: &'static str,
     pub(super) if_absent: IfAbsent,
     /// One sentence on it.
@@ -45,7 +45,7 @@ pub(super) struct Key {
 pub(super) enum Kind {
     /// A text that is not empty.
     Text,
-    /// Name of a column: letters, digits, `_` and `-`, but none of these.
+    /// Name of a column: letters, digits, `_` and `-`, except these names.
     Column(&'static [&'static str]),
     Number(Bounds),
     /// A whole number from the first to the second.
@@ -58,7 +58,7 @@ pub(super) enum Kind {
     Scheme,
     /// `true`.
     True,
-    /// A list with at least so many entries.
+    /// A list with a least number of entries.
     List(usize, Box<Kind>),
     /// A list of a fixed length.
     Exactly(usize, Box<Kind>),
@@ -74,22 +74,22 @@ pub(super) enum Kind {
     Tables(&'static Section),
 }
 
-/// Which keys of a table go together.
+/// Rules between the keys of a table.
 #[derive(Debug, Clone)]
 pub(super) enum Rule {
     /// No rule.
     Free,
-    /// Exactly one of these is there, each with the keys it needs beside it.
+    /// Exactly one of these must be given, each with the keys that it needs.
     ExactlyOne(Vec<Vec<&'static str>>),
-    /// Exactly one of these sets of keys is there, and nothing of the others.
+    /// Exactly one of these sets of keys must be given, and no key of the others.
     OneSet(&'static [&'static [Parameter]]),
-    /// At least one of these is there.
+    /// At least one of these must be given.
     AtLeastOne(Vec<&'static str>),
-    /// `density` is there unless the material has no mass.
+    /// `density` must be given unless the material has no mass.
     Density,
 }
 
-/// Most materials that a message names as homes of a key.
+/// Largest number of materials in a message about the tables of a key.
 const MAX_MODELS: usize = 3;
 
 /// A number.
@@ -98,7 +98,7 @@ pub(super) const NUMBER: Kind = Kind::Number(Bounds::Any);
 /// A number above zero.
 pub(super) const POSITIVE: Kind = Kind::Number(Bounds::Above(0.0));
 
-/// A whole number from a least one on.
+/// A whole number from a smallest one on.
 pub(super) const fn whole(least: usize) -> Kind {
     Kind::Whole(least, None)
 }
@@ -113,13 +113,13 @@ pub(super) fn exactly(length: usize, of: Kind) -> Kind {
     Kind::Exactly(length, Box::new(of))
 }
 
-/// A list with at least so many entries.
+/// A list with a least number of entries.
 pub(super) fn list(least: usize, of: Kind) -> Kind {
     Kind::List(least, Box::new(of))
 }
 
 impl Key {
-    /// A key that must be there.
+    /// A required key.
     pub(super) fn new(name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
         Key { name, kind, unit, if_absent: IfAbsent::Required, doc: doc.to_string() }
     }
@@ -145,28 +145,28 @@ impl Section {
         Section { name, doc: doc.to_string(), keys: Vec::new(), rule: Rule::Free }
     }
 
-    /// The same with a key that must be there.
+    /// The same table with a required key.
     pub(super) fn must(self, name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
         self.key(Key::new(name, kind, unit, doc))
     }
 
-    /// The same with a key that may be left out, which says nothing then.
+    /// The same table with an optional key, which has no effect if it is left out.
     pub(super) fn may(self, name: &'static str, kind: Kind, unit: &'static str, doc: &str) -> Self {
         self.key(Key { if_absent: IfAbsent::Means(""), ..Key::new(name, kind, unit, doc) })
     }
 
-    /// The same with a key.
+    /// The same table with a key.
     pub(super) fn key(mut self, key: Key) -> Self {
         self.keys.push(key);
         self
     }
 
-    /// The same where the last key has a default: a value as in TOML, which is put in where it is left out.
+    /// The same table, where the last key has a default: a value as in TOML, which is inserted if the key is left out.
     pub(super) fn default(self, value: &'static str) -> Self {
         self.last(IfAbsent::Value(value))
     }
 
-    /// The same where the last key has this meaning where it is left out.
+    /// The same table, where leaving out the last key has this meaning.
     pub(super) fn absent(self, meaning: &'static str) -> Self {
         self.last(IfAbsent::Means(meaning))
     }
@@ -176,18 +176,18 @@ impl Section {
         self
     }
 
-    /// The same where exactly one of some keys must be there.
+    /// The same table, where exactly one of some keys must be given.
     pub(super) fn exactly_one(self, of: &[&'static str]) -> Self {
         let rule = Rule::ExactlyOne(of.iter().map(|&key| vec![key]).collect());
         Section { rule, ..self }
     }
 
-    /// The same where at least one of some keys must be there.
+    /// The same table, where at least one of some keys must be given.
     pub(super) fn at_least_one(self, of: &[&'static str]) -> Self {
         Section { rule: Rule::AtLeastOne(of.to_vec()), ..self }
     }
 
-    /// The keys of which the rule asks for one.
+    /// The keys of which the rule requires one.
     pub(super) fn choice(&self) -> Vec<&'static str> {
         match &self.rule {
             Rule::ExactlyOne(sets) => sets.iter().filter_map(|keys| keys.first().copied()).collect(),
@@ -205,7 +205,7 @@ impl Section {
         self.names().any(|name| name == word)
     }
 
-    /// The key of this table that is meant by a word which does not belong to it, or the table it belongs to.
+    /// The key of this table meant by an unknown word, or the table to which the word belongs.
     pub(super) fn advice(&self, word: &str) -> Option<String> {
         if word.split_once('.').is_some_and(|(first, _)| self.has(first)) {
             return Some(format!("without the quotes: {word}"));
@@ -218,7 +218,7 @@ impl Section {
             .or_else(|| first.and_then(|key| self.elsewhere(key)))
     }
 
-    /// The table that has a key: the one around this table, if it has it; all of them where a few materials have it.
+    /// The table that has a key: the enclosing table, if it has it; all such tables if a few materials have it.
     fn elsewhere(&self, word: &str) -> Option<String> {
         let own = self.name.trim_matches('`');
         let all = all();
@@ -236,7 +236,7 @@ impl Section {
     }
 }
 
-/// Every table, each before those in it; two with the same keys and the same name once.
+/// Every table, each before the tables in it; tables with the same keys and the same name once.
 pub(super) fn all() -> Vec<&'static Section> {
     fn add(section: &'static Section, all: &mut Vec<&'static Section>) {
         if all.iter().any(|other| std::ptr::eq(*other, section)) {

@@ -1,6 +1,6 @@
-//! Words from elsewhere, and the keys that they stand for.
+//! Words of other programs, and the keys that they mean.
 
-/// Words that people bring from elsewhere, and the keys they stand for.
+/// Words of other programs, and the keys that they mean.
 const SYNONYMS: &[(&str, &str)] = &[
     ("E", "youngs_modulus"),
     ("tol", "tolerance"),
@@ -76,7 +76,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("file_format", "format"),
 ];
 
-/// The keys that a word stands for.
+/// The keys meant by a word.
 pub(super) fn of(word: &str) -> impl Iterator<Item = &'static str> + Clone {
     SYNONYMS.iter().filter(move |(other, _)| *other == word).map(|(_, key)| *key)
 }

@@ -26,7 +26,7 @@ impl Jet {
 
     fn chain(self, [f, df, ddf]: [f64; 3]) -> Jet {
         let Jet([_, da, dda]) = self;
-        // A derivative without bound counts only where the argument moves.
+        // An unbounded derivative matters only if the argument changes.
         let product = |f: f64, a: f64| if a == 0.0 { 0.0 } else { f * a };
         Jet([f, product(df, da), product(ddf, da * da) + product(df, dda)])
     }
@@ -34,13 +34,14 @@ impl Jet {
     /// A power with a fixed exponent.
     pub(super) fn power_of(self, exponent: f64) -> Jet {
         let a = self.0[0];
-        // A factor of zero beats a power of zero that has no bound: (a^1)'' = 0 at a = 0.
+        // A factor of zero times an unbounded power of zero is zero: (a^1)'' = 0 at a = 0.
         let term = |factor: f64, n: f64| if factor == 0.0 { 0.0 } else { factor * a.powf(n) };
-        let (n, n_1) = (exponent, exponent - 1.0);
+        let n = exponent;
+        let n_1 = exponent - 1.0;
         self.chain([a.powf(n), term(n, n_1), term(n * n_1, n_1 - 1.0)])
     }
 
-    /// A power; with an exponent that moves it is `exp(b ln a)`.
+    /// A power; with a variable exponent it is `exp(b ln a)`.
     pub(super) fn power(self, exponent: Jet) -> Jet {
         let Jet([b, db, ddb]) = exponent;
         if db == 0.0 && ddb == 0.0 {

@@ -1,8 +1,9 @@
 //! Expressions of the time, such as `0.5 * sin(2*pi*t)`, or of position and time.
 //!
-//! A text becomes a tree ([`parse()`]); its value comes with first and second derivative by the time, by the rules of
-//! differentiation applied to numbers ([`Jet`]). Only smooth functions are there: kinks belong in tables, which are
-//! integrated exactly.
+//! A text becomes a tree ([`parse()`]). Its value is computed with first and second derivatives by the time, by the rules of
+//! differentiation differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are
+//! integrated
+//! exactly.
 
 mod jet;
 mod parse;
@@ -34,7 +35,8 @@ pub(super) const FUNCTIONS: [(&str, Function); 13] = [
     ("sin", |x| [x.sin(), x.cos(), -x.sin()]),
     ("cos", |x| [x.cos(), -x.sin(), -x.cos()]),
     ("tan", |x| {
-        let (t, s) = (x.tan(), 1.0 + x.tan().powi(2));
+        let t = x.tan();
+        let s = 1.0 + x.tan().powi(2);
         [t, s, 2.0 * t * s]
     }),
     ("asin", |x| {
@@ -52,7 +54,8 @@ pub(super) const FUNCTIONS: [(&str, Function); 13] = [
     ("sinh", |x| [x.sinh(), x.cosh(), x.sinh()]),
     ("cosh", |x| [x.cosh(), x.sinh(), x.cosh()]),
     ("tanh", |x| {
-        let (t, s) = (x.tanh(), x.cosh().powi(-2));
+        let t = x.tanh();
+        let s = x.cosh().powi(-2);
         [t, s, -2.0 * t * s]
     }),
     ("exp", |x| [x.exp(); 3]),
@@ -114,7 +117,7 @@ impl Expression {
         }
     }
 
-    /// The time function of an expression in [`TIME`]; `text` is what it was read from.
+    /// The time function of an expression in [`TIME`]; `text` is its source.
     pub(super) fn time_function(self, text: &str) -> TimeFunction {
         TimeFunction::smooth(text, move |time| self.at(&[Jet([time, 1.0, 0.0])]).0)
     }
@@ -153,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_those_of_mathematics() {
+    fn values_match_mathematics() {
         let t = 0.7f64;
         for (text, value) in [
             ("-t^2", -0.49),
@@ -177,12 +180,13 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_those_of_differences() {
+    fn rates_match_differences() {
         let t = 0.7;
         let mut texts: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("3*{name}(t^2/2)")).collect();
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
         for text in texts {
-            let (d, expression) = (1e-4, parse(&text, TIME).unwrap());
+            let d = 1e-4;
+            let expression = parse(&text, TIME).unwrap();
             let at = |i: f64| expression.at(&[Jet([t + i * d, 1.0, 0.0])]).0;
             for order in 0..2 {
                 // Five points: the error is of order d^4, rounding of order eps/d.
@@ -192,7 +196,7 @@ mod tests {
                 assert!((rate - difference).abs() < 1e-9 * (1.0 + rate.abs()), "{text}: {rate} {difference}");
             }
         }
-        // Powers at zero: no logarithm of it comes in.
+        // Powers at zero: its logarithm does not occur.
         let at_zero = |text: &str| parse(text, TIME).unwrap().at(&[Jet([0.0, 1.0, 0.0])]).0;
         assert_eq!(at_zero("t^2"), [0.0, 0.0, 2.0]);
         assert_eq!(at_zero("t^1 + t^0"), [1.0, 1.0, 0.0]);

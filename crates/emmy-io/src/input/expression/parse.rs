@@ -1,4 +1,4 @@
-//! From the text of an expression to its tree, by recursive descent.
+//! Recursive descent from the text of an expression to its tree.
 //!
 //! ```text
 //! sum     = product { ("+" | "-") product }
@@ -13,17 +13,17 @@ use std::ops::Range;
 use super::super::suggest::{did_you_mean, listed};
 use super::{CONSTANTS, Expression, FUNCTIONS, Operator, TIME};
 
-/// What is wrong with an expression, and which bytes of it are.
+/// A mistake in an expression, and its bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::input) struct Mistake {
     pub(in crate::input) reason: String,
     pub(in crate::input) place: Range<usize>,
 }
 
-/// The deepest nesting of an expression; evaluation and reading call themselves so often.
+/// The deepest nesting of an expression: the depth of recursion in reading and evaluation.
 const DEEPEST: usize = 100;
 
-/// Functions that people look for and that have kinks.
+/// Functions that users may expect, but that have kinks.
 const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
 
 /// Reads an expression in some variables.
@@ -48,14 +48,14 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The next character that is no space.
+    /// The next character that is not a space.
     fn next(&mut self) -> Option<char> {
         let rest = &self.text[self.at..];
         self.at += rest.len() - rest.trim_start().len();
         self.text[self.at..].chars().next()
     }
 
-    /// Goes past the next character if it is this one.
+    /// Skips the next character if it is the given one.
     fn skip(&mut self, wanted: char) -> bool {
         let is_there = self.next() == Some(wanted);
         self.at += if is_there { wanted.len_utf8() } else { 0 };
@@ -89,19 +89,20 @@ impl Reader<'_> {
         self.chain(&[('*', Operator::Times), ('/', Operator::Over)], Self::signed)
     }
 
-    /// Parts between operators of one rank, from left to right.
+    /// Operands between operators of one rank, from left to right.
     fn chain(
         &mut self,
         operators: &[(char, Operator)],
         part: fn(&mut Self) -> Result<Expression, Mistake>,
     ) -> Result<Expression, Mistake> {
-        let (mut left, mut n_parts) = (part(self)?, 1);
+        let mut left = part(self)?;
+        let mut n_parts = 1;
         loop {
             let next = self.next();
             let Some(&(sign, operator)) = operators.iter().find(|(sign, _)| Some(*sign) == next) else {
                 return Ok(left);
             };
-            // The tree grows by a level with each part.
+            // Each operand adds a level to the tree.
             n_parts += 1;
             if n_parts > DEEPEST {
                 return Err(self.mistake_here("the expression is too long here"));
@@ -158,7 +159,8 @@ impl Reader<'_> {
     }
 
     fn number(&mut self) -> Result<Expression, Mistake> {
-        let (start, bytes) = (self.at, self.text.as_bytes());
+        let start = self.at;
+        let bytes = self.text.as_bytes();
         let digits = |mut at: usize| {
             while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'.') {
                 at += 1;
@@ -173,7 +175,8 @@ impl Reader<'_> {
             end = if exponent > end + 1 + sign { exponent } else { end };
         }
         self.at = end;
-        let (text, place) = (&self.text[start..end], start..end);
+        let text = &self.text[start..end];
+        let place = start..end;
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Expression::Number(value)),
             Ok(_) => Err(Mistake { reason: format!("`{text}` is too large"), place }),
@@ -182,9 +185,11 @@ impl Reader<'_> {
     }
 
     fn name(&mut self) -> Result<Expression, Mistake> {
-        let (start, rest) = (self.at, &self.text[self.at..]);
+        let start = self.at;
+        let rest = &self.text[self.at..];
         let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-        let (name, place) = (&rest[..length], start..start + length);
+        let name = &rest[..length];
+        let place = start..start + length;
         self.at += length;
         if let Some(number) = self.variables.iter().position(|variable| *variable == name) {
             return Ok(Expression::Variable(number));
@@ -202,7 +207,7 @@ impl Reader<'_> {
     }
 }
 
-/// What is said of a name that is not known.
+/// Message about an unknown name.
 fn unknown(name: &str, variables: &'static [&'static str]) -> String {
     if KINKED.contains(&name) {
         let table = "a table [[time, value], ...], whose kinks are integrated exactly";
@@ -215,7 +220,7 @@ fn unknown(name: &str, variables: &'static [&'static str]) -> String {
     }
     let names = CONSTANTS.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name));
     let known = variables.iter().copied().chain(names);
-    // Any letter is near to a variable, but not meant for it.
+    // Any letter is near to a variable, but not a misspelt `t`.
     match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
         Some(advice) => format!("`{name}` is not known here: {advice}"),
         None => format!("`{name}` is not known here; there is {}", listed(known)),

@@ -1,4 +1,4 @@
-//! The mesh of an input file: bodies put in their places, sets and surfaces made groups.
+//! The mesh of an input file: placed bodies, sets and surfaces as groups.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -11,7 +11,7 @@ use super::deck::Deck;
 use super::element;
 use super::placement::Placement;
 
-/// The mesh of all instances and of what stands outside of parts.
+/// The mesh of all instances and of everything outside of parts.
 pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     let surfaces = deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect();
     let mut assembly =
@@ -26,7 +26,8 @@ pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
         assembly.add_groups(Some(index as u32), &mut notes)?;
         assembly.add_instance_group(index);
     }
-    let (builder, starts) = (assembly.builder, assembly.starts);
+    let builder = assembly.builder;
+    let starts = assembly.starts;
     let name = |cell: usize| element_name(deck, &starts, cell);
     let origin = Origin { file, n_nodes: assembly.n_nodes, name: &name };
     finished(builder, &origin, notes).map_err(|error| match error {
@@ -138,7 +139,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Names of a group: in an instance `Instance.Set`, and `Set` unless the assembly has one of that name.
+    /// Names of a group: in an instance `Instance.Set`, and also `Set` unless the assembly has a set of that name.
     fn names(&self, instance: Option<u32>, name: &str, is_taken: bool) -> Vec<String> {
         match instance {
             None => vec![name.to_string()],
@@ -157,7 +158,8 @@ impl<'a> Assembly<'a> {
         is_taken: bool,
         notes: &mut Vec<String>,
     ) -> Result<()> {
-        let (mut indices, mut lower) = (Vec::new(), Lower::default());
+        let mut indices = Vec::new();
+        let mut lower = Lower::default();
         let mut n_missing = 0_u64;
         for &member in &set.members {
             let (found, missing) = self.indices(of, instance, member);
@@ -193,7 +195,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Adds the faces and edges of a member of a set, and says how many they are.
+    /// Adds the faces and edges of a member of a set, and returns their number.
     fn add_lower(&self, instance: Option<u32>, member: Member, lower: &mut Lower) -> Result<u64> {
         let instance = member.instance.or(instance);
         let body = self.body(instance);
@@ -220,7 +222,7 @@ impl<'a> Assembly<'a> {
         nodes.iter().map(index).collect()
     }
 
-    /// Indices in the mesh of a member of a set of a body, and how many do not exist.
+    /// Indices in the mesh of a member of a set of a body, and the number of missing ones.
     fn indices(&self, of: Of, instance: Option<u32>, member: Member) -> (Vec<u32>, u64) {
         let instance = member.instance.or(instance);
         let (mut indices, missing) = member.indices(self.body(instance).index(of));

@@ -1,4 +1,4 @@
-//! What a part, an instance or the assembly holds.
+//! Contents of a part, an instance or the assembly.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,14 +11,14 @@ pub(super) struct At {
     pub(super) line: u32,
 }
 
-/// Nodes, elements, sets and surfaces under the numbers and names of the file.
+/// Nodes, elements, sets and surfaces with the numbers and names of the file.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Body {
     pub(super) points: Vec<[f64; 3]>,
     pub(super) nodes: HashMap<u64, u32>,
     pub(super) elements: Vec<Element>,
     pub(super) element_index: HashMap<u64, u32>,
-    /// Faces and edges of cells that are listed as elements of their own.
+    /// Faces and edges of cells that are listed as elements.
     pub(super) lower: Vec<Element>,
     pub(super) lower_index: HashMap<u64, u32>,
     pub(super) connectivity: Vec<u64>,
@@ -31,7 +31,7 @@ pub(super) struct Body {
 pub(super) struct Element {
     pub(super) number: u64,
     pub(super) kind: CellKind,
-    /// Begin of the nodes in the connectivity.
+    /// Start of the nodes in the connectivity.
     pub(super) nodes: usize,
     pub(super) at: At,
 }
@@ -44,7 +44,7 @@ pub(super) struct Instance {
     pub(super) placement: super::placement::Placement,
 }
 
-/// What a set is of.
+/// Kind of members of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Of {
     Nodes,
@@ -56,7 +56,7 @@ pub(super) type Sets = BTreeMap<String, Set>;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Set {
-    /// The name as it was first spelt.
+    /// The name in its first spelling.
     pub(super) name: String,
     /// Made by Abaqus/CAE for its own use.
     pub(super) internal: bool,
@@ -84,9 +84,9 @@ pub(super) struct Surface {
 pub(super) struct Row {
     /// Name of a set, or a number.
     pub(super) target: String,
-    /// Number of the face; none on a surface of nodes.
+    /// Number of the face; none for a surface of nodes.
     pub(super) face: Option<u8>,
-    /// The instance that the surface names.
+    /// The instance named by the surface.
     pub(super) instance: Option<u32>,
     pub(super) at: At,
 }
@@ -99,7 +99,7 @@ impl Body {
         }
     }
 
-    /// Number of nodes, elements and members of sets and surfaces: what a copy costs.
+    /// Number of nodes, elements and members of sets and surfaces: the cost of a copy.
     pub(super) fn size(&self) -> usize {
         let sets = self.node_sets.values().chain(self.element_sets.values());
         let members: usize = sets.map(|set| set.members.len()).sum();
@@ -107,7 +107,7 @@ impl Body {
         self.points.len() + self.elements.len() + self.lower.len() + members + rows
     }
 
-    /// The set of a name, made if it is new.
+    /// The set of a name, created if it is new.
     pub(super) fn set_mut(&mut self, of: Of, name: &str) -> &mut Set {
         let sets = match of {
             Of::Nodes => &mut self.node_sets,
@@ -125,7 +125,7 @@ impl Body {
         }
     }
 
-    /// Makes the lines among the elements edges of cells.
+    /// Turns the lines among the elements into edges of cells.
     pub(super) fn lower_lines(&mut self) {
         let (lines, cells): (Vec<Element>, _) =
             self.elements.drain(..).partition(|element| element.kind == CellKind::Line2);
@@ -157,7 +157,7 @@ impl Set {
         }
     }
 
-    /// Adds the members of another set. Repetitions are dropped, or sets of sets could grow without end.
+    /// Adds the members of another set. Repetitions are dropped; otherwise sets of sets could grow without bound.
     pub(super) fn extend(&mut self, members: Vec<Member>) {
         self.members.extend(members);
         self.members.sort_unstable();
@@ -170,7 +170,7 @@ impl Member {
         Member { instance, first: number, last: number, step: 1 }
     }
 
-    /// Indices of the numbers, and how many numbers have none.
+    /// Indices of the numbers, and the count of unknown numbers.
     pub(super) fn indices(&self, index: &HashMap<u64, u32>) -> (Vec<u32>, u64) {
         let count = (self.last - self.first) / self.step; // one less, so that it cannot overflow
         let found: Vec<u32> = if count <= index.len() as u64 {

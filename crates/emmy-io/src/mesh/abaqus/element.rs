@@ -1,12 +1,12 @@
-//! Solid elements of Abaqus, and those of plane strain. Their node order is that of VTK (Abaqus Elements Guide, "Three-dimensional
-//! solid elements", "Two-dimensional solid elements").
+//! Elements of Abaqus: solid and plane strain. Their node order is the order of VTK (Abaqus Elements Guide,
+//! "Three-dimensional solid elements", "Two-dimensional solid elements").
 
 use std::sync::LazyLock;
 
 use emmy::internals::element::CellShape;
 use emmy::mesh::CellKind;
 
-/// Types that are read, by the kind of cell that they become; the plainest first.
+/// Supported types, by kind of cell; the plainest first.
 const TYPES: [(CellKind, &[&str]); 12] = [
     (CellKind::Hex8, &["C3D8", "C3D8R", "C3D8I", "C3D8S", "C3D8H", "C3D8RH", "C3D8IH", "C3D8HS"]),
     (CellKind::Hex20, &["C3D20", "C3D20R", "C3D20H", "C3D20RH"]),
@@ -22,7 +22,7 @@ const TYPES: [(CellKind, &[&str]); 12] = [
     (CellKind::Line2, &["T3D2", "T3D2H", "T2D2", "T2D2H", "CONN3D2", "CONN2D2", "SPRINGA"]),
 ];
 
-/// The types that are read, for messages: of each kind the plainest.
+/// The supported types for messages: the plainest of each kind.
 pub(super) fn supported() -> &'static str {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let plainest = |dimension: usize| {
@@ -49,13 +49,13 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
     TYPES.iter().find(|(_, types)| types.contains(&element_type)).map(|(kind, _)| *kind)
 }
 
-/// Kind of the faces of solid cells that membranes, shells and cells in plane stress of a type can be, given in upper case: meshers write
-/// them beside the solid cells for the sake of their sets.
+/// Kind of the faces of solid cells for a type of membranes, shells or plane stress elements, in upper case: meshers
+/// write these beside the solid cells for the sake of their sets.
 pub(super) fn face_kind(element_type: &str) -> Option<CellKind> {
     let shape = ["CPS", "M3D", "STRI", "SFM3D", "S"]
         .into_iter()
         .find_map(|prefix| element_type.strip_prefix(prefix))?;
-    // Behind the number of nodes stand letters, and a 5 where nodes have five degrees of freedom: S4R5.
+    // The number of nodes is followed by letters, and a 5 if nodes have five degrees of freedom: S4R5.
     let digits: String = shape.chars().take_while(char::is_ascii_digit).collect();
     match digits.as_str() {
         "3" => Some(CellKind::Tri3),
@@ -67,7 +67,7 @@ pub(super) fn face_kind(element_type: &str) -> Option<CellKind> {
     }
 }
 
-/// What the user should know about a type that is not read as it is.
+/// Remark on a type that is integrated differently from Abaqus.
 pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
     if kind == CellKind::Line2 {
         return (!element_type.starts_with('T')).then(|| format!("{element_type} is read as {kind}"));

@@ -1,4 +1,4 @@
-//! Where an instance stands in the assembly.
+//! Placement of an instance in the assembly.
 
 /// Translation, then rotation about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,7 +37,7 @@ impl Placement {
         Ok(())
     }
 
-    /// The place of a point of the instance.
+    /// Position of a point of the instance in the assembly.
     pub(super) fn place(&self, point: [f64; 3]) -> [f64; 3] {
         let moved = [0, 1, 2].map(|i| point[i] + self.translation[i]);
         self.rotation.map_or(moved, |rotation| rotation.turned(moved))
@@ -57,14 +57,15 @@ impl Rotation {
 
     /// Rodrigues' formula.
     fn turned(&self, x: [f64; 3]) -> [f64; 3] {
-        let (n, r) = (self.axis, [0, 1, 2].map(|i| x[i] - self.point[i]));
+        let n = self.axis;
+        let r = [0, 1, 2].map(|i| x[i] - self.point[i]);
         let along = (n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) * (1.0 - self.cosine);
         let across = [n[1] * r[2] - n[2] * r[1], n[2] * r[0] - n[0] * r[2], n[0] * r[1] - n[1] * r[0]];
         [0, 1, 2].map(|i| self.point[i] + self.cosine * r[i] + self.sine * across[i] + along * n[i])
     }
 }
 
-/// Exact for quarter turns, which is what assemblies mostly have: planes of the mesh stay planes.
+/// Exact for quarter turns, which most assemblies use: planes of the mesh stay planes.
 fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     match degrees.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

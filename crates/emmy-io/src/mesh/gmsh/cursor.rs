@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::super::{MeshError, Place, Position, Result};
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -40,7 +40,7 @@ impl<'a> Cursor<'a> {
         self.offset
     }
 
-    /// The place of an offset, as the user will look for it.
+    /// The place of an offset, for messages.
     pub(super) fn place(&self, offset: usize) -> Place {
         let line = || 1 + self.bytes[..offset].iter().filter(|&&byte| byte == b'\n').count();
         let position = match self.encoding {
@@ -54,7 +54,7 @@ impl<'a> Cursor<'a> {
         MeshError::Malformed { place: self.place(offset), problem, advice: DAMAGED }
     }
 
-    /// Name of the next section, without the dollar; anything between sections is passed over.
+    /// Name of the next section, without the dollar; text between sections is skipped.
     pub(super) fn section(&mut self) -> Result<Option<&'a str>> {
         loop {
             self.skip_whitespace();
@@ -83,7 +83,7 @@ impl<'a> Cursor<'a> {
         Err(self.malformed(offset, format!("expected $End{name}, found {}", shown(found))))
     }
 
-    /// Passes over the rest of a section.
+    /// Skips the rest of a section.
     pub(super) fn skip_section(&mut self, name: &str) -> Result<()> {
         let end = format!("$End{name}");
         let rest = &self.bytes[self.offset..];
@@ -105,7 +105,7 @@ impl<'a> Cursor<'a> {
         Ok(text.trim())
     }
 
-    /// A count that stands on a line of its own as text, in binary files too (MSH 2.2).
+    /// A count on its own line as text, in binary files too (MSH 2.2).
     pub(super) fn count_line(&mut self, what: &'static str, min_bytes: usize) -> Result<u64> {
         self.skip_whitespace();
         let start = self.offset;
@@ -115,14 +115,14 @@ impl<'a> Cursor<'a> {
         self.checked_count(start, what, count, min_bytes)
     }
 
-    /// A count of items that take at least so many bytes each.
+    /// A count of items with a least number of bytes each.
     pub(super) fn count(&mut self, what: &'static str, min_bytes: usize) -> Result<u64> {
         let start = self.offset();
         let count = self.size()?;
         self.checked_count(start, what, count, min_bytes)
     }
 
-    /// Lying counts must not make the reader allocate or loop beyond the size of the file.
+    /// Wrong counts must not make the reader allocate or loop beyond the size of the file.
     pub(super) fn checked_count(
         &self,
         start: usize,
@@ -172,12 +172,12 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Passes over so many `double`s.
+    /// Skips a number of `double`s.
     pub(super) fn skip_reals(&mut self, count: u64) -> Result<()> {
         (0..count).try_for_each(|_| self.real().map(drop))
     }
 
-    /// Passes over a counted list of `int`s.
+    /// Skips a counted list of `int`s.
     pub(super) fn skip_ints(&mut self) -> Result<()> {
         let count = self.count("tags", 2)?;
         (0..count).try_for_each(|_| self.int().map(drop))
@@ -217,7 +217,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// What was found, short enough for a message.
+/// The text found, short enough for a message.
 fn shown(found: &[u8]) -> String {
     match found {
         [] => "the end of the file".to_string(),

@@ -1,4 +1,4 @@
-//! What an MSH file holds, until all of it is read and can be checked.
+//! Contents of an MSH file, until it is complete and can be checked.
 
 use emmy::internals::number::short;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -13,7 +13,7 @@ use super::shape::Shape;
 /// No cell: an element of lower dimension than the body.
 const NONE: u32 = u32::MAX;
 
-/// Nodes and elements under the numbers of the file, and physical groups by dimension and number.
+/// Nodes and elements with the numbers of the file, and physical groups by dimension and number.
 pub(super) struct Draft {
     pub(super) names: HashMap<(u8, u64), String>,
     /// Remarks on the names.
@@ -27,7 +27,7 @@ pub(super) struct Draft {
     connectivity: Vec<u64>,
     groups: BTreeMap<(u8, u64), Vec<u32>>,
     n_ignored: [usize; 3],
-    /// Dimension of the body: 3, or 2 as long as there is no element of dimension 3.
+    /// Dimension of the body: 3, or 2 until there is an element of dimension 3.
     dim: u8,
     /// Whether an element is a line that is a cell.
     is_link: Vec<bool>,
@@ -37,11 +37,11 @@ pub(super) struct Draft {
 struct Element {
     number: u64,
     shape: &'static Shape,
-    /// The physical group of MSH 2.2, which repeats the element for each of its groups; 0: none.
+    /// The physical group of MSH 2.2, which repeats the element for each group; 0: none.
     group: u64,
     /// Offset in the file.
     start: usize,
-    /// Begin of the nodes in the connectivity.
+    /// Start of the nodes in the connectivity.
     nodes: usize,
 }
 
@@ -76,7 +76,8 @@ impl Draft {
         Ok(())
     }
 
-    /// Adds an element; one of lower dimension that is in no group is only counted, once it is known that it is lower.
+    /// Adds an element; one of lower dimension without a group is only counted, once the dimension of the body is
+    /// known.
     pub(super) fn element(
         &mut self,
         cursor: &Cursor,
@@ -108,7 +109,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Whether an element is the first one of its number over again, as MSH 2.2 may have it.
+    /// Whether an element repeats the first one of its number, as MSH 2.2 permits.
     fn is_repeated(&self, first: u32, shape: &Shape, nodes: &[u64]) -> bool {
         let first = &self.elements[first as usize];
         self.version == Version::V2 && first.shape == shape && self.nodes(first) == nodes
@@ -118,7 +119,7 @@ impl Draft {
         &self.connectivity[element.nodes..][..element.shape.n_nodes]
     }
 
-    /// Finds the lines that are cells: those of two nodes in some groups.
+    /// Finds the lines that are cells: lines of two nodes in some groups.
     fn find_links(&mut self, links: &[String]) {
         self.is_link = vec![false; self.elements.len()];
         let links: HashSet<&str> = links.iter().map(String::as_str).collect();
@@ -142,7 +143,7 @@ impl Draft {
         self.elements[index].shape.dim == self.dim || self.is_link[index]
     }
 
-    /// Leaves out faces in no group that were read before the first solid element.
+    /// Leaves out faces without a group that were read before the first solid element.
     fn ignore_faces(&mut self) {
         let mut in_group = vec![false; self.elements.len()];
         self.groups.values().flatten().for_each(|&member| in_group[member as usize] = true);
@@ -161,7 +162,7 @@ impl Draft {
         members.for_each(|member| *member = new_index[*member as usize]);
     }
 
-    /// The mesh of all that was read.
+    /// The mesh of all elements read.
     pub(super) fn mesh(mut self, cursor: &Cursor, links: &[String]) -> Result<MeshFile> {
         self.ignore_faces();
         self.find_links(links);
@@ -179,7 +180,7 @@ impl Draft {
         finished(builder, &origin, self.notes()).map_err(|error| self.in_numbers_of_the_file(error))
     }
 
-    /// Adds the cells and says for each element which cell it is.
+    /// Adds the cells, and returns the cell of each element.
     fn cells(&self, cursor: &Cursor, builder: &mut MeshBuilder) -> Result<Vec<u32>> {
         let originals = self.originals(cursor)?;
         let mut cells: Vec<u32> = Vec::with_capacity(self.elements.len());
@@ -202,7 +203,7 @@ impl Draft {
         Ok(cells)
     }
 
-    /// For each cell its element, the first one where it is repeated.
+    /// For each cell its element, the first one if it is repeated.
     fn elements_of_cells(&self, cells: &[u32]) -> Vec<u32> {
         let mut elements = Vec::new();
         for (element, &cell) in cells.iter().enumerate() {
@@ -298,7 +299,7 @@ impl Draft {
         self.notes.iter().cloned().chain(ignored.map(note)).collect()
     }
 
-    /// What elements of surfaces there are.
+    /// The surface elements found, for messages.
     fn surface_elements(&self) -> &'static str {
         let has = |n_corners: usize| {
             self.elements.iter().any(|element| element.shape.dim == 2 && element.shape.n_corners == n_corners)
@@ -339,7 +340,7 @@ const SURFACE_ALONE: &str = "Gmsh saves only what is in a physical group: put th
 const NO_CELLS: &str = "mesh the volume (`gmsh -3`) or the surface (`gmsh -2`), and where there are physical groups put it in one: \
                         Gmsh saves only what is in a group";
 
-/// The error of an element type that is no cell.
+/// The error of an element type that is not a cell.
 pub(super) fn unsupported(cursor: &Cursor, start: usize, kind: String) -> MeshError {
     MeshError::UnsupportedElement { place: cursor.place(start), kind, supported: super::super::kinds() }
 }

@@ -135,12 +135,12 @@ fn physical_name(line: &str) -> Option<((u8, u64), &str)> {
     Some(((dim, tag.unsigned_abs()), name))
 }
 
-/// What was found, short enough for a message.
+/// The text found, short enough for a message.
 fn cut(line: &str) -> String {
     line.chars().take(80).collect()
 }
 
-/// The element type with a number.
+/// The element type of a number.
 fn shape(cursor: &Cursor, start: usize, id: i64) -> Result<&'static Shape> {
     Shape::of(id).ok_or_else(|| draft::unsupported(cursor, start, format!("{id} of Gmsh")))
 }

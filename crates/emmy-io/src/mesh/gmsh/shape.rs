@@ -27,7 +27,7 @@ impl Shape {
         SHAPES.iter().find(|shape| shape.name == kind.name())
     }
 
-    /// Kind of cell, and the place in the file's node list of each node in VTK order.
+    /// Kind of cell, and the index in the file's node list of each node in VTK order.
     pub(super) fn cell(&self) -> Option<(CellKind, &'static [usize])> {
         let kind = CellKind::ALL.into_iter().find(|kind| kind.name() == self.name)?;
         let order: &[usize] = match kind {
@@ -48,7 +48,7 @@ impl Shape {
 }
 
 const AS_IN_VTK: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
-/// The last two edges, 2-3 and 1-3, stand the other way round in VTK.
+/// The last two edges, 2-3 and 1-3, are exchanged in VTK.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 /// Gmsh numbers edges by their lower corner: 01, 02, 03, 12, 14, 25, 34, 35, 45.
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];

@@ -49,7 +49,8 @@ fn block(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
     let start = cursor.offset();
     let id = cursor.int()?;
     let shape = super::shape(cursor, start, id)?;
-    let [count, n_tags] = [cursor.whole()?, cursor.whole()?];
+    let count = cursor.whole()?;
+    let n_tags = cursor.whole()?;
     let count = cursor.checked_count(start, "elements", count, 4)?;
     let n_tags = cursor.checked_count(start, "tags", n_tags, 4)?;
     for _ in 0..count {
@@ -60,7 +61,7 @@ fn block(cursor: &mut Cursor, draft: &mut Draft) -> Result<u64> {
     Ok(count)
 }
 
-/// Tags and nodes of an element. The first tag is the physical group (0: none), the others do not matter here.
+/// Tags and nodes of an element. The first tag is the physical group (0: none), the others are ignored.
 fn element(
     cursor: &mut Cursor,
     draft: &mut Draft,

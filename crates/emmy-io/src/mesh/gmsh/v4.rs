@@ -10,7 +10,7 @@ use super::shape::Shape;
 /// Physical groups of the entities, by dimension and number of the entity.
 pub(super) type Entities = HashMap<(u8, i64), Vec<u64>>;
 
-/// `$Entities`: what matters here are the physical groups of each.
+/// `$Entities`: only the physical groups of each entity are used.
 pub(super) fn entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<()> {
     for (dim, count) in entity_counts(cursor)? {
         for _ in 0..count {
@@ -22,7 +22,7 @@ pub(super) fn entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<(
     Ok(())
 }
 
-/// `$PartitionedEntities`: the elements of a partitioned mesh belong to these, not to those of `$Entities`.
+/// `$PartitionedEntities`: the elements of a partitioned mesh belong to these, not to `$Entities`.
 pub(super) fn partitioned_entities(cursor: &mut Cursor, entities: &mut Entities) -> Result<()> {
     cursor.size()?; // number of partitions
     let n_ghosts = cursor.count("ghost entities", 4)?;
@@ -72,7 +72,9 @@ pub(super) fn nodes(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
 
 fn node_block(cursor: &mut Cursor, draft: &mut Draft) -> Result<()> {
     let start = cursor.offset();
-    let (dim, _entity, parametric) = (cursor.whole()?, cursor.int()?, cursor.int()?);
+    let dim = cursor.whole()?;
+    let _entity = cursor.int()?;
+    let parametric = cursor.int()?;
     if dim > 3 {
         return Err(cursor.malformed(start, format!("a block of nodes of dimension {dim}")));
     }

@@ -1,11 +1,12 @@
-//! Numbers of a `DataArray`: ASCII, base64 or raw, plain or compressed with zlib (VTK File Formats, "XML File Formats").
+//! Numbers of a `DataArray`: ASCII, base64 or raw, plain or compressed with zlib (VTK File Formats, "XML File
+//! Formats").
 
 use std::io::Read;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use flate2::bufread::ZlibDecoder;
 
-/// Numbers as they are needed: whole ones exactly.
+/// Numbers of the requested type; whole numbers are exact.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Numbers {
     Whole(Vec<i64>),
@@ -21,7 +22,7 @@ impl Numbers {
     }
 }
 
-/// How the binary arrays of a file are written.
+/// Encoding of the binary arrays of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Encoding {
     pub(super) big_endian: bool,
@@ -30,7 +31,7 @@ pub(super) struct Encoding {
     pub(super) compressed: bool,
 }
 
-/// Result with a reason that a message can go on with.
+/// Result with a reason that continues a message.
 type Outcome<T> = Result<T, String>;
 
 /// Numbers written as text.
@@ -78,10 +79,11 @@ pub(super) fn from_bytes(numeric_type: &str, encoding: Encoding, bytes: &[u8]) -
     }
 }
 
-/// Bytes of base64, where a header and the data after it may have been encoded one by one.
+/// Bytes of base64; a header and its data may have been encoded separately.
 pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
-    let (mut rest, mut bytes) = (&text[..], Vec::with_capacity(text.len() / 4 * 3));
+    let mut rest = &text[..];
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     while !rest.is_empty() {
         let padding = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
         let end = ((padding / 4 + 1) * 4).min(rest.len());
@@ -92,8 +94,8 @@ pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Data of an array behind its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed data of more
-/// than `most` bytes are refused before they are read: a small file can hold very many.
+/// Data of an array after its header: a length, or the sizes of compressed blocks. More bytes may follow. Compressed
+/// data of more than `most` bytes are rejected before they are read: a small file can expand to very many.
 pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<Vec<u8>> {
     let mut rest = bytes;
     let n = header_number(encoding, &mut rest)?;
@@ -123,7 +125,7 @@ pub(super) fn payload(encoding: Encoding, bytes: &[u8], most: usize) -> Outcome<
     Ok(data)
 }
 
-/// Bytes of a number of a type; the largest there are where it is not known.
+/// Bytes of a number of a type; the largest possible if the type is unknown.
 pub(super) fn size(numeric_type: &str) -> usize {
     match numeric_type {
         "Int8" | "UInt8" => 1,
@@ -133,7 +135,7 @@ pub(super) fn size(numeric_type: &str) -> usize {
     }
 }
 
-/// Adds a block of a known size. It grows as it is read, so that a lying size costs nothing.
+/// Adds a block of a known size. It grows as it is read, so that a wrong size costs nothing.
 fn inflate(bytes: &[u8], wanted: usize, data: &mut Vec<u8>) -> Outcome<()> {
     let before = data.len();
     let read = ZlibDecoder::new(bytes).take(wanted as u64).read_to_end(data);
@@ -168,7 +170,8 @@ mod tests {
 
     #[test]
     fn header_and_data_may_be_encoded_together_or_one_by_one() {
-        let (header, data) = (8u32.to_le_bytes(), 0.5f64.to_le_bytes());
+        let header = 8u32.to_le_bytes();
+        let data = 0.5f64.to_le_bytes();
         let together = STANDARD.encode([&header[..], &data[..]].concat());
         let apart = STANDARD.encode(header) + "\n  " + &STANDARD.encode(data);
         assert_ne!(together, apart);
@@ -210,7 +213,7 @@ mod tests {
         assert!(bytes.len() < 20_000);
         let compressed = Encoding { compressed: true, ..PLAIN };
         assert_eq!(payload(compressed, &bytes, 1 << 24).unwrap().len(), 1 << 24);
-        let refused = payload(compressed, &bytes, 24).unwrap_err();
-        assert_eq!(refused, "16777216 bytes are announced where 24 are needed");
+        let rejected = payload(compressed, &bytes, 24).unwrap_err();
+        assert_eq!(rejected, "16777216 bytes are announced where 24 are needed");
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct Shape {
     pub(super) kind: Option<CellKind>,
 }
 
-/// The cell type of a number, if it is one that is read.
+/// The cell type of a number, if it is supported.
 pub(super) fn shape(id: i64) -> Option<Shape> {
     let flat = |dim, n_nodes, n_corners| Some(Shape { dim, n_nodes, n_corners, kind: None });
     match id {
@@ -34,16 +34,16 @@ fn cell(kind: CellKind) -> Shape {
     }
 }
 
-/// A rectangle along the axes; its last two nodes stand the other way round.
+/// A rectangle along the axes; its last two nodes are exchanged.
 pub(super) const PIXEL: i64 = 8;
 pub(super) const PIXEL_ORDER: [usize; 4] = [0, 1, 3, 2];
 
-/// A brick along the axes; nodes 2 and 3, 6 and 7 stand the other way round.
+/// A brick along the axes; nodes 2 and 3, 6 and 7 are exchanged.
 pub(super) const VOXEL: i64 = 11;
 pub(super) const VOXEL_ORDER: [usize; 8] = [0, 1, 3, 2, 4, 5, 7, 6];
 
-/// Wedge whose base is seen clockwise from the top, as older documentation of VTK has it and some programs write it: place
-/// in the file's node list of each node.
+/// Wedge whose base is clockwise as seen from the top, as in older documentation of VTK and some programs: index in the
+/// file's node list of each node.
 pub(super) const MIRRORED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
 
 /// Whether det(dX/dxi) of the cell with the same corners and straight edges is negative in the middle.

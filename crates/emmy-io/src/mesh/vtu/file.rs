@@ -8,15 +8,16 @@ use roxmltree::{Document, Node};
 use super::super::{MeshError, Place, Result};
 use super::array::{Encoding, Numbers, from_base64, from_bytes, from_text, payload, size};
 
-/// Most points and cells of a file: more do not fit into the memory of a machine, and compressed ones may be few bytes.
+/// Largest number of points and cells of a file: more do not fit into memory, and compressed ones may need only a few
+/// bytes.
 const MOST: usize = 100_000_000;
 
 const DAMAGED: &str = "the file is damaged or cut off, write it again";
 
-/// XML text of a file and the appended data behind it, which may be no text.
+/// XML text of a file and the appended data after it, which need not be text.
 pub(super) struct Parts<'a> {
     pub(super) xml: Cow<'a, str>,
-    /// Behind the underscore.
+    /// Data after the underscore.
     appended: &'a [u8],
     appended_is_raw: bool,
 }
@@ -98,7 +99,7 @@ fn the_piece<'a, 'input>(
     }
 }
 
-/// The document, or what is wrong with it.
+/// The document, or the reason why it is invalid.
 pub(super) fn document<'a>(file: &Path, parts: &'a Parts<'a>) -> Result<Document<'a>> {
     Document::parse(&parts.xml).map_err(|error| {
         let place = Place::line(file, error.pos().row as usize);
@@ -142,14 +143,14 @@ impl<'a, 'input> Grid<'a, 'input> {
         arrays.filter(|node| node.has_tag_name("DataArray")).map(array).collect()
     }
 
-    /// Numbers of an array that must be there: the only one of its section where `name` is empty.
+    /// Numbers of a required array: the only one of its section if `name` is empty.
     pub(super) fn required(&self, section: &str, name: &str, n: Option<usize>) -> Result<Numbers> {
         let array = self.arrays(section).into_iter().find(|array| name.is_empty() || array.name == name);
         let missing = || malformed(self.place(self.piece), format!("<{section}> without the array {name}"));
         self.numbers(&array.ok_or_else(missing)?, n)
     }
 
-    /// Whole numbers of an array that must be there.
+    /// Whole numbers of a required array.
     pub(super) fn required_whole(&self, section: &str, name: &str, n: Option<usize>) -> Result<Vec<i64>> {
         match self.required(section, name, n)? {
             Numbers::Whole(numbers) => Ok(numbers),
@@ -223,7 +224,7 @@ fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'inp
     node.children().find(|child| child.has_tag_name(name))
 }
 
-/// How the root element says that binary arrays are written.
+/// Encoding of binary arrays, from the root element.
 fn encoding(root: Node<'_, '_>, place: Place) -> Result<Encoding> {
     let compressed = match root.attribute("compressor") {
         None | Some("") => false,

@@ -1,4 +1,4 @@
-//! A frame of a run: cells and fields as they stand in the file, groups left out.
+//! A frame of a run: cells and fields as in the file, without groups.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::super::{MeshError, Result, without_mark};
 use super::Draft;
 use super::file::{Grid, Parts, document};
 
-/// What there is to see in a frame.
+/// Contents of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frame {
     /// Reference positions of the nodes.
@@ -30,7 +30,7 @@ pub(crate) fn frame(file: &Path, bytes: &[u8]) -> Result<Frame> {
     })
 }
 
-/// Arrays of a frame at its nodes, in the order of their names; one that is not there is empty.
+/// Arrays of a frame at its nodes, in the order of their names; a missing array is empty.
 pub(crate) fn fields(file: &Path, bytes: &[u8], names: &[&str]) -> Result<Vec<Vec<f64>>> {
     with_grid(file, bytes, |grid| {
         let arrays = grid.arrays("PointData");

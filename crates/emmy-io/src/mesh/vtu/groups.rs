@@ -10,13 +10,13 @@ use super::array::Numbers;
 use super::file::{Array, Grid};
 use crate::vtk::{FACETS, GROUP};
 
-/// Physical groups of Gmsh as meshio writes them, on cells of any dimension; 0: none.
+/// Array of the physical groups of Gmsh, as written by meshio, on cells of any dimension; 0: none.
 const GMSH: &str = "gmsh:physical";
 
-/// Most values of an array that make groups of it.
+/// Largest number of values of an array that becomes groups.
 const MAX_VALUES: usize = 64;
 
-/// Adds the groups that the arrays stand for; `cells`: which cell of the body each cell of the file is.
+/// Adds the groups from the arrays; `cells`: cell of the body for each cell of the file.
 pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>]) -> Result<()> {
     for array in grid.arrays("PointData").iter().filter(|array| is_label(array)) {
         if let Some(name) = array.name.strip_prefix(GROUP) {
@@ -41,7 +41,7 @@ pub(super) fn add(grid: &Grid<'_, '_>, draft: &mut Draft, cells: &[Option<u32>])
     Ok(())
 }
 
-/// Which cells of the file are lines in one of the groups `links`.
+/// Whether each cell of the file is a line in one of the groups `links`.
 pub(super) fn links(grid: &Grid<'_, '_>, draft: &Draft, links: &[String]) -> Result<Vec<bool>> {
     let mut is_link = vec![false; grid.n_cells];
     let links: HashSet<&str> = links.iter().map(String::as_str).collect();
@@ -75,8 +75,8 @@ fn indices(values: &[i64], is_member: impl Fn(i64) -> bool) -> Vec<usize> {
 }
 
 impl Draft {
-    /// A group of cells of the file: those of the body are its cells, those of one dimension less its facets, the others
-    /// give it their nodes.
+    /// A group of cells of the file: its cells of the body, facets from cells of one dimension less, and the nodes of
+    /// all others.
     fn add_group(&mut self, name: &str, members: &[usize], cells: &[Option<u32>]) {
         let dim = |index: usize| self.shapes[index].1.dim;
         let of = |wanted: &dyn Fn(u8) -> bool| {
@@ -101,7 +101,7 @@ impl Draft {
         }
     }
 
-    /// A group of facets as Emmy writes it: bit i of a cell's number stands for its face i.
+    /// A group of facets as written by Emmy: bit i of a cell's number denotes its face i.
     fn add_facets(&mut self, name: &str, values: &[i64], cells: &[Option<u32>]) {
         let facets = values.iter().enumerate().flat_map(|(index, &bits)| {
             let n_faces = self.shapes[index].1.kind.map_or(0, |kind| kind.facets().len()) as u8;

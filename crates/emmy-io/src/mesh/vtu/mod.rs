@@ -1,4 +1,4 @@
-//! VTK: unstructured grids in XML (`.vtu`), Emmy's own frames among them.
+//! VTK: unstructured grids in XML (`.vtu`), including Emmy's own frames.
 
 mod array;
 mod cell;
@@ -37,12 +37,12 @@ pub(super) fn mesh(file: &Path, bytes: &[u8], links: &[String]) -> Result<MeshFi
     })
 }
 
-/// What was read so far.
+/// Data read so far.
 struct Draft {
     builder: MeshBuilder,
     points: Vec<[f64; 3]>,
     shapes: Vec<(i64, Shape)>,
-    /// Dimension of the body: 3, or 2 where there are no solid or plane cells.
+    /// Dimension of the body: 3, or 2 without solid cells.
     dim: u8,
     /// End of the nodes of each cell in the connectivity.
     ends: Vec<usize>,
@@ -76,9 +76,10 @@ impl Draft {
         &self.connectivity[begin..self.ends[index]]
     }
 
-    /// Adds the cells of the body and says for each cell of the file which one it is.
+    /// Adds the cells of the body, and returns the cell of each cell of the file.
     fn add_cells(&mut self, file: &Path, is_link: &[bool]) -> Result<Vec<Option<u32>>> {
-        let (mut cells, mut n_mirrored) = (Vec::with_capacity(self.shapes.len()), 0);
+        let mut cells = Vec::with_capacity(self.shapes.len());
+        let mut n_mirrored = 0;
         for (index, &(id, shape)) in self.shapes.iter().enumerate() {
             let Some(kind) = shape.kind.filter(|_| shape.dim == self.dim || is_link[index]) else {
                 cells.push(None);

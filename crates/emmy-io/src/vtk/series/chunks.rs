@@ -43,7 +43,8 @@ impl Chunks {
     }
 }
 
-/// First bytes of all numbers, then the second ones, and so on (the shuffle filter of HDF5), padded with zeros to `n` numbers.
+/// First bytes of all numbers, then the second ones, and so on (the shuffle filter of HDF5), padded with zeros to `n`
+/// numbers.
 fn shuffled<const W: usize>(numbers: impl Iterator<Item = [u8; W]>, n: usize) -> Vec<u8> {
     let mut bytes = vec![0; n * W];
     for (i, number) in numbers.enumerate() {

@@ -1,7 +1,7 @@
 //! Frames that the copy of a series does not contain yet, so that a killed run loses none.
 //!
-//! The file is a sequence of entries. Each has its length in 8 bytes, the frame as a MessagePack map with named fields, and a CRC-32 of
-//! the map in 4 bytes; the lowest byte is first.
+//! The file is a sequence of entries. Each has its length in 8 bytes, the frame as a MessagePack map with named fields,
+//! and a CRC-32 of the map in 4 bytes; the lowest byte is first.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -111,7 +111,8 @@ impl Entries {
     pub(super) fn read(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         let end = file.metadata()?.len();
-        let (mut found, mut offset) = (Entries { file: BufReader::new(file), entries: Vec::new() }, 8);
+        let mut found = Entries { file: BufReader::new(file), entries: Vec::new() };
+        let mut offset = 8;
         while offset <= end {
             let length = u64::from_le_bytes(found.bytes(offset - 8, 8)?.try_into().unwrap_or_default());
             if length < 4 || length > end - offset {

@@ -10,8 +10,9 @@
 //!     PointDataOffsets/NAME, ..   row at which each frame begins
 //! ```
 //!
-//! A frame takes a whole number of chunks of each field, the last of them padded with zeros, so that chunks are written once and
-//! compressed in parallel. A slash in the name of a group, which would be a path in HDF5, is written as U+2215.
+//! A frame takes a whole number of chunks of each field, the last of them padded with zeros, so that chunks are written
+//! once and compressed in parallel. A slash in the name of a group, which would be a path in HDF5, is written as
+//! U+2215.
 
 mod chunks;
 mod journal;

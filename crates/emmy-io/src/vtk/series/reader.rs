@@ -55,7 +55,8 @@ impl SeriesReader {
             let numbers: Vec<i64> = read(&file, &format!("VTKHDF/{name}"))?;
             numbers.first().and_then(|&n| usize::try_from(n).ok()).ok_or_else(|| damaged(name))
         };
-        let [n_nodes, n_cells] = [count("NumberOfPoints")?, count("NumberOfCells")?];
+        let n_nodes = count("NumberOfPoints")?;
+        let n_cells = count("NumberOfCells")?;
         let times = read(&file, "VTKHDF/Steps/Values")?;
         Ok(SeriesReader { path: path.to_path_buf(), file, times, n_nodes, n_cells })
     }
@@ -92,7 +93,8 @@ impl SeriesReader {
         let n_rows = if name.place() == Place::Nodes { self.n_nodes } else { self.n_cells };
         let dataset = self.file.dataset(&format!("{data}/{name}")).map_err(rejected)?;
         let axes = dataset.ndims();
-        let (start, count) = ([offset, 0], [n_rows, name.components().len()]);
+        let start = [offset, 0];
+        let count = [n_rows, name.components().len()];
         let (start, count) = (&start[..axes], &count[..axes]);
         if dataset.element_size() == Precision::Single.width() {
             let numbers: Vec<f32> = dataset.read_slice(start, count).map_err(rejected)?;

@@ -20,10 +20,10 @@ use crate::whole_file::{PART, with_ending};
 
 /// Writes `NAME.vtkhdf`: mesh, groups and cell data `region` once, the fields for each step.
 ///
-/// HDF5 files cannot be read while they change. Frames go to `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy, put in place by renaming. It is
-/// made after the first frame and refreshed so that copying takes at most a twentieth of the time. At the end the growing file replaces
-/// it. Frames since the last copy are also in `NAME.vtkhdf.journal`, so that a killed run leaves a readable file and loses no
-/// frame when it is resumed.
+/// HDF5 files cannot be read while they change. Frames go to `NAME.vtkhdf.part`; `NAME.vtkhdf` is a copy, put in place
+/// by renaming. It is made after the first frame and refreshed so that copying takes at most a twentieth of the time.
+/// At the end the growing file replaces it. Frames since the last copy are also in `NAME.vtkhdf.journal`, so that a
+/// killed run leaves a readable file and loses no frame when it is resumed.
 pub struct Series {
     path: PathBuf,
     growing: PathBuf,
@@ -49,7 +49,7 @@ struct FieldDataset {
     offsets: H5Dataset,
 }
 
-/// Copies take at most one part in this number of the time.
+/// Copies take at most one part of the time in this number.
 const COPY_INTERVAL: u32 = 20;
 
 /// Rows of a chunk of the small tables of the steps, and of the mesh.
@@ -88,8 +88,8 @@ impl Series {
         Series::new(path, journal, precision, mesh, region_of_cell)
     }
 
-    /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay until all frames are
-    /// in the new one.
+    /// The series of a resumed run with its given frames, returned with those that are missing. The old files stay
+    /// until all frames are in the new one.
     ///
     /// # Errors
     /// Errors of the system.
@@ -101,7 +101,8 @@ impl Series {
     ) -> io::Result<(Self, Vec<FrameTime>)> {
         let path = directory.join(format!("{}.vtkhdf", name_of(directory)));
         let journal = with_ending(&path, journal::ENDING);
-        let (copy, mut entries) = (SeriesReader::open(&path).ok(), Entries::read(&journal).ok());
+        let copy = SeriesReader::open(&path).ok();
+        let mut entries = Entries::read(&journal).ok();
         let journal = Journal::open(&journal)?;
         let mut series = Series::new(path, journal, precision, mesh, region_of_cell)?;
         let mut missing = Vec::new();
@@ -229,10 +230,12 @@ impl Series {
     }
 
     fn new_field(&self, name: FieldName) -> io::Result<FieldDataset> {
-        let (place, components) = (name.place(), name.components().len());
+        let place = name.place();
+        let components = name.components().len();
         let n_rows = if place == Place::Nodes { self.n_nodes } else { self.n_cells };
         let chunks = Chunks::new(n_rows, components, self.precision);
-        let (file, [data, offsets]) = (self.file()?, groups(place));
+        let file = self.file()?;
+        let [data, offsets] = groups(place);
         let data = format!("{data}/{name}");
         let dataset = match self.precision {
             Precision::Double => growing::<f64>(file, &data, chunks),

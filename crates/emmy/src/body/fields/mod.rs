@@ -16,21 +16,22 @@ use name::{Formula, Needs};
 use point::{PointState, axial_force};
 use recovery::Recovery;
 
-/// The fields of a body: computed from a displacement and a velocity, whatever the scheme.
+/// The fields of a body, computed from a displacement and a velocity for any scheme.
 ///
-/// Stresses, stretches and energy at a node follow from the material and the deformation gradient recovered there: in every cell the
-/// displacement gradient is projected from the quadrature points to the nodes ([`crate::element::extrapolation()`]), then
-/// averaged over the cells around a node that are of one region, by their volumes.
+/// Stresses, stretches and energy at a node follow from the material and the deformation gradient recovered there: in
+/// every cell the displacement gradient is projected from the quadrature points to the nodes
+/// ([`crate::element::extrapolation()`]), then averaged over the cells around a node that are of one region, by their
+/// volumes.
 ///
 /// ```math
 /// G_A = sum_c V_c sum_q X_Aq G_cq / sum_c V_c,      S_A = S(E(G_A)),      sigma_A = F_A S_A F_A^T / det F_A,   F_A = I + G_A
 /// ```
 ///
-/// So all fields at a node belong to one strain, energies are positive if the material's are, a rigid rotation rotates the stresses
-/// and changes nothing else, and homogeneous deformations are exact. Where regions meet, the values of both sides are averaged by
-/// volume; the true stress jumps, and cell fields (means over the quadrature points of a cell) show each side. A node is NaN if
-/// its recovered deformation gradient has no positive determinant: the mesh is too coarse there.
-/// A node without solid or plane cells has no stress and stretches of 1.
+/// So all fields at a node belong to one strain, energies are positive if the material's are, a rigid rotation rotates
+/// the stresses and changes nothing else, and homogeneous deformations are exact. Where regions meet, the values of
+/// both sides are averaged by volume; the true stress jumps, and cell fields (means over the quadrature points of a
+/// cell) show each side. A node is NaN if its recovered deformation gradient has no positive determinant: the mesh is
+/// too coarse there. A node without solid or plane cells has no stress and stretches of 1.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -72,7 +73,8 @@ impl Fields {
         Fields { mesh, regions, region_of_cell, recovery, density }
     }
 
-    /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells a volume, axial forces links.
+    /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
+    /// axial forces need links.
     pub fn has(&self, name: FieldName) -> bool {
         let is_link = |region: &Region| region.link().is_some();
         let has_volume = |region: &Region| region.link().is_none_or(|link| link.area() > 0.0);

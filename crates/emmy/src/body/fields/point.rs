@@ -32,7 +32,8 @@ impl PointState {
         PointState { energy, second, cauchy, strain, volume_ratio: J }
     }
 
-    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; springs and attractions, which
+    /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; springs and
+    /// attractions, which
     /// have no volume, have no stress and a volume ratio of 1.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
         let (area, state) = (link.area(), LinkState::new(link, mesh, cell, displacement));

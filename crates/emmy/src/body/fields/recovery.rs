@@ -99,8 +99,8 @@ impl Recovery {
         }
     }
 
-    /// Adds the displacement gradients of some cells to their nodes, weighted by cell volume, and returns the nodes, each once.
-    /// `section`: factor from the measure of a cell of a kind to its volume.
+    /// Adds the displacement gradients of some cells to their nodes, weighted by cell volume, and returns the nodes,
+    /// each once. `section`: factor from the measure of a cell of a kind to its volume.
     ///
     /// The cells are gone through in parallel, but added up in their order.
     pub(super) fn add_gradients(

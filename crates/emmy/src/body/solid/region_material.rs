@@ -32,11 +32,12 @@ impl RegionMaterial {
         }
     }
 
-    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` of a link, which has
-    /// no volume.
+    /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
+    /// link, which has no volume.
     pub fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
         let RegionMaterial::Solid(material) = self else { return None };
-        let (material, mut stress) = (material.response::<f64>(), [0.0; 6]);
+        let material = material.response::<f64>();
+        let mut stress = [0.0; 6];
         material.stress(strain, &mut stress);
         Some((material.strain_energy(strain), stress))
     }

@@ -1,4 +1,4 @@
-//! From the memory of a batch into the rows of the stage forces and the stage matrix.
+//! Writes the results of a batch to the rows of the stage forces and the stage matrix.
 
 use std::hint::black_box;
 
@@ -10,11 +10,12 @@ use crate::sparse::RowPart;
 use crate::tensor::Packed;
 
 impl SolidTerm {
-    /// Reads a number of every block that a batch will write: reads that do not wait for each other bring the blocks from memory to
-    /// the cache side by side, and the writes find them there (12 % of an assembly of hex8 cells).
+    /// Reads one number of every block that a batch will write. Independent reads bring the blocks into the cache in
+    /// parallel, before the writes need them (12 % of an assembly of hex8 cells).
     #[inline(always)]
     pub(super) fn touch(&self, batch: usize, sink: &mut RowPart) {
-        let (cells, pairs) = (self.cells.cells_of(batch), self.cells.n_nodes * self.cells.n_nodes);
+        let cells = self.cells.cells_of(batch);
+        let pairs = self.cells.n_nodes * self.cells.n_nodes;
         let stages = sink.degree() * sink.degree();
         let (blocks, first) = sink.blocks_mut();
         let mut sum = 0.0;
@@ -36,8 +37,9 @@ impl SolidTerm {
         memory: &BatchMemory,
         sink: &mut RowPart,
     ) {
-        let (n, k) = (self.cells.n_nodes, step.rule.degree());
-        // The nodes A of neighbouring cells are often neighbours: their rows stand together in memory.
+        let n = self.cells.n_nodes;
+        let k = step.rule.degree();
+        // The nodes A of neighbouring cells are often neighbours: their rows are close in memory.
         for A in 0..n {
             for (lane, cell) in self.cells.cells_of(batch).enumerate() {
                 let node = self.cells.nodes_of(cell)[A];
@@ -64,7 +66,8 @@ impl SolidTerm {
         stiffness: &[[Packed; 9]],
         sink: &mut RowPart,
     ) {
-        let (n, k) = (self.cells.n_nodes, step.rule.degree());
+        let n = self.cells.n_nodes;
+        let k = step.rule.degree();
         let positions = &self.positions[(cell * n + A) * n..(cell * n + A + 1) * n];
         let mirrored = if step.rule.is_symmetric(self.damps(step)) { A } else { 0 };
         let (blocks, first) = sink.blocks_mut();

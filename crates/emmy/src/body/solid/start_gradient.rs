@@ -1,5 +1,5 @@
-//! Derivatives of the stage forces by the displacement at the start of a step, times adjoint vectors. Cell by cell in plain
-//! numbers: an adjoint asks for it once a step.
+//! Derivatives of the stage forces by the displacement at the start of a step, times adjoint vectors. They are computed
+//! cell by cell in scalars: an adjoint needs them once per step.
 
 use rayon::prelude::*;
 
@@ -22,7 +22,8 @@ struct CellMemory {
 
 impl CellMemory {
     fn new(degree: usize, n_nodes: usize) -> Self {
-        let (n_fields, zero) = (1 + 2 * degree, Packed([0.0; LANES]));
+        let n_fields = 1 + 2 * degree;
+        let zero = Packed([0.0; LANES]);
         CellMemory {
             nodal: vec![[zero; 3]; n_fields * n_nodes],
             gradients: vec![[[0.0; 3]; 3]; n_fields],
@@ -33,14 +34,15 @@ impl CellMemory {
 }
 
 impl SolidTerm {
-    /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are worked through side by side and added up in their order.
+    /// Adds `sum_i (df_i/du_1)^T mu_i`; batches are computed in parallel and summed in order.
     pub(super) fn add_start_gradient_of_cells(
         &self,
         step: &StepInput<'_>,
         adjoint: &[f64],
         gradient: &mut [f64],
     ) {
-        let (n, k) = (self.cells.n_nodes, step.rule.degree());
+        let n = self.cells.n_nodes;
+        let k = step.rule.degree();
         let mut of_cells = vec![[0.0; 3]; self.cells.nodes.len()];
         let batches = of_cells.par_chunks_mut(n * LANES).enumerate();
         batches.for_each_init(
@@ -63,7 +65,8 @@ impl SolidTerm {
     }
 
     fn gather_fields(&self, batch: usize, step: &StepInput<'_>, adjoint: &[f64], memory: &mut CellMemory) {
-        let (n, n_dofs) = (self.cells.n_nodes, step.displacement.len());
+        let n = self.cells.n_nodes;
+        let n_dofs = step.displacement.len();
         let n_fields = integral::gather(&self.cells, batch, step, true, &mut memory.nodal);
         let adjoints = adjoint.chunks_exact(n_dofs).zip(memory.nodal[n_fields * n..].chunks_exact_mut(n));
         for (mu, nodal) in adjoints {
@@ -84,7 +87,8 @@ impl SolidTerm {
         cells.set_shape_gradients(point, shape_gradients);
         let (fields, adjoints) = gradients.split_at(1 + step.rule.degree());
         step.rule.start_tangent(self.materials.response(cell), &fields[0], &fields[1..], start_tangent);
-        let (mut T, weight) = ([0.0; 9], cells.weight(point));
+        let mut T = [0.0; 9];
+        let weight = cells.weight(point);
         for (tangent, mu) in start_tangent.tangent.iter().zip(adjoints) {
             for (row, mu) in tangent.iter().zip(mu.as_flattened()) {
                 T.iter_mut().zip(row).for_each(|(sum, entry)| *sum += weight * mu * entry);

@@ -27,7 +27,8 @@ pub fn big_det(C: &Mat3<Big>) -> Big {
 pub fn big_isochoric(C: &Mat3<Big>) -> [Big; 2] {
     let scale = (big_det(C).ln() / big(-3.0)).exp();
     let squares = C.iter().flatten().fold(big(0.0), |sum, c| sum + c * c);
-    let (I1, scale_squared) = (big_trace(C), &scale * &scale);
+    let I1 = big_trace(C);
+    let scale_squared = &scale * &scale;
     let I2 = (&I1 * &I1 - squares) / big(2.0);
     [I1 * scale, I2 * scale_squared]
 }
@@ -46,7 +47,9 @@ pub fn big_principal_stretches(C: &Mat3<Big>) -> [Big; 3] {
 
 /// The rotation in the plane of p and q that makes a_pq zero, without its effect on vectors.
 fn big_rotate(a: &mut Mat3<Big>, p: usize, q: usize) {
-    let (apq, zero, one) = (a[p][q].clone(), big(0.0), big(1.0));
+    let apq = a[p][q].clone();
+    let zero = big(0.0);
+    let one = big(1.0);
     if apq == zero {
         return;
     }
@@ -58,7 +61,8 @@ fn big_rotate(a: &mut Mat3<Big>, p: usize, q: usize) {
     a[p][p] -= &t * &apq;
     a[q][q] += &t * &apq;
     let r = 3 - p - q;
-    let (rp, rq) = (&c * &a[r][p] - &s * &a[r][q], &s * &a[r][p] + &c * &a[r][q]);
+    let rp = &c * &a[r][p] - &s * &a[r][q];
+    let rq = &s * &a[r][p] + &c * &a[r][q];
     (a[p][q], a[q][p]) = (zero.clone(), zero);
     (a[r][p], a[p][r]) = (rp.clone(), rp);
     (a[r][q], a[q][r]) = (rq.clone(), rq);

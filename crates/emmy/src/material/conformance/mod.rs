@@ -1,4 +1,4 @@
-//! Conditions that every material must fulfil, checked for each in one line.
+//! Conditions on every material, checked for each in one line.
 
 mod dual;
 mod extended;
@@ -27,8 +27,8 @@ pub fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl F
     for_all((large_gradient(), rotation()), |(G, Q)| is_symmetric_under(material, &G, &Q));
 }
 
-/// Checks an anisotropic material against its energy, its stress at small strain, and the rotations and reflections
-/// under which it is the same.
+/// Checks an anisotropic material against its energy, its stress at small strain, and the rotations and reflections of
+/// its symmetry group.
 pub fn conforms_with_symmetry(
     material: &impl Material,
     symmetry: &[Mat3<f64>],
@@ -61,7 +61,7 @@ fn conforms_but_for_symmetry(
         keeps_its_digits(material, energy, &direction).unwrap();
         keeps_the_digits_of_energy_changes(material, energy, &direction).unwrap();
         sums_its_stress_along_a_path(material, &direction).unwrap();
-        // Not the direction itself: fibres that bear tension only have no elasticity where tension begins.
+        // Not the direction itself: tension-only fibres have no elasticity where tension begins.
         let nearby = sym_add_scaled(&direction, 1e-7, &GENERAL_DIRECTION);
         keeps_the_digits_of_its_elasticity(material, energy, &nearby).unwrap();
     }
@@ -79,7 +79,8 @@ fn for_all<S: Strategy>(strategy: S, check: impl Fn(S::Value) -> Check) {
 }
 
 fn for_some<S: Strategy>(cases: u32, strategy: S, check: impl Fn(S::Value) -> Check) {
-    // The same draws every time: the bounds on round-off are a few units in the last place above what is observed.
+    // The draws are always the same: the bounds on round-off are a few units in the last place above the observed
+    // errors.
     let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) };
     TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
         .run(&strategy, check)
@@ -151,13 +152,14 @@ fn seeded(strain: &Sym<f64>, component: usize) -> Sym<Dual64> {
     dual
 }
 
-/// Number of tensor components for which a component of [`Sym`] stands.
+/// Number of tensor components that a component of [`Sym`] represents.
 fn multiplicity(component: usize) -> f64 {
     if component < 3 { 1.0 } else { 2.0 }
 }
 
 fn stress_is_the_derivative_of_the_energy(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (stress, together) = (material.stress(strain), material.stress_and_elasticity(strain).0);
+    let stress = material.stress(strain);
+    let together = material.stress_and_elasticity(strain).0;
     for b in 0..6 {
         let derivative = material.strain_energy(&seeded(strain, b)).eps / multiplicity(b);
         // W sums terms as large as those at full strain even where S is small.
@@ -174,8 +176,8 @@ fn elasticity_norm(material: &impl Material, strain: &Sym<f64>) -> f64 {
 }
 
 fn elasticity_is_the_derivative_of_the_stress(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (D, tolerance) =
-        (material.stress_and_elasticity(strain).1, 1e-13 * elasticity_norm(material, strain));
+    let D = material.stress_and_elasticity(strain).1;
+    let tolerance = 1e-13 * elasticity_norm(material, strain);
     for b in 0..6 {
         let derivative = material.stress(&seeded(strain, b)).map(|s| s.eps / multiplicity(b));
         for a in 0..6 {
@@ -187,8 +189,8 @@ fn elasticity_is_the_derivative_of_the_stress(material: &impl Material, strain: 
 
 /// Major symmetry; the storage implies the minor ones.
 fn elasticity_is_symmetric(material: &impl Material, strain: &Sym<f64>) -> Check {
-    let (D, tolerance) =
-        (material.stress_and_elasticity(strain).1, 1e-15 * elasticity_norm(material, strain));
+    let D = material.stress_and_elasticity(strain).1;
+    let tolerance = 1e-15 * elasticity_norm(material, strain);
     for a in 0..6 {
         for b in 0..a {
             prop_assert!((D[a][b] - D[b][a]).abs() <= tolerance);
@@ -229,9 +231,11 @@ fn agrees_with_linear_elasticity(
     small_strain_stress: &impl Fn(&Sym<f64>) -> Sym<f64>,
     direction: &Sym<f64>,
 ) -> Check {
-    let (size, scale) = (1e-7, elasticity_norm(material, &[0.0; 6]));
+    let size = 1e-7;
+    let scale = elasticity_norm(material, &[0.0; 6]);
     let E = direction.map(|e| e * size);
-    let (S, linear) = (material.stress(&E), small_strain_stress(&E));
+    let S = material.stress(&E);
+    let linear = small_strain_stress(&E);
     for a in 0..6 {
         prop_assert!((S[a] - linear[a]).abs() < 20.0 * size * size * scale, "{S:?} is not {linear:?}");
     }
@@ -258,7 +262,7 @@ fn keeps_its_digits(
     Ok(())
 }
 
-/// Whether a strain of the largest size is one of a body: C is positive definite, with some distance.
+/// Whether a strain of the largest size belongs to a body: C is positive definite, by a margin.
 fn is_deformation(E: &Sym<f64>) -> bool {
     let c = |i: usize, j: usize| 2.0 * E[SYM_INDEX[i][j]] + if i == j { 0.9 } else { 0.0 };
     let minor = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1);
@@ -266,7 +270,7 @@ fn is_deformation(E: &Sym<f64>) -> bool {
     c(0, 0) > 0.0 && minor > 0.0 && crate::tensor::sym_det(&C) > 0.0
 }
 
-/// Changes of the energy, if the material has them in closed form, against differences of the textbook form with 100 digits.
+/// Changes of the energy, if the material has a closed form, against differences of the textbook form with 100 digits.
 fn keeps_the_digits_of_energy_changes(
     material: &impl Material,
     energy: &impl Fn(&Mat3<Big>) -> Big,
@@ -275,7 +279,8 @@ fn keeps_the_digits_of_energy_changes(
     for (size, part) in
         [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
     {
-        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let E = direction.map(|e| e * size);
+        let dE = GENERAL_DIRECTION.map(|e| e * size * part);
         let end = sym_add_scaled(&E, 1.0, &dE);
         let Some(change) =
             material.energy_change(&E, &dE).filter(|_| is_deformation(&E) && is_deformation(&end))
@@ -294,18 +299,20 @@ fn keeps_the_digits_of_energy_changes(
     Ok(())
 }
 
-/// The stress along a path against the sum over its points, with weights of both signs.
+/// Quadrature of the stress along a path against the sum over its points, with weights of both signs.
 fn sums_its_stress_along_a_path(material: &impl Material, direction: &Sym<f64>) -> Check {
     let points = [[0.0, 0.3], [0.25, -0.2], [0.7, 0.8], [1.0, 0.1]];
     for (size, part) in
         [1.0, 1e-3, 1e-8].into_iter().flat_map(|size| [0.3, 1e-4, 1e-9].map(|part| (size, part)))
     {
-        let (E, dE) = (direction.map(|e| e * size), GENERAL_DIRECTION.map(|e| e * size * part));
+        let E = direction.map(|e| e * size);
+        let dE = GENERAL_DIRECTION.map(|e| e * size * part);
         let strains = points.map(|[alpha, _]| sym_add_scaled(&E, alpha, &dE));
         if !strains.iter().all(is_deformation) {
             continue;
         }
-        let (mut sum, mut scale) = ([0.0; 6], 0.0);
+        let mut sum = [0.0; 6];
+        let mut scale = 0.0;
         for (strain, [_, weight]) in strains.iter().zip(points) {
             let stress = material.stress(strain);
             sum = sym_add_scaled(&sum, weight, &stress);
@@ -331,7 +338,8 @@ fn keeps_the_digits_of_its_elasticity(
         if !is_deformation(&strain) {
             continue;
         }
-        let (D, scale) = (material.stress_and_elasticity(&strain).1, elasticity_norm(material, &strain));
+        let D = material.stress_and_elasticity(&strain).1;
+        let scale = elasticity_norm(material, &strain);
         for (a, b) in (0..6).flat_map(|a| (0..=a).map(move |b| (a, b))) {
             let error = (big(D[a][b]) - second_derivative(energy, &strain, a, b)).to_f64().value();
             // A component is a sum of a dozen products of rounded factors.
@@ -363,7 +371,8 @@ fn second_derivative(energy: &impl Fn(&Mat3<Big>) -> Big, E: &Sym<f64>, a: usize
 
 /// Norm of the error of S by the norm of S; the exact S is a central difference with 60 correct digits.
 fn stress_error(material: &impl Material, energy: &impl Fn(&Mat3<Big>) -> Big, E: &Sym<f64>) -> f64 {
-    let (S, h) = (material.stress(E), 2f64.powi(-110));
+    let S = material.stress(E);
+    let h = 2f64.powi(-110);
     let exact = [0, 1, 2, 3, 4, 5].map(|b| {
         let energy_at = |increment: f64| energy(&right_cauchy_green(E, &[(b, big(increment))]));
         (energy_at(h) - energy_at(-h)) / big(2.0 * h * multiplicity(b))

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Cell, Mesh};
 use sample::{Measures, samples};
 
-/// The worst value of a measure and the cell that has it.
+/// The worst value of a measure and its cell.
 ///
 /// ```
 /// // The second cell is the flat one.
@@ -35,16 +35,17 @@ pub struct Worst {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
-    /// Smallest det(dX/dxi) of a cell, at its quadrature points and nodes, by its mean over the cell: 1 for a
-    /// parallelepiped, a straight tetrahedron, a pyramid over a parallelogram, less where faces are warped or curved, not
-    /// positive where the map folds. (In a pyramid det is constant along a ray from the apex: the apex, where it has no
-    /// single value, has those of the base; the one on the axis is taken.) In a plane det is that of the two coordinates.
+    /// Smallest det(dX/dxi) of a cell, at its quadrature points and nodes, divided by its mean over the cell: 1 for a
+    /// parallelepiped, a straight tetrahedron, or a pyramid over a parallelogram; less if faces are warped or curved;
+    /// not positive if the map folds. (In a pyramid det is constant along a ray from the apex. At the apex, where it
+    /// has no single value, the ray along the axis is taken.) In a plane det is the determinant in the two coordinates.
     pub jacobian_ratio: Worst,
-    /// Smallest volume spanned by the three edges at a corner, by the product of their lengths, relative to the cell with
-    /// edges of one length (cube, regular tetrahedron, ...): 1 at best, near zero for a flat cell. At the apex of a
-    /// pyramid every three successive ones of its four edges count; in a plane it is the area that two edges span. Source: Knupp (2000), IJNME 48, 1165-1185.
+    /// Smallest volume spanned by the three edges at a corner, divided by the product of their lengths, relative to the
+    /// cell with equal edges (cube, regular tetrahedron, ...): 1 at best, near zero for a flat cell. At the apex of a
+    /// pyramid, every three successive edges count; in a plane, it is the area spanned by two edges. Source: Knupp
+    /// (2000), IJNME 48, 1165-1185.
     pub scaled_jacobian: Worst,
-    /// Largest quotient of the longest by the shortest edge of a cell (distance of the corners).
+    /// Largest ratio of the longest to the shortest edge of a cell (distance of the corners).
     pub aspect_ratio: Worst,
     /// Total volume \[length^3\]; of plane cells the area, of links the length.
     pub volume: f64,
@@ -78,7 +79,7 @@ pub fn quality(mesh: &Mesh) -> Quality {
 ///
 /// # Errors
 /// [`Error::InvertedCell`] with the first cell whose det(dX/dxi) is not positive at one of its quadrature points,
-/// [`Error::NotFinite`] if it is so large that it is no number.
+/// [`Error::NotFinite`] if it overflows.
 ///
 /// ```
 /// let mesh = emmy::mesh::l_block(1.0)?;
@@ -101,14 +102,14 @@ pub fn check(mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// Coordinates above this may have volumes that are no numbers.
+/// Coordinates above this may have volumes that overflow.
 const HUGE: f64 = 1e100;
 
 fn positions(mesh: &Mesh, cell: Cell) -> Vec<[f64; 3]> {
     cell.nodes.iter().map(|&node| mesh.points()[node as usize]).collect()
 }
 
-/// First value that is worse than all before it; NaN is the worst of all.
+/// First value that is worse than all before; NaN is the worst.
 fn worst(values: impl Iterator<Item = f64>, is_worse: impl Fn(f64, f64) -> bool) -> Worst {
     let values = values.enumerate().map(|(cell, value)| Worst { value, cell });
     let is_worse = |b: f64, a: f64| is_worse(b, a) || (b.is_nan() && !a.is_nan());

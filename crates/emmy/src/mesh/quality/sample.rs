@@ -1,4 +1,4 @@
-//! Where a cell is looked at to measure its quality, and what is measured there.
+//! Points at which a cell is measured, and the measures there.
 
 #![allow(non_snake_case)]
 
@@ -24,17 +24,17 @@ impl Measures {
     }
 }
 
-/// What the cells of a kind share: gradients of the shape functions at all points that are looked at, and the edges.
+/// Data shared by the cells of a kind: gradients of the shape functions at all sample points, and the edges.
 pub(super) struct Sample {
     weights: Vec<f64>,
     kind: CellKind,
-    /// Points of the mass quadrature, which the weights belong to, then those of the internal force.
+    /// Points of the mass quadrature, with the weights, then the points of the internal force.
     at_quadrature: Vec<Vec<[f64; 3]>>,
     at_nodes: Vec<Vec<[f64; 3]>>,
     edges: Vec<[usize; 2]>,
     /// Corners, each with three of its neighbours in the order in which their edges span a positive volume.
     spans: Vec<[usize; 4]>,
-    /// Product of the edge lengths at a corner by the volume that they span, in a cell with edges of one length.
+    /// Product of the edge lengths at a corner divided by the volume that they span, in a cell with equal edges.
     ideal: f64,
 }
 
@@ -45,7 +45,8 @@ pub(super) fn samples() -> BTreeMap<CellKind, Sample> {
 
 impl Sample {
     fn new(kind: CellKind) -> Self {
-        let (curved, mass) = (element(kind), element(kind).mass_quadrature());
+        let curved = element(kind);
+        let mass = element(kind).mass_quadrature();
         let mut at_quadrature = gradients(curved, &mass.points);
         at_quadrature.extend(gradients(curved, &curved.quadrature().points));
         Sample {
@@ -67,8 +68,8 @@ impl Sample {
         let smallest_det = dets.into_iter().reduce(smaller).unwrap_or(f64::NAN);
         let at_nodes = self.at_nodes.iter().map(|dN| det(&jacobian(self.kind, X, dN)));
         let lengths: Vec<f64> = self.edges.iter().map(|&[a, b]| distance(X[a], X[b])).collect();
-        let (shortest, longest) =
-            (lengths.iter().copied().reduce(smaller), lengths.iter().copied().reduce(f64::max));
+        let shortest = lengths.iter().copied().reduce(smaller);
+        let longest = lengths.iter().copied().reduce(f64::max);
         Measures {
             smallest_det,
             jacobian_ratio: at_nodes.fold(smallest_det, smaller) / mean.abs(),
@@ -89,14 +90,14 @@ impl Sample {
                 edges[2] = [0.0, 0.0, 1.0];
             }
             let product: f64 = edges.iter().map(|edge| distance(*edge, [0.0; 3])).product();
-            // An edge of no length spans no volume.
+            // An edge of length zero spans no volume.
             if product == 0.0 { 0.0 } else { self.ideal * det(&edges) / product }
         };
         self.spans.iter().map(scaled).reduce(smaller).unwrap_or(f64::NAN)
     }
 }
 
-/// Product of the edge lengths at a corner by the volume that they span, where all edges of a cell have one length.
+/// Product of the edge lengths at a corner divided by the volume that they span, in a cell with equal edges.
 fn ideal(kind: CellKind) -> f64 {
     match kind.info().shape {
         CellShape::Tetrahedron | CellShape::Pyramid => 2f64.sqrt(),
@@ -114,7 +115,7 @@ fn gradients(element: &dyn ReferenceElement<3>, points: &[[f64; 3]]) -> Vec<Vec<
     points.iter().map(at).collect()
 }
 
-/// Pairs of corners that an edge joins, each once.
+/// Pairs of corners joined by an edge, without repetition.
 fn edges(kind: CellKind) -> Vec<[usize; 2]> {
     if kind.dimension() == 1 {
         return vec![[0, 1]];
@@ -129,10 +130,11 @@ fn edges(kind: CellKind) -> Vec<[usize; 2]> {
     edges.into_iter().collect()
 }
 
-/// Corners with each three successive neighbours, anticlockwise as seen from outside; in a plane with the next corner and the
-/// one before, the third edge being the unit vector along z.
+/// Corners with each three successive neighbours, anticlockwise as seen from outside; in a plane, with the next and the
+/// previous corner, and the unit vector along z as third edge.
 fn spans(kind: CellKind) -> Vec<[usize; 4]> {
-    let (mut spans, n) = (Vec::new(), kind.n_corners());
+    let mut spans = Vec::new();
+    let n = kind.n_corners();
     if kind.dimension() == 1 {
         return spans;
     }
@@ -141,7 +143,7 @@ fn spans(kind: CellKind) -> Vec<[usize; 4]> {
     }
     for corner in 0..kind.n_corners() {
         let around = neighbours(kind, corner);
-        // The triples of three neighbours are one triple, turned.
+        // The triples of three neighbours are one triple, rotated.
         let n = if around.len() == 3 { 1 } else { around.len() };
         let neighbour = |i: usize| around[i % around.len()];
         spans.extend((0..n).map(|i| [corner, neighbour(i), neighbour(i + 1), neighbour(i + 2)]));
@@ -149,11 +151,12 @@ fn spans(kind: CellKind) -> Vec<[usize; 4]> {
     spans
 }
 
-/// Corners that are joined to a corner by an edge, in the order in which the faces around it follow each other.
+/// Corners joined to a corner by an edge, in the order of the faces around it.
 fn neighbours(kind: CellKind, corner: usize) -> Vec<usize> {
     let mut following = BTreeMap::new();
     for facet in kind.facets() {
-        let (corners, n) = (facet.nodes, facet.kind.n_corners());
+        let corners = facet.nodes;
+        let n = facet.kind.n_corners();
         if let Some(at) = corners[..n].iter().position(|&node| node == corner) {
             following.insert(corners[(at + n - 1) % n], corners[(at + 1) % n]);
         }
@@ -163,7 +166,7 @@ fn neighbours(kind: CellKind, corner: usize) -> Vec<usize> {
     around.take(following.len()).collect()
 }
 
-/// The smaller of two numbers, NaN if one of them is.
+/// Smaller of two numbers; NaN if either is NaN.
 fn smaller(a: f64, b: f64) -> f64 {
     crate::tensor::Lane::min(a, b)
 }

@@ -160,7 +160,7 @@ fn an_inverted_cell_is_named() {
 }
 
 #[test]
-fn a_cell_without_volume_is_refused() {
+fn a_cell_without_volume_is_rejected() {
     let mut points = unit_cube(CellKind::Hex8);
     points.iter_mut().for_each(|point| point[2] = 0.0);
     let mesh = mesh_of(CellKind::Hex8, &points);

@@ -87,8 +87,8 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
     ) -> [(__m256, f32); C] {
         let bits: __m128i = cast(first::<8, _>(A));
         let upper = self.avx2._mm256_slli_epi32::<16>(self.avx2._mm256_cvtepu16_epi32(bits));
-        let (eight, last) =
-            (self.avx._mm256_castsi256_ps(upper), f32::from_bits(u32::from(A[8].to_bits()) << 16));
+        let eight = self.avx._mm256_castsi256_ps(upper);
+        let last = f32::from_bits(u32::from(A[8].to_bits()) << 16);
         let vector = if C == 1 {
             self.avx._mm256_castps128_ps256(cast(first::<4, _>(x.as_flattened())))
         } else {
@@ -114,13 +114,13 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
     }
 }
 
-/// Where each entry of a block finds the component that it is multiplied with, in a row of `n_columns` columns.
+/// Index of the vector component for each entry of a block, in a row of `n_columns` columns.
 #[inline(always)]
 const fn columns<const N: usize>(n_columns: usize, column: usize) -> [i32; N] {
     let mut at = [0; N];
     let mut entry = 0;
     while entry < N {
-        // What follows the block is multiplied with the zero that follows the vector.
+        // Entries after the block are multiplied with the zero after the vector.
         let component = if entry < 9 { entry / 3 } else { 3 };
         at[entry] = (component * n_columns + column) as i32;
         entry += 1;

@@ -16,7 +16,8 @@ impl<F: Function> WithSimd for Apply<F> {
     type Output = [f64; LANES];
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
-        let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+        let mut result = Packed([0.0; LANES]);
+        let zero = Batch::new(simd, 0.0);
         for part in 0..LANES / S::F64_LANES {
             let x = [0, 1, 2].map(|n| zero.load(&self.1[n], part));
             self.0.of(x).store(&mut result, part);
@@ -25,7 +26,7 @@ impl<F: Function> WithSimd for Apply<F> {
     }
 }
 
-/// Registers of every instruction set that there is here, against numbers: the largest relative difference.
+/// Registers of every available instruction set against numbers: the largest relative difference.
 fn difference<F: Function + Copy>(function: F, x: [[f64; LANES]; 3]) -> f64 {
     let results = [Arch::new(), Arch::Scalar].map(|arch| arch.dispatch(Apply(function, x.map(Packed))));
     let mut largest = 0f64;
@@ -71,7 +72,7 @@ fn numbers() -> impl Strategy<Value = [[f64; LANES]; 3]> {
 
 proptest! {
     #[test]
-    fn operations_are_those_of_numbers(x in numbers()) {
+    fn operations_match_plain_numbers(x in numbers()) {
         prop_assert_eq!(difference(Operators, x), 0.0);
         prop_assert_eq!(difference(Root, x), 0.0);
         prop_assert_eq!(difference(Smaller, x), 0.0);
@@ -88,7 +89,7 @@ proptest! {
         for argument in [x, positive, x.map(|x| 0.5 * x), x.map(|x| -x.abs())] {
             let error = difference(Logarithm, [argument; 3]);
             prop_assert!(error < 4.0 * f64::EPSILON, "{error:e} at {argument:?}");
-            // The direct form, which numbers take from 0.06 on, loses up to two digits.
+            // The direct form, used by numbers from 0.06 on, loses up to two digits.
             let error = difference(LessLogarithm, [argument; 3]);
             prop_assert!(error < 64.0 * f64::EPSILON, "{error:e} at {argument:?}");
         }
@@ -100,7 +101,7 @@ proptest! {
 }
 
 #[test]
-fn functions_at_their_limits_are_those_of_numbers() {
+fn functions_at_their_limits_match_plain_numbers() {
     let limits = [-1.0, -1.0 + 1.2e-16, -1.5, f64::INFINITY, 1e300, f64::NAN, 1e-300, -0.0];
     assert!(difference(Logarithm, [limits; 3]) < 4.0 * f64::EPSILON);
     let roots = [0.41421356, 0.41421357, -0.29289321, -0.29289322, 1.0, 3.0, -0.5, -1e-300];
@@ -129,7 +130,8 @@ fn eigenvalues_are_taken_lane_by_lane() {
     impl WithSimd for Values {
         type Output = [f64; LANES];
         fn with_simd<S: Simd>(self, simd: S) -> [f64; LANES] {
-            let (mut result, zero) = (Packed([0.0; LANES]), Batch::new(simd, 0.0));
+            let mut result = Packed([0.0; LANES]);
+            let zero = Batch::new(simd, 0.0);
             for part in 0..LANES / S::F64_LANES {
                 let (values, Q) = Lane::eigen(&self.0.map(|a| zero.load(&a, part)));
                 (values[0] * Q[0][0] + values[1] * Q[0][1]).store(&mut result, part);

@@ -9,7 +9,7 @@ use crate::time::iteration::Iteration;
 use crate::time::stage_system::StageSystem;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
-/// Where the step is split: 2 - sqrt 2.
+/// Fraction of the step at which it is split: 2 - sqrt 2.
 const SPLIT: f64 = 2.0 - std::f64::consts::SQRT_2;
 
 /// Weights of the forces at the start, at the split and at the end in the new velocity.
@@ -25,8 +25,8 @@ const WEIGHTS: [f64; 3] = [0.5 / (2.0 - SPLIT), 0.5 / (2.0 - SPLIT), (1.0 - SPLI
 /// c_1 = (1 - gamma)/(gamma h),    c_2 = -1/((1 - gamma) gamma h),    c_3 = (2 - gamma)/((1 - gamma) h) = 1/s
 /// ```
 ///
-/// (Bathe and Baig (2005), who take gamma = 1/2; as here, one matrix `M + s^2 K` serves both parts: Bank and others (1985).)
-/// The second part starts from the displacement u_s.
+/// (Bathe and Baig (2005), who take gamma = 1/2; as here, one matrix `M + s^2 K` serves both parts: Bank and others
+/// (1985).) The second part starts from the displacement u_s.
 #[derive(Debug)]
 pub struct BatheStepper<'a> {
     system: StageSystem<'a>,
@@ -72,7 +72,8 @@ impl<'a> BatheStepper<'a> {
 
     /// Trapezoidal rule up to the split.
     fn first_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
-        let (s, part) = (0.5 * SPLIT * h, SPLIT * h);
+        let s = 0.5 * SPLIT * h;
+        let part = SPLIT * h;
         self.system.start(&state.displacement, s);
         let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
@@ -94,7 +95,8 @@ impl<'a> BatheStepper<'a> {
 
     /// Three-point backward Euler from the split to the end.
     fn second_part(&mut self, state: &State, h: f64) -> Result<Outcome> {
-        let (s, [c_1, c_2, c_3]) = (0.5 * SPLIT * h, backward_coefficients(h));
+        let s = 0.5 * SPLIT * h;
+        let [c_1, c_2, c_3] = backward_coefficients(h);
         self.system.start(&self.split.displacement, s);
         for (dof, work) in self.work.iter_mut().enumerate() {
             let old = c_1 * state.velocity[dof] + c_2 * self.split.velocity[dof];
@@ -126,9 +128,11 @@ impl<'a> BatheStepper<'a> {
 
     /// The state at the end of the step: `v_2 = c_3 x - c_1 (u_s - u_1)` and `a_2 = c_1 v_1 + c_2 v_s + c_3 v_2`.
     fn update(&mut self, state: &mut State, h: f64) {
-        let (body, [c_1, c_2, c_3]) = (self.forces.body, backward_coefficients(h));
+        let body = self.forces.body;
+        let [c_1, c_2, c_3] = backward_coefficients(h);
         for (dof, x) in self.iteration.rates.iter().enumerate() {
-            let (old, split) = (state.velocity[dof], self.split.velocity[dof]);
+            let old = state.velocity[dof];
+            let split = self.split.velocity[dof];
             let new = c_3 * x - c_1 * self.increment[dof];
             state.velocity[dof] = new;
             self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
@@ -171,7 +175,7 @@ impl Stepper for BatheStepper<'_> {
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
     }
 
-    /// That of the second part.
+    /// Weights of the second part.
     fn newton_history(&self) -> &[f64] {
         self.iteration.history()
     }

@@ -7,20 +7,20 @@ use crate::error::{Error, Result};
 use crate::newton::Outcome;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 
-/// Steps up to this part of the critical one are accepted: the estimate comes from above, and the body may stiffen.
+/// Largest accepted step relative to the critical one: the estimate is an upper bound, and the body may stiffen.
 const SAFETY: f64 = 0.98;
 
 /// Number of steps after which the critical step is estimated again.
 const STEPS_BETWEEN_ESTIMATES: usize = 50;
 
-/// Stepper of central differences in the form that has displacement and velocity at the same times (Verlet 1967):
+/// Stepper of central differences in the form with displacement and velocity at the same times (Verlet 1967):
 ///
 /// ```math
 /// p_s = p_1 + (h/2) (F - f)_1,    u_2 = u_1 + h M^-1 p_s,    p_2 = p_s + (h/2) (F - f)_2
 /// ```
 ///
-/// with the lumped mass [`Body::lumped_mass`]: the momentum of the state, and with it kinetic energy and momenta of the
-/// record, are those of the lumped mass. It conserves linear and angular momentum, is symplectic, and stable for
+/// with the lumped mass [`Body::lumped_mass`]. The momentum of the state, and with it the kinetic energy and momenta of
+/// the record, use the lumped mass. The method conserves linear and angular momentum, is symplectic, and is stable for
 /// `h < 2/omega_max`; a larger step is rejected.
 #[derive(Debug)]
 pub struct CentralDifferences<'a> {
@@ -34,12 +34,13 @@ pub struct CentralDifferences<'a> {
 }
 
 impl<'a> CentralDifferences<'a> {
-    /// The stepper of a state, whose momentum it sets by the lumped mass.
+    /// The stepper of a state, whose momentum it sets with the lumped mass.
     ///
     /// # Errors
     /// [`Error::Inverted`].
     pub fn new(body: &'a Body, state: &mut State) -> Result<Self> {
-        let (mut forces, n) = (Forces::new(body), body.n_dofs());
+        let mut forces = Forces::new(body);
+        let n = body.n_dofs();
         let limit = StabilityLimit::new(&mut forces, &state.displacement)?;
         let mut start = TimePoint::new(n);
         start.displacement.copy_from_slice(&state.displacement);
@@ -59,7 +60,8 @@ impl<'a> CentralDifferences<'a> {
         Ok(stepper)
     }
 
-    /// The critical step `2/omega_max` of a body at a displacement `[n_nodes][3]`, and the largest step that is accepted \[time\].
+    /// The critical step `2/omega_max` of a body at a displacement `[n_nodes][3]`, and the largest accepted step
+    /// \[time\].
     ///
     /// # Errors
     /// [`Error::Inverted`].
@@ -84,7 +86,8 @@ fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
 
 impl Stepper for CentralDifferences<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
-        let (body, h) = (self.forces.body, step_size);
+        let body = self.forces.body;
+        let h = step_size;
         self.limit.check(&mut self.forces, state, h)?;
         for (dof, x) in self.increment.iter_mut().enumerate() {
             let middle = state.momentum[dof] + 0.5 * h * self.inertia[dof];
@@ -137,7 +140,7 @@ impl Stepper for CentralDifferences<'_> {
     }
 }
 
-/// Refuses a step that ends in forces which are not numbers: nothing else here would notice.
+/// Rejects a step whose forces are not finite: no other check would find this.
 fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
     let numbers = end.force.iter().zip(&end.displacement);
     match numbers.into_iter().position(|(force, u)| !(force.is_finite() && u.is_finite())) {
@@ -165,12 +168,12 @@ struct StabilityLimit {
 /// Relative change of omega_max^2 at which the power iteration ends.
 const TOLERANCE: f64 = 1e-6;
 
-/// Iterations after which it ends in any case.
+/// Largest number of iterations.
 const MAX_ITERATIONS: usize = 500;
 
 impl StabilityLimit {
     fn new(forces: &mut Forces<'_>, displacement: &[f64]) -> Result<Self> {
-        // A fixed vector with a part in every mode: fractional parts of multiples of the golden section.
+        // A fixed vector with a component in every mode: fractional parts of multiples of the golden section.
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let entry = |(dof, &fixed): (usize, &bool)| {
             if fixed { 0.0 } else { ((dof + 1) as f64 * golden).fract() - 0.5 }
@@ -199,7 +202,8 @@ impl StabilityLimit {
 
     /// One power iteration; returns `|M^-1 K x| / |x|` in the norm of the mass, at most the largest eigenvalue.
     fn iterate(&mut self, forces: &mut Forces<'_>) -> f64 {
-        let (body, mode) = (forces.body, &mut self.mode);
+        let body = forces.body;
+        let mode = &mut self.mode;
         forces.assembly.matrix.multiply(body.pattern(), mode, &mut self.product);
         let (mut old, mut new) = (0.0, 0.0);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
@@ -217,7 +221,7 @@ impl StabilityLimit {
         length / old.sqrt()
     }
 
-    /// Refuses a step that is too large for a state.
+    /// Rejects a step that is too large for a state.
     fn check(&mut self, forces: &mut Forces<'_>, state: &State, step_size: f64) -> Result<()> {
         if self.n_steps >= STEPS_BETWEEN_ESTIMATES {
             self.estimate(forces, &state.displacement)?;
@@ -226,7 +230,9 @@ impl StabilityLimit {
         if step_size <= limit {
             return Ok(());
         }
-        let (step, time, critical) = (state.step + 1, state.time + step_size, self.critical_step);
+        let step = state.step + 1;
+        let time = state.time + step_size;
+        let critical = self.critical_step;
         Err(Error::StepTooLarge { step, time, step_size, critical, limit })
     }
 }

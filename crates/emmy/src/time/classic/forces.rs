@@ -45,7 +45,7 @@ impl<'a> Forces<'a> {
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
-    /// The force with which the body pulls at the ground at a displacement; an empty one without ground.
+    /// Force of the body on the ground at a displacement; empty without ground.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
@@ -69,7 +69,7 @@ impl<'a> Forces<'a> {
         self.body.add_followers_at(displacement, time, external);
     }
 
-    /// The force that is left for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
+    /// Force that remains for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
@@ -90,13 +90,14 @@ impl<'a> Forces<'a> {
 }
 
 impl Forces<'_> {
-    /// Takes viscosity and drag of a state into the force that is left for inertia.
+    /// Adds viscosity and drag of a state to the force that remains for inertia.
     ///
     /// A mid-point rule on the path `u + (alpha - 1/2) v` sees the displacement u and the rate v.
     fn add_damping(&mut self, state: &State, external: &[f64], net: &mut [f64]) -> Result<()> {
         if self.body.is_viscous() {
             let before = state.displacement.iter().zip(&state.velocity).map(|(u, v)| u - 0.5 * v);
-            let (before, rule): (Vec<f64>, Rule) = (before.collect(), Rule::standard(1, &gauss(1)));
+            let before: Vec<f64> = before.collect();
+            let rule: Rule = Rule::standard(1, &gauss(1));
             let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
             let step = StepInput {
                 rule: &rule,
@@ -123,7 +124,8 @@ pub struct TimePoint {
     pub displacement: Vec<f64>,
     /// External force F.
     pub external: Vec<f64>,
-    /// The net force F - f(u) once it is evaluated; F + lambda, less the force on the ground, once the reactions are set.
+    /// The net force F - f(u) once it is evaluated; F + lambda, less the force on the ground, once the reactions are
+    /// set.
     pub force: Vec<f64>,
     /// Force on the ground.
     ground: Vec<f64>,
@@ -139,14 +141,14 @@ impl TimePoint {
         }
     }
 
-    /// Keeps the forces of the point as those at the start of the next step.
+    /// Keeps the forces of the point for the start of the next step.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("start.displacement", &self.displacement);
         memory.keep("start.external", &self.external);
         memory.keep("start.force", &self.force);
     }
 
-    /// Restores what [`TimePoint::keep`] kept.
+    /// Restores the data of [`TimePoint::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -165,7 +167,7 @@ impl TimePoint {
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)
     }
 
-    /// Evaluates what reactions are made from: a body without supports has none.
+    /// Evaluates the internal forces for the reactions; a body without supports has no reactions.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
@@ -177,7 +179,7 @@ impl TimePoint {
         forces.ground(&self.displacement, &mut self.ground)
     }
 
-    /// Sets the force to that of loads, reactions and the ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
+    /// Sets the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
     /// `inertia`: M a.
     pub fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         for (dof, &fixed) in body.fixed().iter().enumerate() {
@@ -186,7 +188,7 @@ impl TimePoint {
         }
     }
 
-    /// Adds what loads and reactions of this point do with a weight in a step of increment x.
+    /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
     pub fn add_to(&self, impulses: &mut Impulses, body: &Body, weight: f64, step_size: f64, x: &[f64]) {
         impulses.work += weight * dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
@@ -207,8 +209,11 @@ impl Start {
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(forces: &mut Forces<'_>, state: &State) -> Result<Self> {
-        let (body, n) = (forces.body, forces.body.n_dofs());
-        let (mut acceleration, mut inertia, mut point) = (vec![0.0; n], vec![0.0; n], TimePoint::new(n));
+        let body = forces.body;
+        let n = forces.body.n_dofs();
+        let mut acceleration = vec![0.0; n];
+        let mut inertia = vec![0.0; n];
+        let mut point = TimePoint::new(n);
         point.displacement.copy_from_slice(&state.displacement);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;

@@ -1,7 +1,8 @@
-//! Methods in common use that are not time elements. They share body, Newton's iteration and marching with them.
+//! Common methods that are not time elements. They share body, Newton's iteration and marching with the time elements.
 //!
-//! An implicit one solves equations of the shape of a time element of degree 1, with other coefficients and another known
-//! vector; its rule evaluates the internal force at configurations of the step instead of averaging the stress over it.
+//! An implicit method solves equations of the form of a time element of degree 1, with other coefficients and another
+//! known vector; its rule evaluates the internal force at configurations of the step instead of averaging the stress
+//! over it.
 //!
 //! [`super::Impulses`] defines work and impulses for these methods.
 

@@ -13,29 +13,29 @@ use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 /// A method of Newmark's family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NewmarkFamily {
-    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Of second order for gamma = 1/2; stable at any
-    /// step for a linear body if 2 beta >= gamma.
+    /// `Newmark(beta, gamma)` (Newmark 1959): 0 < beta <= 1, 1/2 <= gamma <= 1. Second order for gamma = 1/2;
+    /// unconditionally stable for a linear body if 2 beta >= gamma.
     Newmark {
         /// Weight of the new acceleration in the displacement.
         beta: f64,
         /// Weight of the new acceleration in the velocity.
         gamma: f64,
     },
-    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are taken at `1 - alpha` of the step. The
-    /// authors' own alpha has the opposite sign.
+    /// `HHT(alpha)` (Hilber, Hughes and Taylor 1977), 0 <= alpha <= 1/3: the forces are evaluated at `1 - alpha` of the
+    /// step. The authors' alpha has the opposite sign.
     HilberHughesTaylor {
         /// Dissipation of the high modes; 0 is the average acceleration method.
         alpha: f64,
     },
     /// `generalized-alpha(rho)` (Chung and Hulbert 1993), 0 <= rho <= 1.
     GeneralizedAlpha {
-        /// Spectral radius for infinitely high frequencies: 1 no dissipation, 0 all.
+        /// Spectral radius at infinite frequency: 1 for no dissipation, 0 for the strongest.
         spectral_radius: f64,
     },
 }
 
 impl NewmarkFamily {
-    /// Its scheme as an input has it: `HHT(0.05)`.
+    /// Its scheme as written in an input: `HHT(0.05)`.
     pub fn name(self) -> String {
         match self {
             NewmarkFamily::Newmark { beta, gamma } => named("Newmark", [beta, gamma]),
@@ -46,7 +46,7 @@ impl NewmarkFamily {
         }
     }
 
-    /// Checks that the numbers are in their range.
+    /// Checks the range of the numbers.
     ///
     /// # Errors
     /// [`Error::Scheme`].
@@ -133,8 +133,8 @@ pub struct NewmarkParameters {
 /// c M x - c h p_1 - h^2 (c (1/2 - beta) - alpha_m) M a_1 + h^2 (f - F)_(2 - alpha_f) = 0
 /// ```
 ///
-/// The acceleration is the stepper's memory. At the start it follows from the equation of motion, `M a = F - f(u)`, with the
-/// consistent mass.
+/// The acceleration is the stepper's memory. At the start it follows from the equation of motion, `M a = F - f(u)`,
+/// with the consistent mass.
 #[derive(Debug)]
 pub struct NewmarkStepper<'a> {
     parameters: NewmarkParameters,
@@ -190,7 +190,8 @@ impl<'a> NewmarkStepper<'a> {
     /// Sets the equations of the step.
     fn start(&mut self, state: &State, h: f64) {
         let NewmarkParameters { alpha_m, alpha_f, beta, .. } = self.parameters;
-        let (system, body) = (&mut self.system, self.forces.body);
+        let system = &mut self.system;
+        let body = self.forces.body;
         system.start(&state.displacement, h);
         let c = (1.0 - alpha_m) / beta;
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
@@ -215,7 +216,8 @@ impl<'a> NewmarkStepper<'a> {
         let NewmarkParameters { beta, gamma, .. } = self.parameters;
         let body = self.forces.body;
         for (dof, x) in self.iteration.rates.iter().enumerate() {
-            let (v, a) = (state.velocity[dof], self.acceleration[dof]);
+            let v = state.velocity[dof];
+            let a = self.acceleration[dof];
             let new = (x - h * v) / (beta * h * h) - (0.5 - beta) / beta * a;
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
             self.acceleration[dof] = new;
@@ -227,7 +229,9 @@ impl<'a> NewmarkStepper<'a> {
 
     /// Work and impulses with the weights 1 - gamma at the start and gamma at the end, the weights of the velocity.
     fn impulses(&mut self, h: f64) -> Impulses {
-        let (body, gamma, x) = (self.forces.body, self.parameters.gamma, &self.iteration.rates);
+        let body = self.forces.body;
+        let gamma = self.parameters.gamma;
+        let x = &self.iteration.rates;
         self.end.set_reactions(body, &self.inertia);
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);

@@ -8,24 +8,24 @@ use crate::time::{MAX_DEGREE, Memory};
 
 /// A few corrections with a reused stiffness.
 ///
-/// Each leaves a part of order h^2 of the defect, of order h^3 if the stiffness is new, since M stands in the tangent as it is (but for the 16 bits of the matrix that
-/// conjugate gradients read, which leave less than a hundredth). The end of the step depends on
-/// a part of the rates that is small by orthogonality: what is left of that is seen from what the last correction changes there.
+/// Each leaves a part of order h^2 of the defect, or of order h^3 with a new stiffness, since the tangent contains M
+/// exactly (except for the 16-bit matrix of conjugate gradients, which leaves less than a hundredth). The end of the
+/// step depends on a part of the rates that is small by orthogonality; the last change there estimates the remainder.
 #[derive(Debug, Default)]
 pub struct DefectCorrection {
     residual: Vec<f64>,
     correction: Vec<f64>,
     /// Sum of all changes of displacement and velocity at the end of the step, `[2][n_nodes][3]`.
     at_end: Vec<f64>,
-    /// Corrections beyond the least number, since the stiffness was made; `None`: there is none.
+    /// Corrections beyond the minimum since the last refactorisation; `None`: there is no stiffness.
     excess: Option<usize>,
 }
 
-/// Tolerance of the linear solver: the end of the step depends on less of the defect than its size.
+/// Tolerance of the linear solver: the end of the step is less sensitive to the defect than its size suggests.
 const TOLERANCE: f64 = 1e-4;
 
-/// Largest remaining change at the end of the step over the change so far: the part of the last correction times the part of the
-/// residual that it leaves.
+/// Largest remaining change at the end of the step over the change so far: the part of the last correction times the
+/// part of the residual after it.
 const MAX_END_CHANGE: f64 = 0.05;
 
 /// A correction that leaves a larger part of the residual has an outdated stiffness.
@@ -35,7 +35,8 @@ const SLOW_CONTRACTION: f64 = 0.3;
 const MAX_EXTRA_CORRECTIONS: usize = 4;
 
 impl DefectCorrection {
-    /// Corrects rates at least `least` times, and more often where much is left; false if it does not converge.
+    /// Corrects rates at least `least` times, and more often if a large residual remains; false if it does not
+    /// converge.
     ///
     /// # Errors
     /// As the system.
@@ -77,7 +78,8 @@ impl DefectCorrection {
         Ok(false)
     }
 
-    /// Adds the last correction to the changes at the end of the step; returns its part in the sum of all corrections, in displacement or
+    /// Adds the last correction to the changes at the end of the step; returns its part of the sum of all corrections,
+    /// in displacement or velocity.
     /// velocity.
     fn change_at_end(&mut self, coefficients: &StageCoefficients) -> f64 {
         let n = self.at_end.len() / 2;
@@ -104,7 +106,7 @@ impl DefectCorrection {
         memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
-    /// Restores what [`DefectCorrection::keep`] kept.
+    /// Restores the data of [`DefectCorrection::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].

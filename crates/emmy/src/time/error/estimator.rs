@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::time::TimeElement;
 
-/// How the local error is estimated.
+/// Estimators of the local error.
 ///
 /// ```
 /// use emmy::time::{Estimator, TimeElement};
@@ -15,7 +15,7 @@ use crate::time::TimeElement;
 pub enum Estimator {
     /// By differences of velocities, for degree 1.
     Difference,
-    /// By the residual in some steps, and by how sizes and rates have changed in those between.
+    /// By the residual in some steps, extrapolated to the steps between by step size and rates.
     Sampled,
     /// By the residual of the reconstructed step.
     Residual,
@@ -23,7 +23,7 @@ pub enum Estimator {
     Element,
 }
 
-/// Estimators: key word, estimator, what it is.
+/// Estimators: key word, estimator, description.
 pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
     ("difference", Estimator::Difference, "differences of velocities, for degree 1; costs nothing"),
     (
@@ -40,7 +40,7 @@ pub const ESTIMATORS: [(&str, Estimator, &str); 4] = [
 ];
 
 impl Estimator {
-    /// The default: differences where they do, else the sampled residual.
+    /// The default: differences if they apply, else the sampled residual.
     pub fn of(element: TimeElement) -> Self {
         match Estimator::Difference.check(element) {
             Ok(()) => Estimator::Difference,
@@ -53,19 +53,19 @@ impl Estimator {
         ESTIMATORS.into_iter().find(|(_, own, _)| *own == self).map_or("", |(name, ..)| name)
     }
 
-    /// Checks that the estimator goes with a time element.
+    /// Checks that the estimator fits a time element.
     ///
     /// # Errors
-    /// [`Error::Adaptivity`]: differences go with degree 1 only, and not with a scheme that dissipates, which has another error.
+    /// [`Error::Adaptivity`]: differences need degree 1 and a scheme without dissipation, which has another error.
     pub fn check(self, element: TimeElement) -> Result<()> {
         let degree = element.degree;
         let reason = match self {
             Estimator::Difference if degree != 1 => {
-                format!("\"difference\" goes with degree 1 only, not {degree}")
+                format!("\"difference\" needs degree 1, not {degree}")
             }
             Estimator::Difference if element.spectral_radius.is_some() => {
                 format!(
-                    "\"difference\" does not go with {}, whose error is that of its dissipation",
+                    "\"difference\" cannot be used with {}, whose error comes from its dissipation",
                     element.name()
                 )
             }

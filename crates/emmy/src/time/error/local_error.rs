@@ -12,48 +12,56 @@ use crate::time::{AveragingRule, Memory, State, Stepper, TimeElement, TimeElemen
 
 /// Estimates the error of each step of a time element, in positions and velocities at its end.
 ///
-/// *By differences*, for degree 1. All elements of degree 1 end with `u_2 = u_1 + h (v_1 + v_2)/2`: the trapezoidal rule, whose error is
+/// *By differences*, for degree 1. All elements of degree 1 end with `u_2 = u_1 + h (v_1 + v_2)/2`: the trapezoidal
+/// rule, whose error is
 ///
 /// ```math
 /// du = h^3/12 u''',    u''' ~ 2 (a_n - a_(n-1)) / (h_n + h_(n-1)),    a_n = (v_(n+1) - v_n) / h_n
 /// ```
 ///
-/// with mean accelerations, which are those of the middles of the steps (Zienkiewicz and Xie 1991, A simple error estimator and
-/// adaptive time stepping procedure for dynamic analysis, Earthquake Engineering and Structural Dynamics 20, for accelerations at the
-/// ends). The error of the velocity is the same with one derivative more. It costs nothing. Modes that the step does not resolve swing from
-/// step to step, `|a_n - a_(n-1)| <= 4 |v|/h`, and count with `h |v|/3` at most.
+/// with mean accelerations, which belong to the middles of the steps (Zienkiewicz and Xie 1991, A simple error
+/// estimator and adaptive time stepping procedure for dynamic analysis, Earthquake Engineering and Structural Dynamics
+/// 20, for accelerations at the ends). The error of the velocity has one more derivative. The estimate costs nothing.
+/// Modes that the step does not resolve alternate from step to step, `|a_n - a_(n-1)| <= 4 |v|/h`, and contribute at
+/// most `h |v|/3`.
 ///
-/// *By an element of degree k + 1* from the same state: the difference of the two ends. The one has the error
-/// `c h^(2k+1)`, the other `c h^(2k+3)`, so that the estimate is exact in the limit. It costs a step of that element, which starts from the
-/// reconstruction of the next paragraph.
+/// *By an element of degree k + 1* from the same state: the difference of the two ends. The element has the error `c
+/// h^(2k+1)`, the higher one `c h^(2k+3)`, so that the estimate is exact in the limit. It costs a step of the higher
+/// element, which starts from the reconstruction described next.
 ///
-/// *By the residual*. The velocity v^h of the step, of degree k, and its integral `u~ = u_1 + h integral v^h` have the nodal values of the step, so that their
-/// errors `d = u~ - u`, `w = v^h - v` at its end are those wanted. With the strong residual r of the momentum equation they obey
+/// *By the residual*. The velocity v^h of the step, of degree k, and its integral `u~ = u_1 + h integral v^h` have the
+/// nodal values of the step, so that their errors at its end, `d = u~ - u` and `w = v^h - v`, are the wanted ones. With
+/// the strong residual r of the momentum equation they satisfy
 ///
 /// ```math
 /// M r = M v^h'/h + f(u~) - F,    d' = h w,    w' = h (r - M^-1 K d) + ..,    d(0) = w(0) = 0
 /// ```
 ///
-/// up to squares of d, whence `(d, w)(1) = h integral Phi(1, alpha) (0, r) dalpha` with the propagator Phi of the linearised motion. The part of r along the Legendre polynomial
-/// P_j has the order h^(2k-j) for j <= k, for a method of order 2k; that of Phi has h^j. So all j <= k count alike: for k = 1
-/// `w(1) = h integral r` and `d(1) = h^2 integral (1 - alpha) r` are the leading terms, for k > 1 powers of `h^2 K` up to degree k belong to them, and no
-/// quadrature of r alone is the error. They are solved for with the Gauss method of degree k + 1,
+/// up to squares of d, so `(d, w)(1) = h integral Phi(1, alpha) (0, r) dalpha` with the propagator Phi of the
+/// linearised motion. The component of r along the Legendre polynomial P_j has the order h^(2k-j) for j <= k, for a
+/// method of order 2k; the component of Phi has the order h^j. So all j <= k contribute equally: for k = 1 `w(1) = h
+/// integral r` and `d(1) = h^2 integral (1 - alpha) r` are the leading terms, for k > 1 powers of `h^2 K` up to degree
+/// k are needed as well, and no quadrature of r alone is the error. The equations are solved with the Gauss method of
+/// degree k + 1,
 ///
 /// ```math
 /// sum_j (a^-1)_ij M dx_j + h^2 a_ij K dx_j = -h^2 M r(c_i),    d(1) = -sum_j b_j dx_j
 /// ```
 ///
-/// whose right-hand side is nothing but its own stage residual at the rates of u~, and which is exact to order h^(2k+3): a defect correction (Zadunaisky
-/// 1976, On the estimation of errors propagated in the numerical integration of ordinary differential equations, Numerische
-/// Mathematik 27; Frank and Ueberhuber 1977, Iterated defect correction for differential equations, BIT 17). Inside the step the error of v^h has the order h^(k+1), of
-/// which a correction with one kept K leaves a part of order h^2. So `floor(k/2) + 1` corrections leave less than h^(2k+1), and the estimate is exact in the limit.
-/// They cost as many evaluations of f at k + 1 points, and one to see that they did their work; where K fits badly there are more of them.
+/// whose right-hand side is its own stage residual at the rates of u~. It is exact to order h^(2k+3): a defect
+/// correction (Zadunaisky 1976, On the estimation of errors propagated in the numerical integration of ordinary
+/// differential equations, Numerische Mathematik 27; Frank and Ueberhuber 1977, Iterated defect correction for
+/// differential equations, BIT 17). Inside the step the error of v^h has the order h^(k+1), and a correction with one
+/// reused K leaves a part of order h^2. So `floor(k/2) + 1` corrections leave less than h^(2k+1), and the estimate is
+/// exact in the limit. They cost as many evaluations of f at k + 1 points, and one more to check their result; if K is
+/// inaccurate, more corrections follow.
 ///
-/// *Sampled*: by the residual in the first two steps, and then in ever fewer where that proves good; an error between two samples is that of the last one, times the powers of the changes of
-/// the step size and of the (k + 1)-th derivative that its order and the pace of the motion give it (`Sampling`).
+/// *Sampled*: by the residual in the first two steps, and then in fewer steps while the extrapolation holds. Between
+/// two samples, the error is the last one times powers of the changes of the step size and of the (k + 1)-th derivative
+/// (`Sampling`).
 ///
-/// On `u'' = -omega^2 u`, z = h omega, the Gauss method of degree 2 errs by `-z^5/720 v/omega` in u and by `z^5/720 omega u` in v; of the quadratures
-/// `h^2 integral (1 - alpha) r` and `h integral r` the first one is the first, but the second one is 0.
+/// On `u'' = -omega^2 u`, z = h omega, the Gauss method of degree 2 has the errors `-z^5/720 v/omega` in u and `z^5/720
+/// omega u` in v. The quadrature `h^2 integral (1 - alpha) r` gives the first one, but `h integral r` gives 0.
 #[derive(Debug)]
 pub struct LocalError<'a> {
     body: &'a Body,
@@ -71,12 +79,12 @@ enum Kind<'a> {
     Sampled(Box<NextDegree<'a>>, Box<Sampling>),
 }
 
-/// The element of degree k + 1 beside the motion.
+/// The element of degree k + 1 of the estimate.
 #[derive(Debug)]
 struct NextDegree<'a> {
     stepper: TimeElementStepper<'a>,
     reconstruction: Reconstruction,
-    /// Where it is not solved to the end: corrections, and how many of them.
+    /// Approximate solver for its equations: corrections, and their minimum number.
     correction: Option<(DefectCorrection, usize)>,
     end: State,
 }
@@ -84,13 +92,13 @@ struct NextDegree<'a> {
 /// Memory of the differences.
 #[derive(Debug)]
 struct Difference {
-    /// Acceleration at a time before the step, and how far that lies before its start.
+    /// An earlier acceleration, and its time before the start of the step.
     acceleration: Vec<f64>,
     before: f64,
-    /// Third derivative of the displacement at the start of the step before, and how far that lies before.
+    /// An earlier third derivative of the displacement, and its time before the start of the step.
     third: Vec<f64>,
     third_before: Option<f64>,
-    /// Values that replace them when the step is accepted.
+    /// Their new values after the step is accepted.
     new_acceleration: Vec<f64>,
     new_third: Vec<f64>,
 }
@@ -99,8 +107,8 @@ impl<'a> LocalError<'a> {
     /// The estimator for steps of a time element from a state.
     ///
     /// # Errors
-    /// [`crate::Error::Scheme`] if the element cannot be, [`crate::Error::Adaptivity`] if the estimator does not go with the degree;
-    /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
+    /// [`crate::Error::Scheme`] if there is no such element, [`crate::Error::Adaptivity`] if the estimator does not fit
+    /// the degree; [`crate::Error::Inverted`], [`crate::Error::Linear`].
     pub fn new(
         body: &'a Body,
         element: TimeElement,
@@ -132,12 +140,12 @@ impl<'a> LocalError<'a> {
         Ok(Start::new(&mut Forces::new(body), state)?.acceleration)
     }
 
-    /// Power of the step size with which the error grows: one more than the order of the scheme.
+    /// Power of the step size in the error: one more than the order of the scheme.
     pub fn order(element: TimeElement) -> usize {
         element.order() + 1
     }
 
-    /// Starts again from a state, where a load has jumped.
+    /// Starts again from a state, after a jump of a load.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -179,7 +187,7 @@ impl<'a> LocalError<'a> {
         matches!(&self.kind, Kind::Sampled(_, sampling) if sampling.is_extrapolated())
     }
 
-    /// Estimates the step that was estimated last by its own residual, if its error was extrapolated; whether it was.
+    /// Estimates the last estimated step by its own residual, if its error was extrapolated; returns whether it was.
     ///
     /// # Errors
     /// As [`LocalError::estimate`].
@@ -221,7 +229,7 @@ impl<'a> LocalError<'a> {
         }
     }
 
-    /// Error of the positions at the end of the last step that was estimated, `[n_nodes][3]` \[length\].
+    /// Error of the positions at the end of the last estimated step, `[n_nodes][3]` \[length\].
     pub fn displacement(&self) -> &[f64] {
         &self.displacement
     }
@@ -370,7 +378,7 @@ impl Difference {
     fn accept(&mut self, h: f64) {
         std::mem::swap(&mut self.acceleration, &mut self.new_acceleration);
         std::mem::swap(&mut self.third, &mut self.new_third);
-        // The third derivative is that half way between the two accelerations.
+        // The third derivative belongs half way between the two accelerations.
         self.third_before = Some(h - 0.5 * (0.5 * h - self.before));
         self.before = 0.5 * h;
     }

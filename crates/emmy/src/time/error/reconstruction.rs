@@ -1,18 +1,20 @@
-//! The motion inside a step, one degree above that of its element.
+//! The motion inside a step, one degree higher than its element.
 
 use crate::polynomial::lagrange;
 use crate::quadrature::gauss;
 
 /// The superconvergent reconstruction of a step of an element of degree k.
 ///
-/// The element's velocity is the polynomial of degree k with `v^h(0) = v_1` and `v^h(c_i) = x_i/h` at the k Gauss points, and ends with v_2. Its integral
+/// The element's velocity is the polynomial of degree k with `v^h(0) = v_1` and `v^h(c_i) = x_i/h` at the k Gauss
+/// points, and ends with v_2. Its integral
 ///
 /// ```math
 /// u~(alpha) = u_1 + h integral_0^alpha v^h,    u~' = h v^h,    u~(0) = u_1,    u~(1) = u_2
 /// ```
 ///
-/// has the degree k + 1 and the ends of u^h, since Gauss' rule with k points is exact for v^h, and an error of order k + 2 inside the step where that of u^h has k + 1.
-/// Its rates at k + 1 Gauss points, `h v^h`, are a state of the element of degree k + 1.
+/// has degree k + 1 and the ends of u^h, since Gauss' rule with k points is exact for v^h. Its error inside the step
+/// has the order k + 2, one more than the error of u^h. Its rates at k + 1 Gauss points, `h v^h`, are a state of the
+/// element of degree k + 1.
 #[derive(Debug)]
 pub struct Reconstruction {
     /// `[k + 1][k + 1]`: weights of h v_1 and of the k rates.
@@ -52,7 +54,8 @@ mod tests {
     fn polynomials_of_one_degree_more_are_reconstructed() {
         // u = t^(k+1) on 0.3 .. 0.3 + h.
         for k in 1..=4 {
-            let (h, power) = (0.7f64, k as i32);
+            let h = 0.7f64;
+            let power = k as i32;
             let rate = |alpha: f64| h * f64::from(power + 1) * (0.3 + h * alpha).powi(power);
             let mut reconstruction = Reconstruction::new(k, 1);
             let rates: Vec<f64> = gauss(k).points.iter().map(|&[c]| rate(c)).collect();

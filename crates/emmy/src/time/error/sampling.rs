@@ -5,23 +5,23 @@ use crate::error::Result;
 use crate::quadrature::gauss;
 use crate::time::Memory;
 
-/// Extrapolates the estimated error of a step to the steps after it.
+/// Extrapolates the estimated error of a step to the following steps.
 ///
-/// The error of a step of size h grows like `h^q`, and with the derivatives of the motion. The lowest one that an element of degree k has not is seen from the jump of the
-/// k-th derivative of u^h between two steps,
+/// The error of a step of size h grows like `h^q`, and with the derivatives of the motion. The lowest derivative beyond
+/// an element of degree k is estimated from the jump of the k-th derivative of u^h between two steps,
 ///
 /// ```math
 /// g = |u^(k+1)|_M,    u^(k+1) ~ 2 (D_n - D_(n-1)) / (h_n + h_(n-1)),    D = h^-k sum_i x_i prod_(j != i) 1/(c_i - c_j)
 /// ```
 ///
-/// up to a factor. A motion that goes faster, u(s t), has g in the ratio `s^(k+1)` and the error in the ratio `s^q`, so that
+/// up to a factor. A faster motion u(s t) has g in the ratio `s^(k+1)` and the error in the ratio `s^q`, so that
 ///
 /// ```math
 /// e = e_0 (h/h_0)^q (g/g_0)^p,    p = q/(k + 1)
 /// ```
 ///
-/// with e_0, h_0, g_0 of the step that was estimated; one that swings wider has p = 1. The law is taken for small changes only, for so many steps as it has
-/// proved good for.
+/// with e_0, h_0, g_0 of the estimated step; a motion of larger amplitude has p = 1. The law is used for small changes
+/// only, and for as many steps as it has proved accurate.
 #[derive(Debug)]
 pub struct Sampling {
     /// q and p.
@@ -29,7 +29,7 @@ pub struct Sampling {
     power: f64,
     /// Weights of the rates in D, `[k]`.
     weights: Vec<f64>,
-    /// D of the last step that was accepted, and its size.
+    /// D of the last accepted step, and its size.
     derivative: Vec<f64>,
     last_size: Option<f64>,
     /// D of the observed step.
@@ -39,10 +39,10 @@ pub struct Sampling {
     derivative_norm: Option<f64>,
     /// h_0 and g_0.
     sample: Option<[f64; 2]>,
-    /// The errors that were estimated.
+    /// The estimated errors.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
-    /// Steps that were to follow the last estimate without one, and those of them that are left.
+    /// Number of steps without an estimate after the last one, and the remaining ones.
     pause: usize,
     left: usize,
     is_extrapolated: bool,
@@ -51,13 +51,13 @@ pub struct Sampling {
 /// Largest number of consecutive steps without an estimate.
 const MAX_PAUSE: usize = 16;
 
-/// Largest growth of the step size to which the law is applied; a smaller step has a small error.
+/// Largest growth of the step size in the extrapolation; a smaller step has a small error.
 const MAX_EXTRAPOLATED_GROWTH: f64 = 2.0;
 
-/// Largest change of the norm of the derivative to which the law is applied: there the two powers differ by a half at most.
+/// Largest change of the norm of the derivative in the extrapolation: the two powers then differ by at most a half.
 const MAX_DERIVATIVE_RATIO: f64 = 2.0;
 
-/// Largest factor between the extrapolated and the estimated error with which pauses grow.
+/// Largest ratio of the extrapolated and the estimated error with which the pauses grow.
 const AGREEMENT_RATIO: f64 = 1.5;
 
 impl Sampling {
@@ -87,14 +87,15 @@ impl Sampling {
         }
     }
 
-    /// Forgets the steps before, which say nothing after a jump of the loads.
+    /// Forgets the previous steps, which say nothing after a jump of the loads.
     pub fn restart(&mut self) {
         (self.last_size, self.sample, self.pause, self.left) = (None, None, 0, 0);
     }
 
     /// Observes a step with the rates `[k][n_nodes][3]`.
     pub fn observe(&mut self, body: &Body, rates: &[f64], step_size: f64) {
-        let (n, scale) = (self.derivative.len(), step_size.powi(-(self.weights.len() as i32)));
+        let n = self.derivative.len();
+        let scale = step_size.powi(-(self.weights.len() as i32));
         self.new_derivative.fill(0.0);
         for (rates, weight) in rates.chunks_exact(n).zip(&self.weights) {
             let terms = self.new_derivative.iter_mut().zip(rates);
@@ -108,16 +109,18 @@ impl Sampling {
         });
     }
 
-    /// Ratio of the error of the observed step to the error of the sample, where the law applies.
+    /// Ratio of the error of the observed step to the error of the sample, if the law applies.
     fn factor(&self, step_size: f64) -> Option<f64> {
-        let ([size, sampled], derivative_norm) = (self.sample?, self.derivative_norm?);
-        let (larger, change) = (step_size / size, derivative_norm / sampled);
+        let [size, sampled] = self.sample?;
+        let derivative_norm = self.derivative_norm?;
+        let larger = step_size / size;
+        let change = derivative_norm / sampled;
         let is_near = larger <= MAX_EXTRAPOLATED_GROWTH
             && (1.0 / MAX_DERIVATIVE_RATIO..=MAX_DERIVATIVE_RATIO).contains(&change);
         is_near.then(|| larger.powf(self.order) * change.powf(self.power))
     }
 
-    /// Sets the errors of the observed step by the law; false if they are to be estimated.
+    /// Sets the errors of the observed step by the law; false if they must be estimated.
     pub fn extrapolate(&mut self, step_size: f64, displacement: &mut [f64], velocity: &mut [f64]) -> bool {
         let factor = self.factor(step_size).filter(|_| self.left > 0);
         self.is_extrapolated = factor.is_some();
@@ -165,7 +168,7 @@ impl Sampling {
         memory.keep_number("sampling.left", self.left as f64);
     }
 
-    /// Restores what [`Sampling::keep`] kept.
+    /// Restores the data of [`Sampling::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -203,13 +206,15 @@ mod tests {
         gauss(degree).points.into_iter().flat_map(rate).collect()
     }
 
-    /// The k-th derivative of u^h is that of `t^(k+1)` in the middle of a step, times 1/(k-1)!, so that the jump is (k+1) k.
+    /// The k-th derivative of u^h equals the derivative of `t^(k+1)` in the middle of a step, times 1/(k-1)!, so that
+    /// the jump is (k+1) k.
     #[test]
     fn the_derivative_that_the_element_lacks_is_measured() {
         let body = cube();
         for k in 1..=3 {
             let mut sampling = Sampling::new(k, 2 * k + 1, 24);
-            let (mut t, expected) = (0.2, (k * (k + 1)) as f64 * 3f64.sqrt());
+            let mut t = 0.2;
+            let expected = (k * (k + 1)) as f64 * 3f64.sqrt();
             for h in [0.1, 0.1, 0.07, 0.2] {
                 sampling.observe(&body, &rates(k, k as i32 + 1, t, h), h);
                 if t > 0.2 {
@@ -222,12 +227,12 @@ mod tests {
         }
     }
 
-    /// k = 2, `u = g t^3/6`: g is the third derivative, and each step but the first has the same.
+    /// k = 2, `u = g t^3/6`: g is the third derivative, and equal in each step but the first.
     fn cubic(g: f64, t: f64, h: f64) -> Vec<f64> {
         rates(2, 3, t, h).into_iter().map(|x| g / 6.0 * x).collect()
     }
 
-    /// Does steps of one size, each with the same error where it is estimated; which of them are.
+    /// Does steps of one size with a given error; returns which of them are estimated.
     fn march(sampling: &mut Sampling, body: &Body, steps: Range<usize>, error: f64) -> Vec<usize> {
         let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);
         let mut estimated = Vec::new();
@@ -244,23 +249,25 @@ mod tests {
 
     #[test]
     fn estimates_become_rare_where_the_law_is_good() {
-        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
-        // The first step has none before it, the second one no sample, the third one proves the law.
+        let body = cube();
+        let mut sampling = Sampling::new(2, 5, 24);
+        // The first step has no predecessor, the second one no sample, the third one confirms the law.
         assert_eq!(march(&mut sampling, &body, 0..60, 1e-3), [0, 1, 2, 4, 7, 12, 21, 38, 55]);
-        // It has to prove good again after a jump.
+        // It must be confirmed again after a jump.
         sampling.restart();
         assert_eq!(march(&mut sampling, &body, 0..20, 1e-3), [0, 1, 2, 4, 7, 12]);
-        // An error beyond the law shortens the pauses.
+        // An error outside the law shortens the pauses.
         assert_eq!(march(&mut sampling, &body, 20..41, 2e-3), [21, 22, 24, 27, 32]);
     }
 
     #[test]
     fn errors_follow_size_and_pace() {
-        let (body, mut sampling) = (cube(), Sampling::new(2, 5, 24));
+        let body = cube();
+        let mut sampling = Sampling::new(2, 5, 24);
         march(&mut sampling, &body, 0..4, 1e-3);
         sampling.left = 1;
         let (mut displacement, mut velocity) = (vec![0.0; 24], vec![0.0; 24]);
-        // Rates of one derivative D of u^h: the jump is that of a motion s times as fast, u(s t), with g in the ratio s^3.
+        // Rates of one derivative D of u^h: the jump of a motion s times as fast, u(s t), with g in the ratio s^3.
         let mut look = |sampling: &mut Sampling, s: f64, h: f64| {
             let target = sampling.derivative[0] + s.powi(3) * 0.5 * (0.1 + h);
             let [first, last] = [gauss(2).points[0][0], gauss(2).points[1][0]];
@@ -271,7 +278,7 @@ mod tests {
         let expected = 1e-3 * (1.2f64 * 0.5).powi(5);
         let [u, v] = look(&mut sampling, 1.2, 0.05).unwrap();
         assert!((u / expected - 1.0).abs() < 1e-9 && (v / expected - 2.0).abs() < 1e-9, "{u} {v}");
-        // Three times the size, four times the derivative_norm, nothing at all: to be estimated.
+        // Three times the size, four times the derivative norm, no change: must be estimated.
         assert_eq!(look(&mut sampling, 1.0, 0.3), None);
         assert_eq!(look(&mut sampling, 4f64.cbrt(), 0.1), None);
         assert_eq!(look(&mut sampling, 0.0, 0.1), None);

@@ -16,14 +16,15 @@ use crate::time::Memory;
 use crate::time::rigid_step::RigidStep;
 use crate::time::stage_coefficients::StageCoefficients;
 
-/// `df_i/dx_j ~ w_ij K` with the stiffness K of one displacement, in the middle of a step: symmetric for every scheme. It is
-/// reused until the iteration becomes slow.
+/// `df_i/dx_j ~ w_ij K` with the stiffness K at one displacement, in the middle of a step. It is symmetric for every
+/// scheme, and reused until the iteration becomes slow.
 #[derive(Debug)]
 pub struct ApproximateTangent {
     solvers: ModeSolvers,
     /// Modulus of the largest eigenvalue of the response.
     response_size: f64,
-    /// Integrals of the basis up to the middle of the step, or to its end if the rule finds the middle, `[k]`.
+    /// Integrals of the basis up to the middle of the step, or to its end if the rule evaluates the middle itself,
+    /// `[k]`.
     integrals: Vec<f64>,
     rule: Rule,
     assembly: Assembly,
@@ -33,11 +34,11 @@ pub struct ApproximateTangent {
     rotation: [f64; 3],
     /// Rotations from the middle of the step to its Gauss points, `[k]`.
     stage_rotations: Vec<Mat3<f64>>,
-    /// Whether the body turns under a rule that takes strains from rates.
+    /// Whether the body rotates under a rule with strain rates.
     turns: bool,
     strain_rates: StrainRateTransform,
     turned: Vec<f64>,
-    /// The time s of the stage equations that the solvers were made for.
+    /// The time s of the stage equations in the present solvers.
     made_for: Option<f64>,
     /// Factor on viscosities in K.
     viscous_rate: f64,
@@ -88,7 +89,8 @@ impl ApproximateTangent {
         self.made_for.is_some()
     }
 
-    /// Takes the stiffness in the middle of a step from a displacement with rates x; at its start, if the middle is inverted.
+    /// Takes the stiffness in the middle of a step from a displacement with rates x; at its start, if the middle is
+    /// inverted.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -102,7 +104,7 @@ impl ApproximateTangent {
         self.made_for = None;
         self.orientation = IDENTITY;
         self.set_midpoint(displacement, rates);
-        // By the size of w viscosities have there the weight that they have in the stage equations.
+        // With the size of w, viscosities have the same weight as in the stage equations.
         self.viscous_rate = 0.5 / (time_scale * self.response_size);
         if self.assemble(body).is_err() {
             self.displacement.copy_from_slice(displacement);
@@ -113,7 +115,7 @@ impl ApproximateTangent {
         self.set(body, time_scale)
     }
 
-    /// Keeps what the next steps depend on. The stiffness itself follows from displacement and rates.
+    /// Keeps the data that the next steps depend on. The stiffness itself follows from displacement and rates.
     pub fn keep(&self, memory: &mut Memory) {
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
@@ -124,7 +126,7 @@ impl ApproximateTangent {
         self.solvers.keep(memory);
     }
 
-    /// Restores what [`ApproximateTangent::keep`] kept, and computes stiffness and factors again.
+    /// Restores the data of [`ApproximateTangent::keep`], and computes stiffness and factors again.
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -144,7 +146,7 @@ impl ApproximateTangent {
         Ok(())
     }
 
-    /// Sets displacement and rates from which the rule of K evaluates the middle of the step.
+    /// Sets displacement and rates at which the rule of K evaluates the middle of the step.
     fn set_midpoint(&mut self, displacement: &[f64], rates: &[f64]) {
         let n = displacement.len();
         self.displacement.copy_from_slice(displacement);
@@ -155,8 +157,8 @@ impl ApproximateTangent {
         }
     }
 
-    /// Advances to the next step, in which the body turns by a rotation vector: `M + lambda K` turns with it, so that K stays
-    /// near, however often the body turns around.
+    /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
+    /// that K stays accurate in any rotation.
     pub fn turn(&mut self, step: &RigidStep, rule: &Rule) {
         for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
@@ -185,7 +187,8 @@ impl ApproximateTangent {
     }
 
     fn assemble(&mut self, body: &Body) -> Result<()> {
-        // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2` where they are those of the modes.
+        // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2`, if the modes contain
+        // them.
         let step = StepInput {
             rule: &self.rule,
             tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
@@ -208,8 +211,8 @@ impl ApproximateTangent {
         self.solvers.refactorization_cost()
     }
 
-    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
-    /// iterations, `None` if a solver missed the tolerance.
+    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number
+    /// of iterations, `None` if a solver missed the tolerance.
     pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);
@@ -222,7 +225,7 @@ impl ApproximateTangent {
         iterations
     }
 
-    /// `z = P^-1 r`, a linear map near the inverse of the linearised stage equations.
+    /// `z = P^-1 r`, a linear map that approximates the inverse of the linearised stage equations.
     pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
         self.turn_back(r);
         z.fill(0.0);
@@ -245,7 +248,7 @@ impl ApproximateTangent {
         for (stage, R) in stages.chunks_exact_mut(n).zip(&self.stage_rotations) {
             rotate(stage, &product(R, &self.orientation));
         }
-        // Where the mass dominates the change of basis would do more harm to its part than good to that of K.
+        // Where the mass dominates, the change of basis would harm the mass terms more than it helps K.
         if self.turns && self.solvers.is(SolverKind::Direct) {
             self.strain_rates.apply_inverse(stages);
         }
@@ -262,8 +265,8 @@ impl ApproximateTangent {
         });
     }
 
-    /// Norm of `|s^2 K| |u|` over the free degrees of freedom, u being alike at neighbours: rounding of the forces is eps times
-    /// this.
+    /// Norm of `|s^2 K| |u|` over the free degrees of freedom, with similar u at neighbours; the rounding of the forces
+    /// is eps times this.
     pub fn rounding_size(&self, body: &Body, displacement: &[f64], rates: &[f64], time_scale: f64) -> f64 {
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.fixed());
         let square = |((sum, (u, x)), fixed): ((&f64, (&f64, &f64)), &bool)| {
@@ -272,7 +275,7 @@ impl ApproximateTangent {
         time_scale * time_scale * terms.map(square).sum::<f64>().sqrt()
     }
 
-    /// Strain energy of displacements that are off by rounding, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
+    /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
     pub fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
         let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
@@ -280,7 +283,7 @@ impl ApproximateTangent {
     }
 }
 
-/// Nodes that one task works on.
+/// Nodes of one task.
 const NODES: usize = 2048;
 
 /// Turns the vectors of all nodes, `[n_nodes][3]`.

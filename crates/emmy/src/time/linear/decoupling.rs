@@ -1,20 +1,20 @@
-//! The stage equations, linearised with one stiffness, fall into equations of the size of the body.
+//! Decoupling of the stage equations, linearised with one stiffness, into systems of the size of the body.
 //!
-//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + s^2 m^-1 w (x) K`; for a time
-//! element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it falls into `M + s^2 lambda K` (Butcher 1976). A complex
-//! lambda stands for itself and its conjugate. For it the real matrix `M + s^2 |lambda| K`, turned by half the argument phi of
-//! lambda, is near: in an eigenvector of `K` with `x = s^2 |lambda| omega^2`
+//! With `df_i/dx_j ~ w_ij K`, one symmetric `K`, the stage system times `m^-1` is `I (x) M + s^2 m^-1 w (x) K`; for a
+//! time element both `m^-1` and `w` are `a`. In the eigenbasis of `m^-1 w` it decouples into `M + s^2 lambda K`
+//! (Butcher 1976). A complex lambda represents itself and its conjugate. It is approximated by the real matrix `M + s^2
+//! |lambda| K`, rotated by half the argument phi of lambda: in an eigenvector of `K` with `x = s^2 |lambda| omega^2`
 //!
 //! ```math
 //! exp(-i phi/2) (1 + exp(i phi) x) / (1 + x) = cos(phi/2) + i sin(phi/2) (x - 1) / (x + 1)
 //! ```
 //!
-//! a segment of the right half plane whatever the step size.
+//! a segment of the right half plane for any step size.
 
 use crate::error::Result;
 use crate::sparse::{Eigenpairs, eigenpairs};
 
-/// One eigenvalue of `m^-1 w`, or a conjugate pair, and the change of basis between the stages and it.
+/// One eigenvalue of `m^-1 w`, or a conjugate pair, with its change of basis from and to the stages.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.
@@ -35,7 +35,9 @@ const PAIRED: f64 = 1e-12;
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
 pub fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
-    let (k, a, w) = (response.len().isqrt(), inverse_mass, response);
+    let k = response.len().isqrt();
+    let a = inverse_mass;
+    let w = response;
     let product: Vec<f64> =
         (0..k * k).map(|n| (0..k).map(|m| a[n / k * k + m] * w[m * k + n % k]).sum()).collect();
     let eigen = eigenpairs(&product)?;
@@ -85,7 +87,8 @@ impl Mode {
 
     /// Right-hand sides of the mode, `[dof][column]`, from the right-hand sides of the stages, `[k][dof]`.
     pub fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
-        let (k, n) = (self.forward.len() / self.n_columns(), columns.len() / self.n_columns());
+        let k = self.forward.len() / self.n_columns();
+        let n = columns.len() / self.n_columns();
         for (dof, columns) in columns.chunks_exact_mut(self.n_columns()).enumerate() {
             for (value, forward) in columns.iter_mut().zip(self.forward.chunks_exact(k)) {
                 *value = forward.iter().enumerate().map(|(i, forward)| forward * stages[i * n + dof]).sum();
@@ -93,7 +96,8 @@ impl Mode {
         }
     }
 
-    /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of basis.
+    /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of
+    /// basis.
     pub fn add_to(&self, backward: &[f64], columns: &[f64], stages: &mut [f64]) {
         let n = columns.len() / self.n_columns();
         for (stage, row) in stages.chunks_exact_mut(n).zip(backward.chunks_exact(self.n_columns())) {
@@ -125,7 +129,8 @@ mod tests {
                 let [re, im] = mode.eigenvalue.map(|part| y * part);
                 let (re, size) = (1.0 + re, (1.0 + re).powi(2) + im * im);
                 let imaginary = if columns.len() == 2 { columns[1] } else { 0.0 };
-                let (u, v) = (columns[0], imaginary);
+                let u = columns[0];
+                let v = imaginary;
                 columns[0] = (u * re + v * im) / size;
                 if columns.len() == 2 {
                     columns[1] = (v * re - u * im) / size;

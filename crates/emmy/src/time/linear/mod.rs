@@ -1,4 +1,4 @@
-//! The linearised stage equations: an approximate tangent made of one stiffness, decoupled into one system for each mode.
+//! The linearised stage equations: an approximate tangent from one stiffness, decoupled into one system for each mode.
 
 mod approximate_tangent;
 mod decoupling;

@@ -19,12 +19,12 @@ pub struct ModeSolvers {
     /// Coefficients of the inertia without drag, and of the response, `[i k + j]`.
     mass: Vec<f64>,
     response: Vec<f64>,
-    /// The time s that the modes were made for, where they depend on it.
+    /// The time s of the present modes, if they depend on it.
     modes_for: Option<f64>,
     solvers: Vec<Box<dyn ShiftedSolver>>,
-    /// The solver asked for.
+    /// The requested solver.
     requested: Solver,
-    /// Whether conjugate gradients failed where the solver was left open.
+    /// Whether conjugate gradients failed with [`Solver::Auto`].
     has_fallen_back: bool,
     choice: Option<SolverChoice>,
     n_dofs: usize,
@@ -32,7 +32,7 @@ pub struct ModeSolvers {
 }
 
 impl ModeSolvers {
-    /// The modes for n degrees of freedom; their solvers are made with the first stiffness.
+    /// The modes for n degrees of freedom; their solvers are created with the first stiffness.
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
@@ -62,7 +62,7 @@ impl ModeSolvers {
         self.choice
     }
 
-    /// Whether the solver chosen is of a kind.
+    /// Whether the present solver is of a kind.
     pub fn is(&self, kind: SolverKind) -> bool {
         self.choice.is_some_and(|choice| choice.kind == kind)
     }
@@ -89,7 +89,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Sets the modes of a body with viscosity or drag. Viscosities are taken as a time t_v by which the stiffness is multiplied.
+    /// Sets the modes of a body with viscosity or drag. Viscosities are represented by a time t_v that multiplies the
+    /// stiffness.
     ///
     /// ```math
     /// m_ij + s alpha delta_ij,    w_ij + t_v/s delta_ij
@@ -102,8 +103,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only when the other
-    /// kind has become clearly cheaper.
+    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only
+    /// when the other kind has become clearly cheaper.
     fn choose(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
         let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
@@ -134,7 +135,8 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        let (pattern, fixed) = (body.pattern(), body.fixed());
+        let pattern = body.pattern();
+        let fixed = body.fixed();
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let needs_sweep = has_pairs || choice.kind == SolverKind::Iterative;
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
@@ -155,8 +157,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns the number of
-    /// iterations, `None` if a solver missed the tolerance.
+    /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns
+    /// the number of iterations, `None` if a solver missed the tolerance.
     pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         let mut total = Some(0);
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
@@ -168,7 +170,7 @@ impl ModeSolvers {
         total
     }
 
-    /// Adds to z a linear map of r near that of [`ModeSolvers::solve`].
+    /// Adds a linear map of r to z that approximates [`ModeSolvers::solve`].
     pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
@@ -178,7 +180,7 @@ impl ModeSolvers {
         }
     }
 
-    /// Factorises the next stiffness, where the solver was left open and conjugate gradients failed.
+    /// Changes to factorisations from the next stiffness on if conjugate gradients failed with [`Solver::Auto`].
     pub fn fall_back_to_direct(&mut self) {
         if self.requested == Solver::Auto && self.is(SolverKind::Iterative) {
             self.has_fallen_back = true;
@@ -198,7 +200,7 @@ impl ModeSolvers {
         }
     }
 
-    /// Restores what [`ModeSolvers::keep`] kept.
+    /// Restores the data of [`ModeSolvers::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Linear`].
@@ -241,10 +243,11 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
 
 /// Stiffness number up to which conjugate gradients cost less than factorisations.
 ///
-/// Both are limited by memory. By profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2 ns a
-/// coupling of nodes, `12 sqrt(c)` of them a step; a step with a factorisation takes 6 solutions at 1.6 ns an entry of the
-/// factor, which has about `15 n^(4/3)` of them for n degrees of freedom, as nested dissection leaves in three dimensions. Times of
-/// both solvers side by side cross at c = 170 (r = 2, where this gives 180) and above 600 (r = 4, 500).
+/// Both are limited by memory. Profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2
+/// ns per coupling of nodes, and a step `12 sqrt(c)` iterations; a step with a factorisation takes 6 solutions at 1.6
+/// ns per entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom, as nested dissection
+/// gives in three dimensions. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
+/// above 600 (r = 4, 500).
 fn iterative_limit(body: &Body) -> f64 {
     let iteration = 2.0e-9 * body.pattern().n_blocks() as f64;
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);

@@ -1,21 +1,22 @@
-//! The rates that strain a turning body.
+//! The rates that strain a rotating body.
 
 use crate::average::Rule;
 use crate::sparse::eliminate;
 use crate::tensor::rotation::skew;
 
-/// Transformation C from changes of the rates to the changes that strain the body, `[3 k][3 k]`, the same at every node.
+/// Transformation C from changes of the rates to the changes that strain the body, `[3 k][3 k]`, the same at every
+/// node.
 ///
-/// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`, which answers to a change of the rates, in a
-/// body that turns with spins w_m, by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`. The rates that strain it are
-/// `y = C x`, node by node, with
+/// An energy-momentum rule takes the strain rate `E'_m = sym(F(c_m)^T F'_m)`. In a body that rotates with spins w_m, it
+/// responds to a change of the rates by `sym(F(c_m)^T (dF'_m - [w_m] sum_j a_mj dF'_j))`. The rates that strain the
+/// body are `y = C x`, node by node, with
 ///
 /// ```math
 /// C_mj = delta_mj 1 - a_mj [w_m]
 /// ```
 ///
-/// The spins are those of the rigid motion that obeys the equations of the step; with those of the iterate, found by least squares,
-/// Newton's residuals are the same in two digits.
+/// The spins belong to the rigid motion that obeys the equations of the step. With the spins of the iterate, found by
+/// least squares, Newton's residuals agree in two digits.
 #[derive(Debug)]
 pub struct StrainRateTransform {
     degree: usize,
@@ -60,7 +61,8 @@ impl StrainRateTransform {
 
     /// `x = C^-1 x` at every node; x: `[k][n_nodes][3]`.
     pub fn apply_inverse(&mut self, x: &mut [f64]) {
-        let (k, n) = (self.degree, x.len() / self.degree);
+        let k = self.degree;
+        let n = x.len() / self.degree;
         self.old.copy_from_slice(x);
         for i in 0..k {
             for node in 0..n / 3 {

@@ -1,4 +1,5 @@
-//! Starting point of Newton's iteration: the rigid motion of the step, plus the deviation of the last step from its own.
+//! Starting point of Newton's iteration: the rigid motion of the step, plus the deviation of the last step from its
+//! rigid motion.
 
 #[cfg(test)]
 mod tests;
@@ -13,14 +14,15 @@ use crate::sparse::reduce::dot;
 use crate::tensor::Mat3;
 use crate::tensor::rotation::{exp, image, skew};
 
-/// How the deviation of the last step from its rigid motion is carried into this one.
+/// Extrapolation of the last step's deviation from its rigid motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carry {
     /// Its polynomial is continued: best for motion that the steps resolve.
     Continued,
-    /// It is repeated: best for stiff bodies, whose deviation is of the step, not of the motion. The same for k = 1.
+    /// It is repeated: best for stiff bodies, whose deviation depends on the step, not on the motion. The same for k =
+    /// 1.
     Repeated,
-    /// Not at all.
+    /// It is left out.
     Nothing,
 }
 
@@ -30,18 +32,18 @@ pub enum Carry {
 /// x_j = X_j + D_j y + Q(c_j) sum_l e_jl z_l
 /// ```
 ///
-/// `X_j` and `D_j y` are the translation and the rotation ([`RigidStep`]) of a rigid body with the present positions, the
-/// momenta and the loads of the step: neither needs the internal force. `z_l` is what the rates of the last step had besides
-/// theirs, seen from the body, which turns by `Q(alpha) = exp(alpha w)`; e are the coefficients of a [`Carry`]. A body whose
-/// supports leave it no rigid motion has its last polynomial continued.
+/// `X_j` and `D_j y` are the translation and the rotation ([`RigidStep`]) of a rigid body with the present positions,
+/// momenta and loads; neither needs the internal force. `z_l` is the deviation of the last step's rates from its rigid
+/// motion, in the frame of the body, which rotates by `Q(alpha) = exp(alpha w)`; e are the coefficients of a [`Carry`].
+/// If the supports permit no rigid motion, the last polynomial is continued.
 #[derive(Debug)]
 pub struct Prediction {
     rigid: RigidStep,
     /// Translation rates X_j.
     translation: Vec<[f64; 3]>,
-    /// Axes that supports leave free, for shifts and for turns.
+    /// Axes that supports leave free, for translations and rotations.
     free: Free,
-    /// Mass of the body; 0 where it has no rigid motion.
+    /// Mass of the body; 0 if it has no rigid motion.
     mass: f64,
     /// Positions y about the centre of mass at the start of the step.
     arm: Vec<f64>,
@@ -51,7 +53,7 @@ pub struct Prediction {
     moments: Vec<Mat3<f64>>,
     /// Sums of G_i over the nodes.
     sums: Vec<[f64; 3]>,
-    /// Deviations z_l of the last step, turned with the body to the end of that step.
+    /// Deviations z_l of the last step, rotated with the body to the end of that step.
     deviation: Vec<f64>,
     /// Size of the last step.
     last_size: Option<f64>,
@@ -61,7 +63,7 @@ pub struct Prediction {
     moment: Vec<[f64; 3]>,
 }
 
-/// Axes along which and about which a body is free to move.
+/// Free axes for translations and for rotations of a body.
 #[derive(Debug, Clone, Copy, Default)]
 struct Free {
     shifts: [bool; 3],
@@ -69,7 +71,7 @@ struct Free {
 }
 
 impl Free {
-    /// Axes that the supports of a body leave free. A turn about an axis moves all points off the axis.
+    /// Axes that the supports of a body leave free. A rotation about an axis moves all points off the axis.
     fn of(body: &Body) -> Self {
         let mut shifts = [true; 3];
         body.fixed().iter().enumerate().for_each(|(dof, fixed)| shifts[dof % 3] &= !fixed);
@@ -78,12 +80,12 @@ impl Free {
     }
 }
 
-/// Passes of a balance, at the most and at the fewest: each leaves the part of the one before that the deformation within the step is of
-/// the body.
+/// Largest and smallest number of passes of a balance: each leaves a part of the previous residual, as large as the
+/// relative deformation in the step.
 const BALANCES: usize = 4;
 const MIN_BALANCES: usize = 2;
 
-/// A pass that leaves more than this part of the one before has come to rounding.
+/// A pass that leaves more than this part of the previous residual has reached rounding.
 const ROUNDING: f64 = 0.25;
 
 impl Prediction {
@@ -111,7 +113,7 @@ impl Prediction {
         memory.keep_option("prediction.last_size", self.last_size);
     }
 
-    /// Restores what [`Prediction::keep`] kept.
+    /// Restores the data of [`Prediction::keep`].
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
@@ -121,7 +123,7 @@ impl Prediction {
         Ok(())
     }
 
-    /// Finds the rigid motion of a step whose known vectors and loads are set, those that follow included.
+    /// Finds the rigid motion of a step whose known vectors and loads, including followers, are set.
     pub fn start(&mut self, system: &StageSystem<'_>, state: &State) {
         let body = system.body;
         let stage = &system.coefficients;
@@ -191,7 +193,7 @@ impl Prediction {
         for ((X, u), y) in points.zip(self.arm.chunks_exact_mut(3)) {
             (0..3).for_each(|d| y[d] = X[d] + u[d]);
         }
-        // Twice: a body far from the origin hides its centre in rounding the first time.
+        // Twice: for a body far from the origin, the first result has rounding errors.
         for _ in 0..2 {
             body.mass_product(&self.arm, &mut self.weighted_arm);
             let centre = sum(&self.weighted_arm).map(|sum| sum / mass);
@@ -202,7 +204,8 @@ impl Prediction {
 
     /// Sets the sums and the moments of G.
     fn set_known(&mut self, system: &StageSystem<'_>) {
-        let (n, s) = (self.arm.len(), system.time_scale);
+        let n = self.arm.len();
+        let s = system.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
             for (node, y) in self.arm.chunks_exact(3).enumerate() {
@@ -216,16 +219,17 @@ impl Prediction {
         }
     }
 
-    /// Balances resultants and moments of a solution by a rigid motion on top of it, to rounding.
+    /// Balances resultants and moments of a solution by an additional rigid motion, to rounding.
     ///
-    /// The forces inside the body have neither, so that inertia and loads alone decide, and the rounding of the stiffness, which may
-    /// be larger than the inertia, does not come in. What an iteration leaves would be a force that always acts the same way.
-    /// `residual`: memory for k n numbers.
+    /// Internal forces have no resultants and moments, so inertia and loads alone decide, and the rounding of the
+    /// stiffness, which may exceed the inertia, has no effect. The error of an iteration would act like a constant
+    /// force. `residual`: memory for k n numbers.
     pub fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
         if self.mass == 0.0 || !system.is_self_balanced() {
             return;
         }
-        let (k, n) = (self.changes.len(), self.arm.len());
+        let k = self.changes.len();
+        let n = self.arm.len();
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
             system.unbalanced(rates, residual);
@@ -250,9 +254,11 @@ impl Prediction {
         }
     }
 
-    /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the step.
+    /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
+    /// step.
     fn set_resultants(&mut self, a: &[f64], rates: &[f64], residual: &[f64]) {
-        let (k, n) = (self.moment.len(), self.arm.len());
+        let k = self.moment.len();
+        let n = self.arm.len();
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
             for (node, r) in residual.as_chunks::<3>().0.iter().enumerate() {
@@ -269,7 +275,7 @@ impl Prediction {
         }
     }
 
-    /// Size of the sums and moments of all stages along and about the free axes, in units of what mass and inertia make of them.
+    /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
     fn resultant_size(&self) -> f64 {
         let Free { shifts, turns } = self.free;
         let size =
@@ -282,7 +288,9 @@ impl Prediction {
 
     /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
     pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
-        let (n, s, rule) = (self.arm.len(), system.time_scale, &system.coefficients.rule);
+        let n = self.arm.len();
+        let s = system.time_scale;
+        let rule = &system.coefficients.rule;
         let mut work = 0.0;
         let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
         if self.mass > 0.0 {
@@ -300,8 +308,8 @@ impl Prediction {
         [work.abs(), norm(impulse), norm(moment)]
     }
 
-    /// Largest linear and angular momentum that a kinetic energy allows, `sqrt(2 T m)` and `sqrt(2 T I)`; infinite where the body has
-    /// no rigid motion.
+    /// Largest linear and angular momentum possible with a kinetic energy, `sqrt(2 T m)` and `sqrt(2 T I)`; infinite if
+    /// the body has no rigid motion.
     pub fn momentum_scales(&self, energy: f64) -> [f64; 2] {
         if self.mass == 0.0 {
             return [f64::INFINITY; 2];
@@ -316,23 +324,26 @@ impl Prediction {
 
     /// Predicts the rates of the step that was started.
     pub fn predict(&mut self, carry: Carry, stage: &StageCoefficients, step_size: f64, rates: &mut [f64]) {
-        let (k, n) = (stage.rule.degree(), self.arm.len());
+        let k = stage.rule.degree();
+        let n = self.arm.len();
         match self.last_size {
             Some(last_size) => self.set_continuation(carry, stage, step_size / last_size),
-            // The deviation is a velocity, the same in all stages.
+            // The deviation is a velocity, equal in all stages.
             None if carry == Carry::Nothing => self.set_continuation(carry, stage, 0.0),
             None => self.set_continuation(Carry::Repeated, stage, step_size),
         }
         for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
             let turn = exp(&self.rigid.rotation.map(|w| stage.rule.nodes()[i] * w));
-            let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
+            let move_on = self.translation[i];
+            let D = &self.rigid.rates[i];
             let nodes = rates.chunks_exact_mut(3).zip(self.arm.chunks_exact(3)).enumerate();
             for (node, (x, y)) in nodes {
                 let mut carried = [0.0; 3];
                 for (e, z) in self.continuation[i * k..].iter().zip(self.deviation.chunks_exact(n)) {
                     (0..3).for_each(|d| carried[d] += e * z[3 * node + d]);
                 }
-                let (rigid, carried) = (image(D, y), image(&turn, &carried));
+                let rigid = image(D, y);
+                let carried = image(&turn, &carried);
                 (0..3).for_each(|d| x[d] = move_on[d] + rigid[d] + carried[d]);
             }
         }
@@ -350,13 +361,14 @@ impl Prediction {
         }
     }
 
-    /// Keeps what the rates of the step that was started have besides its rigid motion.
+    /// Keeps the deviation of the rates of the present step from its rigid motion.
     pub fn remember(&mut self, stage: &StageCoefficients, rates: &[f64], step_size: f64) {
         let n = self.arm.len();
         let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
         for (i, (rates, deviation)) in stages {
             let turn = exp(&self.rigid.rotation.map(|w| (1.0 - stage.rule.nodes()[i]) * w));
-            let (move_on, D) = (self.translation[i], &self.rigid.rates[i]);
+            let move_on = self.translation[i];
+            let D = &self.rigid.rates[i];
             let nodes = rates.chunks_exact(3).zip(self.arm.chunks_exact(3));
             for (z, (x, y)) in deviation.chunks_exact_mut(3).zip(nodes) {
                 let rigid = image(D, y);

@@ -22,7 +22,8 @@ fn system(body: &Body, k: usize) -> StageSystem<'_> {
 
 fn start(system: &mut StageSystem<'_>, prediction: &mut Prediction, state: &State, h: f64) {
     system.start(&state.displacement, h);
-    let (k, n) = (system.coefficients.rule.degree(), state.momentum.len());
+    let k = system.coefficients.rule.degree();
+    let n = state.momentum.len();
     for (row, known) in system.coefficients.mass.chunks_exact(k).zip(system.known.chunks_exact_mut(n)) {
         let sum: f64 = row.iter().sum();
         known.iter_mut().zip(&state.momentum).for_each(|(g, p)| *g = sum * h * p);
@@ -36,7 +37,7 @@ fn spinning(body: &Body, angular_velocity: [f64; 3]) -> State {
     State::initial(body, 0.0, &[motion]).unwrap()
 }
 
-/// The turn of the whole step, `I + sum_j b_j D_j`.
+/// The rotation of the whole step, `I + sum_j b_j D_j`.
 fn whole_turn(prediction: &Prediction, system: &StageSystem<'_>) -> Mat3<f64> {
     let mut end = IDENTITY;
     for (D, b) in prediction.rigid.rates.iter().zip(system.coefficients.rule.weights()) {
@@ -75,8 +76,8 @@ fn a_step_turns_the_body_by_an_orthogonal_tensor_without_strain_rates() {
     }
 }
 
-/// Spin w about a principal axis: the mid-point rule turns a rigid body by 2 atan(h w / 2), and an element of degree k has the
-/// right angle up to an error of order 2k + 1 in a step.
+/// Spin w about a principal axis: the mid-point rule rotates a rigid body by 2 atan(h w / 2), and an element of degree
+/// k by the correct angle up to an error of order 2k + 1 per step.
 #[test]
 fn a_spin_about_a_principal_axis_has_the_angle_of_the_time_element() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
@@ -98,20 +99,22 @@ fn a_spin_about_a_principal_axis_has_the_angle_of_the_time_element() {
     }
 }
 
-/// A motion that goes on in the body's own frame: all that the last step did is done again, turned with the body.
+/// A steady motion in the body's own frame: each step repeats the last one, rotated with the body.
 #[test]
 fn a_steady_rotation_is_predicted_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.7, -1.1, 0.9]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let mut rates = vec![0.0; k * n];
         prediction.predict(Carry::Repeated, &system.coefficients, 0.3, &mut rates);
-        // Nothing but the rigid motion at first: a rigid body has no other velocity.
+        // At first only the rigid motion: a rigid body has no other velocity.
         for (i, rates) in rates.chunks_exact(n).enumerate() {
-            let (move_on, D) = (prediction.translation[i], prediction.rigid.rates[i]);
+            let move_on = prediction.translation[i];
+            let D = prediction.rigid.rates[i];
             for (x, y) in rates.chunks_exact(3).zip(prediction.arm.chunks_exact(3)) {
                 let rigid = image(&D, y);
                 (0..3).for_each(|d| assert!((x[d] - move_on[d] - rigid[d]).abs() < 1e-13, "k = {k}"));
@@ -141,11 +144,12 @@ fn a_steady_rotation_is_predicted_to_rounding() {
 }
 
 #[test]
-fn a_translation_is_predicted_whatever_the_step_size() {
+fn a_translation_is_predicted_at_any_step_size() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.0; 3]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let at_speed = |h: f64| state.velocity.iter().cycle().take(k * n).map(move |v| h * v);
@@ -161,13 +165,14 @@ fn a_translation_is_predicted_whatever_the_step_size() {
     }
 }
 
-/// A body on a line has no inertia about it, one in a plane turns in that plane alone, and one that is held not at all.
+/// A body on a line has no inertia about it, one in a plane rotates in that plane alone, and a fixed one not at all.
 #[test]
 fn lines_planes_and_supports_are_no_special_cases() {
     let plane = body_of(crate::mesh::rectangle([2.0, 1.0], [4, 2]).unwrap());
     let state = spinning(&plane, [0.0, 0.0, 1.3]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&plane, k), plane.n_dofs());
+        let mut system = system(&plane, k);
+        let n = plane.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.4);
         let [x, y, angle] = prediction.rigid.rotation;
@@ -175,7 +180,7 @@ fn lines_planes_and_supports_are_no_special_cases() {
         assert!(prediction.translation.iter().all(|rate| rate[2] == 0.0));
     }
 
-    // A line along (1, 2, 2)/3: the spin across it is that of a rod, the one along it is none of its own.
+    // A line along (1, 2, 2)/3: a spin across it has the inertia of a rod, a spin along it has none.
     let along = [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
     let velocity = [0.2, -0.1, 0.0];
     let mid_point = system(&plane, 1);
@@ -205,13 +210,14 @@ fn lines_planes_and_supports_are_no_special_cases() {
     assert!(prediction.rigid.rotation == [0.0; 3] && prediction.translation == [[0.0; 3]]);
 }
 
-/// A solution that is off by a rigid motion has resultants and moments; they are taken out of it, in a body under load too.
+/// A solution with a superposed rigid motion has resultants and moments; they are removed, also in a loaded body.
 #[test]
 fn resultants_and_moments_are_balanced_to_rounding() {
     let body = body_of(block([1.0, 2.0, 3.0], [1, 2, 2]).unwrap());
     let state = spinning(&body, [0.7, -1.1, 0.9]);
     for k in 1..=3 {
-        let (mut system, n) = (system(&body, k), body.n_dofs());
+        let mut system = system(&body, k);
+        let n = body.n_dofs();
         let mut prediction = Prediction::new(k, n);
         start(&mut system, &mut prediction, &state, 0.3);
         let (mut rates, mut residual) = (vec![0.0; k * n], vec![0.0; k * n]);

@@ -13,8 +13,8 @@ use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 
-/// Time integration scheme: a time element, or one of the methods in common use that are not time elements. The conservation
-/// properties of time elements are those of the paper's Table III.
+/// Time integration scheme: a time element, or one of the common methods that are not time elements. The conservation
+/// properties of time elements are from the paper's Table III.
 ///
 /// | scheme | angular momentum | energy, St. Venant-Kirchhoff | energy, in general |
 /// |---|---|---|---|
@@ -43,8 +43,8 @@ pub enum Scheme {
     TimeElement(TimeElement),
     /// Newmark's family: Newmark, HHT, generalized-alpha.
     Newmark(NewmarkFamily),
-    /// `Bathe`: composite of the trapezoidal rule and the three-point backward Euler method (Bathe and Baig 2005), split at
-    /// `2 - sqrt 2` of the step (Bank and others 1985), where both parts have the same matrix.
+    /// `Bathe`: composite of the trapezoidal rule and the three-point backward Euler method (Bathe and Baig 2005),
+    /// split at `2 - sqrt 2` of the step (Bank and others 1985), where both parts have the same matrix.
     Bathe,
     /// `central-differences`: explicit, lumped mass; steps beyond the critical one are rejected.
     CentralDifferences,
@@ -57,7 +57,7 @@ pub struct SchemeRow {
     pub form: &'static str,
     /// One line for `emmy list schemes`.
     pub description: &'static str,
-    /// The scheme of degree 1 with arguments, of which there are as many as in `form`.
+    /// The scheme of degree 1 with as many arguments as in `form`.
     scheme: fn(&[f64]) -> Scheme,
 }
 
@@ -151,12 +151,12 @@ impl Scheme {
         self.time_element().map_or(1, |element| element.degree)
     }
 
-    /// Spectral radius at infinite frequency of a time element that dissipates.
+    /// Spectral radius at infinite frequency of a dissipative time element.
     pub fn dissipation(self) -> Option<f64> {
         self.time_element().and_then(|element| element.spectral_radius)
     }
 
-    /// The scheme as an input has it, without the degree: `DGM(0.8)`.
+    /// The scheme as written in an input, without the degree: `DGM(0.8)`.
     pub fn name(self) -> String {
         match self {
             Scheme::TimeElement(element) => element.name(),
@@ -166,10 +166,10 @@ impl Scheme {
         }
     }
 
-    /// The scheme of degree 1 with a name, as an input has it.
+    /// The scheme of degree 1 with a name as written in an input.
     ///
     /// # Errors
-    /// [`Error::Scheme`] with the forms that there are.
+    /// [`Error::Scheme`] with the possible forms.
     pub fn from_name(name: &str) -> Result<Scheme> {
         let scheme = SCHEMES.iter().find_map(|row| row.parse(name));
         let scheme = scheme.ok_or_else(|| unknown(name, suggestion(name)))?;
@@ -184,7 +184,7 @@ impl Scheme {
     /// The scheme with another degree and the same points.
     ///
     /// # Errors
-    /// [`Error::Scheme`] if the scheme cannot go with the degree.
+    /// [`Error::Scheme`] if the scheme does not exist for the degree.
     pub fn with_degree(self, degree: usize) -> Result<Scheme> {
         let scheme = self.time_element().map_or(self, |element| TimeElement { degree, ..element }.into());
         scheme.check_degree(degree)?;
@@ -194,7 +194,7 @@ impl Scheme {
     /// The scheme with another degree, and more points if that degree needs them.
     ///
     /// # Errors
-    /// [`Error::Scheme`] if the scheme cannot go with the degree.
+    /// [`Error::Scheme`] if the scheme does not exist for the degree.
     pub fn at_degree(self, degree: usize) -> Result<Scheme> {
         match self.time_element() {
             Some(element) => element.at_degree(degree).map(Scheme::TimeElement),
@@ -202,7 +202,7 @@ impl Scheme {
         }
     }
 
-    /// Checks that degree and parameters go together.
+    /// Checks that degree and parameters are compatible.
     ///
     /// # Errors
     /// [`Error::Scheme`].
@@ -234,7 +234,7 @@ impl Scheme {
             None if !(1..=MAX_DEGREE).contains(&degree) => {
                 format!("the degree must be between 1 and {MAX_DEGREE}, not {degree}")
             }
-            None => format!("it is not a time element and goes with degree 1 only, not {degree}"),
+            None => format!("it is not a time element and has degree 1 only, not {degree}"),
         };
         Err(Error::Scheme { scheme: self.name(), reason })
     }
@@ -248,10 +248,10 @@ impl Scheme {
             (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }))
             | (BodyFeature::Damping, Scheme::TimeElement(_)) => return Ok(()),
             (BodyFeature::PrescribedMotion, Scheme::TimeElement(_)) => {
-                "a prescribed motion goes with schemes that do not dissipate"
+                "a prescribed motion needs a scheme without dissipation"
             }
-            (BodyFeature::PrescribedMotion, _) => "a prescribed motion goes with time elements only",
-            (BodyFeature::Damping, _) => "viscosity and drag go with time elements only",
+            (BodyFeature::PrescribedMotion, _) => "a prescribed motion needs a time element",
+            (BodyFeature::Damping, _) => "viscosity and drag need a time element",
         };
         Err(Error::Scheme { scheme: self.name(), reason: reason.to_string() })
     }
@@ -270,10 +270,12 @@ impl Scheme {
         Ok(())
     }
 
-    /// The stepper of the scheme, for a state. A scheme with a mass matrix of its own sets the state's momentum by it.
+    /// The stepper of the scheme, for a state. A scheme with its own mass matrix sets the momentum of the state with
+    /// it.
     ///
     /// # Errors
-    /// [`Error::Scheme`] if the scheme cannot be, or cannot integrate the body; [`Error::Linear`], [`Error::Inverted`].
+    /// [`Error::Scheme`] if the scheme is impossible, or cannot integrate the body; [`Error::Linear`],
+    /// [`Error::Inverted`].
     pub fn stepper<'a>(
         self,
         body: &'a Body,
@@ -343,7 +345,7 @@ impl SchemeRow {
     }
 }
 
-/// The word before the brackets and the texts between them.
+/// The word before the brackets and the arguments.
 fn word_and_arguments(text: &str) -> Option<(&str, Vec<&str>)> {
     match text.split_once('(') {
         None => Some((text, Vec::new())),
@@ -355,7 +357,7 @@ fn unknown(text: &str, reason: &str) -> Error {
     Error::Scheme { scheme: text.to_string(), reason: reason.to_string() }
 }
 
-/// The forms to write instead of a text that is not a scheme.
+/// Suggestions for a text that is not a scheme.
 fn suggestion(text: &str) -> &'static str {
     match text.split('(').next() {
         Some("Newmark") => "not a scheme; write Newmark(beta, gamma), such as Newmark(0.25, 0.5)",

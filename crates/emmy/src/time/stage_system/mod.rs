@@ -30,18 +30,18 @@ pub struct StageSystem<'a> {
     pub known: Vec<f64>,
     /// m_ij with the drag, for the time s.
     dragged_mass: Vec<f64>,
-    /// In a scheme that dissipates: the rigid motions that it leaves alone, and the momentum at the start of the step.
+    /// In a dissipative scheme: the rigid motions without dissipation, and the momentum at the start of the step.
     projection: Option<RigidProjection>,
     momentum: Vec<f64>,
     /// Stage averages of the dead loads.
     pub dead_load: Vec<f64>,
     pub followers: Followers,
-    /// Rates of the driven degrees of freedom; empty where there are none.
+    /// Rates of the driven degrees of freedom; empty if there are none.
     driven_rates: Vec<f64>,
     force: Vec<f64>,
     /// M x_j of the last residual.
     mass_rates: Vec<f64>,
-    /// Squares of its parts, of each chunk of each stage.
+    /// Squares of its terms, of each chunk of each stage.
     squares: Vec<[f64; 3]>,
     approximate_tangent: ApproximateTangent,
     gmres: Gmres,
@@ -49,12 +49,13 @@ pub struct StageSystem<'a> {
     floor: f64,
 }
 
-/// Degrees of freedom that one task works on.
+/// Degrees of freedom of one task.
 const CHUNK: usize = 4096;
 
 impl<'a> StageSystem<'a> {
     pub fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
-        let (n, k) = (body.n_dofs(), coefficients.rule.degree());
+        let n = body.n_dofs();
+        let k = coefficients.rule.degree();
         Ok(StageSystem {
             body,
             assembly: body.assembly(k),
@@ -81,7 +82,8 @@ impl<'a> StageSystem<'a> {
         })
     }
 
-    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of `followers`.
+    /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of
+    /// `followers`.
     pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.floor = 0.0;
@@ -91,7 +93,7 @@ impl<'a> StageSystem<'a> {
         self.time_scale = time_scale;
     }
 
-    /// Sets the coefficients of the inertia for a body in a medium.
+    /// Sets the coefficients of the inertia for a body with drag.
     fn drag(&mut self, time_scale: f64) {
         let k = self.coefficients.rule.degree();
         self.dragged_mass.copy_from_slice(&self.coefficients.mass);
@@ -105,13 +107,13 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Sets the rates that driven degrees of freedom have in the step.
+    /// Sets the rates of the driven degrees of freedom in the step.
     pub fn set_driven_rates(&mut self, time: f64, step_size: f64) {
         let rule = &self.coefficients.rule;
         self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates);
     }
 
-    /// Puts the rates of the driven degrees of freedom into a starting point of the iteration.
+    /// Inserts the rates of the driven degrees of freedom into a starting point of the iteration.
     pub fn drive(&self, rates: &mut [f64]) {
         let n = self.body.n_dofs();
         for (rates, driven) in rates.chunks_exact_mut(n).zip(self.driven_rates.chunks_exact(n)) {
@@ -119,17 +121,20 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of its
-    /// three parts over the free ones.
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of
+    /// its three parts over the free ones.
     pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(x, Request::Stress)?;
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
-        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let dragged_mass = &self.dragged_mass;
-        let (fixed, follower) = (body.fixed(), &followers.force);
+        let fixed = body.fixed();
+        let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &dragged_mass[i * k..(i + 1) * k];
             let chunks =
@@ -158,8 +163,8 @@ impl<'a> StageSystem<'a> {
         Ok([0, 1, 2].map(total))
     }
 
-    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and loads, the
-    /// followers at the rates x.
+    /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
+    /// loads, the followers at the rates x.
     ///
     /// ```math
     /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
@@ -169,7 +174,9 @@ impl<'a> StageSystem<'a> {
             self.evaluate_followers(x);
         }
         self.set_mass_rates(x);
-        let (n, k, s) = (self.body.n_dofs(), self.coefficients.rule.degree(), self.time_scale);
+        let n = self.body.n_dofs();
+        let k = self.coefficients.rule.degree();
+        let s = self.time_scale;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &self.dragged_mass[i * k..(i + 1) * k];
             for (dof, residual) in residual.iter_mut().enumerate() {
@@ -192,13 +199,13 @@ impl<'a> StageSystem<'a> {
         stages.zip(self.coefficients.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x)).sum()
     }
 
-    /// Strain energy that rounding of the displacements brings into the step.
+    /// Strain energy caused by rounding of the displacements in the step.
     pub fn rounding_energy(&self, x: &[f64]) -> f64 {
         self.approximate_tangent.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
     }
 
-    /// Whether the forces inside the body have neither a resultant nor a moment in any stage, so that inertia and loads alone
-    /// decide the body's rigid motion.
+    /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone
+    /// determine the rigid motion of the body.
     pub fn is_self_balanced(&self) -> bool {
         self.coefficients.rule.is_energy_momentum()
             && self.coefficients.dissipation.is_none()
@@ -222,24 +229,25 @@ impl<'a> StageSystem<'a> {
         self.dead_load[at] + self.followers.force[at]
     }
 
-    /// Evaluates the loads that follow at the rates x.
+    /// Evaluates the follower loads at the rates x.
     pub fn evaluate_followers(&mut self, x: &[f64]) {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.followers.evaluate(self.body, &step);
     }
 
-    /// Whether anything takes energy out of the body besides its loads.
+    /// Whether the body dissipates energy, by drag, viscosity or the scheme.
     pub fn is_braked(&self) -> bool {
         self.body.drag() > 0.0 || self.body.is_viscous() || self.coefficients.dissipation.is_some()
     }
 
-    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a step that is solved.
+    /// Energy dissipated by drag, viscosity and the strain part of the scheme in a solved step.
     ///
     /// ```math
     /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
     /// ```
     pub fn dissipated(&mut self, x: &[f64]) -> f64 {
-        let (s, drag) = (self.time_scale, self.body.drag());
+        let s = self.time_scale;
+        let drag = self.body.drag();
         let step = step_input(&self.coefficients, s, &self.displacement, x);
         let mut sum = self.body.dissipated(&step, &mut self.assembly);
         if drag > 0.0 {
@@ -256,8 +264,8 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities; `velocity`: at the start
-    /// of the step.
+    /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities;
+    /// `velocity`: at the start of the step.
     pub fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
         if self.projection.is_none() {
             return 0.0;
@@ -285,7 +293,7 @@ impl<'a> StageSystem<'a> {
         Ok(())
     }
 
-    /// Turns the approximate tangent with the body, in the step that was started.
+    /// Rotates the approximate tangent with the body in the present step.
     pub fn turn(&mut self, rotation: &RigidStep) {
         self.approximate_tangent.turn(rotation, &self.coefficients.rule);
     }
@@ -295,7 +303,7 @@ impl<'a> StageSystem<'a> {
         self.approximate_tangent.keep(memory);
     }
 
-    /// Restores what [`StageSystem::keep`] kept.
+    /// Restores the data of [`StageSystem::keep`].
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].

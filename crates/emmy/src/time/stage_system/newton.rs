@@ -1,4 +1,4 @@
-//! The stage equations as Newton's iteration sees them.
+//! The stage equations as a system for Newton's iteration.
 
 use super::StageSystem;
 use crate::average::Request;
@@ -19,7 +19,7 @@ impl StageSystem<'_> {
         self.approximate_tangent.refactorize(self.body, &self.displacement, x, self.time_scale)
     }
 
-    /// Solves with the approximate tangent, as near to the tolerance as its solver comes.
+    /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
     fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(&mut self.negative);
@@ -31,7 +31,7 @@ impl StageSystem<'_> {
         })
     }
 
-    /// Solves with the true tangent.
+    /// Solves with the exact tangent.
     fn solve_exactly(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let mut system = LinearisedStages {
             body: self.body,
@@ -50,10 +50,11 @@ impl StageSystem<'_> {
         })
     }
 
-    /// Sets the rounding floor, once a step.
+    /// Sets the rounding floor, once per step.
     fn set_floor(&mut self, x: &[f64]) {
         if self.floor == 0.0 {
-            let (displacement, increment) = (&self.displacement, &x[..self.body.n_dofs()]);
+            let displacement = &self.displacement;
+            let increment = &x[..self.body.n_dofs()];
             let size =
                 self.approximate_tangent.rounding_size(self.body, displacement, increment, self.time_scale);
             self.floor = FLOOR * f64::EPSILON * size * (self.coefficients.rule.degree() as f64).sqrt();

@@ -1,4 +1,4 @@
-//! Degrees that are chosen by the work.
+//! Degrees chosen by their cost.
 
 use emmy::Error;
 use emmy::body::Body;
@@ -15,7 +15,7 @@ fn plan(until: f64, tolerance: f64, degrees: Option<[usize; 2]>) -> StepPlan {
     StepPlan::adaptive(0.0, until, adaptivity).unwrap()
 }
 
-/// What steps cost: the stages of all, those that were refused too.
+/// Cost of steps: the stages of all, including rejected ones.
 fn work(watch: &Watch) -> usize {
     watch.records[1..].iter().map(|record| record.degree * (1 + record.rejections)).sum()
 }
@@ -25,7 +25,7 @@ fn the_degree_that_costs_least_is_taken() {
     let e = 0.5;
     let (body, state) = orbit(e);
     let end = 6.0 * period(e);
-    // The book's table: work of degrees 1, 2, 3, and of those that are chosen, from 1 and from 3.
+    // The book's table: cost of degrees 1, 2, 3, and of adaptive degrees from 1 and from 3.
     for (tolerance, quoted, chosen) in [
         (1e-1, [69, 94, 126], [69, 123]),
         (1e-3, [190, 164, 168], [164, 168]),
@@ -45,8 +45,8 @@ fn the_degree_that_costs_least_is_taken() {
             println!(
                 "tolerance {tolerance}, from k = {start}: work {own}, steps of each degree {taken:?}; work of one degree {fixed:?}"
             );
-            // Another degree is taken if it costs less than 0.8 of the own, from neighbour to neighbour; before the first trials, and in those
-            // that it takes to come from 1 to 3, there are eight steps each.
+            // The degree changes if a neighbour costs less than 0.8 of it. Before the first trials, and during the
+            // change from 1 to 3, there are eight steps each.
             assert!(
                 own as f64 <= least / 0.8f64.powi(2) + 24.0,
                 "tolerance {tolerance}, from k = {start}: {own} {fixed:?}"
@@ -88,12 +88,12 @@ fn energy_and_momentum_are_kept_through_changes() {
     }
 }
 
-fn assert_goes_on(body: &Body, state: &State, plan: &StepPlan) {
+fn assert_resumes(body: &Body, state: &State, plan: &StepPlan) {
     let (watch, _) = march(body, state, 1, plan);
     let n = watch.records.len() - 1;
     let degrees: Vec<usize> = watch.records.iter().map(|record| record.degree).collect();
     let change = degrees.windows(2).position(|pair| pair[0] != pair[1]).unwrap();
-    // Before the step in which it is decided, after it, and after the first one of the new degree.
+    // Before the step of the decision, after it, and after the first step of the new degree.
     for after in [change - 1, change, change + 1, (change + n) / 2, n - 1] {
         let mut whole = Watch { snapshot_after: Some(after), ..Watch::default() };
         let mut motion = Motion::starting(body, at(DGM, 1), settings(), state.clone()).unwrap();
@@ -110,12 +110,12 @@ fn assert_goes_on(body: &Body, state: &State, plan: &StepPlan) {
 }
 
 #[test]
-fn a_motion_that_goes_on_chooses_the_same_degrees() {
+fn a_resumed_motion_chooses_the_same_degrees() {
     let (body, state) = orbit(0.8);
-    assert_goes_on(&body, &state, &plan(1.0, 1e-7, Some([1, 3])));
+    assert_resumes(&body, &state, &plan(1.0, 1e-7, Some([1, 3])));
     let body = super::loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
-    assert_goes_on(
+    assert_resumes(
         &body,
         &state,
         &plan(0.5, 1e-6, Some([1, 3])).with_end_at(0.31).with_interval(0.09).unwrap(),
@@ -124,7 +124,7 @@ fn a_motion_that_goes_on_chooses_the_same_degrees() {
 
 #[test]
 fn largest_sizes_count_where_degrees_are_weighed() {
-    // Steps that may not be longer gain nothing from a higher degree.
+    // Steps limited in size gain nothing from a higher degree.
     let (body, state) = springs();
     let limited = Adaptivity { largest: 2e-3, degrees: Some([1, 3]), ..Adaptivity::new(1e-6) };
     let plan = StepPlan::adaptive(0.0, 0.3, limited).unwrap();

@@ -66,7 +66,7 @@ fn loaded_block() -> (Body, State) {
     (soft_block_under(&[Load { kind, time_function }]), start)
 }
 
-/// The soft block, held and moved at one end.
+/// The soft block, fixed and driven at one end.
 fn driven_block() -> (Body, State) {
     let shake = TimeFunction::smooth("0.2 sin(3 t)", |t| {
         [0.2 * (3.0 * t).sin(), 0.6 * (3.0 * t).cos(), -1.8 * (3.0 * t).sin()]
@@ -93,7 +93,8 @@ const BOOK: [(&str, &str, [[f64; 2]; 3]); 6] = [
     ("soft block", "residual", [[0.998, 0.999], [0.991, 0.998], [0.984, 0.992]]),
 ];
 
-/// What the book quotes, or what is in no table of it: differences are of the size of the error, the others exact in the limit of small steps.
+/// The book's bounds, or other ones if its tables have none: differences have the size of the error, the others are
+/// exact in the limit of small steps.
 fn expected_range(name: &str, estimator: Estimator, degree: usize) -> ([f64; 2], bool) {
     let row = if estimator == Estimator::Residual { "residual" } else { "differences or the element" };
     match BOOK.iter().find(|(problem, by, _)| (*problem, *by) == (name, row)) {
@@ -113,9 +114,9 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
         ("soft block that is shaken", driven_block(), 0.01),
     ] {
         for degree in [1, 2, 3] {
-            // A higher degree resolves with larger steps; it must not be all rounding.
+            // A higher degree resolves with larger steps; the estimate must not be rounding alone.
             let h = size * [1.0, 3.0, 5.0][degree - 1];
-            // What is carried from step to step has a test of its own.
+            // Extrapolation from step to step has a test of its own.
             for estimator in of_degree(degree).filter(|e| *e != Estimator::Sampled) {
                 let ratios = effectivities(&problem, (DGM, degree), estimator, h, 20);
                 let ([least, most], [least_v, most_v]) = (range(&ratios, 0), range(&ratios, 1));
@@ -137,11 +138,13 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
     }
 }
 
-/// In a body that swings in few modes the errors of single steps swing, too, at k = 3 when g is largest they are least: what is carried then goes wrong, is found to, and fewer steps are left out. One
-/// that is too large does no harm (`LocalError::confirm`). What it does to the sizes of steps is next to nothing (`carried_errors_choose_the_sizes_that_estimated_ones_do`).
+/// In a body with few modes, the errors of single steps oscillate; at k = 3 they are smallest when g is largest. The
+/// extrapolation then fails, this is detected, and fewer steps are skipped. One estimate that is too large does no harm
+/// (`LocalError::confirm`), and hardly affects the step sizes
+/// (`carried_errors_choose_the_sizes_that_estimated_ones_do`).
 #[test]
 fn few_steps_of_a_steady_motion_are_estimated() {
-    // The book's table: smallest and largest carried error, and estimated steps.
+    // The book's table: smallest and largest extrapolated error, and estimated steps.
     let of_springs = [([0.56, 2.6], 20), ([0.33, 2.9], 16), ([0.30, 7.5], 64)];
     let of_block = [([0.25, 2.8], 32), ([0.25, 4.0], 58), ([0.60, 3.2], 59)];
     for (name, (body, start), size, quoted) in
@@ -166,7 +169,7 @@ fn few_steps_of_a_steady_motion_are_estimated() {
                     ratios = [ratios[0].min(sampled / residual), ratios[1].max(sampled / residual)];
                 } else {
                     estimated += 1;
-                    // Corrected with another kept stiffness: each leaves up to a twentieth.
+                    // Corrected with another reused stiffness: each leaves up to a twentieth.
                     assert!((sampled / residual - 1.0).abs() < 0.1, "{name}: {sampled} {residual}");
                 }
             }
@@ -181,7 +184,7 @@ fn few_steps_of_a_steady_motion_are_estimated() {
     }
 }
 
-/// The residual sees what the other rules do as well.
+/// The residual also sees the error of the other rules.
 #[test]
 fn the_residual_estimates_the_errors_of_every_rule() {
     for (scheme, degree) in [
@@ -214,7 +217,7 @@ fn steps_from(body: &Body, starts: &[State], degree: usize, estimator: Estimator
 }
 
 fn one_step(body: &Body, start: &State, degree: usize, estimator: Estimator, h: f64) -> [f64; 2] {
-    // Conjugate gradients read their matrix in 16 bits: a correction leaves a part of that, whatever the size.
+    // Conjugate gradients use a 16-bit matrix: a correction leaves a corresponding part, at any step size.
     let settings = || NewtonSettings { solver: Solver::Direct, ..settings() };
     let mut motion = Motion::starting(body, at(DGM, degree), settings(), start.clone()).unwrap();
     let mut error = LocalError::new(body, element(DGM, degree), estimator, settings(), start).unwrap();
@@ -231,7 +234,7 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
     for (name, problem, size) in
         [("orbit", orbit(0.5), 0.04), ("springs", springs(), 0.04), ("soft block", soft_block(), 0.02)]
     {
-        // Where the error has a zero its leading term does not lead: that is so of few states among several.
+        // Where the error has a zero, its leading term does not dominate; this happens in few of several states.
         let (body, mut state) = problem;
         let next = |_| {
             state = exact(&body, &state, 4.0 * size);
@@ -252,17 +255,18 @@ fn estimates_grow_with_the_power_of_the_size_that_errors_have() {
                     (order - LocalError::order(element(DGM, degree)) as f64).abs() < 0.25,
                     "{name}, k = {degree}: {order}"
                 );
-                // Exact in the limit, with some more corrections or less from size to size.
+                // Exact in the limit, with more or fewer corrections from size to size.
                 assert!(of_estimate.1 < 0.05, "{name}, k = {degree}: {of_estimate:?}");
             }
         }
     }
 }
 
-/// `R_kk(z) - e^z = -(-1)^k c_k z^(2k+1)`, c_k = (k!)^2/((2k)! (2k+1)!), is the error of the Gauss method of degree k (Hairer and Wanner 1996, Solving
-/// ordinary differential equations II, theorem IV.3.11): on `u'' = -omega^2 u` that is `-c_k z^(2k+1) v/omega` in u, `c_k z^(2k+1) omega u` in v, z = h omega.
+/// `R_kk(z) - e^z = -(-1)^k c_k z^(2k+1)`, c_k = (k!)^2/((2k)! (2k+1)!), is the error of the Gauss method of degree k
+/// (Hairer and Wanner 1996, Solving ordinary differential equations II, theorem IV.3.11): on `u'' = -omega^2 u` that is
+/// `-c_k z^(2k+1) v/omega` in u, `c_k z^(2k+1) omega u` in v, z = h omega.
 #[test]
-fn on_the_linear_oscillator_the_error_is_that_of_the_pade_approximation() {
+fn errors_on_the_linear_oscillator_match_the_pade_approximation() {
     // Two masses of 2 on a spring of 9 that vibrate along it: linear for FE(k), in their distance s.
     let masses = ["0", "1"].map(|group| PointMass { group: group.into(), mass: 2.0 });
     let nodal = PointTerms { masses: masses.to_vec(), ..Default::default() };
@@ -282,7 +286,7 @@ fn on_the_linear_oscillator_the_error_is_that_of_the_pade_approximation() {
                 LocalError::new(&body, element(scheme, degree), estimator, settings(), &start).unwrap();
             error.estimate(&start, motion.state(), motion.stepper().rates(), h).unwrap();
             let factor = c * (h * omega).powi(2 * degree as i32 + 1);
-            // R is a rotation as e^z is, so that the error lies across the state at the end.
+            // R is a rotation like e^z, so that the error is perpendicular to the state at the end.
             let (cosine, sine) = ((h * omega).cos(), (h * omega).sin());
             let end = [0.3 * cosine + 0.4 / omega * sine, 0.4 * cosine - 0.3 * omega * sine];
             let expected = [-factor * end[1] / omega, factor * omega * end[0]];
@@ -298,14 +302,15 @@ fn on_the_linear_oscillator_the_error_is_that_of_the_pade_approximation() {
     }
 }
 
-/// Newton's iteration of the element of degree k + 1 has less to do from the reconstruction than from the last step of its own.
+/// Newton's iteration of the element of degree k + 1 needs less work from the reconstruction than from its own last
+/// step.
 #[test]
 fn the_reconstruction_is_a_good_start() {
     for (name, problem, size) in
         [("orbit", orbit(0.5), 0.02), ("springs", springs(), 0.02), ("soft block", soft_block(), 0.01)]
     {
         let (body, start) = &problem;
-        // At k = 1 it is no worse and no better.
+        // At k = 1 there is no difference.
         for degree in [2, 3] {
             let h = size * [1.0, 3.0, 5.0][degree - 1];
             let iterations = |from_reconstruction: bool| {
@@ -335,6 +340,6 @@ fn the_reconstruction_is_a_good_start() {
 #[test]
 fn differences_are_of_degree_one() {
     let (body, start) = orbit(0.5);
-    let refused = LocalError::new(&body, element(DGM, 2), Estimator::Difference, settings(), &start);
-    assert!(matches!(refused, Err(Error::Adaptivity { setting: "estimator", .. })));
+    let rejected = LocalError::new(&body, element(DGM, 2), Estimator::Difference, settings(), &start);
+    assert!(matches!(rejected, Err(Error::Adaptivity { setting: "estimator", .. })));
 }

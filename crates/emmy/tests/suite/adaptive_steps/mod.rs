@@ -1,4 +1,4 @@
-//! Steps whose sizes are chosen by the error: the estimate against the true error, what is conserved, which times are met, what it costs.
+//! Adaptive steps: the estimate against the true error, conservation, the times that are met, the cost.
 
 mod degrees;
 mod estimates;
@@ -57,12 +57,14 @@ fn the_error_at_the_end_is_estimated_with_equal_steps_and_others() {
     }
 }
 
-/// The highest modes of the paper's blocks are not resolved by their steps: what is left of the estimate then. In the quasi-rigid one they hardly move.
+/// The steps do not resolve the highest modes of the paper's blocks; this tests the remaining quality of the estimate.
+/// In the quasi-rigid block these modes hardly move.
 #[test]
-fn what_no_step_resolves_is_estimated_in_size() {
+fn errors_of_unresolved_vibrations_are_estimated_in_size() {
     let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5);
     let stiff = SaintVenantKirchhoff::from_engineering(1e7, 0.3).unwrap();
-    // At k = 3 the error of the quasi-rigid one is that of its elastic modes alone, which both degrees have wrong: 4 times it is estimated.
+    // At k = 3 the error of the quasi-rigid block comes from its elastic modes alone, which are wrong with both
+    // degrees: the estimate is 4 times as large.
     for (name, region, sizes, quoted) in [
         ("large strain", rubber, [0.02, 0.01], [&[0.97, 0.96, 0.92][..], &[0.99, 0.97, 0.98]]),
         ("quasi-rigid", Region::new(stiff, 1.0), [0.05, 0.025], [&[1.00, 1.02, 4.0], &[1.00, 1.57]]),
@@ -132,7 +134,7 @@ fn rejections(watch: &Watch) -> usize {
     watch.records.iter().map(|record| record.rejections).sum()
 }
 
-/// Distance of the first mass from where it was one period before, over the largest distance.
+/// Distance of the first mass from its position one period before, over the largest distance.
 fn closure(body: &Body, state: &State) -> f64 {
     let at = state.position(body, 0);
     (at[0] - 1.0 / 3.0).hypot(at[1]) * 3.0
@@ -145,7 +147,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_equal_steps_at_equal_error() {
     for degree in [1, 2, 3] {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
         let (error, n) = (closure(&body, &end), watch.records.len() - 1 + rejections(&watch));
-        // Equal steps, three times as many.
+        // Three times as many equal steps.
         let mut motion = Motion::starting(&body, at(DGM, degree), settings(), state.clone()).unwrap();
         let equal = 3 * n;
         let h = period(e) / equal as f64;
@@ -166,7 +168,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_equal_steps_at_equal_error() {
     }
 }
 
-/// Work by counts, not by a clock. Estimates for k > 1, a step of the next degree each, are not counted.
+/// Work by counts, not by a clock. Estimates for k > 1, one step of the next degree each, are not counted.
 #[test]
 fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
     let e = 0.9;
@@ -174,10 +176,10 @@ fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
     for degree in [1, 2, 3] {
         let (watch, end) = march(&body, &state, degree, &adaptive(period(e), 1e-6));
         let of_steps = || watch.records.iter().map(|record| record.newton_iterations);
-        // A step that was refused has taken as many as any other at most.
+        // A rejected step takes at most as many as any other.
         let own = of_steps().sum::<usize>() + rejections(&watch) * of_steps().max().unwrap();
         let error = closure(&body, &end);
-        // Eight times as many equal steps: each of these takes fewer corrections.
+        // Eight times as many equal steps; each of these takes fewer corrections.
         let n = 8 * (watch.records.len() - 1);
         let (plan, mut corrections) = (equal(period(e), period(e) / n as f64), 0);
         let (equal, end) = march(&body, &state, degree, &plan);
@@ -196,7 +198,7 @@ fn an_eccentric_orbit_takes_a_third_of_the_corrections_at_equal_error() {
 
 #[test]
 fn smaller_tolerances_make_smaller_errors() {
-    // Not after a whole revolution, in which errors of both halves cancel.
+    // Not after a whole revolution, in which the errors of both halves cancel.
     let (e, problem) = (0.6, orbit(0.6));
     let end = 0.8 * period(e);
     let exact = reference(&problem, 5, end, end / 400.0);
@@ -241,7 +243,7 @@ fn carried_errors_choose_the_sizes_that_estimated_ones_do() {
     }
 }
 
-/// A block that hangs on two supports, one of which is released, under a load with a kink and a jump.
+/// A block on two supports, one of which is released, under a load with a kink and a jump.
 fn loaded_block() -> Body {
     let rubber = Region::new(NeoHooke::new(300.0, 150.0).unwrap(), 1.0);
     let held = Support { group: "z-min".into(), until: Some(0.31), ..Support::default() };
@@ -275,7 +277,7 @@ fn kinks_releases_and_ends_are_met_exactly() {
 fn times_for_output_are_met_exactly_and_without_slivers() {
     let body = loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
-    // Beside the kinks at 0.1234 and 0.2 and the release at 0.31; 0.2 is one of both.
+    // Besides the kinks at 0.1234 and 0.2 and the release at 0.31; 0.2 is a kink of both.
     let plan = adaptive(0.5, 1e-4).with_end_at(0.31).with_interval(0.04).unwrap();
     let (watch, _) = march(&body, &state, 2, &plan);
     let times: Vec<f64> = watch.records.iter().map(|record| record.time).collect();
@@ -284,7 +286,7 @@ fn times_for_output_are_met_exactly_and_without_slivers() {
     }
     let outputs = times.iter().filter(|time| plan.is_output(**time)).count();
     assert_eq!(outputs, 13);
-    // The shortest time between two that are to be met is 0.0034, to the kink: steps of half of it at the least.
+    // The shortest interval between two times to be met is 0.0034, before the kink: steps are at least half as long.
     let first = 0.0017 * (1.0 - 1e-9);
     let short =
         watch.records[1..].iter().filter(|r| r.step_size < first && r.rejections == 0 && r.time > 0.04);
@@ -292,7 +294,7 @@ fn times_for_output_are_met_exactly_and_without_slivers() {
 }
 
 #[test]
-fn a_motion_that_goes_on_from_a_snapshot_is_the_motion_itself() {
+fn a_motion_resumed_from_a_snapshot_equals_the_uninterrupted_one() {
     let body = loaded_block();
     let state = State::initial(&body, 0.0, &[]).unwrap();
     let plan = adaptive(0.5, 3e-5).with_end_at(0.31);
@@ -341,11 +343,11 @@ fn a_tolerance_that_the_smallest_step_does_not_meet_is_an_error() {
         }
         other => panic!("{other:?}"),
     }
-    // The state is that of the last good step, here the start.
+    // The state belongs to the last good step, here the start.
     assert_eq!(*motion.state(), before);
 }
 
-/// A body at rest takes steps as large as they may be; what is short beside them is not passed over.
+/// A body at rest takes the largest allowed steps, and does not miss short phases.
 #[test]
 fn a_short_phase_after_a_long_one_is_done() {
     let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
@@ -357,10 +359,10 @@ fn a_short_phase_after_a_long_one_is_done() {
     assert_eq!(end.time, 1e8 + 2.0);
 }
 
-/// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across for x and z, and along y
-/// a sixth of the mass at 3/2 on both sides, a third at 1/2.
+/// The scale of errors: a block of 1 x 3 x 1 has sqrt((1 + 9 + 1)/12), its lumped masses in three cells have 1/4 across
+/// for x and z, and along y a sixth of the mass at 3/2 on both sides, a third at 1/2.
 #[test]
-fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
+fn the_radius_of_gyration_matches_the_lumped_masses() {
     let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 2.0);
     let body =
         Body::builder(mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap()).region(rubber).build().unwrap();
@@ -371,10 +373,10 @@ fn the_radius_of_gyration_is_that_of_the_lumped_masses() {
 }
 
 #[test]
-fn what_has_no_scale_or_no_estimate_is_refused() {
+fn motions_without_scale_or_estimate_are_rejected() {
     let (body, state) = orbit(0.5);
     let newmark = "Newmark(0.25, 0.5)".parse().unwrap();
     let mut motion = Motion::starting(&body, at(newmark, 1), settings(), state).unwrap();
-    let refused = motion.march(&adaptive(1.0, 1e-4), &mut []);
-    assert!(matches!(refused, Err(MarchError::Step(Error::Scheme { .. }))), "{refused:?}");
+    let rejected = motion.march(&adaptive(1.0, 1e-4), &mut []);
+    assert!(matches!(rejected, Err(MarchError::Step(Error::Scheme { .. }))), "{rejected:?}");
 }

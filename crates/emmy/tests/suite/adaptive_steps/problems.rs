@@ -17,7 +17,7 @@ pub fn period(e: f64) -> f64 {
     std::f64::consts::TAU * ((1.0 + e).powi(-3) / 4.5).sqrt()
 }
 
-/// Four masses in the corners of a tetrahedron with springs along its edges, stretched and turning.
+/// Four masses at the corners of a tetrahedron with springs along its edges, stretched and rotating.
 pub fn springs() -> (Body, State) {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
     let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -45,7 +45,7 @@ pub fn exact(body: &Body, state: &State, time: f64) -> State {
     motion.state().clone()
 }
 
-/// Asserts that a number is the one that the book quotes, to a part of it.
+/// Asserts that a number agrees with the book, to a given part of it.
 pub fn assert_quoted(what: &str, found: f64, quoted: f64, part: f64) {
     assert!((found - quoted).abs() <= part * quoted.abs(), "{what}: {found} is not the book's {quoted}");
 }

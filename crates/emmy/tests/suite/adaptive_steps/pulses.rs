@@ -1,4 +1,4 @@
-//! Short pulses that are expressions: adaptive steps find them from rest, planned ones say what they miss.
+//! Short pulses given as expressions: adaptive steps find them from rest, planned ones report that they miss them.
 
 use emmy::motion::Record;
 
@@ -54,7 +54,7 @@ fn a_load_is_found_from_rest() {
     }
 }
 
-/// The support is back at its place after the pulse; what it left in the body is the vibration that short equal steps find.
+/// The support returns to its place after the pulse; the remaining vibration of the body agrees with short equal steps.
 #[test]
 fn a_moving_support_is_found_from_rest() {
     let support =
@@ -96,7 +96,7 @@ impl emmy::motion::Observer for Unresolved {
     }
 }
 
-/// Steps of at least a size that do not resolve a pulse are an error that names it.
+/// If steps of a smallest size do not resolve a pulse, an error names it.
 #[test]
 fn a_smallest_size_that_misses_a_pulse_ends_the_march() {
     let body = loaded();

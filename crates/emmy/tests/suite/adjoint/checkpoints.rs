@@ -1,4 +1,4 @@
-//! What a gradient does not depend on, and the steps that it is taken at.
+//! Independence of a gradient from checkpoints, and the steps of a gradient.
 
 use emmy::adjoint::{Goal, Parameter, Trajectory};
 use emmy::body::{Body, Region};
@@ -65,7 +65,7 @@ fn checkpoints_grow_with_the_square_root_of_the_steps() {
     }
 }
 
-/// Sizes that are chosen by the error are data: differences of motions that do steps of these very sizes.
+/// Adaptive step sizes are data: differences of motions that repeat exactly these steps.
 #[test]
 fn gradients_of_adaptive_motions_are_those_at_their_steps() {
     let (body, start) = orbit(0.5);

@@ -6,7 +6,7 @@ use emmy::motion::{Adaptivity, StepPlan};
 use super::problems::*;
 use crate::shared::schemes::{DGM, fe};
 
-/// The estimate has the sign and, where the steps resolve the motion, the size of the error of a probe.
+/// The estimate has the sign and, if the steps resolve the motion, the size of the error of a probe.
 #[test]
 fn the_error_of_a_goal_is_estimated_with_its_sign() {
     let network = springs(20.0).unwrap();

@@ -1,8 +1,9 @@
-//! Gradients by the discrete adjoint against differences of whole motions and formulae, and the error of a goal against the true one.
+//! Gradients by the discrete adjoint against differences of whole motions and formulae, and the error of a goal against
+//! the true one.
 
 mod checkpoints;
 mod goal_error;
 mod parameters;
 mod problems;
-mod refusals;
+mod rejections;
 mod state;

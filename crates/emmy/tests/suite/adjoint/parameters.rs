@@ -7,7 +7,7 @@ use emmy::time::Scheme;
 use super::problems::*;
 use crate::shared::schemes::{DGM, assumed_strain, fe};
 
-/// Relative difference of a derivative by a parameter from that of whole motions.
+/// Relative difference between a derivative by a parameter and differences of whole motions.
 fn parameter_error(body: impl Fn(f64) -> Result<Body>, value: f64, (scheme, degree): (Scheme, usize)) -> f64 {
     let own = body(value).unwrap();
     let (start, plan) = (disturbed(&own, 0.05, 0.5), equal(0.9, 0.15 * degree as f64));
@@ -54,7 +54,7 @@ fn gradients_by_parameters_are_differences_of_motions() {
     }
 }
 
-/// By Poisson's ratio the energy is not linear: the chain rule over the parameters of Lame says what its derivative is.
+/// The energy is not linear in Poisson's ratio: its derivative follows from the chain rule over the Lame parameters.
 #[test]
 fn smooth_parameters_have_the_derivative_of_the_chain_rule() {
     let (youngs, nu) = (40.0, 0.3);

@@ -36,7 +36,7 @@ pub fn scattered(n: usize, seed: usize) -> Vec<f64> {
     (0..n).map(|i| ((i * i + 7 * i + 1) as f64 * (1.3 + seed as f64)).sin()).collect()
 }
 
-/// A soft block that is held at its bottom face; a traction that varies over time and gravity pull at it.
+/// A soft block, fixed at its bottom face, under a time-dependent traction and gravity.
 pub fn held_block([lambda, mu]: [f64; 2], density: f64, traction: f64, rubber: bool) -> Result<Body> {
     let region = match rubber {
         true => Region::new(NeoHooke::new(lambda, mu)?, density),
@@ -58,7 +58,8 @@ pub fn rubber() -> Body {
     held_block([30.0, 15.0], 1.0, 2.0, true).unwrap()
 }
 
-/// Four masses in the corners of a tetrahedron with springs along its edges, one on a spring to the ground, all drawn to a star.
+/// Four masses at the corners of a tetrahedron with springs along its edges, one on a spring to the ground, all
+/// attracted by a star.
 pub fn springs(stiffness: f64) -> Result<Body> {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.1, 0.2, 0.9]];
     let links = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -71,7 +72,7 @@ pub fn springs(stiffness: f64) -> Result<Body> {
     Body::builder(network(&points, &links)).region(region).point_terms(nodal.clone()).build()
 }
 
-/// The state of a body with a displacement and a velocity that are scattered over its free degrees of freedom.
+/// The state of a body with irregular displacement and velocity on its free degrees of freedom.
 pub fn disturbed(body: &Body, displacement: f64, velocity: f64) -> State {
     let mut state = State::initial(body, 0.0, &[]).unwrap();
     let (du, dv) = (scattered(body.n_dofs(), 1), scattered(body.n_dofs(), 2));
@@ -90,7 +91,7 @@ pub fn shift(body: &Body, state: &mut State, d: f64, du: &[f64], e: f64, dv: &[f
     state.momentum = momentum;
 }
 
-/// A goal that looks at all there is at the end.
+/// A goal that depends on the complete last state.
 pub fn scattered_goal(body: &Body) -> Goal {
     Goal { displacement: scattered(body.n_dofs(), 3), velocity: scattered(body.n_dofs(), 4) }
 }
@@ -123,7 +124,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Size of a derivative along a direction, of which its terms may cancel.
+/// Size of a derivative along a direction, with terms that may cancel.
 pub fn size(gradient: &Gradient, [du, dv]: [&[f64]; 2]) -> f64 {
     let norm = |a: &[f64]| dot(a, a).sqrt();
     (norm(&gradient.displacement) * norm(du) + norm(&gradient.velocity) * norm(dv)) / (du.len() as f64).sqrt()

@@ -10,7 +10,8 @@ use emmy::time::Scheme;
 use super::problems::*;
 use crate::shared::schemes::{DGM, assumed_strain, fe};
 
-/// Largest relative difference of the gradient by the initial state from differences of whole motions, along some directions.
+/// Largest relative difference between the gradient by the initial state and differences of whole motions, along some
+/// directions.
 fn error_by_differences(
     body: &Body,
     (scheme, degree): (Scheme, usize),
@@ -30,7 +31,8 @@ fn error_by_differences(
     let error = |direction: [Vec<f64>; 2]| {
         let [du, dv] = [&direction[0], &direction[1]];
         let along = dot(&gradient.displacement, du) + dot(&gradient.velocity, dv);
-        // The correction of DGM is homogeneous of degree two in the strain rates: where they pass zero its derivatives are large.
+        // The correction of DGM is homogeneous of degree two in the strain rates: its derivatives are large where they
+        // pass zero.
         (along - slope(5e-5, |d| value([du, dv], d))).abs() / size(&gradient, [du, dv])
     };
     directions.map(error).fold(0.0, f64::max)
@@ -69,8 +71,8 @@ fn gradients_of_links_and_ground_terms_are_differences_of_motions() {
     }
 }
 
-/// Materials of principal stretches, whose derivatives are not those of their eigenvectors, and cells of other kinds in more than one
-/// batch.
+/// Materials of principal stretches, whose derivatives involve the eigenvectors, and cells of other kinds in more than
+/// one batch.
 #[test]
 fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
     let ogden = Ogden::new(&[(12.0, 1.3), (-2.0, -2.0)], 40.0, Volumetric::SimoTaylor).unwrap();
@@ -93,7 +95,7 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
     }
 }
 
-/// One step: what it does to a direction, times a goal at its end, is that direction times the goal at its start.
+/// One step: its effect on a direction, times a goal at its end, equals that direction times the goal at its start.
 #[test]
 fn the_adjoint_of_a_step_is_its_transposed() {
     let body = held_block([30.0, 15.0], 1.0, 2.0, false).unwrap();
@@ -106,8 +108,8 @@ fn the_adjoint_of_a_step_is_its_transposed() {
     }
 }
 
-/// A free body whose start is moved or turned moves as before, moved or turned: so much of a gradient is known, in stiff bodies and with
-/// large steps, too.
+/// A free body with a translated or rotated start has the same motion, translated or rotated. This part of a gradient
+/// is known, also in stiff bodies and with large steps.
 #[test]
 fn gradients_know_the_symmetries_of_space() {
     let w = [0.4, -0.7, 0.5];
@@ -125,7 +127,7 @@ fn gradients_know_the_symmetries_of_space() {
         let goal = Goal::displacement_at(&body, 5, [1.0, 0.0, 0.0]);
         for k in 1..=3 {
             for scheme in schemes(k) {
-                // With FE the middle of a step is shrunk, and a stiff body does not turn by more than a little in one.
+                // With FE the middle of a step is shrunk, and a stiff body rotates only a little per step.
                 let energy_momentum = scheme.time_element().unwrap().rule.is_energy_momentum();
                 let size = if energy_momentum { size } else { 0.01 };
                 let plan = equal(5.0 * size, size);
@@ -146,7 +148,8 @@ fn gradients_know_the_symmetries_of_space() {
     }
 }
 
-/// Angle by which a step of degree k turns an oscillator with omega h = z: that of the diagonal Pade approximation of `exp(i z)`.
+/// Angle of rotation of an oscillator with omega h = z in a step of degree k, from the diagonal Pade approximation of
+/// `exp(i z)`.
 fn angle(k: usize, z: f64) -> f64 {
     let (re, im) = match k {
         1 => (1.0, z / 2.0),
@@ -169,7 +172,7 @@ pub fn oscillator(square: f64) -> Result<Body> {
 }
 
 #[test]
-fn gradients_of_an_oscillator_are_those_of_its_formula() {
+fn gradients_of_an_oscillator_match_its_formula() {
     let (body, n, h) = (oscillator(1.0).unwrap(), 12.0, 0.2);
     let (u, v) = (0.3, -0.8);
     let (mut start, n_dofs) = (State::initial(&body, 0.0, &[]).unwrap(), body.n_dofs());

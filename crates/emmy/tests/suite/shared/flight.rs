@@ -12,8 +12,8 @@ fn region(material: impl Material) -> Region {
     Region::new(material, 2.0)
 }
 
-/// St. Venant-Kirchhoff, neo-Hooke and Ogden, DGM of degree 1 and 2, for 200 steps each: every kind of cell, in the mesh
-/// that is made of it.
+/// St. Venant-Kirchhoff, neo-Hooke and Ogden, DGM of degree 1 and 2, for 200 steps each: every kind of cell, in a mesh
+/// of it.
 pub fn every_kind_flies(kinds: &[CellKind], mesh: impl Fn(CellKind) -> Mesh, field: &InitialVelocity) {
     for &kind in kinds {
         for degree in 1..=2 {
@@ -32,7 +32,7 @@ pub fn every_kind_flies(kinds: &[CellKind], mesh: impl Fn(CellKind) -> Mesh, fie
     }
 }
 
-/// 200 steps with strains of several percent: the balances of every step are at round-off, and so is what they add up to.
+/// 200 steps with strains of several percent: the balances of every step, and their sums, are at round-off.
 fn flies(name: &str, body: &Body, field: &InitialVelocity, degree: usize) {
     let state = State::initial(body, 0.0, std::slice::from_ref(field)).unwrap();
     let settings = NewtonSettings::default();
@@ -52,7 +52,7 @@ fn flies(name: &str, body: &Body, field: &InitialVelocity, degree: usize) {
     assert!(energy < 1e-11, "{name}: {energy:e}");
     assert!(drift(last.linear_momentum, first.linear_momentum) < 1e-11, "{name}");
     assert!(drift(last.angular_momentum, first.angular_momentum) < 1e-11, "{name}");
-    // What moves in a plane stays in it.
+    // A plane motion stays in its plane.
     if body.mesh().cells().all(|cell| cell.kind.dimension() == 2) {
         assert!(motion.state().displacement.iter().skip(2).step_by(3).all(|&u| u == 0.0), "{name}");
     }

@@ -14,7 +14,7 @@ pub struct Patch {
     pub bricks: usize,
     /// Whether quadratic cells get curved inner edges.
     pub curved: bool,
-    /// How far corners are moved: 0 not at all, 1 by up to 7 % of the edge of the cube.
+    /// Displacement of corners: 0 for none, 1 for up to 7 % of the edge of the cube.
     pub distortion: f64,
 }
 
@@ -40,7 +40,7 @@ impl Patch {
         draft.builder.build().unwrap()
     }
 
-    /// Position of a point of the grid: the surface of the cube stays plane, what lies inside moves.
+    /// Position of a point of the grid: the surface of the cube stays plane, inner points move.
     fn position(self, grid: [f64; 3]) -> [f64; 3] {
         let X = grid.map(|x| x / self.bricks as f64);
         let bubble = |x: f64| 4.0 * x * (1.0 - x);
@@ -86,7 +86,7 @@ impl Draft {
     }
 }
 
-/// Corners of the cells that make a unit cube.
+/// Corners of the cells that form a unit cube.
 fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
     let cube: Vec<[f64; 3]> =
         element(CellKind::Hex8).nodes().iter().map(|x| x.map(|x| 0.5 * x + 0.5)).collect();
@@ -99,7 +99,7 @@ fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
         }
         _ => {
             let pyramid = |face: &emmy::internals::element::LocalFacet| {
-                // The face is seen anticlockwise from outside, the base of a pyramid from its apex.
+                // The face is anticlockwise as seen from outside, the base of a pyramid as seen from its apex.
                 face.nodes.iter().rev().map(|&c| cube[c]).chain([[0.5; 3]]).collect()
             };
             CellKind::Hex8.facets().iter().map(pyramid).collect()

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use emmy::internals::element::element;
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
-/// The unit square in the plane z = 0.7, n x n quadrilaterals or twice as many triangles, its inner corners moved. Groups of
-/// edges `x-min`, `x-max`, `y-min`, `y-max`.
+/// The unit square in the plane z = 0.7, n x n quadrilaterals or twice as many triangles, its inner corners moved.
+/// Groups of edges `x-min`, `x-max`, `y-min`, `y-max`.
 pub fn plane_patch(kind: CellKind, n: u32) -> Mesh {
     let (mut builder, mut nodes) = (MeshBuilder::new(), HashMap::new());
     for at in (0..n * n).map(|i| [f64::from(i / n), f64::from(i % n)]) {
@@ -42,7 +42,7 @@ pub fn plane_patch(kind: CellKind, n: u32) -> Mesh {
     builder.build().unwrap()
 }
 
-/// Position of a point of the square: its edges stay straight, what lies inside moves.
+/// Position of a point of the square: its edges stay straight, inner points move.
 fn distorted(X: [f64; 2]) -> [f64; 2] {
     let bubble = |x: f64| 4.0 * x * (1.0 - x);
     let inside = bubble(X[0]) * bubble(X[1]);

@@ -33,7 +33,8 @@ pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
     State::initial(body, 0.0, &velocities.iter().enumerate().map(field).collect::<Vec<_>>()).unwrap()
 }
 
-/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of the orbit.
+/// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of
+/// the orbit.
 pub fn orbit(e: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
     let nodal = PointTerms { masses: masses(&[2.0, 1.0]), ..Default::default() };

@@ -1,10 +1,10 @@
-//! An observer that keeps what it sees.
+//! An observer that keeps all records.
 
 use std::error::Error as StdError;
 
 use emmy::motion::{Event, Observer, Record, Snapshot, View};
 
-/// Keeps all that there is to see, and a snapshot after one of the steps.
+/// Keeps everything an observer sees, and a snapshot after one of the steps.
 #[derive(Default)]
 pub struct Watch {
     pub records: Vec<Record>,

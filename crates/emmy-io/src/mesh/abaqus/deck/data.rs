@@ -7,7 +7,7 @@ use super::super::body::{At, Element, Member, Of, Row};
 use super::super::keyword::fields;
 use super::{Deck, Elements, Scope, Section, shown};
 
-/// Numbers in a full line of Abaqus: after so many an element goes on in the next line, comma or not.
+/// Numbers in a full line of Abaqus: after these, an element continues in the next line, with or without a comma.
 const FULL_LINE: usize = 16;
 
 impl Deck {
@@ -33,7 +33,7 @@ impl Deck {
         Ok(())
     }
 
-    /// An element must be whole when its keyword ends.
+    /// An element must be complete when its keyword ends.
     pub(super) fn close_section(&mut self) -> Result<()> {
         match &self.section {
             Section::Elements(elements) if !elements.pending.is_empty() => {
@@ -99,10 +99,12 @@ impl Deck {
 
     fn wrong_node_count(&self, elements: &Elements) -> MeshError {
         let Elements { element_type, kind, pending, at, .. } = elements;
-        let (number, found, wanted) = (pending[0], pending.len() - 1, kind.n_nodes());
+        let number = pending[0];
+        let found = pending.len() - 1;
+        let wanted = kind.n_nodes();
         let problem =
             format!("element {number} of type {element_type} has {found} nodes instead of {wanted}");
-        self.malformed(*at, problem, "correct its type or its nodes; a line that goes on ends with a comma")
+        self.malformed(*at, problem, "correct its type or its nodes; a line that continues ends with a comma")
     }
 
     fn element(&mut self, elements: &mut Elements) -> Result<()> {
@@ -183,7 +185,7 @@ impl Deck {
         field.parse().map_err(|_| self.malformed(at, problem(), "is a comma or a line missing?"))
     }
 
-    /// A number; nothing stands for zero, and Fortran's `1.D0` is one.
+    /// A number; an empty field is zero, and Fortran's `1.D0` is valid.
     fn real(&self, at: At, field: &str) -> Result<f64> {
         if field.is_empty() {
             return Ok(0.0);

@@ -1,4 +1,4 @@
-//! Keywords: each says what the data lines after it mean.
+//! Keywords; each determines the meaning of its data lines.
 
 use super::super::super::{MeshError, Result};
 use super::super::body::{At, Body, Instance, Member, Of, Surface};
@@ -7,13 +7,13 @@ use super::super::keyword::Keyword;
 use super::super::placement::Placement;
 use super::{Deck, Elements, Scope, Section};
 
-/// Most nodes, elements and members of sets in all instances together: a line makes as many as its part has.
+/// Largest number of nodes, elements and members of sets in all instances together: each instance copies its part.
 const MAX_COPIED: usize = 50_000_000;
 
 impl Deck {
     pub(super) fn keyword(&mut self, keyword: &Keyword, at: At) -> Result<()> {
         if keyword.name == "INCLUDE" {
-            // The lines of the file may go on with the data of the keyword before.
+            // The lines of the file may continue the data of the previous keyword.
             return self.include(at, self.required(keyword, at, "INPUT")?);
         }
         self.close_section()?;
@@ -53,7 +53,7 @@ impl Deck {
         keyword.value(key).ok_or_else(missing)
     }
 
-    /// The instance that a set or surface of the assembly names.
+    /// The instance of a set or surface of the assembly.
     fn qualifier(&self, keyword: &Keyword, at: At) -> Result<Option<u32>> {
         let Some(name) = keyword.value("INSTANCE") else { return Ok(None) };
         let unknown = || {
@@ -69,7 +69,7 @@ impl Deck {
         if self.part_index.insert(name.to_lowercase(), self.parts.len()).is_some() {
             return Err(self.malformed(
                 at,
-                format!("part \"{name}\" is there already"),
+                format!("part \"{name}\" exists already"),
                 "give it another name",
             ));
         }
@@ -82,7 +82,7 @@ impl Deck {
         let name = self.required(keyword, at, "NAME")?;
         let part = self.required(keyword, at, "PART")?;
         if self.instance_index(name).is_some() {
-            let problem = format!("instance \"{name}\" is there already");
+            let problem = format!("instance \"{name}\" exists already");
             return Err(self.malformed(at, problem, "give it another name"));
         }
         let index = self.part_index.get(&part.to_lowercase()).copied();
@@ -97,7 +97,8 @@ impl Deck {
                 format!("the instances up to \"{name}\" have more than {MAX_COPIED} nodes and elements");
             return Err(self.malformed(at, problem, "write fewer instances, or smaller parts"));
         }
-        let (name, body) = (name.to_string(), body.clone());
+        let name = name.to_string();
+        let body = body.clone();
         self.copied += size;
         self.instance_index.insert(name.to_lowercase(), self.instances.len() as u32);
         self.instances.push(Instance { name, body, placement: Placement::default() });
@@ -119,7 +120,8 @@ impl Deck {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
         let face = element::face_kind(&element_type);
         let Some(kind) = element::kind(&element_type).or(face) else {
-            let (place, supported) = (self.place(at), element::supported());
+            let place = self.place(at);
+            let supported = element::supported();
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
         if face.is_some() {

@@ -16,7 +16,7 @@ use super::element;
 use super::keyword::Keyword;
 use crate::message;
 
-/// All that an input file and its includes hold and that matters to a mesh.
+/// The contents of an input file and its includes, as far as a mesh needs them.
 #[derive(Debug, Default)]
 pub(super) struct Deck {
     /// Nodes, elements, sets and surfaces outside of parts and instances.
@@ -31,13 +31,13 @@ pub(super) struct Deck {
     first_face: Option<(At, String)>,
     pub(super) files: Vec<PathBuf>,
     depth: usize,
-    /// Nodes, elements and set members that the instances copied of their parts.
+    /// Nodes, elements and set members copied from parts by the instances.
     copied: usize,
     scope: Scope,
     section: Section,
 }
 
-/// What nodes, elements and sets go into.
+/// Owner of the following nodes, elements and sets.
 #[derive(Debug, Clone, Copy, Default)]
 enum Scope {
     #[default]
@@ -46,7 +46,7 @@ enum Scope {
     Instance(usize),
 }
 
-/// What the data lines mean.
+/// Meaning of the data lines.
 #[derive(Debug, Default)]
 enum Section {
     #[default]
@@ -74,22 +74,22 @@ enum Section {
 struct Elements {
     element_type: String,
     kind: CellKind,
-    /// Whether they are faces of solid cells.
+    /// Whether these rows are faces of solid cells.
     is_face: bool,
     set: Option<String>,
-    /// Number and nodes of an element that goes on in the next line.
+    /// Number and nodes of an element that continues in the next line.
     pending: Vec<u64>,
     at: At,
 }
 
-/// Includes in includes; more are taken for a circle.
+/// Depth of nested includes; deeper ones are taken for a cycle.
 const MAX_DEPTH: usize = 16;
 
-/// Files of one input; few lines could ask for very many.
+/// Largest number of files of one input; a few lines could request very many.
 const MAX_FILES: usize = 1000;
 
 impl Deck {
-    /// Reads a file and what it includes.
+    /// Reads a file and its includes.
     pub(super) fn read(file: &Path, bytes: &[u8], links: &[String]) -> Result<Self> {
         let mut deck = Deck::default();
         deck.file(file, bytes)?;
@@ -98,7 +98,8 @@ impl Deck {
         Ok(deck)
     }
 
-    /// Faces stand beside solid cells. Where they do, and no links are asked for, lines are edges that are listed as well.
+    /// Checks that surface elements belong to solid cells, as their faces. Line elements are then edges, unless links
+    /// are requested.
     fn check_faces(&mut self, links: &[String]) -> Result<()> {
         let Some((at, kind)) = self.first_face.clone() else { return Ok(()) };
         let bodies = std::iter::once(&mut self.root)
@@ -216,7 +217,7 @@ impl Deck {
         Ok(())
     }
 
-    /// The text of a line, without what names cannot hold.
+    /// The text of a line, without characters that names cannot hold.
     fn text<'a>(&mut self, at: At, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
         let text = std::str::from_utf8(bytes).map_err(|_| {
             self.malformed(at, "text that is not UTF-8".to_string(), "save the file as UTF-8")
@@ -229,7 +230,7 @@ impl Deck {
         Ok(read)
     }
 
-    /// A keyword line with the lines after it on which it goes on, after a comma at its end.
+    /// A keyword line, with the next lines if it ends with a comma.
     fn keyword_line<'a>(
         &mut self,
         at: At,
@@ -266,7 +267,7 @@ impl Deck {
     }
 }
 
-/// What was found, short enough for a message.
+/// The text found, short enough for a message.
 fn shown(text: &str) -> String {
     text.chars().take(40).collect()
 }

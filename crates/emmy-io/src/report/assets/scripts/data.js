@@ -21,7 +21,7 @@ function unpacked(block, { type, length, offset }) {
   return new ARRAYS[type](bytes.buffer);
 }
 
-// A run with `array(name)`, which is null for what the run does not have, and `column(name)` of its history.
+// A run with `array(name)`, which is null for missing arrays, and `column(name)` of its history.
 async function readRun(index, run) {
   const block = await inflated(document.getElementById(`run-${index}`).textContent);
   const places = new Map(run.arrays.map((place) => [place.name, place]));

@@ -43,7 +43,7 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-// A number of the summary, marked with its key: what is shown can be checked against the file.
+// A number of the summary, marked with its key: it can be checked against the file.
 function ofSummary(run, key, text) {
   return element("span", { class: "num", "data-run": run.name, "data-key": key }, text ?? number(run.summary[key]));
 }

@@ -60,7 +60,7 @@ function listen(clock, toggle, times, rows) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || (event.shiftKey && event.key !== "+")) return;
     const on = event.target.tagName;
-    // What has a use for the key itself keeps it.
+    // Elements that use the key themselves keep it.
     if (on === "SELECT" || on === "TEXTAREA" || on === "PRE") return;
     if (event.key === " " && (on === "BUTTON" || on === "SUMMARY" || on === "A" || (on === "INPUT" && event.target.type === "checkbox"))) return;
     if (event.key.startsWith("Page") && !(on === "INPUT" || on === "CANVAS")) return;

@@ -184,7 +184,7 @@ class Viewer {
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
   }
 
-  // The arrow of angular momentum starts in the middle of the body; its length is that of |L| in the run.
+  // The arrow of angular momentum starts in the middle of the body; its length is proportional to |L|.
   setArrow(time) {
     const row = lastBefore(this.current.time, time);
     const L = this.momentum.map((component) => component[row]);

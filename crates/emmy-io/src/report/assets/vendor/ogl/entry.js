@@ -1,4 +1,4 @@
-// What the report uses of OGL; see ../README.md.
+// The part of OGL used by the report; see ../README.md.
 export { Camera } from 'ogl/src/core/Camera.js';
 export { Geometry } from 'ogl/src/core/Geometry.js';
 export { Mesh } from 'ogl/src/core/Mesh.js';

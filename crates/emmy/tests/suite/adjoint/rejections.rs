@@ -1,4 +1,4 @@
-//! What the adjoint does not cover.
+//! Motions that the adjoint does not cover.
 
 use emmy::Error;
 use emmy::adjoint::{Goal, Parameter, Trajectory};
@@ -12,7 +12,7 @@ use super::problems::*;
 use crate::shared::schemes::{DGM, at};
 
 #[test]
-fn what_is_not_covered_is_refused() {
+fn unsupported_problems_are_rejected() {
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
     let rubber = || vec![Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0)];
     let held = |until| Support { group: "z-min".into(), fix: [true; 3], until, ..Default::default() };
@@ -20,17 +20,17 @@ fn what_is_not_covered_is_refused() {
     let driven = Support { displacement: [Some(rate), None, None], fix: [false; 3], ..held(None) };
     let kind = LoadKind::Pressure { group: "z-max".into(), pressure: 1.0 };
     let pressure = Load { kind, time_function: TimeFunction::constant() };
-    let refused = |supports: &[Support], loads: &[Load], scheme: Scheme| {
+    let rejected = |supports: &[Support], loads: &[Load], scheme: Scheme| {
         let body = Body::builder(block()).regions(rubber()).supports(supports).loads(loads).build().unwrap();
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let motion = Motion::starting(&body, at(scheme, 1), settings(), state).unwrap();
         Trajectory::new(&motion).unwrap_err().to_string()
     };
     let cases = [
-        (refused(&[driven], &[], DGM), "driven supports"),
-        (refused(&[held(Some(0.5))], &[], DGM), "supports that are released"),
-        (refused(&[], &[pressure], DGM), "pressures that follow"),
-        (refused(&[], &[], Scheme::CentralDifferences), "time elements only"),
+        (rejected(&[driven], &[], DGM), "driven supports"),
+        (rejected(&[held(Some(0.5))], &[], DGM), "supports that are released"),
+        (rejected(&[], &[pressure], DGM), "pressures that follow"),
+        (rejected(&[], &[], Scheme::CentralDifferences), "time element without dissipation"),
     ];
     for (message, expected) in cases {
         assert!(message.starts_with("adjoint: ") && message.contains(expected), "{message}");
@@ -38,7 +38,7 @@ fn what_is_not_covered_is_refused() {
 }
 
 #[test]
-fn a_trajectory_with_gaps_is_refused() {
+fn a_trajectory_with_gaps_is_rejected() {
     let body = rubber();
     let goal = Goal::displacement_at(&body, 11, [1.0, 0.0, 0.0]);
     let mut motion = Motion::starting(&body, at(DGM, 1), settings(), disturbed(&body, 0.0, 0.5)).unwrap();
