@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 
 /// A process that prints the figures of one run.
 #[derive(Debug, Clone)]
-pub struct Job {
+pub(crate) struct Job {
     program: PathBuf,
     arguments: Vec<String>,
     threads: usize,
@@ -18,7 +18,7 @@ pub struct Job {
 
 /// How the energies of the spinning block are checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Check {
+pub(crate) struct Check {
     /// Cells per unit length.
     pub r: u32,
     /// Whether material and scheme agree with the other programs; if not, only the total energy is compared, roughly.
@@ -36,7 +36,7 @@ const ROUGH_AGREEMENT: f64 = 1e-3;
 
 impl Job {
     /// A script of another program that computes the spinning block.
-    pub fn script(python: &Path, script: &Path, arguments: &[String], check: Check) -> Self {
+    pub(crate) fn script(python: &Path, script: &Path, arguments: &[String], check: Check) -> Self {
         let script = script.display().to_string();
         let arguments = std::iter::once(script).chain(arguments.iter().cloned()).collect();
         Job { program: python.to_path_buf(), arguments, threads: 1, check: Some(check) }
@@ -46,7 +46,7 @@ impl Job {
     ///
     /// # Errors
     /// A message if the program cannot find itself.
-    pub fn case(case: &Case) -> Result<Self, String> {
+    pub(crate) fn case(case: &Case) -> Result<Self, String> {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let check = case.known_block().map(|r| Check { r, same_equations: true });
         Ok(Job { program, arguments: case.words(), threads: case.0.threads, check })
@@ -56,7 +56,7 @@ impl Job {
     ///
     /// # Errors
     /// The message of the process if it fails, or if its energies differ from the other programs.
-    pub fn run(&self, core: Option<usize>) -> Result<Outcome, String> {
+    pub(crate) fn run(&self, core: Option<usize>) -> Result<Outcome, String> {
         let mut command = match core.filter(|_| self.threads == 1) {
             Some(core) => {
                 let mut pinned = Command::new("taskset");
@@ -110,16 +110,16 @@ impl Check {
 
 /// A case of Emmy: an input with values changed as by `--set`.
 #[derive(Debug, Clone)]
-pub struct Case(Arguments);
+pub(crate) struct Case(Arguments);
 
 impl Case {
     /// The block in free flight with cells of edge 1/r, by the mid-point rule: the work of the other programs.
-    pub fn spinning_block(r: u32) -> Self {
+    pub(crate) fn spinning_block(r: u32) -> Self {
         Case::new("benches/spinning-block.toml").cells(r)
     }
 
     /// The block of E = 1e7 under its load, with cells of edge 1/r.
-    pub fn stiff_block(r: u32) -> Self {
+    pub(crate) fn stiff_block(r: u32) -> Self {
         Case::new("examples/quasi-rigid.toml").cells(r)
     }
 
@@ -134,46 +134,46 @@ impl Case {
     }
 
     /// The case with another value.
-    pub fn with(mut self, key: &str, value: impl fmt::Display) -> Self {
+    pub(crate) fn with(mut self, key: &str, value: impl fmt::Display) -> Self {
         self.0.set.push(format!("{key}={value}"));
         self
     }
 
     /// The case with another scheme of a degree.
-    pub fn scheme(self, scheme: &str, degree: usize) -> Self {
+    pub(crate) fn scheme(self, scheme: &str, degree: usize) -> Self {
         self.with("time.scheme", scheme).with("time.degree", degree)
     }
 
     /// The case with steps of one size until a time.
-    pub fn until(self, until: f64, step_size: f64) -> Self {
+    pub(crate) fn until(self, until: f64, step_size: f64) -> Self {
         self.with("time.steps", format!("[{{ until = {until:?}, size = {step_size:?} }}]"))
     }
 
     /// The case with a number of steps of one size.
-    pub fn steps(self, count: u32, step_size: f64) -> Self {
+    pub(crate) fn steps(self, count: u32, step_size: f64) -> Self {
         self.until(f64::from(count) * step_size, step_size)
     }
 
     /// The case with a number of threads.
-    pub fn threads(mut self, threads: usize) -> Self {
+    pub(crate) fn threads(mut self, threads: usize) -> Self {
         self.0.threads = threads;
         self
     }
 
     /// The case with assemblies measured after the run.
-    pub fn assemblies(mut self, count: usize) -> Self {
+    pub(crate) fn assemblies(mut self, count: usize) -> Self {
         self.0.assemblies = count;
         self
     }
 
     /// The case with factorisations measured after the run.
-    pub fn factorizations(mut self, count: usize) -> Self {
+    pub(crate) fn factorizations(mut self, count: usize) -> Self {
         self.0.factorizations = count;
         self
     }
 
     /// The case with a file for its last state.
-    pub fn state(mut self, file: PathBuf) -> Self {
+    pub(crate) fn state(mut self, file: PathBuf) -> Self {
         self.0.state = Some(file);
         self
     }

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 /// A line about machine, date and versions, for the top of the tables.
-pub fn heading() -> String {
+pub(crate) fn heading() -> String {
     let cpus = std::thread::available_parallelism().map_or(1, usize::from);
     let rustc = first_line("rustc", &["--version"]).unwrap_or("an unknown rustc".into());
     let commit = commit().unwrap_or_default();

@@ -17,7 +17,7 @@ use crate::process::{cpu_time, peak_megabytes};
 
 /// Arguments of `emmy-bench case`.
 #[derive(Debug, Clone, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Input file
     pub input: PathBuf,
     /// A value in place of the file's, as in `emmy run`
@@ -41,7 +41,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// The message of any failure.
-pub fn measure(arguments: &Arguments) -> Result<Outcome, String> {
+pub(crate) fn measure(arguments: &Arguments) -> Result<Outcome, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global();
     pool.map_err(|error| text(&error))?;

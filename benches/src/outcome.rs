@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The first step is left out of all times per step, because it contains the set-up of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Name and version.
     pub program: String,
     /// Linear solver.
@@ -47,24 +47,24 @@ impl Outcome {
     ///
     /// # Errors
     /// A message if there is no such line.
-    pub fn in_output(output: &str) -> Result<Outcome, String> {
+    pub(crate) fn in_output(output: &str) -> Result<Outcome, String> {
         let line = output.lines().last().ok_or("it printed nothing")?;
         serde_json::from_str(line).map_err(|error| format!("{error} in: {line}"))
     }
 
     /// Bytes of memory per degree of freedom.
-    pub fn bytes_per_dof(&self) -> Option<f64> {
+    pub(crate) fn bytes_per_dof(&self) -> Option<f64> {
         self.peak_megabytes.map(|megabytes| megabytes * f64::from(1 << 20) / self.dofs as f64)
     }
 }
 
 /// Arithmetic mean.
-pub fn mean(values: &[f64]) -> f64 {
+pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Median; the mean of the two in the middle of an even number.
-pub fn median(values: &[f64]) -> f64 {
+pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let half = sorted.len() / 2;

@@ -11,7 +11,7 @@ use crate::job::{Check, Job};
 /// The other programs with their recorded figures (`benches/peers/recorded.toml`).
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Recorded {
+pub(crate) struct Recorded {
     /// The machine of the recorded figures.
     pub machine: String,
     /// The programs.
@@ -22,7 +22,7 @@ pub struct Recorded {
 /// Another program with one of its linear solvers.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Peer {
+pub(crate) struct Peer {
     /// Name of its script (`NAME_block.py`), of its environment, and of the module to import.
     pub name: String,
     /// Argument of the script.
@@ -53,19 +53,19 @@ impl Recorded {
     ///
     /// # Errors
     /// A message if the file is invalid.
-    pub fn read() -> Result<Recorded, String> {
+    pub(crate) fn read() -> Result<Recorded, String> {
         toml::from_str(include_str!("../peers/recorded.toml")).map_err(|error| error.to_string())
     }
 }
 
 impl Peer {
     /// Recorded CPU seconds per step.
-    pub fn recorded_seconds(&self, r: u32) -> Option<f64> {
+    pub(crate) fn recorded_seconds(&self, r: u32) -> Option<f64> {
         self.cpu_seconds_per_step.get(&r.to_string()).copied()
     }
 
     /// The job that computes the block.
-    pub fn job(&self, python: &Path, r: u32) -> Job {
+    pub(crate) fn job(&self, python: &Path, r: u32) -> Job {
         let script = folder().join(format!("{}_block.py", self.name));
         let check = Check { r, same_equations: self.same_equations };
         Job::script(python, &script, &[r.to_string(), self.solver.clone()], check)
@@ -74,14 +74,14 @@ impl Peer {
 
 /// Interpreters of the other programs.
 #[derive(Debug, Clone, Default)]
-pub struct Interpreters(HashMap<String, PathBuf>);
+pub(crate) struct Interpreters(HashMap<String, PathBuf>);
 
 impl Interpreters {
     /// Interpreters from a command line: `NAME=PATH`, several.
     ///
     /// # Errors
     /// A message for a name that is not a program.
-    pub fn new(words: &[String]) -> Result<Self, String> {
+    pub(crate) fn new(words: &[String]) -> Result<Self, String> {
         let peers = Recorded::read()?.peers;
         let mut paths = HashMap::new();
         for word in words {
@@ -96,7 +96,7 @@ impl Interpreters {
 
     /// The interpreter that can import a program's module: the one named, else the environment below `benches/peers`,
     /// else the system's.
-    pub fn of(&self, peer: &Peer) -> Option<PathBuf> {
+    pub(crate) fn of(&self, peer: &Peer) -> Option<PathBuf> {
         let own = folder().join("environments").join(&peer.name).join("bin/python");
         let of_system = [own, "/usr/bin/python3".into(), "python3".into()];
         let candidates = match self.0.get(&peer.name) {

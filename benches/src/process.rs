@@ -4,7 +4,7 @@ use std::time::Duration;
 
 /// CPU time of the process so far, all threads together.
 #[cfg(unix)]
-pub fn cpu_time() -> Duration {
+pub(crate) fn cpu_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
@@ -18,7 +18,7 @@ pub fn cpu_time() -> Duration {
 }
 
 /// Largest resident memory so far \[MB = 2^20 bytes\], if the system reports it (Linux).
-pub fn peak_megabytes() -> Option<f64> {
+pub(crate) fn peak_megabytes() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kilobytes: f64 = line.split_whitespace().next()?.parse().ok()?;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// The result of an item.
 #[derive(Debug, Clone)]
-pub struct Report {
+pub(crate) struct Report {
     /// Heading.
     pub title: &'static str,
     /// Description of the measurements.
@@ -17,12 +17,12 @@ pub struct Report {
 
 impl Report {
     /// A report without tables yet.
-    pub fn new(title: &'static str, note: impl Into<String>) -> Self {
+    pub(crate) fn new(title: &'static str, note: impl Into<String>) -> Self {
         Report { title, note: note.into(), tables: Vec::new(), goals: Vec::new() }
     }
 
     /// The report as Markdown; goals are judged or only named.
-    pub fn markdown(&self, judge: bool) -> String {
+    pub(crate) fn markdown(&self, judge: bool) -> String {
         let mut text = format!("## {}\n\n{}\n", self.title, self.note);
         self.tables.iter().for_each(|table| text += &format!("\n{}", table.markdown()));
         if !self.goals.is_empty() {
@@ -35,24 +35,24 @@ impl Report {
 
 /// A table with a heading; all columns but the first few hold numbers.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub(crate) struct Table {
     texts: usize,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
     /// An empty table; the first columns, `texts` of them, are aligned to the left.
-    pub fn new(texts: usize, heading: &[&str]) -> Self {
+    pub(crate) fn new(texts: usize, heading: &[&str]) -> Self {
         Table { texts, rows: vec![heading.iter().map(|word| word.to_string()).collect()] }
     }
 
     /// An empty table with a given heading.
-    pub fn with_heading(texts: usize, heading: Vec<String>) -> Self {
+    pub(crate) fn with_heading(texts: usize, heading: Vec<String>) -> Self {
         Table { texts, rows: vec![heading] }
     }
 
     /// Adds a row.
-    pub fn push(&mut self, row: Vec<String>) {
+    pub(crate) fn push(&mut self, row: Vec<String>) {
         self.rows.push(row);
     }
 
@@ -97,7 +97,7 @@ impl Table {
 
 /// A limit for a measured number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Limit {
+pub(crate) enum Limit {
     /// The number must be at least this.
     AtLeast(f64),
     /// The number must be at most this.
@@ -106,7 +106,7 @@ pub enum Limit {
 
 /// A goal with its measurement.
 #[derive(Debug, Clone)]
-pub struct Goal {
+pub(crate) struct Goal {
     statement: String,
     limit: Limit,
     measured: f64,
@@ -115,17 +115,17 @@ pub struct Goal {
 
 impl Goal {
     /// A goal about time or memory: judged only by a full run.
-    pub fn new(statement: impl Into<String>, limit: Limit, measured: f64) -> Self {
+    pub(crate) fn new(statement: impl Into<String>, limit: Limit, measured: f64) -> Self {
         Goal { statement: statement.into(), limit, measured, is_time: true }
     }
 
     /// A goal that must hold on every machine.
-    pub fn always(statement: impl Into<String>, limit: Limit, measured: f64) -> Self {
+    pub(crate) fn always(statement: impl Into<String>, limit: Limit, measured: f64) -> Self {
         Goal { is_time: false, ..Goal::new(statement, limit, measured) }
     }
 
     /// Whether the measured number is within the limit.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         match self.limit {
             Limit::AtLeast(limit) => self.measured >= limit,
             Limit::AtMost(limit) => self.measured <= limit,
@@ -147,7 +147,7 @@ impl Goal {
 }
 
 /// A number with three significant digits, or with all digits before the point.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -159,12 +159,12 @@ pub fn number(value: f64) -> String {
 }
 
 /// A number that may be missing.
-pub fn number_or_dash(value: Option<f64>) -> String {
+pub(crate) fn number_or_dash(value: Option<f64>) -> String {
     value.map_or("-".into(), number)
 }
 
 /// A whole number with commas.
-pub fn count(value: usize) -> String {
+pub(crate) fn count(value: usize) -> String {
     grouped(&value.to_string())
 }
 

@@ -4,21 +4,21 @@ use std::path::PathBuf;
 
 /// A folder that is removed when it is dropped.
 #[derive(Debug)]
-pub struct Scratch(PathBuf);
+pub(crate) struct Scratch(PathBuf);
 
 impl Scratch {
     /// A new folder with a name of its own.
     ///
     /// # Errors
     /// The message of the system if it cannot be created.
-    pub fn new(name: &str) -> Result<Self, String> {
+    pub(crate) fn new(name: &str) -> Result<Self, String> {
         let folder = std::env::temp_dir().join(format!("emmy-bench-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         Ok(Scratch(folder))
     }
 
     /// Path of a file in it.
-    pub fn file(&self, name: &str) -> PathBuf {
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
@@ -26,7 +26,7 @@ impl Scratch {
     ///
     /// # Errors
     /// The message of the system if there is no such file.
-    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
+    pub(crate) fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
         let path = self.file(name);
         let bytes = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect())

@@ -5,7 +5,7 @@ use crate::outcome::{Outcome, median};
 
 /// Options of the runs.
 #[derive(Debug, Clone)]
-pub struct Session {
+pub(crate) struct Session {
     /// Small meshes and few steps, without verdicts about time: for continuous integration.
     pub quick: bool,
     /// How often everything runs.
@@ -19,7 +19,7 @@ impl Session {
     ///
     /// # Errors
     /// The message of the first one that fails.
-    pub fn in_turns(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
+    pub(crate) fn in_turns(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
         let mut runs = vec![Runs(Vec::new()); jobs.len()];
         for round in 1..=self.rounds {
             for (index, (job, runs)) in jobs.iter().zip(&mut runs).enumerate() {
@@ -34,39 +34,39 @@ impl Session {
     ///
     /// # Errors
     /// As [`Session::in_turns`].
-    pub fn cases(&self, cases: &[Case]) -> Result<Vec<Runs>, String> {
+    pub(crate) fn cases(&self, cases: &[Case]) -> Result<Vec<Runs>, String> {
         self.in_turns(&cases.iter().map(Job::case).collect::<Result<Vec<_>, _>>()?)
     }
 
     /// The first value in the quick set, otherwise the second.
-    pub fn choose<T>(&self, quick: T, full: T) -> T {
+    pub(crate) fn choose<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
     }
 }
 
 /// The rounds of one job. A shared machine disturbs single rounds, so figures are medians over them.
 #[derive(Debug, Clone)]
-pub struct Runs(Vec<Outcome>);
+pub(crate) struct Runs(Vec<Outcome>);
 
 impl Runs {
     /// The last round, for figures that are equal in all rounds.
-    pub fn last(&self) -> &Outcome {
+    pub(crate) fn last(&self) -> &Outcome {
         &self.0[self.0.len() - 1]
     }
 
     /// Median of a figure.
-    pub fn median(&self, figure: impl Fn(&Outcome) -> f64) -> f64 {
+    pub(crate) fn median(&self, figure: impl Fn(&Outcome) -> f64) -> f64 {
         median(&self.0.iter().map(figure).collect::<Vec<_>>())
     }
 
     /// Median of a figure that some runs lack.
-    pub fn median_of_some(&self, figure: impl Fn(&Outcome) -> Option<f64>) -> Option<f64> {
+    pub(crate) fn median_of_some(&self, figure: impl Fn(&Outcome) -> Option<f64>) -> Option<f64> {
         let figures: Option<Vec<f64>> = self.0.iter().map(figure).collect();
         figures.map(|figures| median(&figures))
     }
 
     /// Median of the ratios of a figure to the figure of another job in the same round.
-    pub fn ratio(&self, other: &Runs, figure: impl Fn(&Outcome) -> f64) -> f64 {
+    pub(crate) fn ratio(&self, other: &Runs, figure: impl Fn(&Outcome) -> f64) -> f64 {
         let ratios = self.0.iter().zip(&other.0).map(|(a, b)| figure(a) / figure(b));
         median(&ratios.collect::<Vec<_>>())
     }
@@ -75,6 +75,6 @@ impl Runs {
 /// Mean CPU time of a step \[s\].
 ///
 /// Emmy's steps differ: some take an additional iteration, or new factors. A median would hide these.
-pub fn step_seconds(outcome: &Outcome) -> f64 {
+pub(crate) fn step_seconds(outcome: &Outcome) -> f64 {
     outcome.cpu_seconds_per_step_mean
 }

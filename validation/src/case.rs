@@ -7,30 +7,30 @@ use emmy_io::input::{self, Overrides, Problem};
 
 /// One of the input files, with values changed as by `--set`.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub(crate) struct Case {
     file: &'static str,
     set: Vec<String>,
 }
 
 impl Case {
     /// An unchanged input.
-    pub fn new(file: &'static str) -> Self {
+    pub(crate) fn new(file: &'static str) -> Self {
         Case { file, set: Vec::new() }
     }
 
     /// The case with another value.
-    pub fn with(mut self, key: &str, value: impl std::fmt::Display) -> Self {
+    pub(crate) fn with(mut self, key: &str, value: impl std::fmt::Display) -> Self {
         self.set.push(format!("{key}={value}"));
         self
     }
 
     /// The case with another scheme.
-    pub fn scheme(self, scheme: &str) -> Self {
+    pub(crate) fn scheme(self, scheme: &str) -> Self {
         self.with("time.scheme", scheme)
     }
 
     /// The equivalent command.
-    pub fn command(&self) -> String {
+    pub(crate) fn command(&self) -> String {
         let set: String = self.set.iter().map(|set| format!(" --set \"{set}\"")).collect();
         format!("emmy run validation/inputs/{}.toml{set}", self.file)
     }
@@ -45,7 +45,7 @@ impl Case {
     ///
     /// # Errors
     /// The message of an input that cannot be used.
-    pub fn problem(&self) -> Result<Problem, String> {
+    pub(crate) fn problem(&self) -> Result<Problem, String> {
         let overrides = Overrides { set: self.set.clone(), ..Default::default() };
         input::read(&self.path(), &overrides).map_err(|error| format!("{}: {error}", self.file))
     }
@@ -54,14 +54,14 @@ impl Case {
     ///
     /// # Errors
     /// The message of an input that cannot be used.
-    pub fn run(&self) -> Result<Run, String> {
+    pub(crate) fn run(&self) -> Result<Run, String> {
         Run::of(&self.problem()?)
     }
 }
 
 /// Result of a run.
 #[derive(Debug, Default)]
-pub struct Run {
+pub(crate) struct Run {
     /// The start and every step.
     pub records: Vec<Record>,
     /// Positions at the same times, `[n_nodes][3]`.
@@ -75,7 +75,7 @@ impl Run {
     ///
     /// # Errors
     /// The message of an invalid initial state.
-    pub fn of(problem: &Problem) -> Result<Run, String> {
+    pub(crate) fn of(problem: &Problem) -> Result<Run, String> {
         let text = |error: emmy::Error| error.to_string();
         let body = &problem.body;
         let state = State::initial(body, problem.plan.start(), &problem.initial).map_err(text)?;
@@ -89,12 +89,12 @@ impl Run {
     }
 
     /// Records from a time on.
-    pub fn after(&self, time: f64) -> &[Record] {
+    pub(crate) fn after(&self, time: f64) -> &[Record] {
         &self.records[self.records.partition_point(|record| record.time < time - 1e-9)..]
     }
 
     /// A quantity over time, from a time on.
-    pub fn history(&self, from: f64, value: impl Fn(&Record) -> f64) -> Vec<(f64, f64)> {
+    pub(crate) fn history(&self, from: f64, value: impl Fn(&Record) -> f64) -> Vec<(f64, f64)> {
         self.after(from).iter().map(|record| (record.time, value(record))).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 /// A statement that is checked by numbers.
 #[derive(Debug, Clone)]
-pub struct Claim {
+pub(crate) struct Claim {
     /// The claim, in one line.
     pub statement: String,
     /// The measurement.
@@ -13,7 +13,7 @@ pub struct Claim {
 
 /// One table or figure: its claims, tables and pictures.
 #[derive(Debug, Clone)]
-pub struct Item {
+pub(crate) struct Item {
     /// Key word, also the stem of its files.
     pub name: &'static str,
     /// Heading.
@@ -32,13 +32,13 @@ pub struct Item {
 
 impl Item {
     /// An item without claims yet.
-    pub fn new(name: &'static str, title: &'static str, note: &'static str) -> Self {
+    pub(crate) fn new(name: &'static str, title: &'static str, note: &'static str) -> Self {
         let (claims, pictures, tables, commands) = Default::default();
         Item { name, title, note, claims, pictures, tables, commands }
     }
 
     /// Adds a claim with its measurement.
-    pub fn claim(&mut self, statement: impl Into<String>, measured: impl Into<String>, holds: bool) {
+    pub(crate) fn claim(&mut self, statement: impl Into<String>, measured: impl Into<String>, holds: bool) {
         self.claims.push(Claim { statement: statement.into(), measured: measured.into(), holds });
     }
 }

@@ -13,7 +13,7 @@ const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60rem;margin:2rem a
     img{max-width:100%}code{font-size:.85em}";
 
 /// Contents of the page.
-pub struct Page<'a> {
+pub(crate) struct Page<'a> {
     /// The items.
     pub items: &'a [Item],
     /// Whether it is the quick set.
@@ -27,7 +27,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+    pub(crate) fn write(&self, folder: &Path) -> std::io::Result<()> {
         let text = self.markdown();
         std::fs::write(folder.join("results.md"), &text)?;
         let mut body = String::new();

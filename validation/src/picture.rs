@@ -9,7 +9,7 @@ use emmy_io::drawing::{Arrangement, Configuration, Drawing, Viewpoint};
 use crate::case::Run;
 
 /// A named curve.
-pub struct Series {
+pub(crate) struct Series {
     label: String,
     points: Vec<(f64, f64)>,
     style: Style,
@@ -17,25 +17,25 @@ pub struct Series {
 
 impl Series {
     /// A line.
-    pub fn line(label: &str, points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn line(label: &str, points: Vec<(f64, f64)>) -> Self {
         Series { label: label.into(), points, style: Style::Line }
     }
 
     /// A line with its points marked.
-    pub fn marked(label: &str, points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn marked(label: &str, points: Vec<(f64, f64)>) -> Self {
         Series { label: label.into(), points, style: Style::LineAndPoints }
     }
 }
 
 /// Where pictures are written. Every method returns the name of the file.
-pub struct Pictures {
+pub(crate) struct Pictures {
     /// The folder.
     pub folder: PathBuf,
 }
 
 impl Pictures {
     /// A chart with linear axes.
-    pub fn linear(
+    pub(crate) fn linear(
         &self,
         stem: &str,
         title: &str,
@@ -46,7 +46,7 @@ impl Pictures {
     }
 
     /// A chart with a logarithmic ordinate.
-    pub fn log_y(
+    pub(crate) fn log_y(
         &self,
         stem: &str,
         title: &str,
@@ -57,7 +57,7 @@ impl Pictures {
     }
 
     /// A chart with logarithmic axes and lines of some slopes through points.
-    pub fn log_log(
+    pub(crate) fn log_log(
         &self,
         stem: &str,
         title: &str,
@@ -72,7 +72,7 @@ impl Pictures {
     }
 
     /// The configurations of a run at some times, side by side.
-    pub fn configurations(
+    pub(crate) fn configurations(
         &self,
         stem: &str,
         mesh: &Mesh,

@@ -10,7 +10,7 @@ use crate::mutation::damaged;
 use crate::place;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "checkpoints",
     what: "damaged checkpoints: reported, the other one used, or exit code 2",
     share: 1.0,

@@ -9,7 +9,7 @@ use crate::attack::{Attack, Cases, Trial};
 use crate::faults;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "combinations",
     what: "schemes, materials and degrees on a tiny body: exit code 0 with the balances promised, or 2",
     share: 2.0,

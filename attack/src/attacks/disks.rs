@@ -7,7 +7,7 @@ use crate::emmy::Emmy;
 use crate::faults;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "disks",
     what: "files that may not grow, file systems without room: exit code 1, an honest summary, resumed in every bit",
     share: 1.0,

@@ -9,7 +9,7 @@ use crate::faults;
 use crate::place::files;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "kills",
     what: "random runs killed at random moments and resumed: history, frames, checkpoints as of the run in one",
     share: 3.0,

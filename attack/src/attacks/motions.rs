@@ -4,7 +4,7 @@ use crate::attack::{Attack, Cases, Trial};
 use crate::motions::resumes_in_every_bit;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "motions",
     what: "random motions resumed from snapshots, in every bit",
     share: 1.0,

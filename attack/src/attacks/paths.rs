@@ -11,7 +11,7 @@ use crate::faults;
 use crate::place;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "paths",
     what: "names that are not UTF-8, long or odd, and special files, as input, mesh, output, run",
     share: 1.0,
@@ -158,7 +158,7 @@ fn input_with_mesh(path: &str) -> String {
 }
 
 /// One tetrahedron, Gmsh 2.2.
-pub const TET: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
+pub(super) const TET: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
                        $Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
 
 /// Checks that a run is complete: a report, and a collection whose frames exist.

@@ -14,7 +14,7 @@ use crate::mutation::damaged;
 use crate::place;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "readers",
     what: "damaged inputs, meshes, checkpoints, histories, summaries, frames: no panic, hang or NaN, always a message",
     share: 4.0,

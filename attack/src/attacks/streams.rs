@@ -7,7 +7,7 @@ use crate::faults;
 use crate::place;
 
 /// The attack.
-pub const ATTACK: Attack = Attack {
+pub(super) const ATTACK: Attack = Attack {
     name: "streams",
     what: "closed streams, full devices and pipes that end early: no run ends by them",
     share: 0.5,

@@ -16,7 +16,7 @@ const RECORDED_AT: u32 = 4;
 
 /// The other programs, and the interpreters of those that run.
 #[derive(Debug)]
-pub struct Peers {
+pub(super) struct Peers {
     recorded: Recorded,
     pythons: Vec<Option<PathBuf>>,
 }
@@ -26,7 +26,7 @@ impl Peers {
     ///
     /// # Errors
     /// A message if the recorded figures cannot be read.
-    pub fn find(settings: &Settings) -> Result<Self, String> {
+    pub(super) fn find(settings: &Settings) -> Result<Self, String> {
         let recorded = Recorded::read()?;
         let python =
             |peer: &Peer| settings.peers.as_ref().and_then(|pythons: &Interpreters| pythons.of(peer));
@@ -35,7 +35,7 @@ impl Peers {
     }
 
     /// One job for each program that runs and each of its meshes (r), in this order.
-    pub fn jobs(&self, sizes: &[u32]) -> Vec<Job> {
+    pub(super) fn jobs(&self, sizes: &[u32]) -> Vec<Job> {
         let job =
             |(peer, r): (usize, u32)| Some(self.recorded.peers[peer].job(self.pythons[peer].as_ref()?, r));
         self.places(sizes).into_iter().filter_map(job).collect()
@@ -54,7 +54,7 @@ impl Peers {
 }
 
 /// The comparison; `emmy` has the runs by size, `of_peers` the runs of [`Peers::jobs`].
-pub fn report(sizes: &[u32], emmy: &[Runs], peers: &Peers, of_peers: &[Runs]) -> Report {
+pub(super) fn report(sizes: &[u32], emmy: &[Runs], peers: &Peers, of_peers: &[Runs]) -> Report {
     let places = peers.places(sizes);
     let measured = |peer: usize, r: u32| -> Option<&Runs> {
         places.iter().position(|&place| place == (peer, r)).map(|index| &of_peers[index])

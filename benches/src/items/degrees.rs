@@ -21,7 +21,7 @@ const REFERENCE: (usize, f64) = (3, 0.00125);
 const QUICK_REFERENCE: (usize, f64) = (3, 0.01);
 
 /// Cost of a step by degree, then error over time.
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     Ok(vec![cost(&settings.session)?, error(&settings.session)?])
 }
 

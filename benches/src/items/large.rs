@@ -16,7 +16,7 @@ const MILLION: u32 = 16;
 const MEMORY: f64 = 24e9 / 1048576.0;
 
 /// Cost of a step over the number of degrees of freedom; or the one mesh of 1.5 million of them.
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let sizes = sizes(settings);
     let case = |&r: &u32| Case::spinning_block(r).steps(STEPS, STEP_SIZE_TIMES_R / f64::from(r));

@@ -14,7 +14,7 @@ use crate::session::Session;
 
 /// Options of the command line for the items.
 #[derive(Debug, Clone)]
-pub struct Settings {
+pub(crate) struct Settings {
     /// Options of the runs.
     pub session: Session,
     /// Interpreters of the other programs, if they should run.
@@ -27,7 +27,7 @@ pub struct Settings {
 
 /// One item.
 #[derive(Debug, Clone, Copy)]
-pub struct Item {
+pub(crate) struct Item {
     /// Key word.
     pub name: &'static str,
     /// Measures it.
@@ -35,7 +35,7 @@ pub struct Item {
 }
 
 /// All items; the first is the default.
-pub const ALL: [Item; 6] = [
+pub(crate) const ALL: [Item; 6] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },

@@ -10,7 +10,7 @@ const SCHEMES: [(&str, Option<f64>); 5] =
     [("FE(1)", None), ("AS(1)", Some(1.15)), ("DGM", Some(1.2)), ("AS(5)", Some(1.2)), ("FE(5)", None)];
 
 /// Whole steps of the schemes relative to FE(1).
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let (r, steps) = session.choose((1, 3), (4, 20));
     let cases = SCHEMES.map(|(name, _)| Case::spinning_block(r).scheme(name, 1).steps(steps, 0.02));

@@ -9,7 +9,7 @@ use crate::session::{Runs, Session, step_seconds};
 const ASSEMBLIES: usize = 5;
 
 /// Emmy's steps by r with one thread, and the other programs; then two threads.
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let sizes = settings.cells.clone().unwrap_or(session.choose(vec![1], vec![1, 2, 4, 6]));
     let peers = comparison::Peers::find(settings)?;

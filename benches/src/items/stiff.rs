@@ -12,7 +12,7 @@ const STEP_SIZES: [(f64, u32, f64); 2] = [(0.01, 20, 2.0), (0.2, 8, 8.0)];
 const FACTORIZATIONS: usize = 3;
 
 /// Time of a step relative to one sparse Cholesky factorisation in the same run.
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let r = session.choose(1, 4);
     let case = |(h, steps, _)| {

@@ -9,7 +9,7 @@ use crate::scratch::Scratch;
 const THREADS: [usize; 4] = [1, 2, 3, 4];
 
 /// Bits that differ from the run with one thread, and wall times.
-pub fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
     let (r, steps) = session.choose((1, 3), (4, 20));
     let scratch = Scratch::new("threads")?;

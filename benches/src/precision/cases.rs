@@ -11,11 +11,11 @@ use emmy::motion::State;
 use super::fork;
 
 /// Names of the cases.
-pub const NAMES: [&str; 5] = ["orbit", "block", "pulse", "damped", "fork"];
+pub(super) const NAMES: [&str; 5] = ["orbit", "block", "pulse", "damped", "fork"];
 
 /// A motion with its numerical parameters.
 #[derive(Debug)]
-pub struct Case {
+pub(super) struct Case {
     /// Key word, and name of the files.
     pub name: &'static str,
     /// The moving body, in a few words.
@@ -41,7 +41,7 @@ impl Case {
     ///
     /// # Errors
     /// A message if the body cannot be built.
-    pub fn named(name: &str) -> std::result::Result<Case, String> {
+    pub(super) fn named(name: &str) -> std::result::Result<Case, String> {
         let case = match name {
             "orbit" => orbit(),
             "block" => block(),
@@ -53,7 +53,7 @@ impl Case {
     }
 
     /// The case with its shortest runs only.
-    pub fn quick(mut self) -> Self {
+    pub(super) fn quick(mut self) -> Self {
         self.counts.iter_mut().for_each(|counts| counts.truncate(3));
         self.tolerances.iter_mut().for_each(|tolerances| tolerances.truncate(2));
         self

@@ -4,7 +4,7 @@ use super::run::{Choice, Run};
 
 /// Cost of equal steps of the same degree and error, relative to the cost of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Advantage {
+pub(super) struct Advantage {
     /// In CPU time.
     pub seconds: f64,
     /// In steps; repeated steps count each time.
@@ -13,7 +13,7 @@ pub struct Advantage {
 
 impl Advantage {
     /// The ratios of an adaptive run; `None` unless its error lies between the errors of two runs with equal steps.
-    pub fn of(run: &Run, runs: &[Run]) -> Option<Self> {
+    pub(super) fn of(run: &Run, runs: &[Run]) -> Option<Self> {
         let is_equal = |other: &&Run| other.degree == run.degree && matches!(other.choice, Choice::Equal(_));
         let equal: Vec<&Run> = runs.iter().filter(is_equal).collect();
         let need = |cost: fn(&Run) -> f64| {

@@ -15,7 +15,7 @@ const GRID: [usize; 2] = [6, 13];
 const TINES: f64 = 3.0;
 
 /// The fork: two tines of 1 x 10 x 1 on a bridge and a stem, of a period near 1.
-pub fn body() -> emmy::Result<Body> {
+pub(super) fn body() -> emmy::Result<Body> {
     // Young's modulus 4e5, Poisson's ratio 0.3.
     let metal = Region::new(NeoHooke::new(230_769.230_769, 153_846.153_846)?, 1.0);
     let held = Support { group: "stem".into(), fix: [true; 3], ..Support::default() };
@@ -24,7 +24,7 @@ pub fn body() -> emmy::Result<Body> {
 
 /// The fork while its tines vibrate against each other in the lowest modes: struck, and then computed through the first
 /// periods by Bathe's method, which damps the modes that its steps do not resolve.
-pub fn start(body: &Body) -> emmy::Result<State> {
+pub(super) fn start(body: &Body) -> emmy::Result<State> {
     let swing = |group: &str, rate: f64| InitialVelocity {
         group: Some(group.into()),
         velocity: [-rate * TINES, 0.0, 0.0],

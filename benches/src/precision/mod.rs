@@ -17,7 +17,7 @@ use run::Sweep;
 
 /// Arguments of `emmy-bench precision`.
 #[derive(Debug, Clone, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// orbit, block, pulse, damped, fork; all of them without a name
     cases: Vec<String>,
     /// Folder for NAME.csv and NAME.svg
@@ -35,7 +35,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// The message of any failure.
-pub fn print(arguments: &Arguments) -> Result<(), String> {
+pub(crate) fn print(arguments: &Arguments) -> Result<(), String> {
     let names = named(&arguments.cases)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     pool.map_err(|error| error.to_string())?;

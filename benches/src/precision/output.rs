@@ -15,7 +15,7 @@ use crate::report::{Goal, Limit, Report, Table, count, number};
 const ESTIMATE: f64 = 3.0;
 
 /// The table of a case with its goals.
-pub fn report(case: &Case, sweep: &Sweep) -> Report {
+pub(super) fn report(case: &Case, sweep: &Sweep) -> Report {
     let mut report = Report::new(case.title, note(case, sweep));
     let heading = [
         "k",
@@ -84,7 +84,7 @@ fn goals(case: &Case, sweep: &Sweep) -> Vec<Goal> {
 }
 
 /// The summary of all cases, without rows.
-pub fn summary() -> Report {
+pub(super) fn summary() -> Report {
     let note = "What equal steps need for the error of adaptive ones, over what these need; smallest and largest of the tolerances whose errors \
         lie within those of equal steps. Estimated over true errors of all runs.";
     let mut report = Report::new("Summary", note);
@@ -93,7 +93,7 @@ pub fn summary() -> Report {
 }
 
 /// The rows of a case in the summary, one per degree.
-pub fn summary_rows(case: &Case, sweep: &Sweep) -> Vec<Vec<String>> {
+pub(super) fn summary_rows(case: &Case, sweep: &Sweep) -> Vec<Vec<String>> {
     let row = |degree: usize| {
         let of_degree = || sweep.runs.iter().filter(move |run| run.degree == degree);
         let advantages: Vec<Advantage> =
@@ -118,7 +118,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> String {
 }
 
 /// Writes `NAME.csv` and `NAME.svg`.
-pub fn write(case: &Case, sweep: &Sweep, folder: &Path) -> io::Result<()> {
+pub(super) fn write(case: &Case, sweep: &Sweep, folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join(format!("{}.csv", case.name)), csv(&sweep.runs))?;
     std::fs::write(folder.join(format!("{}.svg", case.name)), figure(&sweep.runs).svg())

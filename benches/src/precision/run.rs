@@ -10,11 +10,11 @@ use super::cases::Case;
 use crate::process::cpu_time;
 
 /// Name of the scheme of all runs.
-pub const SCHEME: &str = "DGM";
+pub(super) const SCHEME: &str = "DGM";
 
 /// How steps are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Choice {
+pub(super) enum Choice {
     /// This number of equal steps.
     Equal(usize),
     /// Steps within this tolerance.
@@ -23,7 +23,7 @@ pub enum Choice {
 
 /// One run.
 #[derive(Debug, Clone, Copy)]
-pub struct Run {
+pub(super) struct Run {
     /// Degree in time.
     pub degree: usize,
     /// How steps are chosen.
@@ -46,7 +46,7 @@ pub struct Run {
 
 /// All runs of a case.
 #[derive(Debug)]
-pub struct Sweep {
+pub(super) struct Sweep {
     /// Equal steps from large to small, adaptive ones from large tolerances to small ones, degree by degree.
     pub runs: Vec<Run>,
     /// Distance of the two references, measured like the errors.
@@ -66,7 +66,7 @@ impl Sweep {
     ///
     /// # Errors
     /// A message if a reference or an adaptive run fails.
-    pub fn measure(case: &Case, rounds: usize) -> Result<Self, String> {
+    pub(super) fn measure(case: &Case, rounds: usize) -> Result<Self, String> {
         let [reference, other] = case.references.map(|(degree, n)| reference(case, degree, n));
         let (reference, other) = (reference?, other?);
         let mut sweep =
@@ -158,7 +158,7 @@ impl Run {
     }
 
     /// Number of steps; repeated steps count each time.
-    pub fn attempts(&self) -> f64 {
+    pub(super) fn attempts(&self) -> f64 {
         (self.steps + self.repeated) as f64
     }
 }

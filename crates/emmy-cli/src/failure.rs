@@ -10,17 +10,17 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnosti
 use crate::message::message;
 
 /// Exit code after an internal error.
-pub const INTERNAL_ERROR: u8 = 101;
+pub(crate) const INTERNAL_ERROR: u8 = 101;
 
 /// Largest number of faults that are shown.
 const MAX_SHOWN_FAULTS: usize = 20;
 
 /// Exit code of a run that was stopped by a signal.
-pub const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Why a verb ended early.
 #[derive(Debug)]
-pub enum Failure {
+pub(crate) enum Failure {
     /// Faults in the input, with lines.
     Input(InputError),
     /// Bad input of another kind: arguments, or files that Emmy must not overwrite.
@@ -54,12 +54,12 @@ pub enum Failure {
 
 impl Failure {
     /// A result could not be printed.
-    pub fn from_stdout(error: std::io::Error) -> Self {
+    pub(crate) fn from_stdout(error: std::io::Error) -> Self {
         Failure::Other(format!("cannot write to standard output: {error}"))
     }
 
     /// Exit code.
-    pub fn code(&self) -> u8 {
+    pub(crate) fn code(&self) -> u8 {
         match self {
             Failure::Input(_) | Failure::Usage { .. } => 2,
             Failure::NoConvergence(_) | Failure::Study { .. } => 3,
@@ -70,7 +70,7 @@ impl Failure {
     }
 
     /// The reason.
-    pub fn message(&self) -> String {
+    pub(crate) fn message(&self) -> String {
         match self {
             Failure::Input(error) => error.to_string(),
             Failure::Usage { message, .. }
@@ -83,7 +83,7 @@ impl Failure {
     }
 
     /// Prints the failure on standard error.
-    pub fn show(&self) {
+    pub(crate) fn show(&self) {
         match self {
             Failure::Input(error) => {
                 error.faults().iter().take(MAX_SHOWN_FAULTS).for_each(|fault| show(&fault.excerpt()));
@@ -126,7 +126,7 @@ fn show(diagnostic: &dyn Diagnostic) {
 }
 
 /// An error with its causes.
-pub fn with_causes(error: &dyn std::error::Error) -> String {
+pub(crate) fn with_causes(error: &dyn std::error::Error) -> String {
     match error.source() {
         Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
         None => error.to_string(),

@@ -5,7 +5,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 /// Writes a line in one call.
-pub fn line(text: fmt::Arguments<'_>) {
+pub(crate) fn line(text: fmt::Arguments<'_>) {
     let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
 

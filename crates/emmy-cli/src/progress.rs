@@ -10,7 +10,7 @@ use crate::print::number;
 
 /// Shows the progress of a run.
 #[derive(Debug)]
-pub struct Progress {
+pub(crate) struct Progress {
     form: Form,
     what: &'static str,
     /// Number of the step at the start.
@@ -38,12 +38,12 @@ const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
 
 impl Progress {
     /// Progress through a plan.
-    pub fn new(plan: &StepPlan, quiet: bool) -> Self {
+    pub(crate) fn new(plan: &StepPlan, quiet: bool) -> Self {
         Progress::of("", plan, quiet)
     }
 
     /// Progress of one of several runs; `what` is the beginning of each line.
-    pub fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
+    pub(crate) fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
         let n_steps = plan.n_steps();
         let form = match (quiet, stderr().is_terminal()) {
             (true, _) => Form::Nothing,
@@ -57,14 +57,14 @@ impl Progress {
     }
 
     /// Counts the steps of a resumed run from its state on.
-    pub fn start_at(&mut self, state: &State) {
+    pub(crate) fn start_at(&mut self, state: &State) {
         if state.step > 0 {
             self.first = Some(0);
         }
     }
 
     /// Removes the bar.
-    pub fn end(&self) {
+    pub(crate) fn end(&self) {
         if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
         }

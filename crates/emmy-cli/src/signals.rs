@@ -13,7 +13,7 @@ use crate::message::message;
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 /// Installs the handlers.
-pub fn listen() -> Result<(), Failure> {
+pub(crate) fn listen() -> Result<(), Failure> {
     let deaf = |error: &dyn fmt::Display| Failure::Other(format!("cannot listen to signals: {error}"));
     listen_to_others().map_err(|error| deaf(&error))?;
     let heard = || {
@@ -58,11 +58,11 @@ fn listen_to_others() -> std::io::Result<()> {
 
 /// Ends a march after a signal.
 #[derive(Debug)]
-pub struct Stop;
+pub(crate) struct Stop;
 
 /// The march was stopped by a signal.
 #[derive(Debug)]
-pub struct Interrupted {
+pub(crate) struct Interrupted {
     step: usize,
     time: f64,
 }

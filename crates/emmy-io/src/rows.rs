@@ -8,7 +8,7 @@ use crate::whole_file::named;
 
 /// A file that grows row by row.
 #[derive(Debug)]
-pub struct RowFile {
+pub(crate) struct RowFile {
     file: File,
     path: PathBuf,
     /// Bytes of complete rows.
@@ -20,7 +20,7 @@ impl RowFile {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn create(path: &Path, header: &str) -> io::Result<Self> {
+    pub(crate) fn create(path: &Path, header: &str) -> io::Result<Self> {
         let file = File::create(path).map_err(named(path))?;
         let mut rows = RowFile { file, path: path.to_path_buf(), length: 0 };
         rows.write(header)?;
@@ -31,7 +31,7 @@ impl RowFile {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn resume(path: &Path, step: usize) -> io::Result<Self> {
+    pub(crate) fn resume(path: &Path, step: usize) -> io::Result<Self> {
         let reader = BufReader::new(File::open(path).map_err(named(path))?);
         RowFile::resume_at(path, kept(reader, step).map_err(named(path))?)
     }
@@ -40,7 +40,7 @@ impl RowFile {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn resume_at(path: &Path, length: u64) -> io::Result<Self> {
+    pub(crate) fn resume_at(path: &Path, length: u64) -> io::Result<Self> {
         let mut file = File::options().write(true).open(path).map_err(named(path))?;
         file.set_len(length).and_then(|()| file.seek(SeekFrom::End(0))).map_err(named(path))?;
         Ok(RowFile { file, path: path.to_path_buf(), length })
@@ -50,7 +50,7 @@ impl RowFile {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn write(&mut self, row: &str) -> io::Result<()> {
+    pub(crate) fn write(&mut self, row: &str) -> io::Result<()> {
         let line = format!("{row}\n");
         if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
             // If this fails too, readers leave the incomplete line out.
@@ -65,7 +65,7 @@ impl RowFile {
     ///
     /// # Errors
     /// How the file has changed.
-    pub fn verify(&self) -> io::Result<()> {
+    pub(crate) fn verify(&self) -> io::Result<()> {
         let message = match std::fs::metadata(&self.path) {
             Ok(found) if found.len() == self.length => return Ok(()),
             Ok(found) => {
@@ -81,7 +81,7 @@ impl RowFile {
     }
 
     /// The file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
@@ -89,7 +89,7 @@ impl RowFile {
     ///
     /// # Errors
     /// Errors of the system.
-    pub fn sync(&self) -> io::Result<()> {
+    pub(crate) fn sync(&self) -> io::Result<()> {
         self.file.sync_data().map_err(named(&self.path))
     }
 }

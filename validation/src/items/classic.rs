@@ -12,7 +12,7 @@ const IMPLICIT: [&str; 4] = ["Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alp
 const EXPLICIT: &str = "central-differences";
 
 /// Large strain: energy and angular momentum over time.
-pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-large-strain",
         "Schemes of other codes: large strain",
@@ -47,7 +47,7 @@ pub fn large_strain(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Quasi-rigid motion.
-pub fn quasi_rigid(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn quasi_rigid(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "classic-quasi-rigid",
         "Schemes of other codes: quasi-rigid motion",
@@ -129,7 +129,7 @@ fn show(item: &mut Item, pictures: &Pictures, flights: &[Flight]) -> Result<(), 
 }
 
 /// Error over cost, compared with the paper's schemes.
-pub fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn cost(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let sizes = effort.sizes();
     let names = ["AS(5)", "DGM", "Newmark(0.25, 0.5)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"];
     let mut members: Vec<Member> = names.map(|name| Member::new(name, sizes)).into();

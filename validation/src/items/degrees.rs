@@ -16,7 +16,7 @@ fn members(sizes: [&[f64]; 3]) -> Vec<Member> {
 }
 
 /// A motion that every step resolves.
-pub fn smooth(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn smooth(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let sizes: [&[f64]; 3] = match effort.quick {
         true => [&[0.05, 0.025], &[0.1, 0.05], &[0.1, 0.05]],
         false => [
@@ -56,7 +56,7 @@ pub fn smooth(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// The loaded block, whose highest modes no step resolves.
-pub fn block(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn block(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let sizes: [&[f64]; 3] = match effort.quick {
         true => [&[0.02, 0.01], &[0.05, 0.025], &[0.05, 0.025]],
         false => [

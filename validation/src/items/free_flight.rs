@@ -55,7 +55,7 @@ fn fly(case: &Case) -> Result<Watch, String> {
 }
 
 /// Every scheme for 100,000 steps.
-pub fn free_flight(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn free_flight(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "free-flight",
         "Beyond the paper: long free flight",

@@ -18,7 +18,7 @@ struct Cost {
 }
 
 /// The paper: the computational cost of increasing the number of time integration points turns out to be negligible.
-pub fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn inner_points(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let (most, repeats) = if effort.quick { (3, 1) } else { (8, 5) };
     let mut item = Item::new(
         "inner-points",

@@ -8,7 +8,7 @@ use crate::measure::{energy_drift, norm};
 use crate::picture::{Pictures, Series};
 
 /// Figs. 3 and 9: the load history.
-pub fn figure_3(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_3(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "figure-3",
         "Figs. 3 and 9: the load over time",
@@ -31,7 +31,7 @@ pub fn figure_3(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 10: configurations.
-pub fn figure_10(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_10(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let case = Case::new("figure-10");
     let problem = case.problem()?;
     let run = Run::of(&problem)?;
@@ -58,7 +58,7 @@ pub fn figure_10(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 11: AS(5) and DGM.
-pub fn figure_11(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_11(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item =
         Item::new("figure-11", "Fig. 11: large strain, AS(5) and DGM", "h = 0.01 until t = 1, then 0.04.");
     for name in ["AS(5)", "DGM"] {
@@ -68,7 +68,7 @@ pub fn figure_11(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 12: the energy of FE(1) drifts.
-pub fn figure_12(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_12(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "figure-12",
         "Fig. 12: total energy at h = 0.04, large strain",
@@ -92,7 +92,7 @@ pub fn figure_12(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 13: error over step size.
-pub fn figure_13(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_13(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let names = ["FE(1)", "FE(5)", "AS(5)", "DGM"];
     let curves = of_the_paper("figure-13", &names, effort, pictures)?;
     let mut item = Item::new(

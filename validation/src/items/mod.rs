@@ -18,7 +18,7 @@ use study::Reference;
 
 /// Extent of the computation: `quick` for continuous integration, the full set as in the paper.
 #[derive(Debug, Clone, Copy)]
-pub struct Effort {
+pub(crate) struct Effort {
     /// Coarser references, fewer points, no claims about time.
     pub quick: bool,
 }
@@ -38,7 +38,7 @@ impl Effort {
 
 /// One item of the page.
 #[derive(Debug, Clone, Copy)]
-pub struct Entry {
+pub(crate) struct Entry {
     /// Key word.
     pub name: &'static str,
     /// Computes the item and writes its pictures.
@@ -56,7 +56,7 @@ const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<It
 }
 
 /// All items, in the order of the page.
-pub const ALL: [Entry; 20] = [
+pub(crate) const ALL: [Entry; 20] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -84,7 +84,7 @@ const CONSERVED: f64 = 1e-9;
 const LOST: f64 = 1e-5;
 
 /// Lost data of the paper's test problem, and their replacement.
-pub const COMPLETED: &str = "The paper's text does not give the mesh, the magnitudes of the load or its peak. Geometry and load vector \
+pub(crate) const COMPLETED: &str = "The paper's text does not give the mesh, the magnitudes of the load or its peak. Geometry and load vector \
     are those of the group's later public examples of the same block; the peak of 1 at t = 0.5 is chosen because it reproduces what the \
     paper reports of Figs. 7 and 12.";
 

@@ -8,7 +8,7 @@ use crate::measure::{energy_drift, momentum_drift};
 use crate::picture::{Pictures, Series};
 
 /// Two bodies that attract each other.
-pub fn two_body(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn two_body(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "two-body",
         "Part I: two bodies",
@@ -31,7 +31,7 @@ pub fn two_body(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Masses on springs.
-pub fn spring_network(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn spring_network(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "spring-network",
         "Part I: masses on springs",

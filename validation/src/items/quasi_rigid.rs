@@ -8,7 +8,7 @@ use crate::measure::{energy_drift, momentum_drift};
 use crate::picture::{Pictures, Series};
 
 /// Fig. 4: the motion with AS(1) at h = 0.2.
-pub fn figure_4(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_4(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let case = Case::new("figure-4");
     let problem = case.problem()?;
     let run = crate::case::Run::of(&problem)?;
@@ -46,7 +46,7 @@ pub fn figure_4(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 5: error over step size.
-pub fn figure_5(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_5(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
     let names = ["FE(1)", "FE(5)", "AS(1)"];
     let curves = of_the_paper("figure-5", &names, effort, pictures)?;
     let mut item = Item::new(
@@ -81,7 +81,7 @@ pub fn figure_5(effort: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 6: FE(5), a change of step makes the angular momentum oscillate.
-pub fn figure_6(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_6(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "figure-6",
         "Fig. 6: FE(5), change of step at t = 2",
@@ -105,7 +105,7 @@ pub fn figure_6(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 7: FE(1), a change of step makes the energy blow up.
-pub fn figure_7(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_7(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new("figure-7", "Fig. 7: FE(1), change of step at t = 2", "Total energy over time.");
     let mut series = Vec::new();
     for size in [0.02, 0.025] {
@@ -127,7 +127,7 @@ pub fn figure_7(_: Effort, pictures: &Pictures) -> Result<Item, String> {
 }
 
 /// Fig. 8: changes of step do not affect AS(1).
-pub fn figure_8(_: Effort, pictures: &Pictures) -> Result<Item, String> {
+pub(super) fn figure_8(_: Effort, pictures: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "figure-8",
         "Fig. 8: AS(1), steps 0.01, 0.04, 0.2",

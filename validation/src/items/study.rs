@@ -15,7 +15,7 @@ use crate::measure::order;
 use crate::picture::{Pictures, Series};
 
 /// One curve: a scheme of a degree.
-pub struct Member {
+pub(super) struct Member {
     /// Scheme.
     pub scheme: &'static str,
     /// Degree.
@@ -26,16 +26,16 @@ pub struct Member {
 
 impl Member {
     /// A scheme of degree 1.
-    pub fn new(scheme: &'static str, sizes: &[f64]) -> Self {
+    pub(super) fn new(scheme: &'static str, sizes: &[f64]) -> Self {
         Member { scheme, degree: 1, sizes: sizes.to_vec() }
     }
 }
 
 /// Reference of the errors: scheme, degree, step size.
-pub struct Reference(pub &'static str, pub usize, pub f64);
+pub(super) struct Reference(pub &'static str, pub usize, pub f64);
 
 /// Rows of every curve.
-pub struct Curves {
+pub(super) struct Curves {
     window: (f64, f64),
     reference: String,
     curves: Vec<(Member, Vec<MemberRun>)>,
@@ -45,7 +45,7 @@ pub struct Curves {
 ///
 /// # Errors
 /// The message of a start, a reference or a member that fails.
-pub fn study(
+pub(super) fn study(
     case: &Case,
     window: (f64, f64),
     reference: &Reference,
@@ -84,7 +84,7 @@ pub fn study(
 ///
 /// # Errors
 /// As [`study`].
-pub fn of_the_paper(
+pub(super) fn of_the_paper(
     file: &'static str,
     schemes: &[&'static str],
     effort: Effort,
@@ -128,18 +128,18 @@ fn label(scheme: &str, degree: usize) -> String {
 
 impl Curves {
     /// (step size, error) of the completed runs of a curve.
-    pub fn errors(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
+    pub(super) fn errors(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
         self.rows(scheme, degree).iter().filter_map(|row| Some((row.step_size, row.error()?))).collect()
     }
 
     /// Error at one of the step sizes; NaN if that run failed.
-    pub fn error(&self, scheme: &str, degree: usize, size: f64) -> f64 {
+    pub(super) fn error(&self, scheme: &str, degree: usize, size: f64) -> f64 {
         let errors = self.errors(scheme, degree);
         errors.iter().find(|point| point.0 == size).map_or(f64::NAN, |point| point.1)
     }
 
     /// (seconds, error) of the same.
-    pub fn costs(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
+    pub(super) fn costs(&self, scheme: &str, degree: usize) -> Vec<(f64, f64)> {
         self.rows(scheme, degree).iter().filter_map(|row| Some((row.wall_seconds, row.error()?))).collect()
     }
 
@@ -149,7 +149,7 @@ impl Curves {
     }
 
     /// Order between the two smallest steps; NaN if there are not two.
-    pub fn order(&self, scheme: &str, degree: usize) -> f64 {
+    pub(super) fn order(&self, scheme: &str, degree: usize) -> f64 {
         match self.errors(scheme, degree)[..] {
             [.., coarse, fine] => order(coarse, fine),
             _ => f64::NAN,
@@ -157,7 +157,7 @@ impl Curves {
     }
 
     /// Error at the smallest step; NaN if there is none.
-    pub fn last(&self, scheme: &str) -> f64 {
+    pub(super) fn last(&self, scheme: &str) -> f64 {
         self.errors(scheme, 1).last().map_or(f64::NAN, |(_, error)| *error)
     }
 
@@ -165,7 +165,7 @@ impl Curves {
     ///
     /// # Errors
     /// The message of a picture that cannot be written.
-    pub fn show_errors(
+    pub(super) fn show_errors(
         &self,
         item: &mut Item,
         pictures: &Pictures,
@@ -188,7 +188,7 @@ impl Curves {
     ///
     /// # Errors
     /// The message of a picture that cannot be written.
-    pub fn show_costs(&self, item: &mut Item, pictures: &Pictures, title: &str) -> Result<(), String> {
+    pub(super) fn show_costs(&self, item: &mut Item, pictures: &Pictures, title: &str) -> Result<(), String> {
         let axes = ["seconds of a run on one core".to_string(), self.error_label()];
         let series = self.series(|row| row.wall_seconds);
         item.pictures.push(pictures.log_log(&format!("{}-cost", item.name), title, axes, series, vec![])?);
@@ -229,7 +229,7 @@ impl Curves {
 
 /// Smallest error of a curve (cost, error) at a cost or below, interpolated in logarithms; `None` if all points cost
 /// more.
-pub fn error_within(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
+pub(super) fn error_within(curve: &[(f64, f64)], cost: f64) -> Option<f64> {
     let mut points = curve.to_vec();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let between = points.windows(2).find(|pair| pair[0].0 <= cost && cost <= pair[1].0).map(|pair| {

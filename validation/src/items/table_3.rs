@@ -17,7 +17,7 @@ const PAPER: [(&str, [bool; 3]); 5] = [
 ];
 
 /// Table III: free flight after the load, with a change of step.
-pub fn table_3(_: Effort, _: &Pictures) -> Result<Item, String> {
+pub(super) fn table_3(_: Effort, _: &Pictures) -> Result<Item, String> {
     let mut item = Item::new(
         "table-3",
         "Table III: what the schemes conserve",

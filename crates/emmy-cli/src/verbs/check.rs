@@ -20,13 +20,13 @@ use crate::print::{self, number, vector};
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
 }
 
 /// Prints the report.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
     let mut report = Report::default();
     report.line("input", &arguments.input.file.display().to_string());

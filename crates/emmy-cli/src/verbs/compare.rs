@@ -14,7 +14,7 @@ use crate::print;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Output directories of runs
     #[arg(required = true, value_name = "DIR")]
     directories: Vec<PathBuf>,
@@ -30,7 +30,7 @@ pub struct Arguments {
 }
 
 /// Reads the runs, writes the charts, prints the table.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let runs = arguments.directories.iter().map(|directory| Run::read(directory));
     let mut runs = runs.collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, &arguments.directories);

@@ -15,7 +15,7 @@ use crate::print;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// List to print; without it, the names of the lists are printed
     what: Option<What>,
     /// As JSON: a list of objects with `name` and `description`
@@ -50,7 +50,7 @@ fn described<const N: usize>(items: [(&'static str, &'static str); N]) -> Vec<It
 }
 
 /// Prints the list.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(what) = arguments.what else { return words(arguments.json) };
     let items: Vec<Item> = match what {
         What::Schemes => described(SCHEMES.map(|row| (row.form, row.description))),

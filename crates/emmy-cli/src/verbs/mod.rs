@@ -27,7 +27,7 @@ use crate::print::{number, number_below};
 
 /// The verb.
 #[derive(Debug, Subcommand)]
-pub enum Verb {
+pub(crate) enum Verb {
     /// Write a commented example input into the working directory
     New(new::Arguments),
     /// Read an input and its mesh and report on them; run nothing
@@ -70,7 +70,7 @@ pub enum Verb {
 
 impl Verb {
     /// Runs the verb.
-    pub fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Verb::New(arguments) => new::run(&arguments),
             Verb::Check(arguments) => check::run(&arguments),

@@ -10,14 +10,14 @@ use crate::message::message;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Name of the example; without it, the examples are listed
     name: Option<String>,
 }
 
 /// An example input, from a file in `examples`.
 #[derive(Debug, Clone, Copy)]
-pub struct Template {
+pub(super) struct Template {
     /// Name of the example and its file.
     pub name: &'static str,
     text: &'static str,
@@ -25,7 +25,7 @@ pub struct Template {
 
 impl Template {
     /// First sentence of the file.
-    pub fn title(&self) -> &'static str {
+    pub(super) fn title(&self) -> &'static str {
         self.text.lines().next().map_or("", |line| line.trim_start_matches("# "))
     }
 }
@@ -37,7 +37,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub const TEMPLATES: [Template; 11] = [
+pub(super) const TEMPLATES: [Template; 11] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -55,7 +55,7 @@ pub const TEMPLATES: [Template; 11] = [
 const ON_MESHES: [&str; 3] = ["bracket", "tuning-fork", "two-materials"];
 
 /// Writes the example, unless the file exists.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
     let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
         return Err(if ON_MESHES.contains(&name) { on_mesh(name) } else { unknown(name) });

@@ -10,14 +10,14 @@ use crate::print;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Output directory of a run, which may still be running
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
 
 /// Writes the page and prints its path.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = report::write(&arguments.directory)?;
     print::result(&format!("{}\n", path.display()))
 }

@@ -20,7 +20,7 @@ use crate::print::number;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Output directory of the run
     directory: PathBuf,
     /// End of the run: later steps are dropped, or the last phase is extended
@@ -37,7 +37,7 @@ pub struct Arguments {
 }
 
 /// Resumes the run.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     with_threads(arguments.options.threads, || run_here(arguments))?
 }
 

@@ -4,6 +4,6 @@ use crate::failure::Failure;
 use crate::print;
 
 /// Prints the schema.
-pub fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), Failure> {
     print::result(&format!("{:#}\n", emmy_io::input::schema()))
 }

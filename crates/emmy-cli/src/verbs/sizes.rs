@@ -4,7 +4,7 @@ use emmy_io::input::Problem;
 use emmy_io::sizes::Sizes;
 
 /// History, logs, frames and checkpoints of a problem.
-pub fn text(problem: &Problem) -> String {
+pub(super) fn text(problem: &Problem) -> String {
     let sizes = Sizes::of(problem);
     let plan = &problem.plan;
     // With an unknown number of steps, the sizes are for one step.

@@ -9,7 +9,7 @@ use emmy_io::vtk::SeriesReader;
 use super::{BOX, Place};
 
 /// The box with steps of one size.
-pub fn even_box(until: f64, size: f64) -> String {
+pub(crate) fn even_box(until: f64, size: f64) -> String {
     BOX.replace(
         "steps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]",
         &format!("steps = [{{ until = {until}, size = {size} }}]"),
@@ -18,7 +18,7 @@ pub fn even_box(until: f64, size: f64) -> String {
 }
 
 /// A box that takes some thousand steps, with few frames and many checkpoints.
-pub fn long_box() -> String {
+pub(crate) fn long_box() -> String {
     even_box(4.0, 0.002).replace("every = 2", "every = 500\ncheckpoint_every = 20")
 }
 
@@ -34,13 +34,13 @@ fn rows(place: &Place, directory: &str) -> Vec<String> {
     text.lines().map(without).collect()
 }
 
-pub fn assert_same_rows(place: &Place, own: &str, expected: &str) {
+pub(crate) fn assert_same_rows(place: &Place, own: &str, expected: &str) {
     let (own, expected) = (rows(place, own), rows(place, expected));
     let first = own.iter().zip(&expected).position(|(own, expected)| own != expected);
     assert!(own == expected, "{} and {} rows, the first that differs: {first:?}", own.len(), expected.len());
 }
 
-pub fn frames(place: &Place, directory: &str) -> Vec<String> {
+pub(crate) fn frames(place: &Place, directory: &str) -> Vec<String> {
     let text = place.read(&format!("{directory}/{directory}.pvd"));
     text.lines()
         .filter(|line| line.contains("<DataSet"))
@@ -125,7 +125,7 @@ fn step_scheme_degree_and_output_may_change() {
 }
 
 /// Starts the binary without waiting for it.
-pub fn start(place: &Place, arguments: &[&str]) -> Child {
+pub(crate) fn start(place: &Place, arguments: &[&str]) -> Child {
     Command::new(env!("CARGO_BIN_EXE_emmy"))
         .args(arguments)
         .current_dir(place.path(""))
@@ -136,7 +136,7 @@ pub fn start(place: &Place, arguments: &[&str]) -> Child {
 }
 
 /// Waits until a history has some rows.
-pub fn wait_for_rows(place: &Place, directory: &str, n: usize) {
+pub(crate) fn wait_for_rows(place: &Place, directory: &str, n: usize) {
     let path = place.path(&format!("{directory}/history.csv"));
     for _ in 0..6000 {
         if std::fs::read_to_string(&path).is_ok_and(|text| text.lines().count() > n) {

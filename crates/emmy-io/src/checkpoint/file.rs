@@ -31,7 +31,7 @@ const MAX_HALVINGS: u32 = 60;
 ///
 /// # Errors
 /// None in practice: every checkpoint can be written.
-pub fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
+pub(super) fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
     let n_numbers = 4 * checkpoint.snapshot.state.displacement.len();
     let mut bytes = Vec::with_capacity(18 * n_numbers + 65_536);
     bytes.extend(format!("{MARK}{FORMAT}, Emmy {VERSION}\n").as_bytes());
@@ -43,7 +43,7 @@ pub fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// Why the file cannot be used, as the predicate of a sentence about it.
-pub fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
+pub(super) fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
     let content = content(bytes)?;
     let checkpoint = rmp_serde::from_slice(content)
         .map_err(|error| format!("does not have the content of checkpoint format {FORMAT} ({error})"))?;
@@ -97,7 +97,7 @@ fn check(checkpoint: &Checkpoint) -> Result<(), String> {
 }
 
 /// Whether all numbers of a state are finite.
-pub fn is_finite(state: &State) -> bool {
+pub(super) fn is_finite(state: &State) -> bool {
     let State { time, step: _, displacement, momentum, velocity, displacement_low, momentum_error } = state;
     let lists = [displacement, momentum, velocity, displacement_low, &momentum_error[..]];
     time.is_finite() && lists.iter().all(|list| list.iter().all(|number| number.is_finite()))

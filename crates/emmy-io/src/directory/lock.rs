@@ -6,7 +6,7 @@ use std::path::Path;
 use super::DirectoryError;
 
 /// Name of the lock file. It stays after the run; the system releases the lock, however the run ends.
-pub const FILE: &str = ".lock";
+pub(super) const FILE: &str = ".lock";
 
 /// An advisory lock on a directory, held until it is dropped.
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use crate::whole_file::PART;
 ///
 /// # Errors
 /// [`DirectoryError::Source`].
-pub fn check(directory: &Path, files: &[PathBuf]) -> Result<(), DirectoryError> {
+pub(crate) fn check(directory: &Path, files: &[PathBuf]) -> Result<(), DirectoryError> {
     let Ok(whole) = directory.canonicalize() else { return Ok(()) };
     let is_in_danger = |file: &Path| {
         places(file)

@@ -6,28 +6,28 @@ use std::path::PathBuf;
 use emmy::mesh::{Cell, Mesh};
 use emmy_io::mesh::{MeshError, MeshFile, parse};
 
-pub fn path(name: &str) -> PathBuf {
+pub(crate) fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/meshes").join(name)
 }
 
-pub fn bytes(name: &str) -> Vec<u8> {
+pub(crate) fn bytes(name: &str) -> Vec<u8> {
     fs::read(path(name)).unwrap()
 }
 
-pub fn read(name: &str) -> MeshFile {
+pub(crate) fn read(name: &str) -> MeshFile {
     emmy_io::mesh::read(&path(name)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-pub fn parse_text(name: &str, text: &str) -> Result<MeshFile, MeshError> {
+pub(crate) fn parse_text(name: &str, text: &str) -> Result<MeshFile, MeshError> {
     parse(name.as_ref(), text.as_bytes())
 }
 
 /// Volume by the divergence theorem, a third of the flux of X; exact for cells with plane faces.
-pub fn volume(mesh: &Mesh) -> f64 {
+pub(crate) fn volume(mesh: &Mesh) -> f64 {
     mesh.cells().map(|cell| cell_volume(mesh, cell)).sum()
 }
 
-pub fn cell_volume(mesh: &Mesh, cell: Cell) -> f64 {
+pub(crate) fn cell_volume(mesh: &Mesh, cell: Cell) -> f64 {
     let point = |local: usize| mesh.points()[cell.nodes[local] as usize];
     let mut volume = 0.0;
     for facet in cell.kind.facets() {
@@ -41,7 +41,7 @@ pub fn cell_volume(mesh: &Mesh, cell: Cell) -> f64 {
     volume
 }
 
-pub fn mean(points: &[[f64; 3]]) -> [f64; 3] {
+pub(crate) fn mean(points: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|i| points.iter().map(|point| point[i]).sum::<f64>() / points.len() as f64)
 }
 
@@ -50,12 +50,12 @@ fn determinant(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
         + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
-pub fn close(a: [f64; 3], b: [f64; 3]) -> bool {
+pub(crate) fn close(a: [f64; 3], b: [f64; 3]) -> bool {
     (0..3).all(|i| (a[i] - b[i]).abs() < 1e-12)
 }
 
 /// Checks that the nodes of a group lie in a plane `X[axis] = value`.
-pub fn assert_plane(mesh: &Mesh, group: &str, axis: usize, value: f64) {
+pub(crate) fn assert_plane(mesh: &Mesh, group: &str, axis: usize, value: f64) {
     for node in mesh.group_nodes(group).unwrap() {
         let point = mesh.points()[node as usize];
         assert!((point[axis] - value).abs() < 1e-12, "{group}: node {node} at {point:?}");
@@ -64,7 +64,7 @@ pub fn assert_plane(mesh: &Mesh, group: &str, axis: usize, value: f64) {
 
 /// Checks that every node beyond the corners is in the middle of the corners of its edge, face or cell: a wrong order
 /// would displace one.
-pub fn assert_straight(mesh: &Mesh) {
+pub(crate) fn assert_straight(mesh: &Mesh) {
     for cell in mesh.cells() {
         assert!(cell_volume(mesh, cell) > 0.0);
         let point = |local: usize| mesh.points()[cell.nodes[local] as usize];

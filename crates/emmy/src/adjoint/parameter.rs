@@ -119,7 +119,7 @@ pub(super) struct Residual {
 }
 
 impl Residual {
-    pub fn new(body: &Body, degree: usize) -> Self {
+    pub(super) fn new(body: &Body, degree: usize) -> Self {
         let n = body.n_dofs();
         let k = degree;
         Residual {

@@ -6,14 +6,14 @@ use crate::time::{Memory, StageCoefficients, State, Stepper, TimeElementStepper}
 
 /// The complete motion after a step.
 #[derive(Debug, Clone)]
-pub struct Checkpoint {
+pub(super) struct Checkpoint {
     pub state: State,
     pub memory: Memory,
 }
 
 /// Size and end of a step to repeat.
 #[derive(Debug, Clone, Copy)]
-pub struct StepSize {
+pub(super) struct StepSize {
     pub size: f64,
     /// Time at the end, which need not be the sum.
     pub end: f64,
@@ -21,7 +21,7 @@ pub struct StepSize {
 
 /// States and rates of the steps of a segment.
 #[derive(Debug, Default)]
-pub struct Segment {
+pub(super) struct Segment {
     /// The state at the start and after each step.
     states: Vec<State>,
     /// Rates of each step, `[k][n_nodes][3]`.
@@ -34,7 +34,7 @@ impl Segment {
     ///
     /// # Errors
     /// As [`Stepper::restore`] and [`Stepper::advance`].
-    pub fn redo(
+    pub(super) fn redo(
         &mut self,
         stepper: &mut TimeElementStepper<'_>,
         checkpoint: &Checkpoint,
@@ -57,17 +57,17 @@ impl Segment {
     }
 
     /// Number of steps.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.sizes.len()
     }
 
     /// The states at the start and the end of a step.
-    pub fn ends(&self, index: usize) -> [&State; 2] {
+    pub(super) fn ends(&self, index: usize) -> [&State; 2] {
         [&self.states[index], &self.states[index + 1]]
     }
 
     /// A step of an element with its coefficients.
-    pub fn step<'a>(&'a self, coefficients: &'a StageCoefficients, index: usize) -> StepData<'a> {
+    pub(super) fn step<'a>(&'a self, coefficients: &'a StageCoefficients, index: usize) -> StepData<'a> {
         let state = &self.states[index];
         StepData {
             rule: &coefficients.rule,

@@ -10,7 +10,7 @@ use crate::time::{ApproximateTangent, StageCoefficients, TimeElement};
 
 /// A step that was done.
 #[derive(Debug, Clone, Copy)]
-pub struct StepData<'a> {
+pub(super) struct StepData<'a> {
     /// Averaging rule.
     pub rule: &'a Rule,
     /// Coefficients (a^-1)_ij.
@@ -29,13 +29,13 @@ pub struct StepData<'a> {
 
 /// Derivatives of a goal by a state, `[n_nodes][3]`; zero at fixed degrees of freedom.
 #[derive(Debug, Clone)]
-pub struct AdjointState {
+pub(super) struct AdjointState {
     pub displacement: Vec<f64>,
     pub velocity: Vec<f64>,
 }
 
 impl AdjointState {
-    pub fn new(body: &Body, displacement: &[f64], velocity: &[f64]) -> Self {
+    pub(super) fn new(body: &Body, displacement: &[f64], velocity: &[f64]) -> Self {
         let free = |gradient: &[f64]| -> Vec<f64> {
             gradient.iter().zip(body.fixed()).map(|(g, fixed)| if *fixed { 0.0 } else { *g }).collect()
         };
@@ -45,7 +45,7 @@ impl AdjointState {
 
 /// Takes the derivatives of a goal back over steps; holds the memory for this.
 #[derive(Debug)]
-pub struct AdjointStep<'a> {
+pub(super) struct AdjointStep<'a> {
     body: &'a Body,
     rule: Rule,
     /// Weights beta_j of the rates in the velocity at the end.
@@ -88,7 +88,7 @@ const SLOWER: usize = 6;
 impl<'a> AdjointStep<'a> {
     /// # Errors
     /// As [`ApproximateTangent::new`].
-    pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
+    pub(super) fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let n = body.n_dofs();
         let k = element.degree;
         let coefficients = element.coefficients();
@@ -119,7 +119,7 @@ impl<'a> AdjointStep<'a> {
     }
 
     /// Multipliers of the last step.
-    pub fn multipliers(&self) -> &[f64] {
+    pub(super) fn multipliers(&self) -> &[f64] {
         &self.multipliers
     }
 
@@ -127,7 +127,7 @@ impl<'a> AdjointStep<'a> {
     ///
     /// # Errors
     /// [`Error::Linear`] if the transposed system is not solved, [`Error::Inverted`].
-    pub fn take_back(&mut self, step: &StepData<'_>, adjoint: &mut AdjointState) -> Result<()> {
+    pub(super) fn take_back(&mut self, step: &StepData<'_>, adjoint: &mut AdjointState) -> Result<()> {
         self.set_right_side(step.size, adjoint);
         self.solve(step)?;
         let n = self.sum.len();
@@ -228,7 +228,7 @@ impl<'a> AdjointStep<'a> {
 ///
 /// # Errors
 /// [`Error::Adjoint`].
-pub fn check_body(body: &Body) -> Result<()> {
+pub(super) fn check_body(body: &Body) -> Result<()> {
     let not_covered = [
         (body.is_driven(), "driven supports are not covered; supports at rest are"),
         (body.release().is_some(), "supports that are released are not covered; supports at rest are"),
@@ -242,7 +242,7 @@ pub fn check_body(body: &Body) -> Result<()> {
 }
 
 /// `y_j = sum_i m_ij x_i`; `x`, `y`: `[k][n_nodes][3]`.
-pub fn combine(rule: &Rule, m: &[f64], x: &[f64], y: &mut [f64]) {
+pub(super) fn combine(rule: &Rule, m: &[f64], x: &[f64], y: &mut [f64]) {
     let k = rule.degree();
     let n = x.len() / k;
     y.fill(0.0);

@@ -6,7 +6,7 @@ use crate::tensor::{LANES, Packed};
 
 /// Cells in batches of [`LANES`], in the order of their table. The last batch is completed by repeating its last cell.
 #[derive(Debug)]
-pub struct CellBatches {
+pub(super) struct CellBatches {
     /// Indices of the cells in the mesh.
     pub cells: Vec<u32>,
     /// Nodes, `[cell][n_nodes]`.
@@ -24,7 +24,7 @@ pub struct CellBatches {
 /// Geometry of the cells of a batch at a quadrature point. With the reference gradients it gives the gradients of the
 /// shape functions, with less memory traffic than a table of them.
 #[derive(Debug, Clone)]
-pub struct PointGeometry {
+pub(super) struct PointGeometry {
     /// dxi/dX, `[xi component][X component]` \[1/length\].
     pub inverse_jacobian: [[Packed; 3]; 3],
     /// Weight times det(dX/dxi) and the thickness of plane cells \[length^3\].
@@ -36,7 +36,7 @@ impl CellBatches {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
-    pub fn new(table: CellTable) -> Result<Self> {
+    pub(super) fn new(table: CellTable) -> Result<Self> {
         let n_points = table.reference_gradients.len() / table.n_nodes;
         let n_batches = table.cells.len().div_ceil(LANES);
         let mut geometry = reserved(n_batches * n_points)?;
@@ -63,37 +63,37 @@ impl CellBatches {
     }
 
     /// Number of batches.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.cells.len().div_ceil(LANES)
     }
 
     /// Cells of a batch, the repeated one left out.
     #[inline(always)]
-    pub fn cells_of(&self, batch: usize) -> std::ops::Range<usize> {
+    pub(super) fn cells_of(&self, batch: usize) -> std::ops::Range<usize> {
         batch * LANES..((batch + 1) * LANES).min(self.cells.len())
     }
 
     /// Nodes of a cell.
     #[inline(always)]
-    pub fn nodes_of(&self, cell: usize) -> &[u32] {
+    pub(super) fn nodes_of(&self, cell: usize) -> &[u32] {
         &self.nodes[cell * self.n_nodes..(cell + 1) * self.n_nodes]
     }
 
     /// Reference gradients at a point, `[n_nodes]`.
     #[inline(always)]
-    pub fn reference_gradients_at(&self, point: usize) -> &[[f64; 3]] {
+    pub(super) fn reference_gradients_at(&self, point: usize) -> &[[f64; 3]] {
         &self.reference_gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
     }
 
     /// Geometry of a batch, `[point]`.
     #[inline(always)]
-    pub fn geometry_of(&self, batch: usize) -> &[PointGeometry] {
+    pub(super) fn geometry_of(&self, batch: usize) -> &[PointGeometry] {
         &self.geometry[batch * self.n_points..(batch + 1) * self.n_points]
     }
 
     /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of a node.
     #[inline(always)]
-    pub fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> [f64; 3]) {
+    pub(super) fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> [f64; 3]) {
         let last = self.cells.len() - 1;
         for lane in 0..LANES {
             let nodes = self.nodes_of((batch * LANES + lane).min(last));

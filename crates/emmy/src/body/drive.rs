@@ -13,7 +13,7 @@ pub(super) type Map = [[f64; 4]; 3];
 /// u(t) = (R(angle(t)) - I) (X - about) + displacement(t)
 /// ```
 #[derive(Debug, Clone)]
-pub struct Drive {
+pub(super) struct Drive {
     displacement: [Option<TimeFunction>; 3],
     /// Rotation with an axis of unit length.
     rotation: Option<Rotation>,

@@ -10,14 +10,14 @@ use crate::tensor::cross;
 const MAX_NODES: usize = 9;
 
 /// A vector at each node of a facet.
-pub type NodalVectors = [[f64; 3]; MAX_NODES];
+pub(super) type NodalVectors = [[f64; 3]; MAX_NODES];
 
 /// A vector for each pair A, B of a facet's nodes.
-pub type PairVectors = [NodalVectors; MAX_NODES];
+pub(super) type PairVectors = [NodalVectors; MAX_NODES];
 
 /// Facets of one kind.
 #[derive(Debug, Clone)]
-pub struct FacetTable {
+pub(super) struct FacetTable {
     kind: FacetKind,
     /// Nodes, `[facet][n_nodes]`.
     pub nodes: Vec<u32>,
@@ -32,7 +32,7 @@ pub struct FacetTable {
 
 impl FacetTable {
     /// Tables of facets, one for each kind; `section`: thickness of each cell of the mesh.
-    pub fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
+    pub(super) fn of(mesh: &Mesh, pattern: &Pattern, facets: &[Facet], section: &[f64]) -> Vec<FacetTable> {
         let mut tables: Vec<FacetTable> = Vec::new();
         for &facet in facets {
             let kind = mesh.cell(facet.cell as usize).kind.facets()[facet.local as usize].kind;
@@ -64,12 +64,12 @@ impl FacetTable {
     }
 
     /// Number of nodes of a facet.
-    pub fn n_nodes(&self) -> usize {
+    pub(super) fn n_nodes(&self) -> usize {
         self.reference.n_nodes
     }
 
     /// Nodes of each facet, the positions of their pairs in the pattern, and the thickness.
-    pub fn facets(&self) -> impl Iterator<Item = (&[u32], &[u32], f64)> {
+    pub(super) fn facets(&self) -> impl Iterator<Item = (&[u32], &[u32], f64)> {
         let n = self.n_nodes();
         let pairs = self.positions.chunks_exact(n * n).zip(&self.sections);
         self.nodes.chunks_exact(n).zip(pairs).map(|(nodes, (pairs, &section))| (nodes, pairs, section))
@@ -84,7 +84,7 @@ impl FacetTable {
     ///
     /// The quadrature is exact for every kind of facet (see [`crate::element`]), so that on a closed surface
     /// `F_A = - dV/dq_A` with the enclosed volume V.
-    pub fn force(&self, q: &NodalVectors) -> NodalVectors {
+    pub(super) fn force(&self, q: &NodalVectors) -> NodalVectors {
         let mut force = [[0.0; 3]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let [a, b] = self.tangents(q, point);
@@ -101,7 +101,7 @@ impl FacetTable {
     /// ```math
     /// c_AB = integral N_A (N_B,xi q_,eta - N_B,eta q_,xi) dxi deta
     /// ```
-    pub fn derivative(&self, q: &NodalVectors) -> PairVectors {
+    pub(super) fn derivative(&self, q: &NodalVectors) -> PairVectors {
         let mut c = [[[0.0; 3]; MAX_NODES]; MAX_NODES];
         for point in 0..self.reference.weights.len() {
             let [a, b] = self.tangents(q, point);

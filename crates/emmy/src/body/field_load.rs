@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 
 /// A load by a field: the points at which the field is evaluated, and the weights of the nodes at each.
 #[derive(Debug)]
-pub struct FieldLoad {
+pub(super) struct FieldLoad {
     /// Number of the load.
     pub(super) load: usize,
     pub(super) field: Field,
@@ -35,7 +35,7 @@ impl FieldLoad {
     ///
     /// # Errors
     /// [`crate::Error::UnknownGroup`].
-    pub fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
+    pub(super) fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
         let Some((field, domain)) = load.kind.field() else { return Ok(None) };
         let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
         let (field, time_function) = (field.clone(), load.time_function.clone());
@@ -99,13 +99,13 @@ impl FieldLoad {
     }
 
     /// Adds the nodal forces at a time, `force: [n_nodes][3]`. Returns whether the factor over time is not zero.
-    pub fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
+    pub(super) fn add_at(&self, time: f64, force: &mut [f64]) -> bool {
         self.add(time, &[1.0], force)
     }
 
     /// Adds the stage averages over a step, by [`Rule::smooth_quadrature`], `force: [k][n_nodes][3]`; `stage_weights`:
     /// memory for k numbers. Returns whether the load acts.
-    pub fn add_averages(
+    pub(super) fn add_averages(
         &self,
         time: f64,
         h: f64,

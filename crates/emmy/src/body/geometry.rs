@@ -8,7 +8,7 @@ use crate::tensor::{Mat3, det};
 
 /// Cells of one kind with the geometry that the internal force needs.
 #[derive(Debug, Clone)]
-pub struct CellTable {
+pub(crate) struct CellTable {
     /// Indices of the cells in the mesh.
     pub cells: Vec<u32>,
     /// Nodes, `[cell][n_nodes]`.
@@ -31,7 +31,7 @@ impl CellTable {
     ///
     /// # Errors
     /// [`Error::InvertedCell`] if det(dX/dxi) is not positive at a point, [`Error::OutOfMemory`].
-    pub fn new(mesh: &Mesh, kind: CellKind, mut cells: Vec<u32>, section: f64) -> Result<Self> {
+    pub(crate) fn new(mesh: &Mesh, kind: CellKind, mut cells: Vec<u32>, section: f64) -> Result<Self> {
         cells.sort_by_key(|&cell| mesh.cell(cell as usize).nodes.iter().min().copied());
         let reference = ReferenceTable::new(element(kind), element(kind).quadrature(), kind.n_nodes());
         let n_points = reference.weights.len();
@@ -112,7 +112,7 @@ pub(super) fn inverse(A: &Mat3<f64>, det: f64) -> Mat3<f64> {
 }
 
 /// A point of an integral over a cell or facet: weight, position, and the shape functions of its nodes.
-pub struct QuadraturePoint<'a> {
+pub(super) struct QuadraturePoint<'a> {
     /// Weight times det(dX/dxi), or times the area element \[length^3 or length^2\]; of plane cells \[length^2\],
     /// without their thickness.
     pub weight: f64,
@@ -123,7 +123,7 @@ pub struct QuadraturePoint<'a> {
 }
 
 /// Visits the points of some cells with the quadrature that integrates products of shape functions exactly.
-pub fn for_each_volume_point(
+pub(super) fn for_each_volume_point(
     mesh: &Mesh,
     cells: impl Iterator<Item = u32>,
     mut visit: impl FnMut(usize, &[u32], QuadraturePoint<'_>),
@@ -160,7 +160,7 @@ fn interpolated(X: &[[f64; 3]], shapes: &[f64]) -> [f64; 3] {
 
 /// Integrals of the shape functions over facets, `integral N_A dA`, added to `areas: [n_nodes]`; `section`: thickness
 /// of each cell, which turns the length of an edge into an area.
-pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
+pub(super) fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &mut [f64]) {
     for_each_facet_point(mesh, facets, section, |nodes, point| {
         for (&node, N) in nodes.iter().zip(point.shapes) {
             areas[node as usize] += point.weight * N;
@@ -170,7 +170,7 @@ pub fn add_facet_areas(mesh: &Mesh, facets: &[Facet], section: &[f64], areas: &m
 
 /// Visits the points of some facets with their quadrature; the weights are times the area element \[length^2\],
 /// `section` as in [`add_facet_areas`].
-pub fn for_each_facet_point(
+pub(super) fn for_each_facet_point(
     mesh: &Mesh,
     facets: &[Facet],
     section: &[f64],

@@ -16,7 +16,7 @@ use crate::tensor::{
 
 /// Working memory of an assembly, one for each part.
 #[derive(Debug)]
-pub struct Scratch {
+pub(crate) struct Scratch {
     batch: BatchMemory,
     /// [`PointMemory`] of single cells, and of the registers that the machine has.
     points: [Box<dyn Any + Send + Sync>; 2],
@@ -24,7 +24,7 @@ pub struct Scratch {
 
 /// Fields and results of a batch.
 #[derive(Debug)]
-pub struct BatchMemory {
+pub(crate) struct BatchMemory {
     /// Nodal displacement and rates, or their combination at the only point of a rule, `[1 + k][n_nodes][3]`.
     pub(super) nodal: Vec<[Packed; 3]>,
     /// Weighted stresses in reference coordinates, `w P J^-T`, `[k][point][3][3]`.
@@ -41,7 +41,7 @@ pub struct BatchMemory {
 
 /// Working memory at a quadrature point.
 #[derive(Debug)]
-pub struct PointMemory<R> {
+pub(crate) struct PointMemory<R> {
     average: Average<R>,
     /// Displacement gradient at the start of the step, then the rates of the deformation gradient, `[1 + k]`.
     gradients: Vec<Mat3<R>>,
@@ -63,7 +63,7 @@ impl WithSimd for NewPointMemory {
 
 impl Scratch {
     /// Memory for time elements of a degree and cells with up to so many nodes and quadrature points.
-    pub fn new(degree: usize, n_nodes: usize, n_points: usize) -> Self {
+    pub(crate) fn new(degree: usize, n_nodes: usize, n_points: usize) -> Self {
         let zero = Packed([0.0; LANES]);
         let batch = BatchMemory {
             nodal: vec![[zero; 3]; (degree + 1) * n_nodes],
@@ -82,7 +82,7 @@ impl Scratch {
     /// # Panics
     /// For registers that the machine does not have.
     #[inline(always)]
-    pub fn of<R: Register>(&mut self) -> (&mut BatchMemory, &mut PointMemory<R>) {
+    pub(crate) fn of<R: Register>(&mut self) -> (&mut BatchMemory, &mut PointMemory<R>) {
         let points = self.points.iter_mut().find_map(|points| points.downcast_mut());
         (&mut self.batch, points.expect("the instruction set of a machine does not change"))
     }
@@ -91,7 +91,7 @@ impl Scratch {
 /// Copies the displacement and rates of a step to the nodes of a batch, `nodal: [1 + k][n_nodes][3]`, and returns the
 /// number of fields: 1 if the rule has a single point and the rates are not wanted.
 #[inline(always)]
-pub fn gather(
+pub(super) fn gather(
     cells: &CellBatches,
     batch: usize,
     step: &StepInput<'_>,
@@ -133,7 +133,7 @@ pub fn gather(
 
 /// The cells of a batch that share a register.
 #[derive(Clone, Copy)]
-pub struct RegisterCells<'a, R> {
+pub(super) struct RegisterCells<'a, R> {
     pub cells: &'a CellBatches,
     pub batch: usize,
     /// Number of this part of the batch.
@@ -149,7 +149,7 @@ impl<R: Register> RegisterCells<'_, R> {
     /// (sum_A u_A (x) dN_A/dxi) dxi/dX
     /// ```
     #[inline(always)]
-    pub fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
+    pub(super) fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
         let dN = self.cells.reference_gradients_at(point);
         let inverse = self.inverse_jacobian(point);
         for (gradient, field) in gradients.iter_mut().zip(nodal.chunks_exact(self.cells.n_nodes)) {
@@ -180,7 +180,7 @@ impl<R: Register> RegisterCells<'_, R> {
 
     /// Gradients of the shape functions at a quadrature point, `dN_A/dxi dxi/dX`.
     #[inline(always)]
-    pub fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
+    pub(super) fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
         let zero = self.zero;
         let inverse = self.inverse_jacobian(point);
         for (dN, gradient) in self.cells.reference_gradients_at(point).iter().zip(gradients) {
@@ -202,14 +202,14 @@ impl<R: Register> RegisterCells<'_, R> {
 
     /// Weight of a quadrature point.
     #[inline(always)]
-    pub fn weight(&self, point: usize) -> R {
+    pub(super) fn weight(&self, point: usize) -> R {
         self.zero.load(&self.cells.geometry_of(self.batch)[point].weight, self.part)
     }
 }
 
 /// Stage forces (and derivatives) of the cells of a register, from the nodal fields in their memory.
 #[inline(always)]
-pub fn integrate<R: Register>(
+pub(super) fn integrate<R: Register>(
     cells: RegisterCells<'_, R>,
     n_fields: usize,
     (material, damping): (&dyn Response<R>, Option<&Damping>),
@@ -264,7 +264,7 @@ pub fn integrate<R: Register>(
 
 /// Stored energy of the cells of a register at a nodal displacement, and the smallest det F.
 #[inline(always)]
-pub fn strain_state<R: Register>(
+pub(super) fn strain_state<R: Register>(
     cells: RegisterCells<'_, R>,
     material: &dyn Response<R>,
     nodal: &[[Packed; 3]],
@@ -283,7 +283,7 @@ pub fn strain_state<R: Register>(
 
 /// Energy that a damping dissipates in the cells of a register in a step, from the nodal fields in their memory.
 #[inline(always)]
-pub fn dissipated<R: Register>(
+pub(super) fn dissipated<R: Register>(
     cells: RegisterCells<'_, R>,
     damping: &Damping,
     step: &StepInput<'_>,

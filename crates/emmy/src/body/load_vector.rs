@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 
 /// A dead load: nodal forces at factor 1, `[n_nodes][3]`, and the factor over time.
 #[derive(Debug, Clone)]
-pub struct LoadVector {
+pub(super) struct LoadVector {
     /// Number of the load.
     pub(super) load: usize,
     pub(super) force: Vec<f64>,
@@ -20,7 +20,7 @@ impl LoadVector {
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
-    pub fn new(
+    pub(super) fn new(
         mesh: &Mesh,
         index: usize,
         load: &Load,

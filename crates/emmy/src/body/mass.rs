@@ -9,7 +9,7 @@ use crate::sparse::BlockCholesky;
 /// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed
 /// ones.
 #[derive(Debug)]
-pub struct MassSolver {
+pub(crate) struct MassSolver {
     /// Factorisations with the directions that share them (directions with the same fixed nodes).
     factors: Vec<(Vec<usize>, BlockCholesky)>,
     /// p - M v_c.
@@ -21,7 +21,7 @@ impl MassSolver {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
-    pub fn new(body: &Body) -> Result<Self> {
+    pub(crate) fn new(body: &Body) -> Result<Self> {
         let fixed =
             |axis: usize| -> Vec<bool> { body.fixed().iter().skip(axis).step_by(3).copied().collect() };
         let mut factors: Vec<(Vec<usize>, BlockCholesky)> = Vec::new();
@@ -38,13 +38,13 @@ impl MassSolver {
     }
 
     /// Velocity of a momentum with the fixed degrees of freedom at rest; `momentum`, `velocity`: `[n_nodes][3]`.
-    pub fn velocity(&mut self, momentum: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn velocity(&mut self, momentum: &[f64], velocity: &mut [f64]) {
         velocity.fill(0.0);
         self.solve(momentum, velocity);
     }
 
     /// Sets the velocity of the free degrees of freedom from a momentum; the velocity of the fixed ones must be set.
-    pub fn velocity_beside(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn velocity_beside(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
         velocity.iter_mut().zip(body.fixed()).filter(|(_, fixed)| !**fixed).for_each(|(v, _)| *v = 0.0);
         let mut rest = std::mem::take(&mut self.rest);
         body.mass_product(velocity, &mut rest);

@@ -9,7 +9,7 @@ use crate::sparse::{Pattern, StageMatrix};
 
 /// A pressure on a facet group with its factor over time.
 #[derive(Debug)]
-pub struct Pressure {
+pub(super) struct Pressure {
     /// Number of the load.
     pub(super) load: usize,
     pressure: f64,
@@ -22,7 +22,7 @@ impl Pressure {
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
-    pub fn new(
+    pub(super) fn new(
         mesh: &Mesh,
         pattern: &Pattern,
         index: usize,

@@ -65,7 +65,7 @@ impl RegionSummary {
 pub(super) struct RegionOfCell(Vec<u32>);
 
 impl RegionOfCell {
-    pub fn new(mesh: &Mesh, regions: &[Region]) -> Result<Self> {
+    pub(super) fn new(mesh: &Mesh, regions: &[Region]) -> Result<Self> {
         let mut count = vec![0; mesh.n_cells()];
         let mut region_of_cell = vec![0; mesh.n_cells()];
         for (index, region) in regions.iter().enumerate() {
@@ -105,13 +105,13 @@ impl RegionOfCell {
     }
 
     /// Thickness of every plane cell, cross section of every bar, 1 for solids.
-    pub fn sections(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
+    pub(super) fn sections(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
         let cells = mesh.cells().zip(&self.0);
         cells.map(|(cell, &region)| regions[region as usize].section(cell.kind)).collect()
     }
 
     /// Mass per volume of solid cells, per area of plane ones, per length of links.
-    pub fn densities(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
+    pub(super) fn densities(&self, mesh: &Mesh, regions: &[Region]) -> Vec<f64> {
         let sections = self.sections(mesh, regions);
         self.0
             .iter()
@@ -120,7 +120,7 @@ impl RegionOfCell {
             .collect()
     }
 
-    pub fn into_indices(self) -> Vec<u32> {
+    pub(super) fn into_indices(self) -> Vec<u32> {
         self.0
     }
 

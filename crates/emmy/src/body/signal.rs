@@ -21,7 +21,7 @@ type Function = dyn Fn(f64) -> f64 + Send + Sync;
 
 /// A smooth function of time that acts on a body.
 #[derive(Clone)]
-pub struct Signal {
+pub(crate) struct Signal {
     /// The load or support.
     pub target: SignalTarget,
     /// Its text, [`TimeFunction::text`] or [`super::Field::text`].
@@ -47,7 +47,7 @@ impl Signal {
     }
 
     /// Value at a time.
-    pub fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         (self.function)(time)
     }
 

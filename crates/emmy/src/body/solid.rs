@@ -6,7 +6,7 @@ mod start_gradient;
 
 use std::ops::Range;
 
-pub use region_material::RegionMaterial;
+pub(super) use region_material::RegionMaterial;
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -24,7 +24,7 @@ use crate::tensor::{Batch, Elasticity, LANES, Packed, Register};
 
 /// Cells of one kind and one material.
 #[derive(Debug)]
-pub struct SolidTerm {
+pub(super) struct SolidTerm {
     materials: Materials,
     /// Elasticity at rest, if there is one material.
     at_rest: Elasticity<f64>,
@@ -85,7 +85,7 @@ impl SolidTerm {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
-    pub fn new(material: CompiledMaterial, table: CellTable) -> Result<Self> {
+    pub(super) fn new(material: CompiledMaterial, table: CellTable) -> Result<Self> {
         SolidTerm::with_materials(Materials::Solid(material), table)
     }
 
@@ -93,7 +93,7 @@ impl SolidTerm {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
-    pub fn links(energies: Vec<LinkEnergy>, table: CellTable) -> Result<Self> {
+    pub(super) fn links(energies: Vec<LinkEnergy>, table: CellTable) -> Result<Self> {
         SolidTerm::with_materials(Materials::Links(energies), table)
     }
 

@@ -8,7 +8,7 @@ use crate::number::{short, short_vector};
 
 /// Degrees of freedom with a given motion, and the motions.
 #[derive(Debug, Clone, Default)]
-pub struct Constraints {
+pub(super) struct Constraints {
     /// Whether each is given, at rest or driven, `[n_nodes][3]`.
     pub fixed: Vec<bool>,
     /// Motions of the driven ones.
@@ -21,7 +21,7 @@ impl Constraints {
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
     /// degree of freedom disagree.
-    pub fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
+    pub(super) fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
         let mut constraints = Constraints { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
         for support in supports.clone() {
             if let Some(time) = support.until.filter(|time| !time.is_finite()) {

@@ -48,7 +48,7 @@ impl StrainState {
 }
 
 /// Part of the internal force: stage averages f_i, their derivatives, and the stored energy.
-pub trait Term: fmt::Debug + Send + Sync {
+pub(crate) trait Term: fmt::Debug + Send + Sync {
     /// Nodes that the term couples, one list for each coupling (such as a cell), all of the same length: `(nodes,
     /// length)`.
     fn couplings(&self) -> (&[u32], usize);

@@ -55,7 +55,7 @@ pub(super) struct Distortion<L> {
 
 impl<L: Lane> Distortion<L> {
     #[inline(always)]
-    pub fn of(E: &Sym<L>) -> Self {
+    pub(super) fn of(E: &Sym<L>) -> Self {
         let one = E[0].splat(1.0);
         let a = trace(E) * (2.0 / 3.0);
         let mean = one + a;
@@ -70,26 +70,26 @@ impl<L: Lane> Distortion<L> {
 
     /// g.
     #[inline(always)]
-    pub fn g(&self) -> L {
+    pub(super) fn g(&self) -> L {
         self.mean.splat(1.0) + self.g_m1
     }
 
     /// I1bar - 3.
     #[inline(always)]
-    pub fn x(&self) -> L {
+    pub(super) fn x(&self) -> L {
         self.g_m1 * 3.0
     }
 
     /// I2bar - 3.
     #[inline(always)]
-    pub fn y(&self) -> L {
+    pub(super) fn y(&self) -> L {
         let square_m1 = self.g_m1 * (self.g_m1 + self.mean.splat(2.0));
         square_m1 * 3.0 - self.q * (square_m1 + self.mean.splat(1.0))
     }
 
     /// C^-1.
     #[inline(always)]
-    pub fn inverse(&self) -> Sym<L> {
+    pub(super) fn inverse(&self) -> Sym<L> {
         let one = self.mean.splat(1.0);
         let b = &self.b;
         let cofactor = sym_cofactor(&[b[0] + one, b[1] + one, b[2] + one, b[3], b[4], b[5]]);
@@ -126,7 +126,7 @@ pub(super) struct SecondDerivative<L> {
 impl<L: Lane> SecondDerivative<L> {
     /// Second derivative of the volumetric law.
     #[inline(always)]
-    pub fn of_volume(volume: &Volume, ln_J: L) -> Self {
+    pub(super) fn of_volume(volume: &Volume, ln_J: L) -> Self {
         let zero = ln_J.splat(0.0);
         SecondDerivative { alpha: volume.stiffness(ln_J), beta: -volume.pressure(ln_J), A: [zero; 6] }
     }
@@ -137,7 +137,7 @@ impl<L: Lane> SecondDerivative<L> {
     /// 4 J^(-2/3) [I/9 B (x) B + I/6 (B_ik B_jl + B_il B_jk) - 1/3 (H (x) B + B (x) H)]
     /// ```
     #[inline(always)]
-    pub fn add_first(&mut self, slope: L, scale: L, I: L, H: &Sym<L>) {
+    pub(super) fn add_first(&mut self, slope: L, scale: L, I: L, H: &Sym<L>) {
         let factor = slope * scale * 4.0;
         self.alpha += factor * I * (1.0 / 9.0);
         self.beta += factor * I * (1.0 / 6.0);
@@ -167,7 +167,7 @@ impl<L: Lane> SecondDerivative<L> {
 
     /// The sum.
     #[inline(always)]
-    pub fn elasticity(&self, inverse: &Sym<L>) -> Elasticity<L> {
+    pub(super) fn elasticity(&self, inverse: &Sym<L>) -> Elasticity<L> {
         let mut D = inverse_dyads(inverse, self.alpha, self.beta);
         add_dyads(&mut D, &self.A, inverse);
         D

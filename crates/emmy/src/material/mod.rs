@@ -236,7 +236,7 @@ mod tests {
     use super::*;
 
     /// Checks that a constructor rejects a parameter by its name.
-    pub fn rejects<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
+    pub(super) fn rejects<T: std::fmt::Debug>(expected: &str, result: Result<T>) {
         match result.unwrap_err() {
             Error::MaterialParameter { parameter, .. } | Error::Direction { parameter, .. } => {
                 assert_eq!(parameter, expected)

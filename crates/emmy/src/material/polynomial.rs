@@ -9,7 +9,7 @@ pub(super) struct Polynomial<const N: usize>(pub [f64; N]);
 impl<const N: usize> Polynomial<N> {
     /// Its value.
     #[inline(always)]
-    pub fn value<L: Lane>(&self, x: L) -> L {
+    pub(super) fn value<L: Lane>(&self, x: L) -> L {
         let mut sum = x.splat(0.0);
         for &c in self.0.iter().rev() {
             sum = (sum + x.splat(c)) * x;
@@ -19,7 +19,7 @@ impl<const N: usize> Polynomial<N> {
 
     /// Its first and second derivative.
     #[inline(always)]
-    pub fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
+    pub(super) fn derivatives<L: Lane>(&self, x: L) -> [L; 2] {
         let (mut first, mut second) = (x.splat(0.0), x.splat(0.0));
         for (n, &c) in self.0.iter().enumerate().rev() {
             let n = n as f64 + 1.0;

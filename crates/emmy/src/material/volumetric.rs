@@ -80,14 +80,14 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    pub fn new(material: &'static str, bulk_modulus: f64, law: Volumetric) -> Result<Self> {
+    pub(super) fn new(material: &'static str, bulk_modulus: f64, law: Volumetric) -> Result<Self> {
         positive(material, "bulk_modulus", bulk_modulus)?;
         Ok(Volume { law, bulk_modulus })
     }
 
     /// W_vol at ln J.
     #[inline(always)]
-    pub fn energy<L: Lane>(&self, ln_J: L) -> L {
+    pub(super) fn energy<L: Lane>(&self, ln_J: L) -> L {
         let one = ln_J.splat(1.0);
         match self.law {
             Volumetric::Logarithmic => ln_J * ln_J * (0.5 * self.bulk_modulus),
@@ -104,7 +104,7 @@ impl Volume {
 
     /// Kirchhoff pressure dW_vol/d(ln J) at ln J.
     #[inline(always)]
-    pub fn pressure<L: Lane>(&self, ln_J: L) -> L {
+    pub(super) fn pressure<L: Lane>(&self, ln_J: L) -> L {
         let one = ln_J.splat(1.0);
         let e = ln_J.exp_m1();
         let over_bulk_modulus = match self.law {
@@ -119,7 +119,7 @@ impl Volume {
 
     /// d^2W_vol/d(ln J)^2 at ln J.
     #[inline(always)]
-    pub fn stiffness<L: Lane>(&self, ln_J: L) -> L {
+    pub(super) fn stiffness<L: Lane>(&self, ln_J: L) -> L {
         let one = ln_J.splat(1.0);
         let J = one + ln_J.exp_m1();
         let over_bulk_modulus = match self.law {
@@ -140,7 +140,7 @@ pub(super) mod tests {
     use super::*;
 
     /// W_vol in its textbook form.
-    pub fn energy(law: Volumetric, bulk_modulus: f64, det_C: &Big) -> Big {
+    pub(crate) fn energy(law: Volumetric, bulk_modulus: f64, det_C: &Big) -> Big {
         let K = big(bulk_modulus);
         let one = big(1.0);
         let ln_J = det_C.ln() / big(2.0);

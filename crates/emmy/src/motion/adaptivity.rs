@@ -141,7 +141,7 @@ impl Adaptivity {
 /// (Soederlind and Wang 2006, Adaptive time-stepping and computational stability, Journal of Computational and Applied
 /// Mathematics 185). A size that would change little is kept, because a new one needs new factors of the linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Controller {
+pub(super) struct Controller {
     tolerance: f64,
     smallest: f64,
     largest: f64,
@@ -172,7 +172,7 @@ impl Controller {
     pub(super) const AIM: f64 = 0.6;
 
     /// A controller of errors that grow like `h^order`.
-    pub fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
+    pub(super) fn new(adaptivity: &Adaptivity, order: usize, first: f64) -> Self {
         let Adaptivity { tolerance, smallest, largest, .. } = *adaptivity;
         let size = first.clamp(smallest, largest);
         Controller {
@@ -187,12 +187,12 @@ impl Controller {
     }
 
     /// Size of the next step.
-    pub fn size(&self) -> f64 {
+    pub(super) fn size(&self) -> f64 {
         self.size
     }
 
     /// Size of the next step, given the time left to one that must be met: it is met exactly, without a tiny last step.
-    pub fn size_within(&self, left: f64) -> f64 {
+    pub(super) fn size_within(&self, left: f64) -> f64 {
         if self.size >= left * (1.0 - 1e-9) {
             left
         } else if self.size > 0.5 * left {
@@ -203,17 +203,17 @@ impl Controller {
     }
 
     /// Whether an error is within the tolerance; NaN is not.
-    pub fn accepts(&self, error: f64) -> bool {
+    pub(super) fn accepts(&self, error: f64) -> bool {
         error <= self.tolerance
     }
 
     /// Whether a step may be made smaller.
-    pub fn can_shrink(&self, size: f64) -> bool {
+    pub(super) fn can_shrink(&self, size: f64) -> bool {
         size > self.smallest && size > 0.0
     }
 
     /// Notes a step that was accepted. `is_hard`: Newton's iteration had difficulties, the size does not grow.
-    pub fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
+    pub(super) fn accept(&mut self, size: f64, error: f64, is_hard: bool) {
         let error = (error / self.tolerance / Controller::AIM).max(LEAST_ERROR);
         let (last_error, last_size) = self.last.unwrap_or((error, size));
         let factor = (last_error / (error * error)).powf(1.0 / self.order) * (size / last_size);
@@ -234,7 +234,7 @@ impl Controller {
     }
 
     /// Makes the next attempt smaller after a step with too large an error.
-    pub fn reject(&mut self, size: f64, error: f64) {
+    pub(super) fn reject(&mut self, size: f64, error: f64) {
         let factor = (Controller::AIM * self.tolerance / error).powf(1.0 / self.order);
         let factor = if factor.is_nan() {
             MIN_REJECTION_FACTOR
@@ -245,7 +245,7 @@ impl Controller {
     }
 
     /// Makes the next attempt half as large after a step that failed.
-    pub fn fail(&mut self, size: f64) {
+    pub(super) fn fail(&mut self, size: f64) {
         self.cut(0.5 * size);
     }
 
@@ -255,13 +255,13 @@ impl Controller {
     }
 
     /// Forgets the errors so far, which say nothing after a jump of the loads; the next step has at most this size.
-    pub fn restart(&mut self, size: f64) {
+    pub(super) fn restart(&mut self, size: f64) {
         self.size = self.size.min(size).max(self.smallest);
         self.last = None;
     }
 
     /// Keeps everything that the next sizes depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep_number("controller.size", self.size);
         memory.keep_option("controller.last_error", self.last.map(|(error, _)| error));
         memory.keep_option("controller.last_size", self.last.map(|(_, size)| size));
@@ -273,7 +273,7 @@ impl Controller {
     ///
     /// # Errors
     /// [`Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.size = memory.number("controller.size")?.clamp(self.smallest, self.largest);
         let last = memory.option("controller.last_error")?.zip(memory.option("controller.last_size")?);
         let is_same_order = memory.number("controller.order")? == self.order;

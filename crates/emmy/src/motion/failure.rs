@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::time::State;
 
 /// The error of a step; an inverted cell has its place.
-pub fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
+pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -> Error {
     let inner = match &error {
         Error::StepFailed { cause, .. } => cause,
         error => error,

@@ -58,7 +58,7 @@ pub struct Motion<'a> {
 
 /// Limit for cutting a failing step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SmallestStep {
+pub(super) enum SmallestStep {
     /// Down to a size \[time\].
     Size(f64),
     /// Down to this part of the planned step, given as the number of halvings.

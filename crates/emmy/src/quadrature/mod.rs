@@ -44,7 +44,7 @@ mod conformance {
     use super::Quadrature;
 
     /// Checks a rule against the integrals of all monomials up to a degree (of each factor, or in total).
-    pub fn integrates_monomials<const D: usize>(
+    pub(super) fn integrates_monomials<const D: usize>(
         rule: &Quadrature<D>,
         exponents: impl Iterator<Item = [i32; D]>,
         exact: impl Fn([i32; D]) -> f64,

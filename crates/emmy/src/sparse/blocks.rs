@@ -7,18 +7,18 @@ use crate::tensor::inlined;
 /// 3 x 3 blocks one after another, each by columns. A product loads more than one block and ignores the part of the
 /// next one; no memory is lost to padding.
 #[derive(Debug, Clone)]
-pub struct Blocks<E> {
+pub(super) struct Blocks<E> {
     entries: Vec<E>,
 }
 
 impl<E: Entry> Blocks<E> {
     /// Zero blocks.
-    pub fn new(n_blocks: usize) -> Self {
+    pub(super) fn new(n_blocks: usize) -> Self {
         Blocks { entries: vec![E::default(); 9 * n_blocks + LOADED - 9] }
     }
 
     /// All entries, one block after another, each by columns.
-    pub fn entries_mut(&mut self) -> &mut [E] {
+    pub(super) fn entries_mut(&mut self) -> &mut [E] {
         let n = self.entries.len() + 9 - LOADED;
         &mut self.entries[..n]
     }
@@ -26,7 +26,7 @@ impl<E: Entry> Blocks<E> {
     /// `sum A x` over consecutive blocks, from `first` on, one for each column. The last column is added last, or first
     /// if `REVERSED`: a sweep needs the row computed last to come last.
     #[inline(always)]
-    pub fn product<const C: usize, const REVERSED: bool, K: Kernel<E, C>>(
+    pub(super) fn product<const C: usize, const REVERSED: bool, K: Kernel<E, C>>(
         &self,
         kernel: K,
         first: usize,
@@ -56,7 +56,7 @@ impl<E: Entry> Blocks<E> {
 
 /// Rows of a vector in one or two pieces.
 #[derive(Debug, Clone, Copy)]
-pub struct Rows<'a, T, const C: usize> {
+pub(super) struct Rows<'a, T, const C: usize> {
     /// Rows from number `first` on.
     pub own: &'a [Row<T, C>],
     /// Number of the first of these rows.
@@ -69,7 +69,7 @@ pub struct Rows<'a, T, const C: usize> {
 
 impl<'a, T, const C: usize> Rows<'a, T, C> {
     /// All rows in one piece.
-    pub fn all(rows: &'a [Row<T, C>]) -> Self {
+    pub(super) fn all(rows: &'a [Row<T, C>]) -> Self {
         Rows { own: rows, first: 0, others: &[], first_other: 0 }
     }
 
@@ -85,7 +85,7 @@ impl<'a, T, const C: usize> Rows<'a, T, C> {
 
 /// `A x`, A by columns.
 #[inline(always)]
-pub fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, C> {
+pub(super) fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, C> {
     let mut product = [[T::default(); C]; 4];
     for a in 0..4 {
         for c in 0..C {
@@ -97,7 +97,7 @@ pub fn times<T: Real, const C: usize>(A: &[[T; 4]; 3], x: &Row<T, C>) -> Row<T, 
 
 /// `A^T x`, A by columns.
 #[inline(always)]
-pub fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> Row<f32, C> {
+pub(super) fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> Row<f32, C> {
     let mut product = [[0.0; C]; 4];
     for a in 0..3 {
         for c in 0..C {
@@ -109,7 +109,7 @@ pub fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C>) -> R
 
 /// `x - y`.
 #[inline(always)]
-pub fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
+pub(super) fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
     let mut difference = *x;
     (0..4).for_each(|a| (0..C).for_each(|c| difference[a][c] -= y[a][c]));
     difference

@@ -9,7 +9,7 @@ use super::shifted::{CHUNK, ShiftedMatrix, dot, summed};
 use super::sweep::SweepOrder;
 
 /// An approximate inverse, real and symmetric.
-pub trait Approximate<T, const C: usize> {
+pub(crate) trait Approximate<T, const C: usize> {
     /// `x = P^-1 x`.
     fn solve(&mut self, sweep: &SweepOrder, x: &mut [Row<T, C>]);
 }
@@ -18,7 +18,7 @@ pub trait Approximate<T, const C: usize> {
 /// orthogonal conjugate gradients (van der Vorst and Melissen 1990): the same recurrences with products that are not
 /// conjugated.
 #[derive(Debug, Clone)]
-pub struct ConjugateGradients<T, const C: usize> {
+pub(crate) struct ConjugateGradients<T, const C: usize> {
     /// Right-hand side, then residual.
     pub rhs: Vec<Row<T, C>>,
     /// Solution.
@@ -31,7 +31,7 @@ pub struct ConjugateGradients<T, const C: usize> {
 
 impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     /// Memory for systems of a size.
-    pub fn new(n_rows: usize) -> Self {
+    pub(crate) fn new(n_rows: usize) -> Self {
         let zero = vec![[[T::default(); C]; 4]; n_rows];
         ConjugateGradients {
             rhs: zero.clone(),
@@ -44,7 +44,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     }
 
     /// Solves from zero until the residual is `tolerance` times the right-hand side, or the iterations are used up.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         sweep: &SweepOrder,
         matrix: &ShiftedMatrix<impl Entry<Number = T>, C>,

@@ -19,7 +19,7 @@ use super::triangular::{Backward, Forward, Part};
 /// matrices, so that a sweep through U waits only for the previous rows. A pivot lost to the omitted fill is replaced
 /// by the pivot of the matrix.
 #[derive(Debug, Clone)]
-pub struct IncompleteCholesky {
+pub(crate) struct IncompleteCholesky {
     /// On the couplings of the sweep: left of the diagonal U, right of it U^T.
     factor: Blocks<bf16>,
     /// D^-1 of each row, by columns.
@@ -30,7 +30,7 @@ pub struct IncompleteCholesky {
 
 impl IncompleteCholesky {
     /// Memory for a factor.
-    pub fn new(sweep: &SweepOrder) -> Self {
+    pub(crate) fn new(sweep: &SweepOrder) -> Self {
         IncompleteCholesky {
             factor: Blocks::new(sweep.columns.len()),
             pivots: vec![[[0.0; 4]; 3]; sweep.n_rows()],
@@ -40,7 +40,7 @@ impl IncompleteCholesky {
 
     /// Factorises `M + modulus K`. `stiffness(position)`: block of K; `mass`: M, both at the positions of the pattern;
     /// `fixed`: omitted components, `[n_rows][3]` in the numbering of the pattern.
-    pub fn factorize<'a>(
+    pub(crate) fn factorize<'a>(
         &mut self,
         sweep: &SweepOrder,
         fixed: &[bool],
@@ -104,7 +104,7 @@ impl IncompleteCholesky {
     }
 
     /// `x = (L L^T)^-1 x`.
-    pub fn sweeps<const C: usize>(&self, sweep: &SweepOrder, x: &mut [Row<f32, C>]) {
+    pub(crate) fn sweeps<const C: usize>(&self, sweep: &SweepOrder, x: &mut [Row<f32, C>]) {
         let n_interior = sweep.n_interior();
         let (interior, interface) = x.split_at_mut(n_interior);
         side_by_side(interior, &sweep.interiors, &|row| row, &|x, rows| {
@@ -271,14 +271,14 @@ fn side_by_side<T: Send>(
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::super::Pattern;
     use super::super::shifted::ShiftedMatrix;
     use super::super::sweep::tests::grid;
     use super::*;
 
     /// Mass of a box and a stiffness that is coupled in all components; `(mass, stiffness)`.
-    pub fn elastic(pattern: &Pattern) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn elastic(pattern: &Pattern) -> (Vec<f64>, Vec<f64>) {
         let mut mass = vec![0.0; pattern.n_blocks()];
         let mut stiffness = vec![0.0; 9 * pattern.n_blocks()];
         for row in 0..pattern.n_rows() {

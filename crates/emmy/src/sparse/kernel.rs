@@ -10,13 +10,13 @@ mod x86;
 
 /// A vector of a solver: three components per row, each with C columns, and a zero that fills a register. One column is
 /// a real vector; two columns are the real and imaginary parts of a complex one. `[row][4][C]`.
-pub type Row<T, const C: usize> = [[T; C]; 4];
+pub(super) type Row<T, const C: usize> = [[T; C]; 4];
 
 /// Entries loaded by a product from the first entry of a block on: a register of the widest instruction set.
-pub const LOADED: usize = 16;
+pub(super) const LOADED: usize = 16;
 
 /// Storage format of the numbers of a matrix.
-pub trait Entry: Copy + Default + Send + Sync + 'static {
+pub(crate) trait Entry: Copy + Default + Send + Sync + 'static {
     /// Number type in which products are computed.
     type Number: Real;
     /// The nearest entry.
@@ -77,7 +77,7 @@ impl Entry for bf16 {
 
 /// Work with a kernel. Everything called by `run` must be inlined into it; otherwise it is compiled for the oldest
 /// machine.
-pub trait Work<E: Entry, const C: usize> {
+pub(crate) trait Work<E: Entry, const C: usize> {
     /// Result.
     type Output;
     /// Does the work.
@@ -85,7 +85,7 @@ pub trait Work<E: Entry, const C: usize> {
 }
 
 /// Sums of products of blocks with rows of a vector, in registers.
-pub trait Kernel<E: Entry, const C: usize>: Copy {
+pub(crate) trait Kernel<E: Entry, const C: usize>: Copy {
     /// A sum.
     type Sum: Copy;
     /// Zero.
@@ -98,7 +98,7 @@ pub trait Kernel<E: Entry, const C: usize>: Copy {
 
 /// The kernel for any machine: four numbers at a time.
 #[derive(Debug, Clone, Copy)]
-pub struct Portable;
+pub(super) struct Portable;
 
 impl<E: Entry, const C: usize> Kernel<E, C> for Portable {
     type Sum = [<E::Number as Real>::Four; C];

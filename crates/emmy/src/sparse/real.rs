@@ -6,7 +6,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::{f32x4, f64x4};
 
 /// A real number type.
-pub trait Real:
+pub(crate) trait Real:
     Copy
     + Debug
     + Default

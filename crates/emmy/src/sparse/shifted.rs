@@ -11,7 +11,7 @@ use super::sweep::SweepOrder;
 
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
-pub struct ShiftedMatrix<E: Entry, const C: usize> {
+pub(crate) struct ShiftedMatrix<E: Entry, const C: usize> {
     /// The blocks of `M + lambda K` with one column, the blocks of K with two columns.
     blocks: Blocks<E>,
     /// Rounding errors of the blocks of a row, added to its diagonal block: otherwise, the rounding of the neighbours
@@ -25,11 +25,11 @@ pub struct ShiftedMatrix<E: Entry, const C: usize> {
 }
 
 /// Rows of one task.
-pub const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 2048;
 
 impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     /// Memory for a matrix; `fixed: [n_rows][3]` in the numbering of the pattern.
-    pub fn new(sweep: &SweepOrder, fixed: &[bool]) -> Self {
+    pub(crate) fn new(sweep: &SweepOrder, fixed: &[bool]) -> Self {
         let held = sweep.order.iter().enumerate().flat_map(|(new, &old)| {
             (0..3).filter(move |a| fixed[3 * old as usize + a]).map(move |a| (3 * new + a) as u32)
         });
@@ -44,7 +44,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     }
 
     /// Sets the matrix. `stiffness(position)`: block of K; `mass`: M, both at the positions of the pattern.
-    pub fn set<'a>(
+    pub(crate) fn set<'a>(
         &mut self,
         sweep: &SweepOrder,
         shift: [f64; 2],
@@ -81,7 +81,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     }
 
     /// `y = (M + lambda K) x` on the free rows; fixed ones stay zero. Returns `x^T y` (not conjugated).
-    pub fn multiply(
+    pub(crate) fn multiply(
         &self,
         sweep: &SweepOrder,
         x: &[Row<E::Number, C>],
@@ -162,7 +162,7 @@ fn shifted<E: Entry, const C: usize>(
 
 /// Works on the blocks of each row and other data of the row, recursively in parallel halves; `blocks`: blocks of
 /// `rows`.
-pub fn each_row<E: Send, R: Send>(
+pub(super) fn each_row<E: Send, R: Send>(
     sweep: &SweepOrder,
     rows: Range<usize>,
     blocks: &mut [E],
@@ -187,7 +187,7 @@ pub fn each_row<E: Send, R: Send>(
 
 /// `x^T y`, not conjugated, as (real, imaginary).
 #[inline(always)]
-pub fn dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2] {
+pub(super) fn dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2] {
     // A sum for each component, so that an addition need not wait for the previous one.
     let mut sums = [[0.0; 4]; 2];
     for (x, y) in x.iter().zip(y) {
@@ -206,6 +206,6 @@ pub fn dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2
 }
 
 /// Sum of the parts, in their order: the same for any number of threads.
-pub fn summed(partial: &[[f64; 2]]) -> [f64; 2] {
+pub(super) fn summed(partial: &[[f64; 2]]) -> [f64; 2] {
     partial.iter().fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
 }

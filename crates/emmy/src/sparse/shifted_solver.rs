@@ -14,7 +14,7 @@ use super::{
 use crate::error::Result;
 
 /// A solver; vectors are `[n_nodes][3][columns]`.
-pub trait ShiftedSolver: fmt::Debug + Send {
+pub(crate) trait ShiftedSolver: fmt::Debug + Send {
     /// Sets the stiffness K, a matrix of one stage, the mass of each block, the fixed rows, and lambda.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ pub trait ShiftedSolver: fmt::Debug + Send {
 
 /// Conjugate gradients, preconditioned by an incomplete factor, in single precision; the caller corrects the result.
 #[derive(Debug)]
-pub struct Iterative<const C: usize> {
+pub(crate) struct Iterative<const C: usize> {
     sweep: Arc<SweepOrder>,
     matrix: ShiftedMatrix<bf16, C>,
     factor: IncompleteCholesky,
@@ -51,7 +51,7 @@ const MAX_ITERATIONS: usize = 400;
 
 impl<const C: usize> Iterative<C> {
     /// Memory for a matrix with fixed rows, `[n_rows 3]`.
-    pub fn new(fixed: &[bool], sweep: Arc<SweepOrder>) -> Self {
+    pub(crate) fn new(fixed: &[bool], sweep: Arc<SweepOrder>) -> Self {
         Iterative {
             matrix: ShiftedMatrix::new(&sweep, fixed),
             factor: IncompleteCholesky::new(&sweep),
@@ -106,7 +106,7 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
 
 /// A sparse factorisation; exact for a real lambda.
 #[derive(Debug)]
-pub struct Direct {
+pub(crate) struct Direct {
     factor: BlockCholesky,
 }
 
@@ -115,7 +115,7 @@ impl Direct {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`], [`crate::Error::Linear`].
-    pub fn new(pattern: &Pattern, fixed: &[bool], order: &[usize]) -> Result<Self> {
+    pub(crate) fn new(pattern: &Pattern, fixed: &[bool], order: &[usize]) -> Result<Self> {
         Ok(Direct { factor: BlockCholesky::new(pattern, 3, fixed, order)? })
     }
 
@@ -164,7 +164,7 @@ impl ShiftedSolver for Direct {
 /// Conjugate gradients for a complex lambda, preconditioned by the factorisation of `M + |lambda| K`: the number of
 /// iterations depends on neither mesh nor step size.
 #[derive(Debug)]
-pub struct DirectPair {
+pub(crate) struct DirectPair {
     sweep: Arc<SweepOrder>,
     matrix: ShiftedMatrix<f64, 2>,
     inverse: Reordered,
@@ -183,7 +183,12 @@ impl DirectPair {
     ///
     /// # Errors
     /// As [`Direct::new`].
-    pub fn new(pattern: &Pattern, fixed: &[bool], order: &[usize], sweep: Arc<SweepOrder>) -> Result<Self> {
+    pub(crate) fn new(
+        pattern: &Pattern,
+        fixed: &[bool],
+        order: &[usize],
+        sweep: Arc<SweepOrder>,
+    ) -> Result<Self> {
         Ok(DirectPair {
             matrix: ShiftedMatrix::new(&sweep, fixed),
             inverse: Reordered {

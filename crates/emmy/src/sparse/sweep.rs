@@ -11,7 +11,7 @@ use super::Pattern;
 /// *interior*. All interiors come first, then all interfaces. A triangular sweep treats all interiors in parallel, and
 /// then all interfaces. The division depends on the pattern alone, not on the number of threads.
 #[derive(Debug, Clone)]
-pub struct SweepOrder {
+pub(crate) struct SweepOrder {
     /// Old number of each row, `[new]`.
     pub order: Vec<u32>,
     /// Start of the couplings of each row, `[n_rows + 1]`.
@@ -40,7 +40,7 @@ const MIN_ROWS_OF_TWO: usize = 4096;
 
 impl SweepOrder {
     /// The order of a pattern.
-    pub fn new(pattern: &Pattern) -> Self {
+    pub(crate) fn new(pattern: &Pattern) -> Self {
         let levels = cuthill_mckee(pattern);
         let n = pattern.n_rows();
         let most = (n / MIN_ROWS).max((n / MIN_ROWS_OF_TWO).min(2)).clamp(1, MAX_CHUNKS);
@@ -58,12 +58,12 @@ impl SweepOrder {
     }
 
     /// Number of rows.
-    pub fn n_rows(&self) -> usize {
+    pub(crate) fn n_rows(&self) -> usize {
         self.order.len()
     }
 
     /// Number of rows in all interiors.
-    pub fn n_interior(&self) -> usize {
+    pub(crate) fn n_interior(&self) -> usize {
         self.interiors.last().map_or(0, |range| range.end)
     }
 
@@ -187,11 +187,11 @@ fn divided(
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A box of nodes, each coupled with its 26 neighbours.
-    pub fn grid(size: [usize; 3]) -> Pattern {
+    pub(crate) fn grid(size: [usize; 3]) -> Pattern {
         let node = |x: usize, y: usize, z: usize| ((z * size[1] + y) * size[0] + x) as u32;
         let mut cells = Vec::new();
         for z in 0..size[2] - 1 {

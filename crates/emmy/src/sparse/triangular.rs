@@ -9,7 +9,7 @@ use super::kernel::{Kernel, Row, Work};
 use super::sweep::SweepOrder;
 
 /// Rows of a sweep.
-pub struct Part<'a, const C: usize> {
+pub(super) struct Part<'a, const C: usize> {
     /// Left of the diagonal U, right of it U^T.
     pub factor: &'a Blocks<bf16>,
     /// D^-1 of each row, by columns.
@@ -25,7 +25,7 @@ pub struct Part<'a, const C: usize> {
 }
 
 /// `x = U^-1 D^-1 x`.
-pub struct Forward<'a, const C: usize> {
+pub(super) struct Forward<'a, const C: usize> {
     /// Rows, and the data of the sweep.
     pub part: Part<'a, C>,
     /// The vector at these rows.
@@ -52,7 +52,7 @@ impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
 }
 
 /// `x = U^-T x`.
-pub struct Backward<'a, const C: usize> {
+pub(super) struct Backward<'a, const C: usize> {
     /// Rows, and the data of the sweep.
     pub part: Part<'a, C>,
     /// The vector at these rows.

@@ -3,40 +3,40 @@
 use super::Mat3;
 
 /// Identity.
-pub const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A B.
-pub fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+pub(crate) fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][0] * B[0][j] + A[i][1] * B[1][j] + A[i][2] * B[2][j]))
 }
 
 /// A B^T.
-pub fn product_transposed(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+pub(crate) fn product_transposed(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[i][0] * B[j][0] + A[i][1] * B[j][1] + A[i][2] * B[j][2]))
 }
 
 /// Transpose.
-pub fn transposed(A: &Mat3<f64>) -> Mat3<f64> {
+pub(crate) fn transposed(A: &Mat3<f64>) -> Mat3<f64> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| A[j][i]))
 }
 
 /// A v.
-pub fn image(A: &Mat3<f64>, v: &[f64]) -> [f64; 3] {
+pub(crate) fn image(A: &Mat3<f64>, v: &[f64]) -> [f64; 3] {
     [0, 1, 2].map(|i| A[i][0] * v[0] + A[i][1] * v[1] + A[i][2] * v[2])
 }
 
 /// The vector w with `w . c = c_x (W_zy - W_yz) + ..`: for `W = sum b a^T` it is `sum a x b`.
-pub fn moment(W: &Mat3<f64>) -> [f64; 3] {
+pub(crate) fn moment(W: &Mat3<f64>) -> [f64; 3] {
     [W[2][1] - W[1][2], W[0][2] - W[2][0], W[1][0] - W[0][1]]
 }
 
 /// Skew tensor `[w]` with `[w] v = w x v`.
-pub fn skew(w: &[f64; 3]) -> Mat3<f64> {
+pub(crate) fn skew(w: &[f64; 3]) -> Mat3<f64> {
     [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]]
 }
 
 /// Rotation of a rotation vector, by the unit quaternion (cos, sin) of half the angle.
-pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
+pub(crate) fn exp(w: &[f64; 3]) -> Mat3<f64> {
     let angle = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     let half = 0.5 * angle;
     // sin(half)/angle without division by zero.
@@ -53,7 +53,7 @@ pub fn exp(w: &[f64; 3]) -> Mat3<f64> {
 /// Rotation vector of a rotation, at most of length pi.
 ///
 /// The quaternion from its largest component (Shepperd 1978): no cancellation at any angle.
-pub fn log(R: &Mat3<f64>) -> [f64; 3] {
+pub(crate) fn log(R: &Mat3<f64>) -> [f64; 3] {
     let trace = R[0][0] + R[1][1] + R[2][2];
     let squares =
         [1.0 + trace, 1.0 - trace + 2.0 * R[0][0], 1.0 - trace + 2.0 * R[1][1], 1.0 - trace + 2.0 * R[2][2]];

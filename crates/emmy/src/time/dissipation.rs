@@ -47,7 +47,7 @@ use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a dissipative time element.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dissipation {
+pub(crate) struct Dissipation {
     /// chi.
     strength: f64,
     /// beta.
@@ -64,7 +64,7 @@ pub struct Dissipation {
 
 impl Dissipation {
     /// The dissipation of a rule with a spectral radius at infinity; `inverse`: a^-1, `[i k + j]`.
-    pub fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
+    pub(crate) fn new(rule: &Rule, inverse: &[f64], spectral_radius: f64) -> Self {
         let k = rule.degree();
         let b = rule.weights();
         let p = rule.highest_mode();
@@ -83,7 +83,7 @@ impl Dissipation {
     }
 
     /// Coefficients that replace a, `[i k + j]`.
-    pub fn coefficients(&self, rule: &Rule) -> Vec<f64> {
+    pub(crate) fn coefficients(&self, rule: &Rule) -> Vec<f64> {
         let k = rule.degree();
         let p = rule.highest_mode();
         let excess = |n: usize| self.excess * p[n / k] * self.highest_mode[n % k];
@@ -93,7 +93,7 @@ impl Dissipation {
 
 /// Projection on translations and rotations without dissipation, for the unknowns of a step.
 #[derive(Debug)]
-pub struct RigidProjection {
+pub(super) struct RigidProjection {
     dissipation: Dissipation,
     /// Directions without a fixed node.
     translations: [bool; 3],
@@ -135,7 +135,7 @@ const NO_TURN: f64 = 1e-13;
 
 impl RigidProjection {
     /// Memory for a body.
-    pub fn new(body: &Body, dissipation: Dissipation) -> Self {
+    pub(super) fn new(body: &Body, dissipation: Dissipation) -> Self {
         let n = body.n_dofs();
         let nodes = || body.fixed().as_chunks::<3>().0.iter();
         let translations = [0, 1, 2].map(|d| nodes().all(|fixed| !fixed[d]));
@@ -167,7 +167,7 @@ impl RigidProjection {
     }
 
     /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
-    pub fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
+    pub(super) fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
         let Dissipation { highest_mode, eta, .. } = &self.dissipation;
         combine(highest_mode, rates, &mut self.arm);
         combine(highest_mode, mass_rates, &mut self.weighted_arm);
@@ -180,7 +180,7 @@ impl RigidProjection {
     }
 
     /// Adds `h weight_i M U lambda` to the residuals of the stages.
-    pub fn add_to_residual(&self, h: f64, residual: &mut [f64]) {
+    pub(super) fn add_to_residual(&self, h: f64, residual: &mut [f64]) {
         self.add(self.multipliers, h, residual);
     }
 
@@ -189,7 +189,7 @@ impl RigidProjection {
     /// ```math
     /// d(M U lambda) = M U dlambda + lambda x M d(arm)
     /// ```
-    pub fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
+    pub(super) fn add_derivative(&mut self, body: &Body, h: f64, dx: &[f64], residual: &mut [f64]) {
         let multipliers = self.multipliers;
         let Change { arm, weighted_arm, velocity, momentum } = &mut self.change;
         combine(&self.dissipation.highest_mode, dx, arm);
@@ -219,7 +219,7 @@ impl RigidProjection {
 
     /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
     /// in that subspace, where the strain response is neglected.
-    pub fn correct(&mut self, right: &mut [f64]) {
+    pub(super) fn correct(&mut self, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
         let part = self.projected(sum(momentum), moment(&self.arm, momentum));
@@ -228,7 +228,13 @@ impl RigidProjection {
 
     /// Adds `end_weight U lambda` to the new velocity, which already has its first part, and returns the energy
     /// dissipated through velocities, `beta gamma . M gamma`; `velocity`: v_1.
-    pub fn complete_end_velocity(&mut self, rates: &[f64], velocity: &[f64], h: f64, new: &mut [f64]) -> f64 {
+    pub(super) fn complete_end_velocity(
+        &mut self,
+        rates: &[f64],
+        velocity: &[f64],
+        h: f64,
+        new: &mut [f64],
+    ) -> f64 {
         let Dissipation { eta, end_weight, excess, strength, .. } = &self.dissipation;
         combine(eta, rates, &mut self.change.velocity);
         let start: f64 = eta.iter().sum();

@@ -5,7 +5,7 @@ use crate::body::{Assembly, Body, StepInput};
 
 /// Stage averages of the follower loads, with their memory.
 #[derive(Debug)]
-pub struct Followers {
+pub(super) struct Followers {
     rule: FollowerRule,
     /// Factors over time at the points of the rule, `[n_followers][n_points]`.
     factors: Vec<f64>,
@@ -15,7 +15,7 @@ pub struct Followers {
 }
 
 impl Followers {
-    pub fn new(body: &Body, rule: &Rule) -> Self {
+    pub(super) fn new(body: &Body, rule: &Rule) -> Self {
         let follower = FollowerRule::new(rule);
         Followers {
             factors: vec![0.0; body.n_followers() * follower.n_points()],
@@ -26,29 +26,29 @@ impl Followers {
     }
 
     /// Sets the factors of a step from the averages of the time functions.
-    pub fn average(&mut self, body: &Body, time: f64, step_size: f64) {
+    pub(super) fn average(&mut self, body: &Body, time: f64, step_size: f64) {
         body.follower_averages(&self.rule, time, step_size, &mut self.averages, &mut self.factors);
     }
 
     /// Sets the factors of a step from the time functions at the points of the rule.
-    pub fn sample(&mut self, body: &Body, time: f64, step_size: f64) {
+    pub(super) fn sample(&mut self, body: &Body, time: f64, step_size: f64) {
         body.follower_values(&self.rule, time, step_size, &mut self.factors);
     }
 
     /// Whether any follower load acts in this step.
-    pub fn are_active(&self) -> bool {
+    pub(super) fn are_active(&self) -> bool {
         self.factors.iter().any(|&factor| factor != 0.0)
     }
 
     /// Evaluates the stage averages.
-    pub fn evaluate(&mut self, body: &Body, step: &StepInput<'_>) {
+    pub(super) fn evaluate(&mut self, body: &Body, step: &StepInput<'_>) {
         if !self.factors.is_empty() {
             body.stage_followers(step, &self.rule, &self.factors, &mut self.force);
         }
     }
 
     /// Adds their derivatives to the tangent of the stage equations.
-    pub fn add_tangent(&self, body: &Body, step: &StepInput<'_>, assembly: &mut Assembly) {
+    pub(super) fn add_tangent(&self, body: &Body, step: &StepInput<'_>, assembly: &mut Assembly) {
         body.add_follower_tangent(step, &self.rule, &self.factors, assembly);
     }
 }

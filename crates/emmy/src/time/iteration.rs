@@ -10,7 +10,7 @@ use crate::sparse::reduce::dot;
 
 /// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
-pub struct Iteration {
+pub(super) struct Iteration {
     settings: NewtonSettings,
     newton: Newton,
     /// The unknowns x_i, `[k][n_nodes][3]`.
@@ -49,7 +49,7 @@ const ATTEMPTS: [(Guess, bool); 8] = [
 
 impl Iteration {
     /// Memory for the stages of n degrees of freedom.
-    pub fn new(coefficients: &StageCoefficients, n: usize, settings: NewtonSettings) -> Self {
+    pub(super) fn new(coefficients: &StageCoefficients, n: usize, settings: NewtonSettings) -> Self {
         let k = coefficients.rule.degree();
         Iteration {
             settings,
@@ -61,7 +61,7 @@ impl Iteration {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
         memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
@@ -73,7 +73,7 @@ impl Iteration {
     ///
     /// # Errors
     /// [`Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.prediction.restore(memory)?;
         self.newton.restore(NewtonMemory {
             fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
@@ -84,13 +84,13 @@ impl Iteration {
     }
 
     /// Norms of Newton's residuals in the last step.
-    pub fn history(&self) -> &[f64] {
+    pub(super) fn history(&self) -> &[f64] {
         self.newton.history()
     }
 
     /// Begins a step whose equations are set: finds its rigid motion, which rotates the approximate tangent. Follower
     /// loads are evaluated along h v, not at the last iterate: a resumed motion has no such memory.
-    pub fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
+    pub(super) fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
         if system.body.n_followers() > 0 {
             self.set_straight(state, step_size);
             system.drive(&mut self.rates);
@@ -101,7 +101,7 @@ impl Iteration {
     }
 
     /// Sets the rates of the step.
-    pub fn set_rates(&mut self, given: &[f64], system: &StageSystem<'_>) {
+    pub(super) fn set_rates(&mut self, given: &[f64], system: &StageSystem<'_>) {
         self.rates.copy_from_slice(given);
         system.drive(&mut self.rates);
     }
@@ -110,7 +110,7 @@ impl Iteration {
     ///
     /// # Errors
     /// [`Error::NoConvergence`].
-    pub fn solve(
+    pub(super) fn solve(
         &mut self,
         system: &mut StageSystem<'_>,
         state: &State,
@@ -189,7 +189,7 @@ impl Iteration {
     }
 
     /// Keeps the rates of a step for the prediction of the next one.
-    pub fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
+    pub(super) fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
         self.prediction.remember(coefficients, &self.rates, step_size);
     }
 
@@ -250,7 +250,7 @@ impl Iteration {
 }
 
 /// Largest effect of rounding on energy or momenta of a step: three digits are left.
-pub const LARGEST_ROUNDING: f64 = 1e-3;
+pub(crate) const LARGEST_ROUNDING: f64 = 1e-3;
 
 fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
     let step = state.step + 1;

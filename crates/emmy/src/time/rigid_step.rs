@@ -36,7 +36,7 @@ const REFINEMENTS: usize = 3;
 /// which contain the body only through the tensors `J = sum_A (M y)_A y_A^T` and `B_i = sum_A G_iA y_A^T`: 3k equations
 /// for k spins.
 #[derive(Debug)]
-pub struct RigidStep {
+pub(crate) struct RigidStep {
     /// Degree of the time element.
     k: usize,
     /// Spins w_i.
@@ -58,7 +58,7 @@ pub struct RigidStep {
 }
 
 impl RigidStep {
-    pub fn new(k: usize) -> Self {
+    pub(crate) fn new(k: usize) -> Self {
         RigidStep {
             k,
             spins: vec![[0.0; 3]; k],
@@ -75,7 +75,7 @@ impl RigidStep {
     }
 
     /// No rotation.
-    pub fn set_rest(&mut self) {
+    pub(crate) fn set_rest(&mut self) {
         self.spins.fill([0.0; 3]);
         self.rates.fill([[0.0; 3]; 3]);
         self.positions.fill(IDENTITY);
@@ -85,7 +85,7 @@ impl RigidStep {
 
     /// Changes of the D_j that remove the moments of the stages from a body, `moments: [k]`; zero about axes that are
     /// not free, and if no rotation is possible.
-    pub fn balance(&mut self, moments: &[[f64; 3]], free: [bool; 3], changes: &mut [Mat3<f64>]) {
+    pub(crate) fn balance(&mut self, moments: &[[f64; 3]], free: [bool; 3], changes: &mut [Mat3<f64>]) {
         changes.fill([[0.0; 3]; 3]);
         if !self.is_solved {
             return;
@@ -108,7 +108,7 @@ impl RigidStep {
     }
 
     /// Finds the spins about the free axes; without a solution the body does not rotate.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         coefficients: &StageCoefficients,
         inertia: &Mat3<f64>,
@@ -237,7 +237,7 @@ impl RigidStep {
 
 /// Spin of a rigid body with the moments `sum_A p_A y_A^T` of its momentum, about the free axes; `None` if its inertia
 /// is singular.
-pub fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
+pub(super) fn spin(inertia: &Mat3<f64>, moments: &Mat3<f64>, free: [bool; 3]) -> Option<[f64; 3]> {
     let trace = inertia[0][0] + inertia[1][1] + inertia[2][2];
     let about = |d: usize, e: usize| if d == e { trace - inertia[d][e] } else { -inertia[d][e] };
     let moments = moment(moments);

@@ -12,7 +12,7 @@ use crate::average::Rule;
 /// with the stage averages f_i of a rule, and a known vector g_i and a time s that are set for every step. Drag adds `s
 /// alpha M x_i` to this, a dissipative scheme `s weight_i M U lambda`.
 #[derive(Debug)]
-pub struct StageCoefficients {
+pub(crate) struct StageCoefficients {
     /// The rule that averages the internal force.
     pub rule: Rule,
     /// m_ij, `[i k + j]`.
@@ -28,7 +28,7 @@ pub struct StageCoefficients {
 impl StageCoefficients {
     /// Weights of rate j in displacement and velocity at the end of a time element's step: `b_j` and `sum_i b_i
     /// (a^-1)_ij`.
-    pub fn end_weights(&self, j: usize) -> [f64; 2] {
+    pub(crate) fn end_weights(&self, j: usize) -> [f64; 2] {
         let b = self.rule.weights();
         let k = self.rule.degree();
         [b[j], (0..k).map(|i| b[i] * self.mass[i * k + j]).sum()]

@@ -18,7 +18,7 @@ use crate::print;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Input file (TOML)
     file: PathBuf,
     /// Step sizes, such as 0.04,0.02,0.01
@@ -64,7 +64,7 @@ const KIND: &str = "convergence study";
 const WITNESS: &str = "study.toml";
 
 /// Runs the study.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     with_threads(arguments.threads, || converge(arguments))?
 }
 

@@ -16,7 +16,7 @@ use crate::progress::Progress;
 
 /// The reference, at the times of the members.
 #[derive(Debug)]
-pub struct Reference {
+pub(super) struct Reference {
     /// Its samples.
     pub samples: Samples,
     /// Whether it comes from an earlier study.
@@ -28,7 +28,7 @@ pub struct Reference {
 }
 
 /// The common initial state of all runs, reached with the plan of the input.
-pub fn start(problem: &Problem, study: &Study, quiet: bool) -> Result<State, Failure> {
+pub(super) fn start(problem: &Problem, study: &Study, quiet: bool) -> Result<State, Failure> {
     let plan = convergence::until(&problem.plan, study.from).unwrap_or_else(|_| problem.plan.clone());
     let mut progress = Progress::of("start: ", &plan, quiet);
     let outcome = convergence::start(problem, study.from, &mut [&mut progress]);
@@ -42,7 +42,7 @@ fn stopped(what: &str, error: &MarchError, smaller: &str) -> Failure {
 }
 
 /// The reference, from an earlier study or computed.
-pub fn reference(
+pub(super) fn reference(
     problem: &Problem,
     study: &Study,
     state: &State,
@@ -91,7 +91,7 @@ fn march_reference(
 }
 
 /// All members, side by side.
-pub fn members(
+pub(super) fn members(
     problem: &Problem,
     study: &Study,
     state: &State,

@@ -12,7 +12,7 @@ use crate::print::number;
 const MAX_MEMORY: f64 = 1.6e10;
 
 /// The study, checked.
-pub fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> {
+pub(super) fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> {
     let (from, to) = span(arguments, problem)?;
     let window = window(arguments.window.as_deref(), from, to)?;
     let length = window.1 - window.0;

@@ -7,7 +7,7 @@ use super::runs::Reference;
 use crate::print::{columns, number};
 
 /// As a table.
-pub fn text(rows: &[MemberRun]) -> String {
+pub(super) fn text(rows: &[MemberRun]) -> String {
     let head =
         ["step size", "error", "order", "relative error", "Newton", "seconds"].map(String::from).to_vec();
     columns(
@@ -18,7 +18,7 @@ pub fn text(rows: &[MemberRun]) -> String {
 }
 
 /// As an object.
-pub fn json(study: &Study, reference: &Reference, rows: &[MemberRun]) -> Value {
+pub(super) fn json(study: &Study, reference: &Reference, rows: &[MemberRun]) -> Value {
     json!({
         "scheme": study.scheme.name(),
         "degree": study.scheme.degree(),

@@ -14,7 +14,7 @@ use crate::print::{number, vector};
 const FEW_DIGITS: f64 = 6.0;
 
 /// Prints steps, solver, largest residuals and files of the run.
-pub fn report(results: &Results, status: Status, page: Option<&Path>) {
+pub(super) fn report(results: &Results, status: Status, page: Option<&Path>) {
     let statistics = results.statistics();
     message!(
         "{}: {} to t = {} in {:.2} s, {}",
@@ -82,7 +82,7 @@ fn counted(count: usize, noun: &str) -> String {
 }
 
 /// Prints warnings about the results.
-pub fn warnings(statistics: &RunStatistics) {
+pub(super) fn warnings(statistics: &RunStatistics) {
     if statistics.digits_left() < FEW_DIGITS {
         let digits = statistics.digits_left();
         message!(
@@ -99,7 +99,7 @@ pub fn warnings(statistics: &RunStatistics) {
 }
 
 /// Prints the estimated error of the positions.
-pub fn error(body: &Body, error: f64) {
+pub(super) fn error(body: &Body, error: f64) {
     let part = error / body.radius_of_gyration();
     let part =
         if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };

@@ -11,7 +11,7 @@ use crate::print;
 
 /// Prints every step, if switched on.
 #[derive(Debug)]
-pub struct JsonLines {
+pub(super) struct JsonLines {
     on: bool,
     columns: HistoryColumns,
     names: Vec<String>,
@@ -20,7 +20,7 @@ pub struct JsonLines {
 
 impl JsonLines {
     /// The observer; the clock starts here.
-    pub fn new(on: bool, problem: &Problem) -> Self {
+    pub(super) fn new(on: bool, problem: &Problem) -> Self {
         let columns = HistoryColumns::of(problem);
         JsonLines { on, names: columns.names(), columns, started: Instant::now() }
     }

@@ -22,7 +22,7 @@ use json_lines::JsonLines;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(flatten)]
     input: Input,
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub struct Arguments {
 
 /// Options of runs and resumed runs.
 #[derive(Debug, Args)]
-pub struct RunOptions {
+pub(super) struct RunOptions {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
@@ -48,7 +48,7 @@ pub struct RunOptions {
 }
 
 /// Runs the problem.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     with_threads(arguments.options.threads, || run_here(arguments))?
 }
 
@@ -73,7 +73,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
 type March<'a> = fn(&mut Motion<'a>, &StepPlan, &mut [&mut dyn Observer]) -> Result<(), MarchError>;
 
 /// Marches with all observers, and ends the run.
-pub fn march<'a>(
+pub(super) fn march<'a>(
     problem: &Problem,
     motion: &mut Motion<'a>,
     mut results: Results,
@@ -118,7 +118,7 @@ pub fn march<'a>(
 }
 
 /// Checks the options before anything is written.
-pub fn check(problem: &Problem, options: &RunOptions) -> Result<(), Failure> {
+pub(super) fn check(problem: &Problem, options: &RunOptions) -> Result<(), Failure> {
     let scheme = problem.scheme;
     if !options.estimate_error || scheme.is_time_element() && scheme.degree() < MAX_DEGREE {
         return Ok(());

@@ -8,7 +8,7 @@ use crate::tensor::Sym;
 
 /// Material of a region.
 #[derive(Debug)]
-pub enum RegionMaterial {
+pub(crate) enum RegionMaterial {
     /// A material of solid cells.
     Solid(CompiledMaterial),
     /// A law of links.
@@ -20,7 +20,7 @@ impl RegionMaterial {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
-    pub fn term(&self, mut table: CellTable) -> Result<SolidTerm> {
+    pub(crate) fn term(&self, mut table: CellTable) -> Result<SolidTerm> {
         match self {
             RegionMaterial::Solid(material) => SolidTerm::new(material.clone(), table),
             RegionMaterial::Link(link) => {
@@ -34,7 +34,7 @@ impl RegionMaterial {
 
     /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
     /// link, which has no volume.
-    pub fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
+    pub(crate) fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {
         let RegionMaterial::Solid(material) = self else { return None };
         let material = material.response::<f64>();
         let mut stress = [0.0; 6];

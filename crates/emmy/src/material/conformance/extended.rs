@@ -5,26 +5,26 @@ use dashu_float::{FBig, round::mode::HalfEven};
 use crate::tensor::Mat3;
 
 /// A number with 400 bits, 120 decimal digits.
-pub type Big = FBig<HalfEven, 2>;
+pub(crate) type Big = FBig<HalfEven, 2>;
 
 /// Extended-precision number of a double, exactly.
-pub fn big(x: f64) -> Big {
+pub(crate) fn big(x: f64) -> Big {
     Big::try_from(x).unwrap().with_precision(400).value()
 }
 
 /// Trace, for the reference energies.
-pub fn big_trace(C: &Mat3<Big>) -> Big {
+pub(crate) fn big_trace(C: &Mat3<Big>) -> Big {
     &C[0][0] + &C[1][1] + &C[2][2]
 }
 
 /// Determinant, for the reference energies.
-pub fn big_det(C: &Mat3<Big>) -> Big {
+pub(crate) fn big_det(C: &Mat3<Big>) -> Big {
     let minor = |i: usize, j: usize| &C[1][i] * &C[2][j] - &C[1][j] * &C[2][i];
     &C[0][0] * minor(1, 2) - &C[0][1] * minor(0, 2) + &C[0][2] * minor(0, 1)
 }
 
 /// Isochoric invariants I1bar and I2bar, for the reference energies.
-pub fn big_isochoric(C: &Mat3<Big>) -> [Big; 2] {
+pub(crate) fn big_isochoric(C: &Mat3<Big>) -> [Big; 2] {
     let scale = (big_det(C).ln() / big(-3.0)).exp();
     let squares = C.iter().flatten().fold(big(0.0), |sum, c| sum + c * c);
     let I1 = big_trace(C);
@@ -34,7 +34,7 @@ pub fn big_isochoric(C: &Mat3<Big>) -> [Big; 2] {
 }
 
 /// Principal stretches, for the reference energies: roots of the eigenvalues of C, by Jacobi's method.
-pub fn big_principal_stretches(C: &Mat3<Big>) -> [Big; 3] {
+pub(crate) fn big_principal_stretches(C: &Mat3<Big>) -> [Big; 3] {
     let mut a = C.clone();
     let negligible = big(2f64.powi(-420));
     while [(0, 1), (1, 2), (0, 2)].iter().any(|&(p, q)| &a[p][q] * &a[p][q] > negligible) {

@@ -3,7 +3,7 @@
 mod dual;
 mod extended;
 
-pub use extended::{Big, big, big_det, big_isochoric, big_principal_stretches, big_trace};
+pub(super) use extended::{Big, big, big_det, big_isochoric, big_principal_stretches, big_trace};
 
 use num_dual::Dual64;
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ use crate::tensor::{
 };
 
 /// Checks an isotropic material against its energy in a textbook form W(C) and its small-strain Lame parameters.
-pub fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl Fn(&Mat3<Big>) -> Big) {
+pub(super) fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl Fn(&Mat3<Big>) -> Big) {
     let hooke = |E: &Sym<f64>| {
         let pressure = lambda * (E[0] + E[1] + E[2]);
         [0, 1, 2, 3, 4, 5].map(|a| 2.0 * mu * E[a] + if a < 3 { pressure } else { 0.0 })
@@ -29,7 +29,7 @@ pub fn conforms(material: &impl Material, [lambda, mu]: [f64; 2], energy: impl F
 
 /// Checks an anisotropic material against its energy, its stress at small strain, and the rotations and reflections of
 /// its symmetry group.
-pub fn conforms_with_symmetry(
+pub(super) fn conforms_with_symmetry(
     material: &impl Material,
     symmetry: &[Mat3<f64>],
     small_strain_stress: impl Fn(&Sym<f64>) -> Sym<f64>,
@@ -68,7 +68,7 @@ fn conforms_but_for_symmetry(
 }
 
 /// Rotation by half a turn about a unit vector.
-pub fn half_turn(a: [f64; 3]) -> Mat3<f64> {
+pub(super) fn half_turn(a: [f64; 3]) -> Mat3<f64> {
     mat3(|i, j| 2.0 * a[i] * a[j] - if i == j { 1.0 } else { 0.0 })
 }
 

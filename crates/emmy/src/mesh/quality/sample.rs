@@ -19,7 +19,7 @@ pub(super) struct Measures {
 }
 
 impl Measures {
-    pub fn is_inverted(&self) -> bool {
+    pub(super) fn is_inverted(&self) -> bool {
         self.smallest_det <= 0.0 || self.smallest_det.is_nan()
     }
 }
@@ -61,7 +61,7 @@ impl Sample {
     }
 
     /// Measures of a cell by the positions of its nodes.
-    pub fn measures(&self, X: &[[f64; 3]]) -> Measures {
+    pub(super) fn measures(&self, X: &[[f64; 3]]) -> Measures {
         let dets: Vec<f64> = self.at_quadrature.iter().map(|dN| det(&jacobian(self.kind, X, dN))).collect();
         let volume: f64 = self.weights.iter().zip(&dets).map(|(w, det)| w * det).sum();
         let mean = volume / self.weights.iter().sum::<f64>();

@@ -10,7 +10,7 @@ use pulp::x86::{V3, V4};
 use super::{Kernel, LOADED, Row, Work};
 
 /// Work with the kernel of an instruction set, for vectors of C columns.
-pub struct With<const C: usize, S, W> {
+pub(super) struct With<const C: usize, S, W> {
     pub simd: S,
     pub work: W,
 }

@@ -10,7 +10,7 @@ use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
 #[derive(Debug)]
-pub struct Forces<'a> {
+pub(crate) struct Forces<'a> {
     pub body: &'a Body,
     rule: Rule,
     pub assembly: Assembly,
@@ -19,7 +19,7 @@ pub struct Forces<'a> {
 }
 
 impl<'a> Forces<'a> {
-    pub fn new(body: &'a Body) -> Self {
+    pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
         Forces {
             body,
@@ -34,7 +34,7 @@ impl<'a> Forces<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
+    pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
         let step = StepInput {
             rule: &self.rule,
             tangent_factor: 1.0,
@@ -64,7 +64,7 @@ impl<'a> Forces<'a> {
     }
 
     /// All loads at a displacement and time.
-    pub fn external(&self, displacement: &[f64], time: f64, external: &mut [f64]) {
+    pub(crate) fn external(&self, displacement: &[f64], time: f64, external: &mut [f64]) {
         self.body.loads_at(time, external);
         self.body.add_followers_at(displacement, time, external);
     }
@@ -73,7 +73,7 @@ impl<'a> Forces<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub fn net(
+    pub(crate) fn net(
         &mut self,
         displacement: &[f64],
         time: f64,
@@ -119,7 +119,7 @@ impl Forces<'_> {
 
 /// Forces at a time of the step.
 #[derive(Debug)]
-pub struct TimePoint {
+pub(crate) struct TimePoint {
     /// Displacement, `[n_nodes][3]`.
     pub displacement: Vec<f64>,
     /// External force F.
@@ -132,7 +132,7 @@ pub struct TimePoint {
 }
 
 impl TimePoint {
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         TimePoint {
             displacement: vec![0.0; n],
             external: vec![0.0; n],
@@ -142,7 +142,7 @@ impl TimePoint {
     }
 
     /// Keeps the forces of the point for the start of the next step.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(crate) fn keep(&self, memory: &mut Memory) {
         memory.keep("start.displacement", &self.displacement);
         memory.keep("start.external", &self.external);
         memory.keep("start.force", &self.force);
@@ -152,7 +152,7 @@ impl TimePoint {
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(crate) fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("start.displacement", &mut self.displacement)?;
         memory.fill("start.external", &mut self.external)?;
         memory.fill("start.force", &mut self.force)
@@ -162,7 +162,7 @@ impl TimePoint {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
+    pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
         forces.ground(&self.displacement, &mut self.ground)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)
     }
@@ -171,7 +171,7 @@ impl TimePoint {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    pub fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
+    pub(crate) fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
         if forces.body.fixed().contains(&true) {
             return self.evaluate(forces, time);
         }
@@ -181,7 +181,7 @@ impl TimePoint {
 
     /// Sets the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
     /// `inertia`: M a.
-    pub fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
+    pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
@@ -189,7 +189,14 @@ impl TimePoint {
     }
 
     /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
-    pub fn add_to(&self, impulses: &mut Impulses, body: &Body, weight: f64, step_size: f64, x: &[f64]) {
+    pub(crate) fn add_to(
+        &self,
+        impulses: &mut Impulses,
+        body: &Body,
+        weight: f64,
+        step_size: f64,
+        x: &[f64],
+    ) {
         impulses.work += weight * dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
     }
@@ -197,7 +204,7 @@ impl TimePoint {
 
 /// Acceleration and forces at a state, `M a = F(t) - f(u)` on the free degrees of freedom, and the product M a on all.
 #[derive(Debug)]
-pub struct Start {
+pub(crate) struct Start {
     pub acceleration: Vec<f64>,
     pub inertia: Vec<f64>,
     pub point: TimePoint,
@@ -208,7 +215,7 @@ impl Start {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
-    pub fn new(forces: &mut Forces<'_>, state: &State) -> Result<Self> {
+    pub(crate) fn new(forces: &mut Forces<'_>, state: &State) -> Result<Self> {
         let body = forces.body;
         let n = forces.body.n_dofs();
         let mut acceleration = vec![0.0; n];

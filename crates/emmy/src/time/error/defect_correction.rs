@@ -12,7 +12,7 @@ use crate::time::{MAX_DEGREE, Memory};
 /// exactly (except for the 16-bit matrix of conjugate gradients, which leaves less than a hundredth). The end of the
 /// step depends on a part of the rates that is small by orthogonality; the last change there estimates the remainder.
 #[derive(Debug, Default)]
-pub struct DefectCorrection {
+pub(super) struct DefectCorrection {
     residual: Vec<f64>,
     correction: Vec<f64>,
     /// Sum of all changes of displacement and velocity at the end of the step, `[2][n_nodes][3]`.
@@ -40,7 +40,12 @@ impl DefectCorrection {
     ///
     /// # Errors
     /// As the system.
-    pub fn solve(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], least: usize) -> Result<bool> {
+    pub(super) fn solve(
+        &mut self,
+        system: &mut StageSystem<'_>,
+        rates: &mut [f64],
+        least: usize,
+    ) -> Result<bool> {
         self.residual.resize(rates.len(), 0.0);
         self.correction.resize(rates.len(), 0.0);
         self.at_end.clear();
@@ -102,7 +107,7 @@ impl DefectCorrection {
     }
 
     /// Keeps the memory that the next corrections depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep_option("defect.excess", self.excess.map(|excess| excess as f64));
     }
 
@@ -110,7 +115,7 @@ impl DefectCorrection {
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.excess = memory.option("defect.excess")?.map(|excess| excess as usize);
         Ok(())
     }

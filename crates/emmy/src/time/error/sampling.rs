@@ -23,7 +23,7 @@ use crate::time::Memory;
 /// with e_0, h_0, g_0 of the estimated step; a motion of larger amplitude has p = 1. The law is used for small changes
 /// only, and for as many steps as it has proved accurate.
 #[derive(Debug)]
-pub struct Sampling {
+pub(super) struct Sampling {
     /// q and p.
     order: f64,
     power: f64,
@@ -62,7 +62,7 @@ const AGREEMENT_RATIO: f64 = 1.5;
 
 impl Sampling {
     /// For steps of a degree whose error grows like `h^order`, with n degrees of freedom.
-    pub fn new(degree: usize, order: usize, n: usize) -> Self {
+    pub(super) fn new(degree: usize, order: usize, n: usize) -> Self {
         let nodes: Vec<f64> = gauss(degree).points.into_iter().map(|[c]| c).collect();
         let weight = |i: usize| {
             let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
@@ -88,12 +88,12 @@ impl Sampling {
     }
 
     /// Forgets the previous steps, which say nothing after a jump of the loads.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         (self.last_size, self.sample, self.pause, self.left) = (None, None, 0, 0);
     }
 
     /// Observes a step with the rates `[k][n_nodes][3]`.
-    pub fn observe(&mut self, body: &Body, rates: &[f64], step_size: f64) {
+    pub(super) fn observe(&mut self, body: &Body, rates: &[f64], step_size: f64) {
         let n = self.derivative.len();
         let scale = step_size.powi(-(self.weights.len() as i32));
         self.new_derivative.fill(0.0);
@@ -121,7 +121,12 @@ impl Sampling {
     }
 
     /// Sets the errors of the observed step by the law; false if they must be estimated.
-    pub fn extrapolate(&mut self, step_size: f64, displacement: &mut [f64], velocity: &mut [f64]) -> bool {
+    pub(super) fn extrapolate(
+        &mut self,
+        step_size: f64,
+        displacement: &mut [f64],
+        velocity: &mut [f64],
+    ) -> bool {
         let factor = self.factor(step_size).filter(|_| self.left > 0);
         self.is_extrapolated = factor.is_some();
         if let Some(factor) = factor {
@@ -132,12 +137,12 @@ impl Sampling {
     }
 
     /// Whether the errors of the last step were extrapolated.
-    pub fn is_extrapolated(&self) -> bool {
+    pub(super) fn is_extrapolated(&self) -> bool {
         self.is_extrapolated
     }
 
     /// Takes the estimated errors of the observed step as the next sample.
-    pub fn resample(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
+    pub(super) fn resample(&mut self, body: &Body, step_size: f64, displacement: &[f64], velocity: &[f64]) {
         let by_law = self.factor(step_size).map(|factor| factor * body.mass_weighted_rms(&self.displacement));
         let agrees = by_law.is_some_and(|e| {
             (1.0 / AGREEMENT_RATIO..=AGREEMENT_RATIO).contains(&(body.mass_weighted_rms(displacement) / e))
@@ -150,14 +155,14 @@ impl Sampling {
     }
 
     /// Advances to the next step.
-    pub fn accept(&mut self, step_size: f64) {
+    pub(super) fn accept(&mut self, step_size: f64) {
         std::mem::swap(&mut self.derivative, &mut self.new_derivative);
         self.last_size = Some(step_size);
         self.left -= usize::from(self.is_extrapolated);
     }
 
     /// Keeps the memory that the next errors depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep("sampling.derivative", &self.derivative);
         memory.keep_option("sampling.last_size", self.last_size);
         memory.keep_option("sampling.sample.size", self.sample.map(|[size, _]| size));
@@ -172,7 +177,7 @@ impl Sampling {
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("sampling.derivative", &mut self.derivative)?;
         self.last_size = memory.option("sampling.last_size")?;
         let size = memory.option("sampling.sample.size")?;

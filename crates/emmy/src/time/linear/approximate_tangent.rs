@@ -19,7 +19,7 @@ use crate::time::stage_coefficients::StageCoefficients;
 /// `df_i/dx_j ~ w_ij K` with the stiffness K at one displacement, in the middle of a step. It is symmetric for every
 /// scheme, and reused until the iteration becomes slow.
 #[derive(Debug)]
-pub struct ApproximateTangent {
+pub(crate) struct ApproximateTangent {
     solvers: ModeSolvers,
     /// Modulus of the largest eigenvalue of the response.
     response_size: f64,
@@ -54,7 +54,7 @@ impl ApproximateTangent {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub fn new(body: &Body, coefficients: &StageCoefficients, solver: Solver) -> Result<Self> {
+    pub(crate) fn new(body: &Body, coefficients: &StageCoefficients, solver: Solver) -> Result<Self> {
         let n = body.n_dofs();
         let nodes = coefficients.rule.nodes();
         let (rule, until) = if coefficients.rule.is_energy_momentum() && nodes.len() == 1 {
@@ -85,7 +85,7 @@ impl ApproximateTangent {
     }
 
     /// Whether there is a stiffness.
-    pub fn is_made(&self) -> bool {
+    pub(crate) fn is_made(&self) -> bool {
         self.made_for.is_some()
     }
 
@@ -94,7 +94,7 @@ impl ApproximateTangent {
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
-    pub fn refactorize(
+    pub(crate) fn refactorize(
         &mut self,
         body: &Body,
         displacement: &[f64],
@@ -116,7 +116,7 @@ impl ApproximateTangent {
     }
 
     /// Keeps the data that the next steps depend on. The stiffness itself follows from displacement and rates.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(crate) fn keep(&self, memory: &mut Memory) {
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
         memory.keep_number("tangent.viscous_rate", self.viscous_rate);
@@ -130,7 +130,7 @@ impl ApproximateTangent {
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Inverted`], [`crate::Error::Linear`].
-    pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
+    pub(crate) fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
         self.viscous_rate = memory.number("tangent.viscous_rate")?;
@@ -159,7 +159,7 @@ impl ApproximateTangent {
 
     /// Advances to the next step, in which the body rotates by a rotation vector: `M + lambda K` rotates with it, so
     /// that K stays accurate in any rotation.
-    pub fn turn(&mut self, step: &RigidStep, rule: &Rule) {
+    pub(crate) fn turn(&mut self, step: &RigidStep, rule: &Rule) {
         for half in [&self.rotation, &step.rotation] {
             self.orientation = product(&exp(&half.map(|w| 0.5 * w)), &self.orientation);
         }
@@ -174,7 +174,7 @@ impl ApproximateTangent {
     }
 
     /// The solver, once there is one.
-    pub fn choice(&self) -> Option<SolverChoice> {
+    pub(crate) fn choice(&self) -> Option<SolverChoice> {
         self.solvers.choice()
     }
 
@@ -182,7 +182,7 @@ impl ApproximateTangent {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<()> {
+    pub(crate) fn rescale(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         if self.made_for == Some(time_scale) { Ok(()) } else { self.set(body, time_scale) }
     }
 
@@ -207,13 +207,13 @@ impl ApproximateTangent {
     }
 
     /// Cost of a new stiffness, in corrections with the old one.
-    pub fn refactorization_cost(&self) -> f64 {
+    pub(crate) fn refactorization_cost(&self) -> f64 {
         self.solvers.refactorization_cost()
     }
 
     /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number
     /// of iterations, `None` if a solver missed the tolerance.
-    pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
+    pub(crate) fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
@@ -226,7 +226,7 @@ impl ApproximateTangent {
     }
 
     /// `z = P^-1 r`, a linear map that approximates the inverse of the linearised stage equations.
-    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+    pub(crate) fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
         self.turn_back(r);
         z.fill(0.0);
         self.solvers.precondition(&self.turned, z);
@@ -267,7 +267,13 @@ impl ApproximateTangent {
 
     /// Norm of `|s^2 K| |u|` over the free degrees of freedom, with similar u at neighbours; the rounding of the forces
     /// is eps times this.
-    pub fn rounding_size(&self, body: &Body, displacement: &[f64], rates: &[f64], time_scale: f64) -> f64 {
+    pub(crate) fn rounding_size(
+        &self,
+        body: &Body,
+        displacement: &[f64],
+        rates: &[f64],
+        time_scale: f64,
+    ) -> f64 {
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.fixed());
         let square = |((sum, (u, x)), fixed): ((&f64, (&f64, &f64)), &bool)| {
             if *fixed { 0.0 } else { (sum * (u.abs() + x.abs())).powi(2) }
@@ -276,7 +282,7 @@ impl ApproximateTangent {
     }
 
     /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
-    pub fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
+    pub(crate) fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
         let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
         0.125 * f64::EPSILON * f64::EPSILON * sum

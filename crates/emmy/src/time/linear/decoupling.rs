@@ -16,7 +16,7 @@ use crate::sparse::{Eigenpairs, eigenpairs};
 
 /// One eigenvalue of `m^-1 w`, or a conjugate pair, with its change of basis from and to the stages.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mode {
+pub(super) struct Mode {
     /// Eigenvalue lambda, (real, imaginary); the imaginary part is not negative.
     pub eigenvalue: [f64; 2],
     /// From stages to right-hand sides, `[column][i]`: one column, or two for a pair.
@@ -34,7 +34,7 @@ const PAIRED: f64 = 1e-12;
 ///
 /// # Errors
 /// [`crate::Error::Linear`] if the eigenvalues are not found.
-pub fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
+pub(super) fn modes(inverse_mass: &[f64], response: &[f64]) -> Result<Vec<Mode>> {
     let k = response.len().isqrt();
     let a = inverse_mass;
     let w = response;
@@ -76,17 +76,17 @@ impl Mode {
     }
 
     /// Number of real right-hand sides: 1, or 2 for a pair.
-    pub fn n_columns(&self) -> usize {
+    pub(super) fn n_columns(&self) -> usize {
         if self.eigenvalue[1] > PAIRED { 2 } else { 1 }
     }
 
     /// Modulus of the eigenvalue.
-    pub fn modulus(&self) -> f64 {
+    pub(super) fn modulus(&self) -> f64 {
         self.eigenvalue[0].hypot(self.eigenvalue[1])
     }
 
     /// Right-hand sides of the mode, `[dof][column]`, from the right-hand sides of the stages, `[k][dof]`.
-    pub fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
+    pub(super) fn restrict(&self, stages: &[f64], columns: &mut [f64]) {
         let k = self.forward.len() / self.n_columns();
         let n = columns.len() / self.n_columns();
         for (dof, columns) in columns.chunks_exact_mut(self.n_columns()).enumerate() {
@@ -98,7 +98,7 @@ impl Mode {
 
     /// Adds solutions of the mode, `[dof][column]`, to the stages, `[k][dof]`; `backward`: one of the two changes of
     /// basis.
-    pub fn add_to(&self, backward: &[f64], columns: &[f64], stages: &mut [f64]) {
+    pub(super) fn add_to(&self, backward: &[f64], columns: &[f64], stages: &mut [f64]) {
         let n = columns.len() / self.n_columns();
         for (stage, row) in stages.chunks_exact_mut(n).zip(backward.chunks_exact(self.n_columns())) {
             for (value, columns) in stage.iter_mut().zip(columns.chunks_exact(self.n_columns())) {

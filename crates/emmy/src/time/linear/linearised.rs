@@ -6,7 +6,7 @@ use crate::sparse::LinearSystem;
 use crate::time::dissipation::RigidProjection;
 
 /// The linear system of a Newton iteration, on the free degrees of freedom.
-pub struct LinearisedStages<'a> {
+pub(crate) struct LinearisedStages<'a> {
     pub body: &'a Body,
     pub assembly: &'a mut Assembly,
     pub approximate_tangent: &'a mut ApproximateTangent,
@@ -39,7 +39,7 @@ impl LinearSystem for LinearisedStages<'_> {
 }
 
 /// Sets the entries of the fixed degrees of freedom to zero in every stage.
-pub fn clear_fixed(body: &Body, vector: &mut [f64]) {
+pub(crate) fn clear_fixed(body: &Body, vector: &mut [f64]) {
     for stage in vector.chunks_exact_mut(body.n_dofs()) {
         stage.iter_mut().zip(body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(value, _)| *value = 0.0);
     }

@@ -6,5 +6,5 @@ mod linearised;
 mod mode_solvers;
 mod strain_rates;
 
-pub use approximate_tangent::ApproximateTangent;
-pub use linearised::{LinearisedStages, clear_fixed};
+pub(crate) use approximate_tangent::ApproximateTangent;
+pub(super) use linearised::{LinearisedStages, clear_fixed};

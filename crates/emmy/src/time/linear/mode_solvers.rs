@@ -14,7 +14,7 @@ use crate::time::stage_coefficients::StageCoefficients;
 
 /// The modes of the stage equations with their solvers.
 #[derive(Debug)]
-pub struct ModeSolvers {
+pub(super) struct ModeSolvers {
     modes: Vec<Mode>,
     /// Coefficients of the inertia without drag, and of the response, `[i k + j]`.
     mass: Vec<f64>,
@@ -36,7 +36,7 @@ impl ModeSolvers {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub fn new(coefficients: &StageCoefficients, n: usize, requested: Solver) -> Result<Self> {
+    pub(super) fn new(coefficients: &StageCoefficients, n: usize, requested: Solver) -> Result<Self> {
         let k = coefficients.rule.degree();
         Ok(ModeSolvers {
             modes: modes(&coefficients.inverse_mass, &coefficients.response)?,
@@ -53,22 +53,22 @@ impl ModeSolvers {
     }
 
     /// Modulus of the largest eigenvalue of `m^-1 w`.
-    pub fn largest_modulus(&self) -> f64 {
+    pub(super) fn largest_modulus(&self) -> f64 {
         self.modes.iter().map(Mode::modulus).fold(0.0, f64::max)
     }
 
     /// The solver, once there is one.
-    pub fn choice(&self) -> Option<SolverChoice> {
+    pub(super) fn choice(&self) -> Option<SolverChoice> {
         self.choice
     }
 
     /// Whether the present solver is of a kind.
-    pub fn is(&self, kind: SolverKind) -> bool {
+    pub(super) fn is(&self, kind: SolverKind) -> bool {
         self.choice.is_some_and(|choice| choice.kind == kind)
     }
 
     /// Cost of a new stiffness, in corrections with the old one.
-    pub fn refactorization_cost(&self) -> f64 {
+    pub(super) fn refactorization_cost(&self) -> f64 {
         let costs = self.solvers.iter().map(|solver| solver.refactorization_cost());
         costs.fold(0.0, f64::max)
     }
@@ -77,7 +77,7 @@ impl ModeSolvers {
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub fn set(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
+    pub(super) fn set(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
         if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
@@ -159,7 +159,7 @@ impl ModeSolvers {
 
     /// Solves mode by mode to a relative tolerance and adds the solutions to z; `r`, `z`: `[k][n_nodes][3]`. Returns
     /// the number of iterations, `None` if a solver missed the tolerance.
-    pub fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
+    pub(super) fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
         let mut total = Some(0);
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
@@ -171,7 +171,7 @@ impl ModeSolvers {
     }
 
     /// Adds a linear map of r to z that approximates [`ModeSolvers::solve`].
-    pub fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+    pub(super) fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
@@ -181,7 +181,7 @@ impl ModeSolvers {
     }
 
     /// Changes to factorisations from the next stiffness on if conjugate gradients failed with [`Solver::Auto`].
-    pub fn fall_back_to_direct(&mut self) {
+    pub(super) fn fall_back_to_direct(&mut self) {
         if self.requested == Solver::Auto && self.is(SolverKind::Iterative) {
             self.has_fallen_back = true;
             self.solvers.clear();
@@ -189,7 +189,7 @@ impl ModeSolvers {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep_flag("solver.has_fallen_back", self.has_fallen_back);
         memory.keep_flag("solver.is_ready", !self.solvers.is_empty());
         memory.keep_flag("solver.is_chosen", self.choice.is_some());
@@ -204,7 +204,7 @@ impl ModeSolvers {
     ///
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Linear`].
-    pub fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         self.has_fallen_back = memory.flag("solver.has_fallen_back")?;
         self.choice = None;
         if memory.flag("solver.is_chosen")? {

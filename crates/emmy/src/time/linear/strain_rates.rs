@@ -18,7 +18,7 @@ use crate::tensor::rotation::skew;
 /// The spins belong to the rigid motion that obeys the equations of the step. With the spins of the iterate, found by
 /// least squares, Newton's residuals agree in two digits.
 #[derive(Debug)]
-pub struct StrainRateTransform {
+pub(super) struct StrainRateTransform {
     degree: usize,
     matrix: Vec<f64>,
     inverse: Vec<f64>,
@@ -27,7 +27,7 @@ pub struct StrainRateTransform {
 
 impl StrainRateTransform {
     /// Memory for a degree and a number of degrees of freedom.
-    pub fn new(degree: usize, n_dofs: usize) -> Self {
+    pub(super) fn new(degree: usize, n_dofs: usize) -> Self {
         let n = 3 * degree;
         StrainRateTransform {
             degree,
@@ -38,7 +38,7 @@ impl StrainRateTransform {
     }
 
     /// Sets the matrix for the spins of a step; the identity if it is singular.
-    pub fn set_spins(&mut self, rule: &Rule, spins: &[[f64; 3]]) {
+    pub(super) fn set_spins(&mut self, rule: &Rule, spins: &[[f64; 3]]) {
         let k = self.degree;
         let n = 3 * k;
         let a = rule.coefficients();
@@ -60,7 +60,7 @@ impl StrainRateTransform {
     }
 
     /// `x = C^-1 x` at every node; x: `[k][n_nodes][3]`.
-    pub fn apply_inverse(&mut self, x: &mut [f64]) {
+    pub(super) fn apply_inverse(&mut self, x: &mut [f64]) {
         let k = self.degree;
         let n = x.len() / self.degree;
         self.old.copy_from_slice(x);

@@ -16,7 +16,7 @@ use crate::tensor::rotation::{exp, image, skew};
 
 /// Extrapolation of the last step's deviation from its rigid motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Carry {
+pub(super) enum Carry {
     /// Its polynomial is continued: best for motion that the steps resolve.
     Continued,
     /// It is repeated: best for stiff bodies, whose deviation depends on the step, not on the motion. The same for k =
@@ -37,7 +37,7 @@ pub enum Carry {
 /// motion, in the frame of the body, which rotates by `Q(alpha) = exp(alpha w)`; e are the coefficients of a [`Carry`].
 /// If the supports permit no rigid motion, the last polynomial is continued.
 #[derive(Debug)]
-pub struct Prediction {
+pub(super) struct Prediction {
     rigid: RigidStep,
     /// Translation rates X_j.
     translation: Vec<[f64; 3]>,
@@ -89,7 +89,7 @@ const MIN_BALANCES: usize = 2;
 const ROUNDING: f64 = 0.25;
 
 impl Prediction {
-    pub fn new(k: usize, n: usize) -> Self {
+    pub(super) fn new(k: usize, n: usize) -> Self {
         Prediction {
             rigid: RigidStep::new(k),
             translation: vec![[0.0; 3]; k],
@@ -108,7 +108,7 @@ impl Prediction {
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep("prediction.deviation", &self.deviation);
         memory.keep_option("prediction.last_size", self.last_size);
     }
@@ -117,14 +117,14 @@ impl Prediction {
     ///
     /// # Errors
     /// [`crate::Error::Memory`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("prediction.deviation", &mut self.deviation)?;
         self.last_size = memory.option("prediction.last_size")?;
         Ok(())
     }
 
     /// Finds the rigid motion of a step whose known vectors and loads, including followers, are set.
-    pub fn start(&mut self, system: &StageSystem<'_>, state: &State) {
+    pub(super) fn start(&mut self, system: &StageSystem<'_>, state: &State) {
         let body = system.body;
         let stage = &system.coefficients;
         let k = stage.rule.degree();
@@ -224,7 +224,7 @@ impl Prediction {
     /// Internal forces have no resultants and moments, so inertia and loads alone decide, and the rounding of the
     /// stiffness, which may exceed the inertia, has no effect. The error of an iteration would act like a constant
     /// force. `residual`: memory for k n numbers.
-    pub fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
+    pub(super) fn balance(&mut self, system: &mut StageSystem<'_>, rates: &mut [f64], residual: &mut [f64]) {
         if self.mass == 0.0 || !system.is_self_balanced() {
             return;
         }
@@ -287,7 +287,12 @@ impl Prediction {
     }
 
     /// Work, impulse and moment of a residual over the step; impulse and moment along and about the free axes.
-    pub fn imbalance(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) -> [f64; 3] {
+    pub(super) fn imbalance(
+        &mut self,
+        system: &StageSystem<'_>,
+        rates: &[f64],
+        residual: &[f64],
+    ) -> [f64; 3] {
         let n = self.arm.len();
         let s = system.time_scale;
         let rule = &system.coefficients.rule;
@@ -310,7 +315,7 @@ impl Prediction {
 
     /// Largest linear and angular momentum possible with a kinetic energy, `sqrt(2 T m)` and `sqrt(2 T I)`; infinite if
     /// the body has no rigid motion.
-    pub fn momentum_scales(&self, energy: f64) -> [f64; 2] {
+    pub(super) fn momentum_scales(&self, energy: f64) -> [f64; 2] {
         if self.mass == 0.0 {
             return [f64::INFINITY; 2];
         }
@@ -318,12 +323,18 @@ impl Prediction {
     }
 
     /// The rotation of the rigid motion.
-    pub fn rotation(&self) -> &RigidStep {
+    pub(super) fn rotation(&self) -> &RigidStep {
         &self.rigid
     }
 
     /// Predicts the rates of the step that was started.
-    pub fn predict(&mut self, carry: Carry, stage: &StageCoefficients, step_size: f64, rates: &mut [f64]) {
+    pub(super) fn predict(
+        &mut self,
+        carry: Carry,
+        stage: &StageCoefficients,
+        step_size: f64,
+        rates: &mut [f64],
+    ) {
         let k = stage.rule.degree();
         let n = self.arm.len();
         match self.last_size {
@@ -362,7 +373,7 @@ impl Prediction {
     }
 
     /// Keeps the deviation of the rates of the present step from its rigid motion.
-    pub fn remember(&mut self, stage: &StageCoefficients, rates: &[f64], step_size: f64) {
+    pub(super) fn remember(&mut self, stage: &StageCoefficients, rates: &[f64], step_size: f64) {
         let n = self.arm.len();
         let stages = rates.chunks_exact(n).zip(self.deviation.chunks_exact_mut(n)).enumerate();
         for (i, (rates, deviation)) in stages {

@@ -18,7 +18,7 @@ use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
 #[derive(Debug)]
-pub struct StageSystem<'a> {
+pub(super) struct StageSystem<'a> {
     pub body: &'a Body,
     pub coefficients: StageCoefficients,
     pub assembly: Assembly,
@@ -53,7 +53,7 @@ pub struct StageSystem<'a> {
 const CHUNK: usize = 4096;
 
 impl<'a> StageSystem<'a> {
-    pub fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
+    pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
         let n = body.n_dofs();
         let k = coefficients.rule.degree();
         Ok(StageSystem {
@@ -84,7 +84,7 @@ impl<'a> StageSystem<'a> {
 
     /// Sets displacement and time scale of the step. The stepper fills `known`, `dead_load` and the factors of
     /// `followers`.
-    pub fn start(&mut self, displacement: &[f64], time_scale: f64) {
+    pub(super) fn start(&mut self, displacement: &[f64], time_scale: f64) {
         self.displacement.copy_from_slice(displacement);
         self.floor = 0.0;
         if self.time_scale != time_scale && self.body.drag() > 0.0 {
@@ -101,20 +101,20 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Sets the momentum at the start of the step, for a dissipative scheme.
-    pub fn set_momentum(&mut self, momentum: &[f64]) {
+    pub(super) fn set_momentum(&mut self, momentum: &[f64]) {
         if self.projection.is_some() {
             self.momentum.copy_from_slice(momentum);
         }
     }
 
     /// Sets the rates of the driven degrees of freedom in the step.
-    pub fn set_driven_rates(&mut self, time: f64, step_size: f64) {
+    pub(super) fn set_driven_rates(&mut self, time: f64, step_size: f64) {
         let rule = &self.coefficients.rule;
         self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates);
     }
 
     /// Inserts the rates of the driven degrees of freedom into a starting point of the iteration.
-    pub fn drive(&self, rates: &mut [f64]) {
+    pub(super) fn drive(&self, rates: &mut [f64]) {
         let n = self.body.n_dofs();
         for (rates, driven) in rates.chunks_exact_mut(n).zip(self.driven_rates.chunks_exact(n)) {
             self.body.driven_dofs().for_each(|dof| rates[dof] = driven[dof]);
@@ -123,7 +123,7 @@ impl<'a> StageSystem<'a> {
 
     /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of
     /// its three parts over the free ones.
-    pub fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
+    pub(super) fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(x, Request::Stress)?;
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
@@ -169,7 +169,7 @@ impl<'a> StageSystem<'a> {
     /// ```math
     /// sum_j m_ij M x_j - g_i - s^2 f_i^ext
     /// ```
-    pub fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) {
+    pub(super) fn unbalanced(&mut self, x: &[f64], residual: &mut [f64]) {
         if self.followers.are_active() {
             self.evaluate_followers(x);
         }
@@ -187,7 +187,7 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Mean kinetic energy of the step `sum_i b_i x_i . M x_i / (2 s^2)`.
-    pub fn mean_kinetic_energy(&mut self, x: &[f64]) -> f64 {
+    pub(super) fn mean_kinetic_energy(&mut self, x: &[f64]) -> f64 {
         self.mean_square(x) / (2.0 * self.time_scale * self.time_scale)
     }
 
@@ -200,20 +200,20 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Strain energy caused by rounding of the displacements in the step.
-    pub fn rounding_energy(&self, x: &[f64]) -> f64 {
+    pub(super) fn rounding_energy(&self, x: &[f64]) -> f64 {
         self.approximate_tangent.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
     }
 
     /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone
     /// determine the rigid motion of the body.
-    pub fn is_self_balanced(&self) -> bool {
+    pub(super) fn is_self_balanced(&self) -> bool {
         self.coefficients.rule.is_energy_momentum()
             && self.coefficients.dissipation.is_none()
             && !self.body.has_ground()
     }
 
     /// Stage averages of the force on the ground, on all degrees of freedom.
-    pub fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
+    pub(super) fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
         let step = StepInput {
             rule: &self.coefficients.rule,
             tangent_factor: 0.0,
@@ -225,18 +225,18 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Stage average of all loads, the followers at the rates evaluated last; `at`: position in `[k][n_nodes][3]`.
-    pub fn external_force(&self, at: usize) -> f64 {
+    pub(super) fn external_force(&self, at: usize) -> f64 {
         self.dead_load[at] + self.followers.force[at]
     }
 
     /// Evaluates the follower loads at the rates x.
-    pub fn evaluate_followers(&mut self, x: &[f64]) {
+    pub(super) fn evaluate_followers(&mut self, x: &[f64]) {
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
         self.followers.evaluate(self.body, &step);
     }
 
     /// Whether the body dissipates energy, by drag, viscosity or the scheme.
-    pub fn is_braked(&self) -> bool {
+    pub(super) fn is_braked(&self) -> bool {
         self.body.drag() > 0.0 || self.body.is_viscous() || self.coefficients.dissipation.is_some()
     }
 
@@ -245,7 +245,7 @@ impl<'a> StageSystem<'a> {
     /// ```math
     /// sum_i b_i (integral S_i : E'_i dV + alpha/s x_i . M x_i)
     /// ```
-    pub fn dissipated(&mut self, x: &[f64]) -> f64 {
+    pub(super) fn dissipated(&mut self, x: &[f64]) -> f64 {
         let s = self.time_scale;
         let drag = self.body.drag();
         let step = step_input(&self.coefficients, s, &self.displacement, x);
@@ -257,7 +257,7 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Force of the drag in a stage, on all degrees of freedom, after [`StageSystem::dissipated`].
-    pub fn drag_force(&self, at: usize) -> f64 {
+    pub(super) fn drag_force(&self, at: usize) -> f64 {
         match self.body.drag() {
             0.0 => 0.0,
             drag => -drag / self.time_scale * self.mass_rates[at],
@@ -266,7 +266,7 @@ impl<'a> StageSystem<'a> {
 
     /// Completes the end velocity of a dissipative scheme and returns the energy dissipated through velocities;
     /// `velocity`: at the start of the step.
-    pub fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
+    pub(super) fn complete_end_velocity(&mut self, x: &[f64], velocity: &[f64], new: &mut [f64]) -> f64 {
         if self.projection.is_none() {
             return 0.0;
         }
@@ -294,12 +294,12 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Rotates the approximate tangent with the body in the present step.
-    pub fn turn(&mut self, rotation: &RigidStep) {
+    pub(super) fn turn(&mut self, rotation: &RigidStep) {
         self.approximate_tangent.turn(rotation, &self.coefficients.rule);
     }
 
     /// Keeps the memory that the next steps depend on.
-    pub fn keep(&self, memory: &mut Memory) {
+    pub(super) fn keep(&self, memory: &mut Memory) {
         self.approximate_tangent.keep(memory);
     }
 
@@ -307,12 +307,12 @@ impl<'a> StageSystem<'a> {
     ///
     /// # Errors
     /// [`Error::Memory`], [`Error::Inverted`], [`Error::Linear`].
-    pub fn restore(&mut self, memory: &Memory) -> Result<()> {
+    pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.approximate_tangent.restore(self.body, memory)
     }
 
     /// The linear solver, once there is one.
-    pub fn solver(&self) -> Option<SolverChoice> {
+    pub(super) fn solver(&self) -> Option<SolverChoice> {
         self.approximate_tangent.choice()
     }
 }

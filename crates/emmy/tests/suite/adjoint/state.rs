@@ -160,7 +160,7 @@ fn angle(k: usize, z: f64) -> f64 {
 }
 
 /// Two masses on springs to the ground with the same frequency s sqrt 9; the spring between them stays at rest.
-pub fn oscillator(square: f64) -> Result<Body> {
+pub(super) fn oscillator(square: f64) -> Result<Body> {
     let spring = |i: usize, k: f64| GroundSpring { group: i.to_string(), stiffness: k * square };
     let (masses, springs) = (masses(&[0.5, 1.0]), vec![spring(0, 4.5), spring(1, 9.0)]);
     let region = Region::links(Link::spring(20.0, None)?, 0.0);

@@ -6,7 +6,7 @@ use emmy::mesh;
 use emmy::motion::State;
 
 /// A soft block of two cells that turns and bends.
-pub fn soft_block() -> (Body, State) {
+pub(crate) fn soft_block() -> (Body, State) {
     let body = soft_block_under(&[]);
     let field = InitialVelocity {
         angular_velocity: [0.5, 1.0, 0.3],
@@ -19,7 +19,7 @@ pub fn soft_block() -> (Body, State) {
 }
 
 /// The block alone.
-pub fn soft_block_under(loads: &[Load]) -> Body {
+pub(crate) fn soft_block_under(loads: &[Load]) -> Body {
     let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
     Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap())
         .region(rubber)

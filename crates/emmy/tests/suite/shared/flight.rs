@@ -14,7 +14,7 @@ fn region(material: impl Material) -> Region {
 
 /// St. Venant-Kirchhoff, neo-Hooke and Ogden, DGM of degree 1 and 2, for 200 steps each: every kind of cell, in a mesh
 /// of it.
-pub fn every_kind_flies(kinds: &[CellKind], mesh: impl Fn(CellKind) -> Mesh, field: &InitialVelocity) {
+pub(crate) fn every_kind_flies(kinds: &[CellKind], mesh: impl Fn(CellKind) -> Mesh, field: &InitialVelocity) {
     for &kind in kinds {
         for degree in 1..=2 {
             let ogden =

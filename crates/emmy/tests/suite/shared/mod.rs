@@ -1,9 +1,9 @@
 //! Bodies, meshes and observers that several tests share.
 
-pub mod blocks;
-pub mod flight;
-pub mod patch;
-pub mod plane_patch;
-pub mod points;
-pub mod schemes;
-pub mod watch;
+pub(crate) mod blocks;
+pub(crate) mod flight;
+pub(crate) mod patch;
+pub(crate) mod plane_patch;
+pub(crate) mod points;
+pub(crate) mod schemes;
+pub(crate) mod watch;

@@ -9,7 +9,7 @@ use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// A division of the unit cube.
 #[derive(Debug, Clone, Copy)]
-pub struct Patch {
+pub(crate) struct Patch {
     /// Number of bricks along each edge; a brick is one cell or is divided into several.
     pub bricks: usize,
     /// Whether quadratic cells get curved inner edges.
@@ -20,7 +20,7 @@ pub struct Patch {
 
 impl Patch {
     /// The mesh with cells of a kind; groups of facets `x-min` to `z-max`, and `surface` of all of them.
-    pub fn mesh(self, kind: CellKind) -> Mesh {
+    pub(crate) fn mesh(self, kind: CellKind) -> Mesh {
         let mut draft = Draft { builder: MeshBuilder::new(), nodes: HashMap::new(), patch: self };
         let n = self.bricks;
         for (i, j, k) in (0..n * n * n).map(|at| (at / (n * n), at / n % n, at % n)) {

@@ -9,7 +9,7 @@ use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
 /// The unit square in the plane z = 0.7, n x n quadrilaterals or twice as many triangles, its inner corners moved.
 /// Groups of edges `x-min`, `x-max`, `y-min`, `y-max`.
-pub fn plane_patch(kind: CellKind, n: u32) -> Mesh {
+pub(crate) fn plane_patch(kind: CellKind, n: u32) -> Mesh {
     let (mut builder, mut nodes) = (MeshBuilder::new(), HashMap::new());
     for at in (0..n * n).map(|i| [f64::from(i / n), f64::from(i % n)]) {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];

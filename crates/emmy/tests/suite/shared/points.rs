@@ -6,7 +6,7 @@ use emmy::mesh::{CellKind, Mesh, MeshBuilder};
 use emmy::motion::State;
 
 /// Points and links between them; node i is the group `i`.
-pub fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
+pub(crate) fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
     let mut builder = MeshBuilder::new();
     for (index, &point) in points.iter().enumerate() {
         let node = builder.point(point);
@@ -19,12 +19,12 @@ pub fn network(points: &[[f64; 3]], links: &[[u32; 2]]) -> Mesh {
 }
 
 /// Mass of node i: `masses[i]`.
-pub fn masses(masses: &[f64]) -> Vec<PointMass> {
+pub(crate) fn masses(masses: &[f64]) -> Vec<PointMass> {
     masses.iter().enumerate().map(|(i, &mass)| PointMass { group: i.to_string(), mass }).collect()
 }
 
 /// Velocity of node i: `velocities[i]`.
-pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
+pub(crate) fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
     let field = |(i, &velocity): (usize, &[f64; 3])| InitialVelocity {
         group: Some(i.to_string()),
         velocity,
@@ -35,7 +35,7 @@ pub fn moving(body: &Body, velocities: &[[f64; 3]]) -> State {
 
 /// Two bodies of masses 2 and 1 that attract each other with g = 3, at their largest distance, 1; `e`: eccentricity of
 /// the orbit.
-pub fn orbit(e: f64) -> (Body, State) {
+pub(crate) fn orbit(e: f64) -> (Body, State) {
     let mesh = network(&[[1.0 / 3.0, 0.0, 0.0], [-2.0 / 3.0, 0.0, 0.0]], &[[0, 1]]);
     let nodal = PointTerms { masses: masses(&[2.0, 1.0]), ..Default::default() };
     let region = Region::links(Link::attraction(3.0).unwrap(), 0.0);

@@ -2,22 +2,22 @@
 
 use emmy::time::{AveragingRule, Scheme, TimeElement};
 
-pub const DGM: Scheme = value(AveragingRule::DiscreteGradient, None);
-pub const TRAPEZOIDAL: Scheme = value(AveragingRule::Trapezoidal, None);
+pub(crate) const DGM: Scheme = value(AveragingRule::DiscreteGradient, None);
+pub(crate) const TRAPEZOIDAL: Scheme = value(AveragingRule::Trapezoidal, None);
 
-pub const fn fe(points: usize) -> Scheme {
+pub(crate) const fn fe(points: usize) -> Scheme {
     value(AveragingRule::Standard(points), None)
 }
 
-pub const fn lobatto(points: usize) -> Scheme {
+pub(crate) const fn lobatto(points: usize) -> Scheme {
     value(AveragingRule::Lobatto(points), None)
 }
 
-pub const fn assumed_strain(points: usize) -> Scheme {
+pub(crate) const fn assumed_strain(points: usize) -> Scheme {
     value(AveragingRule::AssumedStrain(points), None)
 }
 
-pub const fn dgm(spectral_radius: f64) -> Scheme {
+pub(crate) const fn dgm(spectral_radius: f64) -> Scheme {
     value(AveragingRule::DiscreteGradient, Some(spectral_radius))
 }
 
@@ -26,11 +26,11 @@ const fn value(rule: AveragingRule, spectral_radius: Option<f64>) -> Scheme {
 }
 
 /// The time element of a scheme with a degree.
-pub fn element(scheme: Scheme, degree: usize) -> TimeElement {
+pub(crate) fn element(scheme: Scheme, degree: usize) -> TimeElement {
     at(scheme, degree).time_element().unwrap()
 }
 
 /// A scheme with a degree.
-pub fn at(scheme: Scheme, degree: usize) -> Scheme {
+pub(crate) fn at(scheme: Scheme, degree: usize) -> Scheme {
     scheme.with_degree(degree).unwrap()
 }

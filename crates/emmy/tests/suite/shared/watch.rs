@@ -6,7 +6,7 @@ use emmy::motion::{Event, Observer, Record, Snapshot, View};
 
 /// Keeps everything an observer sees, and a snapshot after one of the steps.
 #[derive(Default)]
-pub struct Watch {
+pub(crate) struct Watch {
     pub records: Vec<Record>,
     pub events: Vec<Event>,
     pub snapshot_after: Option<usize>,
