@@ -33,7 +33,7 @@ pub struct FollowerRule {
 }
 
 impl FollowerRule {
-    /// The quadrature that goes with a rule.
+    /// The quadrature of a rule.
     pub fn new(rule: &Rule) -> Self {
         let k = rule.degree();
         let points = match rule.kind {
