@@ -16,7 +16,7 @@ pub use crate::element::{CellInfo, CellKind, CellShape, FacetKind, LocalFacet};
 
 use crate::error::{Error, Result};
 
-/// A cell of the mesh.
+/// A cell as it stands in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cell<'a> {
     /// Kind of the cell.
