@@ -272,7 +272,7 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Two unit cubes seen along the third axis, turned a little, the second one in front of the first.
+    /// Two unit cubes seen along the third axis, slightly rotated, the second one in front of the first.
     fn cubes(mesh: &Mesh, arrangement: Arrangement) -> Drawing<'_> {
         let at = |z: f64| mesh.points().iter().map(|p| [p[0], p[1], p[2] + z]).collect();
         let cube = |(label, z): (&str, f64)| Configuration { label: label.into(), positions: at(z) };

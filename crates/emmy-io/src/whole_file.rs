@@ -56,7 +56,7 @@ fn replace_by(path: &Path, content: &[u8], finish: impl Fn(&File) -> io::Result<
     fs::rename(&part, path)
 }
 
-/// Removes a file if it is there.
+/// Removes a file if it exists.
 ///
 /// # Errors
 /// Errors of the system.

@@ -285,7 +285,7 @@ pub enum Error {
         step: usize,
         /// Time at its end.
         time: f64,
-        /// Step size asked for.
+        /// Requested step size.
         step_size: f64,
         /// Estimate of the critical step, 2/omega_max.
         critical: f64,

@@ -57,8 +57,8 @@ pub struct MeshFile {
 /// instance form a group of the instance's name.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
-/// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane z
-/// = const; clockwise cells are reversed, with a note.
+/// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
+/// `z = const`; clockwise cells are reversed, with a note.
 ///
 /// VTK: whole numbers as cell data become groups. `group:NAME`: its cells, its facets (faces that are cells of the
 /// file) and the nodes of lines and points, wherever it is not 0; as point data, nodes. `facets:NAME`: bit i of a cell

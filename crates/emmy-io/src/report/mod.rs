@@ -10,7 +10,7 @@
 //! | `thinning` | chooses the rows of a long history, with every peak |
 //! | `loads` | time intervals in which loads act |
 //! | `events` | `events.csv` |
-//! | `collection`, `frames` | frames, and the selection that is kept |
+//! | `collection`, `frames` | frames, and the selection of frames |
 //! | `surface`, `coarse` | the visible surface of a mesh, coarsened if it is too large |
 //! | `pack` | typed arrays, compressed, as base64 |
 //! | `page` | the template |

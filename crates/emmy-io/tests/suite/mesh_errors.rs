@@ -216,7 +216,7 @@ fn bad_abaqus_assemblies() {
         ("*Part, name=TET\n", &["line 10: part \"TET\" exists already"]),
         ("*Instance, name=a, part=Arm\n", &["line 10: there is no part \"Arm\" above, only: Tet"]),
         ("*Instance, name=a\n", &["line 10: *INSTANCE without part="]),
-        ("*Instance, name=a, part=Tet\n*Instance, name=A, part=Tet\n", &["line 11: instance \"A\" is there"]),
+        ("*Instance, name=a, part=Tet\n*Instance, name=A, part=Tet\n", &["line 11: instance \"A\" exists"]),
         (
             "*Instance, name=a, part=Tet\n1,2,3,4\n",
             &["line 11: expected a translation (3 numbers) or a rotation"],

@@ -14,9 +14,9 @@ use crate::quadrature::gauss;
 /// p_m = (1/w_m) integral_0^1 Lambda_m(alpha) p dalpha
 /// ```
 ///
-/// with the Lagrange basis `Lambda_m` on the points. Energy-momentum rules take 3k Gauss points: `l_i F` has degree 3k
-/// - 1 in alpha, so it is interpolated exactly, and f_i is exact for every time function. Standard rules evaluate the
-/// load at the same points as the stress.
+/// with the Lagrange basis `Lambda_m` on the points. Energy-momentum rules take 3k Gauss points: `l_i F` has degree
+/// `3k - 1` in alpha, so it is interpolated exactly, and f_i is exact for every time function. Standard rules evaluate
+/// the load at the same points as the stress.
 ///
 /// ```
 /// use emmy::internals::average::{FollowerRule, Rule};
@@ -33,7 +33,7 @@ pub struct FollowerRule {
 }
 
 impl FollowerRule {
-    /// The quadrature that goes with a rule.
+    /// The quadrature of a rule.
     pub fn new(rule: &Rule) -> Self {
         let k = rule.degree();
         let points = match rule.kind {

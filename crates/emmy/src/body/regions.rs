@@ -20,8 +20,7 @@ pub struct RegionSummary {
     pub mass: f64,
     /// Centre of mass \[length\].
     pub centre: [f64; 3],
-    /// Inertia tensor about the centre of mass \[mass length^2\]; plane cells count as if all their mass lay in the
-    /// plane.
+    /// Inertia tensor about the centre of mass \[mass length^2\]; the mass of plane cells is taken to lie in the plane.
     pub inertia: [[f64; 3]; 3],
 }
 

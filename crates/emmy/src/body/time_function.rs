@@ -136,8 +136,8 @@ impl TimeFunction {
     /// (1/b_i) integral_0^1 l_i(alpha) f(t + alpha h) dalpha
     /// ```
     ///
-    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table, whatever kinks and jumps it has inside
-    /// the step; a smooth function is integrated by [`Rule::smooth_quadrature`].
+    /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table with any kinks and jumps inside the
+    /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
     pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
         averages.fill(0.0);
         if let Law::Smooth(_) = self.law {

@@ -22,7 +22,7 @@ pub struct CellInfo {
     pub element: &'static dyn ReferenceElement<3>,
 }
 
-/// Shape of a cell, whatever the nodes on its edges.
+/// Shape of a cell, for any nodes on its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellShape {
     /// Hexahedron.

@@ -15,8 +15,8 @@ use crate::tensor::{Lane, exp_m1_minus, exp_m1_over, inlined};
 /// ```
 ///
 /// Source: Ogden (1972), Proc. R. Soc. Lond. A 326; split as in Simo and Taylor (1991).
-/// mu_p and the bulk modulus in \[force/length^2\]; alpha_p, of either sign, have no dimension. Some programs write
-/// 2 mu_p / alpha_p^2 where mu_p / alpha_p stands here.
+/// mu_p and the bulk modulus in \[force/length^2\]; alpha_p, of either sign, have no dimension. Some programs use 2
+/// mu_p / alpha_p^2 instead of mu_p / alpha_p.
 ///
 /// ```
 /// use emmy::prelude::*;

@@ -328,7 +328,7 @@ impl<'a> Motion<'a> {
         Ok(&self.record)
     }
 
-    /// Advances the state. A state that is not finite is rejected, whatever its residual.
+    /// Advances the state. A state that is not finite is rejected, even if its residual is small.
     ///
     /// # Errors
     /// As [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.

@@ -20,7 +20,7 @@ impl Keyword {
         Keyword { name, parameters: fields.map(parameter).collect() }
     }
 
-    /// Whether a parameter is there, with or without a value.
+    /// Whether a parameter is given, with or without a value.
     pub(super) fn has(&self, key: &str) -> bool {
         self.parameters.iter().any(|(name, _)| name == key)
     }

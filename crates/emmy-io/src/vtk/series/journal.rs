@@ -125,7 +125,7 @@ impl Entries {
         Ok(found)
     }
 
-    /// The fields of a step, if the step is there.
+    /// The fields of a step, if the journal has it.
     pub(super) fn fields(&mut self, step: usize) -> io::Result<Option<Vec<FieldValues>>> {
         let found = self.entries.iter().rev().find(|(own, ..)| *own == step);
         let Some(&(_, offset, length)) = found else { return Ok(None) };

@@ -233,7 +233,7 @@ impl ApproximateTangent {
         self.turn_forward(z);
     }
 
-    /// Sets `turned` to stages turned back to the orientation of K.
+    /// Sets `turned` to the stages, rotated back to the orientation of K.
     fn turn_back(&mut self, stages: &[f64]) {
         let n = self.row_sums.len();
         self.turned.copy_from_slice(stages);

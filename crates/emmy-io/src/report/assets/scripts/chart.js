@@ -156,7 +156,7 @@ function logRange(plot, min, max) {
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
-// A twentieth of room above and below; a constant stands in the middle.
+// A margin of a twentieth above and below; a constant is in the middle.
 function roomyRange(plot, min, max) {
   if (min === null || max === null) return [0, 1];
   const size = Math.max(Math.abs(min), Math.abs(max));

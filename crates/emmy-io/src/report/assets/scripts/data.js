@@ -10,7 +10,7 @@ async function inflated(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// An array whose bytes stand plane by plane: all first bytes, all second bytes, and so on, which compresses better.
+// An array whose bytes are stored in planes: all first bytes, all second bytes, and so on, which compresses better.
 function unpacked(block, { type, length, offset }) {
   const width = BYTES[type];
   const bytes = new Uint8Array(length * width);

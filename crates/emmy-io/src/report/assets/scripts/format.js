@@ -10,7 +10,7 @@ function number(value, digits = 4) {
   return value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e");
 }
 
-// A number as it stands in a column of readings: always the same width.
+// A number in a column of readings, always of the same width.
 function reading(value) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (value === 0) return "0";

@@ -114,7 +114,7 @@ class Scene {
     this.map.needsUpdate = true;
   }
 
-  // Shows displacement and values as they stand in the frames, displacements magnified. Returns the middle of the body.
+  // Shows displacement and values of the frames, displacements magnified. Returns the middle of the body.
   setFrame(factor) {
     const { points, displacement, values, n } = this.frames, at = this.position.data;
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];

@@ -12,7 +12,7 @@ const SURFACE = {
       part = (value - range.x) / (range.y - range.x);
       gl_Position = projectionMatrix * at;
     }`,
-  // Flat shading: the normal of the triangle as it stands on the screen, lit on both sides.
+  // Flat shading: the normal of the triangle on the screen, lit on both sides.
   fragment: `#version 300 es
     precision highp float;
     in vec3 eye; in float part;
