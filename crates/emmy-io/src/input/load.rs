@@ -88,7 +88,8 @@ const ROWS: [Row; 8] = [
         },
         needs_group: false,
         read: |given| {
-            let (acceleration, group) = (given.value.numbers()?, given.group.clone());
+            let acceleration = given.value.numbers()?;
+            let group = given.group.clone();
             given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
         },
     },
@@ -100,7 +101,8 @@ const ROWS: [Row; 8] = [
         },
         needs_group: false,
         read: |given| {
-            let (field, group) = (expression::read_field(&given.value)?, given.group.clone());
+            let field = expression::read_field(&given.value)?;
+            let group = given.group.clone();
             given.load(Members::Cells, |_| LoadKind::BodyForceField { group, field })
         },
     },

@@ -112,7 +112,8 @@ fn gradient_is_the_derivative<const D: usize>(
     domain: Domain,
     xi: [f64; D],
 ) {
-    let (N, dN) = (shape_at(element, xi), gradient_at(element, xi));
+    let N = shape_at(element, xi);
+    let dN = gradient_at(element, xi);
     for i in 0..D {
         let shifted = |h: f64| {
             let x = std::array::from_fn(|j| if i == j { xi[j] + h } else { xi[j] });
@@ -131,7 +132,8 @@ fn gradient_is_the_derivative<const D: usize>(
 /// The mass rule agrees with a rule of high degree on every product of shape functions.
 fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>, domain: Domain) {
     let n = element.nodes().len();
-    let (rule, fine) = (element.mass_quadrature(), fine_rule(domain));
+    let rule = element.mass_quadrature();
+    let fine = fine_rule(domain);
     let integral = |rule: &Quadrature<D>, A: usize, B: usize| -> f64 {
         rule.iter().map(|(&xi, w)| w * shape_at(element, xi)[A] * shape_at(element, xi)[B]).sum()
     };
@@ -147,7 +149,8 @@ fn integrates_products<const D: usize>(element: &dyn ReferenceElement<D>, domain
 
 /// Gauss rule of high degree on the unit cube, mapped to a domain.
 fn fine_rule<const D: usize>(domain: Domain) -> Quadrature<D> {
-    let (n, line) = (5usize, crate::quadrature::gauss(5));
+    let n = 5usize;
+    let line = crate::quadrature::gauss(5);
     let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for index in 0..n.pow(D as u32) {
         let digits: [usize; D] = std::array::from_fn(|i| index / n.pow(i as u32) % n);
@@ -160,7 +163,8 @@ fn fine_rule<const D: usize>(domain: Domain) -> Quadrature<D> {
 
 /// The rule of the internal force agrees with a rule of high degree on the stiffness of an undistorted cell.
 fn integrates_stiffness<const D: usize>(element: &dyn ReferenceElement<D>, domain: Domain) {
-    let (rule, fine) = (element.quadrature(), fine_rule(domain));
+    let rule = element.quadrature();
+    let fine = fine_rule(domain);
     let stiffness = |rule: &Quadrature<D>| {
         let mut sums = vec![0.0; (D * element.nodes().len()).pow(2)];
         for (&xi, w) in rule.iter() {
@@ -261,7 +265,8 @@ fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
     assert_eq!(element(kind).nodes().len(), kind.n_nodes());
     conforms(&Flat(kind), Domain::of(kind), degree, points);
     integrates_stiffness(&Flat(kind), Domain::of(kind));
-    let (cell, corners) = (element(kind), &element(kind).nodes()[..kind.n_corners()]);
+    let cell = element(kind);
+    let corners = &element(kind).nodes()[..kind.n_corners()];
     let centre = [0, 1, 2].map(|i| corners.iter().map(|x| x[i]).sum::<f64>() / corners.len() as f64);
     for facet in kind.facets() {
         let edge = facet_element(facet.kind);

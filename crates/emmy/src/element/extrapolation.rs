@@ -25,7 +25,8 @@ use super::{CellKind, CellShape, element};
 /// assert!(extrapolation(CellKind::Tet4).iter().all(|x| (x - 1.0).abs() < 1e-14));
 /// ```
 pub fn extrapolation(kind: CellKind) -> Vec<f64> {
-    let (nodes, rule) = (element(kind).nodes(), element(kind).quadrature());
+    let nodes = element(kind).nodes();
+    let rule = element(kind).quadrature();
     let n_points = rule.points.len();
     let at = |i: usize| move |xi: &[f64; 3]| polynomials(kind, *xi)[i];
     let mut coefficients = vec![0.0; nodes.len() * n_points];
@@ -87,7 +88,8 @@ mod tests {
 
     /// Extrapolated values at the nodes less the true ones, the largest, of a function of the reference coordinates.
     fn error(kind: CellKind, f: impl Fn([f64; 3]) -> f64) -> f64 {
-        let (points, X) = (element(kind).quadrature().points, extrapolation(kind));
+        let points = element(kind).quadrature().points;
+        let X = extrapolation(kind);
         let nodes = element(kind).nodes().iter().zip(X.chunks_exact(points.len()));
         nodes
             .map(|(&node, row)| {

@@ -70,20 +70,25 @@ type Jet = (f64, [f64; 3]);
 
 /// `N/w` of the node at a corner of the base.
 fn corner([a, b, _]: [f64; 3], [u, v, w]: [f64; 3]) -> Jet {
-    let (f, g, s) = (1.0 + a * u, 1.0 + b * v, a * u + b * v);
+    let f = 1.0 + a * u;
+    let g = 1.0 + b * v;
+    let s = a * u + b * v;
     let c = 0.25 * (w * s - 1.0);
     (c * f * g, [a * g * (c + 0.25 * w * f), b * f * (c + 0.25 * w * g), 0.25 * s * f * g])
 }
 
 /// `N/w` of the node in the middle of an edge of the base along x_1, at (0, b).
 fn base_edge(b: f64, [u, v, w]: [f64; 3]) -> Jet {
-    let (f, g) = (1.0 - u * u, 1.0 + b * v);
+    let f = 1.0 - u * u;
+    let g = 1.0 + b * v;
     (0.5 * w * f * g, [-w * u * g, 0.5 * w * b * f, 0.5 * f * g])
 }
 
 /// `N/w` of the node on the edge from the corner (a, b) of the base to the apex.
 fn side_edge([a, b, _]: [f64; 3], [u, v, w]: [f64; 3]) -> Jet {
-    let (f, g, z) = (1.0 + a * u, 1.0 + b * v, 1.0 - w);
+    let f = 1.0 + a * u;
+    let g = 1.0 + b * v;
+    let z = 1.0 - w;
     (z * f * g, [z * a * g, z * b * f, -f * g])
 }
 
@@ -116,7 +121,8 @@ impl ReferenceElement<3> for Pyramid13 {
     }
 
     fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
-        let ([u, v], w) = (ray(xi), 1.0 - xi[2]);
+        let [u, v] = ray(xi);
+        let w = 1.0 - xi[2];
         for (node, (n, [n_u, n_v, n_w])) in functions(xi) {
             dN[node] = [n_u, n_v, u * n_u + v * n_v - n - w * n_w];
         }

@@ -28,7 +28,8 @@ fn plane([x, y, _]: [f64; 3]) -> [f64; 2] {
 
 /// Linear functions of the triangle: values and gradients.
 pub(super) fn linear(xi: [f64; 3]) -> ([f64; 3], [[f64; 2]; 3]) {
-    let (mut b, mut db) = ([0.0; 3], [[0.0; 2]; 3]);
+    let mut b = [0.0; 3];
+    let mut db = [[0.0; 2]; 3];
     linear_shape(plane(xi), &mut b);
     linear_gradient(&mut db);
     (b, db)
@@ -36,7 +37,8 @@ pub(super) fn linear(xi: [f64; 3]) -> ([f64; 3], [[f64; 2]; 3]) {
 
 /// Quadratic functions of the triangle: values and gradients.
 pub(super) fn quadratic(xi: [f64; 3]) -> ([f64; 6], [[f64; 2]; 6]) {
-    let (mut q, mut dq) = ([0.0; 6], [[0.0; 2]; 6]);
+    let mut q = [0.0; 6];
+    let mut dq = [[0.0; 2]; 6];
     quadratic_shape(plane(xi), &mut q);
     quadratic_gradient(plane(xi), &mut dq);
     (q, dq)

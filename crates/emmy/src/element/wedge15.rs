@@ -49,7 +49,8 @@ impl ReferenceElement<3> for Wedge15 {
     }
 
     fn shape(&self, xi: [f64; 3], N: &mut [f64]) {
-        let ((b, _), (q, _)) = (linear(xi), quadratic(xi));
+        let (b, _) = linear(xi);
+        let (q, _) = quadratic(xi);
         let bubble = 1.0 - xi[2] * xi[2];
         for A in 0..6 {
             let height = 0.5 * (1.0 + WEDGE_NODES[A][2] * xi[2]);
@@ -60,16 +61,20 @@ impl ReferenceElement<3> for Wedge15 {
     }
 
     fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
-        let ((b, db), (q, dq)) = (linear(xi), quadratic(xi));
-        let (bubble, slope) = (1.0 - xi[2] * xi[2], -2.0 * xi[2]);
+        let (b, db) = linear(xi);
+        let (q, dq) = quadratic(xi);
+        let bubble = 1.0 - xi[2] * xi[2];
+        let slope = -2.0 * xi[2];
         for i in 0..3 {
             dN[12 + i] = [db[i][0] * bubble, db[i][1] * bubble, b[i] * slope];
         }
         for A in 0..6 {
-            let (i, a) = (A % 3, WEDGE_NODES[A][2]);
+            let i = A % 3;
+            let a = WEDGE_NODES[A][2];
             let height = 0.5 * (1.0 + a * xi[2]);
             let product = |j: usize| [dq[j][0] * height, dq[j][1] * height, 0.5 * a * q[j]];
-            let (corner, side) = (product(i), dN[12 + i]);
+            let corner = product(i);
+            let side = dN[12 + i];
             dN[A] = [0, 1, 2].map(|d| corner[d] - 0.5 * side[d]);
             dN[6 + A] = product(3 + i);
         }

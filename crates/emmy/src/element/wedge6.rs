@@ -50,7 +50,8 @@ impl ReferenceElement<3> for Wedge6 {
     fn gradient(&self, xi: [f64; 3], dN: &mut [[f64; 3]]) {
         let (b, db) = linear(xi);
         for (A, dN) in dN.iter_mut().enumerate() {
-            let (i, a) = (A % 3, WEDGE_NODES[A][2]);
+            let i = A % 3;
+            let a = WEDGE_NODES[A][2];
             let height = 0.5 * (1.0 + a * xi[2]);
             *dN = [db[i][0] * height, db[i][1] * height, 0.5 * a * b[i]];
         }

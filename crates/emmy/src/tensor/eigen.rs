@@ -30,15 +30,18 @@ pub fn eigen(A: &Sym<f64>) -> ([f64; 3], Mat3<f64>) {
         if [(0, 1), (1, 2), (0, 2)].iter().all(|&(p, q)| a[p][q].abs() <= 1e-20 * size) {
             break;
         }
-        for (p, q) in [(0, 1), (1, 2), (0, 2)] {
-            rotate(&mut a, &mut Q, p, q);
-        }
+        rotate::<0, 1>(&mut a, &mut Q);
+        rotate::<1, 2>(&mut a, &mut Q);
+        rotate::<0, 2>(&mut a, &mut Q);
     }
     ([a[0][0], a[1][1], a[2][2]], Q)
 }
 
-/// The rotation in the plane of p and q that makes a_pq zero.
-fn rotate(a: &mut Mat3<f64>, Q: &mut Mat3<f64>, p: usize, q: usize) {
+/// The rotation in the plane of p and q that makes a_pq zero. Inlined with its constants, so that the tensors stay in registers.
+#[inline(always)]
+fn rotate<const P: usize, const Q: usize>(a: &mut Mat3<f64>, vectors: &mut Mat3<f64>) {
+    let p = P;
+    let q = Q;
     if a[p][q] == 0.0 {
         return;
     }
@@ -54,7 +57,7 @@ fn rotate(a: &mut Mat3<f64>, Q: &mut Mat3<f64>, p: usize, q: usize) {
     let rq = a[r][q];
     (a[r][p], a[r][q]) = (c * rp - s * rq, s * rp + c * rq);
     (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
-    for row in Q {
+    for row in vectors {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
     }
 }

@@ -66,7 +66,8 @@ pub struct FieldValues {
 impl Fields {
     /// The fields of a body. Computes everything that does not depend on the state.
     pub fn new(body: &Body) -> Self {
-        let (mesh, regions) = (body.mesh.clone(), body.made_of.clone());
+        let mesh = body.mesh.clone();
+        let regions = body.made_of.clone();
         let region_of_cell = body.region_of_cell.clone();
         let recovery = Recovery::new(&mesh);
         let density = density(&mesh, &regions, &region_of_cell, &recovery);
@@ -123,7 +124,8 @@ impl Fields {
     /// The state at every node, `[n_nodes]`.
     fn nodal_states(&self, displacement: &[f64]) -> Vec<PointState> {
         let n_nodes = self.mesh.n_nodes();
-        let (mut totals, mut sums) = (vec![(0.0, PointState::default()); n_nodes], recovery::sums(n_nodes));
+        let mut totals = vec![(0.0, PointState::default()); n_nodes];
+        let mut sums = recovery::sums(n_nodes);
         for (index, region) in self.regions.iter().enumerate().filter(|(_, region)| region.link().is_none()) {
             let cells: Vec<u32> = self.cells_of(index as u32).collect();
             let weigh = |kind| region.section(kind);
@@ -131,7 +133,8 @@ impl Fields {
             let state = |&node: &u32| PointState::new(region, &sums[node as usize].mean());
             let states: Vec<PointState> = nodes.par_iter().with_min_len(64).map(state).collect();
             for (&node, state) in nodes.iter().zip(&states) {
-                let (total, weight) = (&mut totals[node as usize], sums[node as usize].take());
+                let total = &mut totals[node as usize];
+                let weight = sums[node as usize].take();
                 total.0 += weight;
                 total.1.add(weight, state);
             }
@@ -155,7 +158,9 @@ impl Fields {
     }
 
     fn cell_state(&self, region: &Region, cell: usize, displacement: &[f64]) -> PointState {
-        let (mut points, mut sum, mut volume) = (Vec::new(), PointState::default(), 0.0);
+        let mut points = Vec::new();
+        let mut sum = PointState::default();
+        let mut volume = 0.0;
         self.recovery.points(&self.mesh, cell, displacement, &mut points);
         for (G, weight) in &points {
             sum.add(*weight, &PointState::new(region, G));

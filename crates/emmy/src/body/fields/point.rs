@@ -22,7 +22,8 @@ pub(super) struct PointState {
 impl PointState {
     /// The state of a region's material at a displacement gradient; NaN if det F is not positive.
     pub(super) fn new(region: &Region, G: &Mat3<f64>) -> Self {
-        let (J, strain) = (det_of_identity_plus(G), green_lagrange(G));
+        let J = det_of_identity_plus(G);
+        let strain = green_lagrange(G);
         let response = region.material.response(&strain).filter(|_| J > 0.0);
         let Some((energy, second)) = response else {
             return PointState { volume_ratio: J, ..PointState::undefined() };
@@ -36,7 +37,8 @@ impl PointState {
     /// attractions, which
     /// have no volume, have no stress and a volume ratio of 1.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
-        let (area, state) = (link.area(), LinkState::new(link, mesh, cell, displacement));
+        let area = link.area();
+        let state = LinkState::new(link, mesh, cell, displacement);
         if area == 0.0 {
             return PointState { volume_ratio: 1.0, ..PointState::default() };
         }
@@ -139,7 +141,8 @@ impl LinkState {
         let [reference_length, length] = [span, now].map(|x| x.iter().map(|x| x * x).sum::<f64>().sqrt());
         let square = reference_length * reference_length;
         let strain = (0..3).map(|i| (span[i] + 0.5 * change[i]) * change[i]).sum::<f64>() / square;
-        let (law, E) = (link.with_length(reference_length), [strain, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let law = link.with_length(reference_length);
+        let E = [strain, 0.0, 0.0, 0.0, 0.0, 0.0];
         LinkState {
             reference_axis: span.map(|x| x / reference_length),
             axis: now.map(|x| x / length),

@@ -66,8 +66,10 @@ impl Recovery {
 
     /// Volume of a solid cell, area of a plane one, length of a link.
     pub(super) fn measure(&self, mesh: &Mesh, cell: usize) -> f64 {
-        let (cell, mut measure) = (mesh.cell(cell), 0.0);
-        let (X, table) = (positions(mesh, cell.nodes), &self.table(cell.kind).reference);
+        let cell = mesh.cell(cell);
+        let mut measure = 0.0;
+        let X = positions(mesh, cell.nodes);
+        let table = &self.table(cell.kind).reference;
         for (point, weight) in table.weights.iter().enumerate() {
             measure += weight * det(&jacobian(cell.kind, &X, table.gradients_at(point)));
         }
@@ -83,12 +85,14 @@ impl Recovery {
         points: &mut Vec<(Mat3<f64>, f64)>,
     ) {
         let cell = mesh.cell(cell);
-        let (X, table) = (positions(mesh, cell.nodes), &self.table(cell.kind).reference);
+        let X = positions(mesh, cell.nodes);
+        let table = &self.table(cell.kind).reference;
         points.clear();
         for (point, weight) in table.weights.iter().enumerate() {
             let dN = table.gradients_at(point);
             let J = jacobian(cell.kind, &X, dN);
-            let (det, mut H) = (det(&J), [[0.0; 3]; 3]);
+            let det = det(&J);
+            let mut H = [[0.0; 3]; 3];
             for (&node, dN) in cell.nodes.iter().zip(dN) {
                 let u = &displacement[3 * node as usize..3 * node as usize + 3];
                 (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += u[i] * dN[m]));
