@@ -13,7 +13,8 @@ use crate::vtk::{FACETS, GROUP, Precision, cell_type};
 /// Reads a `.vtkhdf` that Emmy wrote.
 ///
 /// ```
-/// use emmy::{body::{Body, Region, fields::{FieldName, Fields}}, material::NeoHooke, mesh};
+/// use emmy::body::{FieldName, Fields};
+/// use emmy::prelude::*;
 /// use emmy_io::vtk::{Precision, Series, SeriesReader};
 /// # let directory = std::env::temp_dir().join(format!("emmy-doc-series-{}", std::process::id()));
 /// let rubber = Region::new(NeoHooke::new(1.0, 1.0)?, 2.0);
