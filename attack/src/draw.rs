@@ -139,12 +139,16 @@ impl Draft {
     fn load(&self, rng: &mut Rng) -> String {
         let group = one_of(rng, &["x-max", "y-max", "x-min", "y-min"]);
         let history = one_of(rng, &HISTORIES);
-        let kind = match rng.usize(..8) {
+        let kind = match rng.usize(..9) {
             0 => format!("group = \"{group}\"\ntraction = {}\n{history}", vector(rng, 60.0)),
             1 => format!("group = \"{group}\"\nforce = {}\n{history}", vector(rng, 60.0)),
             2 => format!("group = \"{group}\"\nnodal_force = {}\n{history}", vector(rng, 20.0)),
             3 | 4 => format!("group = \"{group}\"\npressure = {:.2}\n{history}", 80.0 * rng.f64() - 20.0),
             5 => format!("acceleration = {}\n{history}", vector(rng, 10.0)),
+            7 => format!(
+                "body_force = [\"{:.2}*sin(7*t)\", \"30*x*y*cos(4*t)\", 0]\n{history}",
+                60.0 * rng.f64()
+            ),
             6 if self.is_element => format!("drag = {:.3}", rng.f64()),
             6 => return String::new(),
             _ => "attraction = { centre = [4.0, 1.0, 0.0], strength = 20.0 }".into(),

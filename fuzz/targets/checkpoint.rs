@@ -8,8 +8,7 @@ use std::sync::LazyLock;
 use emmy::body::{Body, Region};
 use emmy::material::NeoHooke;
 use emmy::mesh;
-use emmy::motion::Motion;
-use emmy::internals::newton::NewtonSettings;
+use emmy::motion::{Motion, NewtonSettings};
 use emmy::time::{NewmarkFamily, Scheme, TimeElement};
 use libfuzzer_sys::fuzz_target;
 

@@ -12,7 +12,7 @@ use crate::sparse::reduce::dot;
 ///
 /// ```
 /// use emmy::prelude::*;
-/// use emmy::internals::newton::NewtonSettings;
+/// use emmy::motion::NewtonSettings;
 /// use emmy::internals::time::{Stepper, TimeElementStepper};
 /// let rubber = NeoHooke::new(1000.0, 500.0)?;
 /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(rubber, 1.0)).build()?;

@@ -6,10 +6,9 @@ mod problems;
 mod pulses;
 
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction};
-use emmy::internals::sparse::Solver;
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::{Adaptivity, EventKind, GlobalError, MarchError, Motion, NewtonSettings};
-use emmy::motion::{Phase, State, StepPlan};
+use emmy::motion::{Phase, Solver, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
 use emmy::{Error, mesh};
 
