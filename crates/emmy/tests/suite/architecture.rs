@@ -361,7 +361,7 @@ fn assert_names_its_modules(folder: &Path, root: &str) {
         }
         if is_rust(&path) || !files.is_empty() {
             let declaration = format!("mod {};", path.file_stem().unwrap().to_str().unwrap());
-            let names_it = |line: &str| line == declaration || line == format!("pub {declaration}");
+            let names_it = |line: &str| line == declaration || line == format!("pub(crate) {declaration}");
             assert!(text.lines().any(names_it), "{} lacks `{declaration}`", folder.join(root).display());
         }
         if !files.is_empty() {
