@@ -1,12 +1,11 @@
 //! A user's material: its complete definition, and a block of it that rotates and stretches in space.
 //!
-//!     cargo run --release --example own_material
+//!     cargo run --release -p emmy --example own_material
 
 #![allow(non_snake_case)] // the letters of the formulas
 
 use emmy::body::{Body, InitialVelocity, Region};
-use emmy::material::Material;
-use emmy::material::{Elasticity, Lane, Sym, double_dot, sym_scaled};
+use emmy::material::{Elasticity, Lane, Material, Sym, double_dot, sym_scaled};
 use emmy::motion::{Motion, Record, State};
 use emmy::time::TimeElement;
 
@@ -19,21 +18,27 @@ struct Foam {
 }
 
 impl Material for Foam {
+    #[inline(always)]
     fn strain_energy<L: Lane>(&self, E: &Sym<L>) -> L {
         let square = double_dot(E, E);
         (square + square * square * self.stiffening) * self.mu
     }
 
+    #[inline(always)]
     fn stress<L: Lane>(&self, E: &Sym<L>) -> Sym<L> {
         let slope = E[0].splat(1.0) + double_dot(E, E) * (2.0 * self.stiffening);
         sym_scaled(slope * (2.0 * self.mu), E)
     }
 
+    #[inline(always)]
     fn stress_and_elasticity<L: Lane>(&self, E: &Sym<L>) -> (Sym<L>, Elasticity<L>) {
-        let (slope, zero) = (E[0].splat(1.0) + double_dot(E, E) * (2.0 * self.stiffening), E[0].splat(0.0));
+        let zero = E[0].splat(0.0);
+        let slope = E[0].splat(1.0) + double_dot(E, E) * (2.0 * self.stiffening);
         let mut D = [[zero; 6]; 6];
         for a in 0..6 {
-            (0..6).for_each(|b| D[a][b] = E[a] * E[b] * (8.0 * self.mu * self.stiffening));
+            for b in 0..6 {
+                D[a][b] = E[a] * E[b] * (8.0 * self.mu * self.stiffening);
+            }
             D[a][a] += slope * (self.mu * if a < 3 { 2.0 } else { 1.0 }); // shear strains count twice
         }
         (self.stress(E), D)

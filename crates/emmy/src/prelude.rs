@@ -8,8 +8,8 @@ pub use crate::body::{
     Body, InitialVelocity, Load, LoadKind, PointMass, Region, Rotation, Support, TimeFunction, Viscosity,
 };
 pub use crate::material::{
-    ArrudaBoyce, CiarletGeymonat, Gent, Hencky, Link, Material, MooneyRivlin, NeoHooke, NeoHookeIsochoric,
-    Ogden, SaintVenantKirchhoff, Volumetric, Yeoh,
+    ArrudaBoyce, CiarletGeymonat, EngineeringConstants, Gent, Hencky, HolzapfelGasserOgden, Link, Material,
+    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, Orthotropic, SaintVenantKirchhoff, Volumetric, Yeoh,
 };
 pub use crate::mesh::{self, CellKind, Mesh, MeshBuilder};
 pub use crate::motion::{Motion, NewtonSettings, Phase, Record, State, StepPlan};

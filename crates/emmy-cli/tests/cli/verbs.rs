@@ -174,7 +174,7 @@ fn list_has_the_key_word_first() {
     }
     for line in place.succeed(&["list", "materials"]).stdout.lines() {
         let is_link = ["bar", "spring", "attraction"].iter().any(|link| line.starts_with(link));
-        let parts = [if is_link { "V = " } else { "W(C) = " }, "; parameter"];
+        let parts = [if is_link { "V = " } else { "W = " }, "; parameter"];
         assert!(parts.iter().all(|part| line.contains(part)), "{line}");
     }
     assert_eq!(place.emmy(&["list", "cheese"]).code, 2);

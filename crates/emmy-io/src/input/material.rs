@@ -54,7 +54,7 @@ pub fn materials() -> Vec<(&'static str, String)> {
     };
     let set = |set: &&[Parameter]| set.iter().map(parameter).collect::<Vec<_>>().join(", ");
     let line = |RegionModel { model, .. }: &RegionModel| {
-        let energy = if model.is_link() { "V" } else { "W(C)" };
+        let energy = if model.is_link() { "V" } else { "W" };
         let parameters = model.parameters.iter().map(set).collect::<Vec<_>>().join(" or ");
         let text = format!("{energy} = {}; parameters {parameters}; {}", model.energy, model.purpose);
         (model.name, text)

@@ -1,4 +1,4 @@
-//! Stored energy functions W(C) of hyperelastic materials, one model per file.
+//! Strain energies W of hyperelastic materials, one model per file.
 //!
 //! A material sees the deformation only through `C = F^T F`, given as the Green-Lagrange strain
 //! `E = (C - I) / 2`, which keeps its digits at small strain.
@@ -83,8 +83,8 @@ pub(crate) use each_material;
 /// S = dW/dE = 2 dW/dC,      D = dS/dE = 4 d^2W/dC^2
 /// ```
 ///
-/// Strains must be evaluated without cancellation: the relative error of `W` and `S` stays at round-off for strains
-/// from 1e-8 to 1. Components are ordered as in [`Sym`]; see [`Elasticity`] for the shears of `D`.
+/// `W` and `S` must be evaluated without cancellation: their relative error stays at round-off for strains from 1e-8 to 1.
+/// Textbook forms such as `mu/2 (tr C - 3)` cancel; write them in `C - I = 2E`. Components are ordered as in [`Sym`]; see [`Elasticity`] for the shears of `D`.
 ///
 /// ```
 /// use emmy::prelude::*;

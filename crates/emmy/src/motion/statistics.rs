@@ -46,7 +46,9 @@ impl Extreme {
 /// let state = State::initial(&body, 0.0, &[flight])?;
 /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
 /// motion.step(0.1)?;
-/// assert!((motion.statistics().largest_displacement.value - 0.3).abs() < 1e-14);
+/// let largest = &motion.statistics().largest_displacement;
+/// assert!((largest.value - 0.3).abs() < 1e-14 && largest.step == 1);
+/// assert_eq!(largest.point, body.mesh().points()[largest.node]); // in the reference configuration
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
