@@ -404,6 +404,12 @@ pub enum LoadKind {
 }
 
 /// Where a load by a field acts.
+///
+/// ```
+/// use emmy::body::{Field, FieldDomain, LoadKind};
+/// let wind = LoadKind::TractionField { group: "x-max".into(), field: Field::new(|_, t| [t, 0.0, 0.0]) };
+/// assert_eq!(wind.field().unwrap().1, FieldDomain::Facets("x-max"));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FieldDomain<'a> {
     /// A facet group.

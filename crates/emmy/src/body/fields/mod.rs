@@ -55,6 +55,16 @@ pub struct Fields {
 }
 
 /// The numbers of a field.
+///
+/// ```
+/// use emmy::body::{FieldName, Fields};
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let values = Fields::new(&body).at(&[0.0; 24], &[1.0; 24], &[FieldName::Velocity]);
+/// assert_eq!((values[0].name, values[0].numbers.len()), (FieldName::Velocity, 24));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldValues {
     /// Which field.

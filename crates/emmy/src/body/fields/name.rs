@@ -7,6 +7,11 @@ use super::point::{PointState, von_mises};
 use crate::tensor::Sym;
 
 /// Where a field has its values.
+///
+/// ```
+/// use emmy::body::{FieldName, Place};
+/// assert_eq!(FieldName::CellVonMisesStress.place(), Place::Cells);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// At the nodes.
