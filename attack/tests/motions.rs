@@ -22,7 +22,7 @@ fn ten_random_motions_are_resumed_in_every_bit() {
 }
 
 #[test]
-#[ignore = "half a minute; `cargo test -p emmy-attack -- --ignored`"]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
 fn two_hundred_random_motions_are_resumed_in_every_bit() {
     draw(1000..1200);
 }

@@ -37,9 +37,14 @@ impl FieldLoad {
     /// [`crate::Error::UnknownGroup`].
     pub(super) fn new(mesh: &Mesh, index: usize, load: &Load, section: &[f64]) -> Result<Option<Self>> {
         let Some((field, domain)) = load.kind.field() else { return Ok(None) };
-        let (points, ends, node_weights) = (Vec::new(), Vec::new(), Vec::new());
-        let (field, time_function) = (field.clone(), load.time_function.clone());
-        let mut table = FieldLoad { load: index, field, time_function, points, ends, node_weights };
+        let mut table = FieldLoad {
+            load: index,
+            field: field.clone(),
+            time_function: load.time_function.clone(),
+            points: Vec::new(),
+            ends: Vec::new(),
+            node_weights: Vec::new(),
+        };
         match domain {
             FieldDomain::Facets(group) => {
                 for_each_facet_point(mesh, mesh.groups().facets(group)?, section, |nodes, point| {

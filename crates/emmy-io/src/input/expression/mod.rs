@@ -1,8 +1,7 @@
 //! Expressions of the time, such as `0.5 * sin(2*pi*t)`, or of position and time.
 //!
-//! A text becomes a tree ([`parse()`]). Its value is computed with first and second derivatives by the time, by the rules of
-//! differentiation differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are
-//! integrated
+//! A text becomes a tree ([`parse()`]). Its value is computed with first and second derivatives by the time, by the
+//! rules of differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are integrated
 //! exactly.
 
 mod jet;

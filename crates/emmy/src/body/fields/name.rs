@@ -184,7 +184,7 @@ fields! {
         needs: Needs::Volume,
         formula: Formula::Number(|state| von_mises(&state.cauchy)),
     }
-    /// Mean energy density of a cell: times its volume, the energy that is stored in it.
+    /// Mean energy density of a cell; times its volume, the stored energy of the cell.
     CellStrainEnergyDensity {
         name: "cell_strain_energy_density",
         description: "mean of W in each cell [energy/length^3]",

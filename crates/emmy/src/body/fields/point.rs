@@ -34,8 +34,7 @@ impl PointState {
     }
 
     /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; springs and
-    /// attractions, which
-    /// have no volume, have no stress and a volume ratio of 1.
+    /// attractions, which have no volume, have no stress and a volume ratio of 1.
     pub(super) fn of_link(link: &Link, mesh: &Mesh, cell: usize, displacement: &[f64]) -> Self {
         let area = link.area();
         let state = LinkState::new(link, mesh, cell, displacement);

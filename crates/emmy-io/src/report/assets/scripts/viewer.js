@@ -215,7 +215,7 @@ class Viewer {
     const factor = Number(this.factor.value);
     this.note.textContent = factor === 1 ? "" : `displacements × ${grouped(factor)}`;
     const thinned = kept < written ? ` (${written} written)` : "";
-    const text = `Frame ${shown + 1} of ${kept}${thinned}, step ${frames.steps[shown]}, t = ${number(frames.times[shown])}; as computed, nothing between frames is made up. ${notes.join(" ")}`;
+    const text = `Frame ${shown + 1} of ${kept}${thinned}, step ${frames.steps[shown]}, t = ${number(frames.times[shown])}; as computed, without interpolation. ${notes.join(" ")}`;
     if (this.foot.textContent !== text) this.foot.textContent = text;
   }
 
