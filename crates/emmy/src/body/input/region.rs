@@ -1,0 +1,82 @@
+//! Regions of a body.
+
+use crate::body::Viscosity;
+use crate::body::solid::RegionMaterial;
+use crate::material::{Link, Material};
+
+/// Part of the body with one material and density.
+#[derive(Debug)]
+pub struct Region {
+    /// Cell group; `None`: every cell.
+    pub group: Option<String>,
+    /// Reference density \[mass/length^3\].
+    pub density: f64,
+    /// Thickness of its plane cells \[length\]; 1 unless it is set.
+    pub thickness: f64,
+    /// Viscosity; none unless it is set. Links have [`Viscosity::time`] only.
+    pub viscosity: Viscosity,
+    pub(in crate::body) material: RegionMaterial,
+}
+
+impl Region {
+    /// The region of all cells, of a material with a reference density \[mass/length^3\].
+    pub fn new(material: impl Material, density: f64) -> Self {
+        Region::of(RegionMaterial::Solid(material.compiled()), density)
+    }
+
+    /// The region of all cells, with links. Bars need the density; springs and attractions have no mass.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let mesh = Mesh::from_cells(CellKind::Line2, &[[0.0; 3], [3.0, 4.0, 0.0]], &[[0, 1]])?;
+    /// let bar = Region::links(Link::bar(1000.0, 0.1)?, 2.0);
+    /// assert!((Body::builder(mesh).region(bar).build()?.regions()[0].mass - 1.0).abs() < 1e-15);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn links(link: Link, density: f64) -> Self {
+        Region::of(RegionMaterial::Link(link), density)
+    }
+
+    fn of(material: RegionMaterial, density: f64) -> Self {
+        Region { group: None, density, thickness: 1.0, viscosity: Viscosity::default(), material }
+    }
+
+    /// The same region on the cells of a group.
+    pub fn on(self, group: impl Into<String>) -> Self {
+        Region { group: Some(group.into()), ..self }
+    }
+
+    /// The link of a region of links.
+    pub fn link(&self) -> Option<Link> {
+        match self.material {
+            RegionMaterial::Solid(_) => None,
+            RegionMaterial::Link(link) => Some(link),
+        }
+    }
+
+    /// The same region with another thickness of its plane cells.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let plate = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_thickness(0.1);
+    /// let body = Body::builder(mesh::rectangle([3.0, 4.0], [3, 4])?).region(plate).build()?;
+    /// assert!((body.regions()[0].mass - 2.4).abs() < 1e-14);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_thickness(self, thickness: f64) -> Self {
+        Region { thickness, ..self }
+    }
+
+    /// The same region with a viscosity.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let viscosity = Viscosity { time: 1e-3, ..Viscosity::default() };
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0).with_viscosity(viscosity);
+    /// assert!(Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?.is_viscous());
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_viscosity(self, viscosity: Viscosity) -> Self {
+        Region { viscosity, ..self }
+    }
+}
