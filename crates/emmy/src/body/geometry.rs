@@ -4,7 +4,7 @@ use crate::element::{ReferenceElement, element, facet_element, facet_tangents, j
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh};
 use crate::quadrature::Quadrature;
-use crate::tensor::{Mat3, det};
+use crate::tensor::{Mat3, cross, det};
 
 /// Cells of one kind with the geometry that the internal force needs.
 #[derive(Debug, Clone)]
@@ -194,6 +194,5 @@ pub(super) fn for_each_facet_point(
 
 /// Norm of the cross product of two vectors.
 fn norm_of_product([a, b]: [[f64; 3]; 2]) -> f64 {
-    let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    normal.iter().map(|n| n * n).sum::<f64>().sqrt()
+    cross(a, b).iter().map(|n| n * n).sum::<f64>().sqrt()
 }

@@ -208,7 +208,7 @@ fn combination(N: &[f64], positions: &[[f64; 3]]) -> [f64; 3] {
 fn flux(dN: &[[f64; 2]], positions: &[[f64; 3]], x: [f64; 3], centre: [f64; 3]) -> f64 {
     let tangent = |d: usize| combination(&dN.iter().map(|dN| dN[d]).collect::<Vec<_>>(), positions);
     let (s, t) = (tangent(0), tangent(1));
-    let normal = [s[1] * t[2] - s[2] * t[1], s[2] * t[0] - s[0] * t[2], s[0] * t[1] - s[1] * t[0]];
+    let normal = cross(s, t);
     (0..3).map(|i| normal[i] * (x[i] - centre[i])).sum()
 }
 
@@ -274,7 +274,7 @@ fn plane_cell_conforms(kind: CellKind, degree: i32, points: &[[f64; 2]]) {
         let positions: Vec<[f64; 3]> = facet.nodes.iter().map(|&local| cell.nodes()[local]).collect();
         for (&s, _) in edge.quadrature().iter() {
             let [a, b] = facet_tangents(facet.kind, &positions, &gradient_at(edge, s));
-            let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let normal = cross(a, b);
             let x = combination(&shape_at(edge, s), &positions);
             assert!((0..3).map(|i| normal[i] * (x[i] - centre[i])).sum::<f64>() > 0.1, "{kind} {facet:?}");
             is_the_restriction(cell, facet.nodes, &shape_at(edge, s), x);

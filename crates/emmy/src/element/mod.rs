@@ -40,7 +40,7 @@ pub use wedge6::Wedge6;
 pub use wedge15::Wedge15;
 
 use crate::quadrature::Quadrature;
-use crate::tensor::Mat3;
+use crate::tensor::{Mat3, cross};
 
 // A new kind has its line here.
 kind::cell_kinds! {
@@ -165,9 +165,6 @@ pub fn jacobian(kind: CellKind, X: &[[f64; 3]], dN: &[[f64; 3]]) -> Mat3<f64> {
 
 /// Two unit vectors that form a right-handed system of axes with a vector; NaN for the zero vector.
 fn across(a: [f64; 3]) -> [[f64; 3]; 2] {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
     let unit = |a: [f64; 3]| {
         let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
         a.map(|x| x / length)

@@ -60,7 +60,7 @@ impl Rotation {
         let n = self.axis;
         let r = [0, 1, 2].map(|i| x[i] - self.point[i]);
         let along = (n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) * (1.0 - self.cosine);
-        let across = [n[1] * r[2] - n[2] * r[1], n[2] * r[0] - n[0] * r[2], n[0] * r[1] - n[1] * r[0]];
+        let across = emmy::internals::tensor::cross(n, r);
         [0, 1, 2].map(|i| self.point[i] + self.cosine * r[i] + self.sine * across[i] + along * n[i])
     }
 }

@@ -1,5 +1,7 @@
 //! Velocity of a body at the start.
 
+use crate::tensor::cross;
+
 /// Initial velocity field of a group.
 ///
 /// ```math
@@ -29,8 +31,7 @@ impl InitialVelocity {
     /// The velocity at a reference position.
     pub fn at(&self, X: [f64; 3]) -> [f64; 3] {
         let r = [0, 1, 2].map(|i| X[i] - self.about[i]);
-        let w = self.angular_velocity;
-        let rotation = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+        let rotation = cross(self.angular_velocity, r);
         [0, 1, 2].map(|i| {
             let stretching: f64 = (0..3).map(|j| self.gradient[i][j] * X[j]).sum();
             self.velocity[i] + rotation[i] + stretching

@@ -11,8 +11,8 @@ use super::{Memory, State};
 use crate::body::{Body, sum};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
-use crate::tensor::Mat3;
 use crate::tensor::rotation::{exp, image, skew};
+use crate::tensor::{Mat3, cross};
 
 /// Extrapolation of the last step's deviation from its rigid motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -267,8 +267,7 @@ impl Prediction {
                 for j in 0..k {
                     (0..3).for_each(|d| q[d] += a[i * k + j] * rates[j * n + at + d]);
                 }
-                let moment =
-                    [q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]];
+                let moment = cross(q, [r[0], r[1], r[2]]);
                 (0..3).for_each(|d| self.sums[i][d] += r[d]);
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
