@@ -36,6 +36,7 @@ function showDetails(place, runs) {
 const FILES = {
   "history.csv": "one row a step, 17 digits", "newton.csv": "residuals of the Newton iteration", "events.csv": "cuts, rejections, releases and other events",
   "summary.json": "the verdict", "input.toml": "the input", "report.html": "the report",
+  "modes.csv": "frequencies, periods and effective masses, 17 digits", "modes.toml": "the input",
 };
 
 function fileList(run) {

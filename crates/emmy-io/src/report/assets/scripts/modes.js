@@ -1,5 +1,21 @@
 // The page of natural modes: a table, and the mode that is chosen as a vibration.
 
+// The shapes of modes: frame 0 is the body at rest, and a frame that adds a mode to it follows for each mode.
+class ModeFrames extends Frames {
+  constructor(run) {
+    super(run);
+    this.rest = super.readDisplacement(0).slice();
+    this.points = this.points.map((x, i) => x + this.rest[i]);
+    [this.times, this.steps] = [this.times.slice(1), this.steps.slice(1)];
+  }
+
+  readDisplacement(mode) {
+    super.readDisplacement(mode + 1);
+    for (let i = 0; i < 3 * this.n; i++) this.displacement[i] -= this.rest[i];
+    return this.displacement;
+  }
+}
+
 // The motion of a mode: the reference position and sin(2 pi t) times the shape, where the clock runs over one period.
 class ModeViewer extends Viewer {
   get showsModes() {
@@ -19,12 +35,21 @@ class ModeViewer extends Viewer {
     this.settings.perFrame = true;
   }
 
+  framesOf(run) {
+    return new ModeFrames(run);
+  }
+
   frameAt() {
-    return this.mode;
+    return Math.max(this.frameOfMode, 0);
+  }
+
+  // Index of the frame; -1 if the page has no room for it.
+  get frameOfMode() {
+    return this.frames.steps.indexOf(this.current.modes[this.mode].mode);
   }
 
   scaleAt(time) {
-    return Number(this.factor.value) * Math.sin(2 * Math.PI * time);
+    return this.frameOfMode < 0 ? 0 : Number(this.factor.value) * Math.sin(2 * Math.PI * time);
   }
 
   chooseMode(index) {
@@ -33,7 +58,7 @@ class ModeViewer extends Viewer {
   }
 
   describe() {
-    this.note.textContent = "";
+    this.note.textContent = this.frameOfMode < 0 ? "not drawn: the page has no room for it" : "";
     return `${nameOfMode(this.current, this.mode)}. The size of a mode is arbitrary. ${this.current.frames.notes.join(" ")}`;
   }
 }
@@ -50,22 +75,23 @@ function kindOfMode({ frequency }) {
 
 function modeTable(run, choose) {
   const columns = [["frequency", "frequency"], ["period", "period"], ["angular_frequency", "angular frequency"], ...["x", "y", "z"].map((axis) => [`effective_mass_${axis}`, `effective mass ${axis}`])];
-  const cell = (mode, key) => element("td", { "data-key": key }, mode[key] === null ? "–" : number(mode[key], 5));
+  const cell = (mode, key) => element("td", { "data-key": key }, mode[key] === null ? "–" : number(mode[key]));
   const rows = run.modes.map((mode, i) => {
     const kind = kindOfMode(mode);
     const button = element("button", { class: "link", type: "button", onclick: () => choose(i) }, String(mode.mode));
-    return element("tr", { onclick: () => choose(i), class: kind }, element("th", { scope: "row" }, button), ...columns.map(([key]) => cell(mode, key)), element("td", {}, kind));
+    return element("tr", { onclick: () => choose(i), class: kind }, element("th", { scope: "row" }, button, " ", element("small", {}, kind)), ...columns.map(([key]) => cell(mode, key)));
   });
   const show = (index) => rows.forEach((row, i) => row.setAttribute("aria-selected", String(i === index)));
-  const head = ["mode", ...columns.map(([key, name]) => inUnit(name, unitOf(run, key))), ""].map((name) => element("th", { scope: "col" }, name));
-  const table = element("table", { class: "runs modes" }, element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows));
+  const head = ["mode", ...columns.map(([key, name]) => inUnit(name, unitOf(run, key)))].map((name) => element("th", { scope: "col" }, name));
+  const sums = columns.map(([key]) => (key.startsWith("effective") ? number(run.modes.reduce((sum, mode) => sum + mode[key], 0)) : ""));
+  const foot = element("tr", {}, element("th", { scope: "row" }, "sum"), ...sums.map((sum) => element("td", {}, sum)));
+  const table = element("table", { class: "runs modes" }, element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows), element("tfoot", {}, foot));
   return { node: element("div", { class: "table-wrap" }, table), show };
 }
 
 async function showModes(manifest) {
   const id = (name) => document.getElementById(name);
   const run = await readRun(0, manifest.runs[0]);
-  run.time = run.array("frames/time");
   id("title").textContent = run.title ?? run.name;
   id("subtitle").textContent = `${run.name}, computed by Emmy ${run.version ?? manifest.version}`;
   const rigid = run.modes.filter((mode) => kindOfMode(mode) === "rigid").length;

@@ -75,6 +75,10 @@ class Viewer {
     this.factor.replaceChildren(...options);
   }
 
+  framesOf(run) {
+    return new Frames(run);
+  }
+
   // Index of the frame at a time.
   frameAt(time) {
     return lastBefore(this.frames.times, time);
@@ -88,7 +92,7 @@ class Viewer {
   // Shows a run.
   choose(run) {
     this.current = run;
-    this.frames = new Frames(run);
+    this.frames = this.framesOf(run);
     const { frames } = this;
     this.reference = frames.box(0);
     this.setFactors();
