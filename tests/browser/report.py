@@ -268,6 +268,34 @@ def check_probe(browser, directory, name):
     page.close()
 
 
+def check_quantities(browser, emmy, source, directory):
+    """Other columns have charts: components of one quantity together, the start of reactions is a gap."""
+    os.makedirs(directory)
+    for name in ["input.toml", "summary.json"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    lines = open(f"{source}/history.csv").read().splitlines()
+    force = [f"z-min_force_{axis}" for axis in "xyz"]
+    tensor = [f"tip_cauchy_stress_{part}" for part in ["xx", "yy", "zz", "xy", "yz", "xz"]]
+    rows = [",".join([lines[0], *force, *tensor, "max_displacement", "energy_of_beam"])]
+    for step, line in enumerate(lines[1:]):
+        rows.append(",".join([line, *([str(k * step) for k in [2, 3, 6]] if step else ["nan"] * 3), *map(str, range(6)), str(0.1 * step), "7"]))
+    open(f"{directory}/history.csv", "w").write("\n".join(rows) + "\n")
+    subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+    page = browser.page(f"{directory}/report.html")
+    keys = lambda title: page.value(f"[...document.querySelectorAll('[aria-label=\"{title}\"] .key')].map(e => e.textContent)")
+    page.press("Home")
+    assert keys("Reaction force of z-min") == ["Fx–", "Fy–", "Fz–", "|F|–"], keys("Reaction force of z-min")
+    page.press(".")
+    assert keys("Reaction force of z-min") == ["Fx2", "Fy3", "Fz6", "|F|7"], keys("Reaction force of z-min")
+    assert keys("Largest displacement") == ["max displacement0.10000"] and keys("energy_of_beam") == ["energy_of_beam7"]
+    probes = page.value("[...document.querySelectorAll('[aria-label=\"Probe tip\"]')].map(e => e.querySelectorAll('.key').length)")
+    assert probes == [3, 6], probes
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+
+
 def check_extremes(browser, directory):
     """The largest displacement has its time, which a click shows, and its place."""
     summary = json.load(open(f"{directory}/summary.json"))
@@ -421,6 +449,7 @@ def main():
         check_range(browser, f"{place}/l-block")
         check_probe(browser, f"{place}/two-materials", "tip")
         check_extremes(browser, f"{place}/two-materials")
+        check_quantities(browser, emmy, f"{place}/charts-only", f"{place}/quantities")
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
         check_schemes(browser, f"{place}/l-block")

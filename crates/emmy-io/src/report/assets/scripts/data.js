@@ -41,7 +41,25 @@ async function readRun(index, run) {
 
 // Unit of a column or a field of a run; empty without units.
 function unitOf(run, name) {
-  return run.units?.[name] ?? "";
+  return run.units?.columns[name] ?? run.units?.fields[name] ?? "";
+}
+
+// A static analysis has increments of its loads in place of steps in time.
+function isStatic(run) {
+  return run.summary.scheme === "static";
+}
+
+function stepName(run) {
+  return isStatic(run) ? "increment" : "step";
+}
+
+// A time with its name: `t = 0.2 s`, or `load fraction = 0.2`.
+function timeText(run, time, digits) {
+  return `${isStatic(run) ? "load fraction" : "t"} = ${timeValue(run, time, digits)}`;
+}
+
+function timeValue(run, time, digits) {
+  return [number(time, digits), unitOf(run, "time")].filter(Boolean).join(" ");
 }
 
 // Index of the last of ascending times that is not after a time; 0 before the first.

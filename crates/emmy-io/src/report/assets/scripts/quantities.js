@@ -31,9 +31,9 @@ function meaning(run, stem, [{ component }]) {
   const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
   if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
   const [, group, name] = stem.match(/^(.+)_(force|moment)$/) ?? [];
-  if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : "mean of a step" };
+  if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
   if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}`, name: stem, unit: "over the body" };
-  return { title: words(stem), name: stem };
+  return { title: stem, name: stem };
 }
 
 // One chart for each quantity of a run. A probe's position is shown as displacement; the position itself would only show
@@ -59,11 +59,11 @@ function chartsOfQuantities(run) {
   });
 }
 
-function linesOf(run, { parts, name }) {
+function linesOf(run, { parts, owner, name }) {
   const letter = LETTERS[name] ?? "";
   const lines = parts.map(({ column, component }) => {
     const [colour, dash] = COMPONENTS[component] ?? ["--c0", []];
-    return { label: component ? letter + component : words(name), values: nulled(run.column(column)), colour, dash };
+    return { label: component ? letter + component : owner === undefined ? name : words(name), values: nulled(run.column(column)), colour, dash };
   });
   if (parts.length === 3 && (name === "force" || name === "moment")) {
     const norm = lines[0].values.map((x, i) => (x === null ? null : Math.hypot(x, lines[1].values[i], lines[2].values[i])));

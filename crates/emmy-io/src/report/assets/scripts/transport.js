@@ -39,8 +39,10 @@ function showTransport(place, clock, run, times, isAlone) {
     const row = lastBefore(run.time, time);
     slider.value = clock.end > clock.start ? Math.round((10000 * (time - clock.start)) / (clock.end - clock.start)) : 0;
     const step = run.column("step")[row] ?? 0;
-    output.replaceChildren("t = ", element("b", {}, number(time, 5)), isAlone ? `, step ${step} of ${run.summary.steps}` : "");
-    slider.setAttribute("aria-valuetext", `t = ${number(time, 5)}, step ${step}`);
+    const unit = unitOf(run, "time");
+    output.replaceChildren(isStatic(run) ? "load fraction = " : "t = ", element("b", {}, number(time, 5)), unit && ` ${unit}`,
+      isAlone ? `, ${stepName(run)} ${step} of ${run.summary.steps}` : "");
+    slider.setAttribute("aria-valuetext", `${timeText(run, time, 5)}, ${stepName(run)} ${step}`);
   });
   listen(clock, toggle, times, run.time);
 }

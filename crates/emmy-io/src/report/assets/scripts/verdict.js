@@ -55,7 +55,8 @@ function sign(mark) {
 function balanceCard(run, balance) {
   const mark = grade(balance);
   const { key, part, of, step, drift } = balance;
-  const rest = element("p", { class: "rest" }, "largest residual of a step ", ofSummary(run, `worst_${key}_residual`));
+  const unit = unitOf(run, key === "energy" ? "energy_residual" : `${key}_residual`);
+  const rest = element("p", { class: "rest" }, "largest residual of a step ", ofSummary(run, `worst_${key}_residual`), unit && ` ${unit}`);
   if (step > 0) rest.append(", in step ", ofSummary(run, `worst_${key}_residual_step`, String(step)));
   if (drift !== null && drift !== undefined) {
     rest.append("; accumulated ", ofSummary(run, key === "energy" ? "energy_drift" : "angular_momentum_drift", number(drift, 2)));
@@ -67,15 +68,22 @@ function balanceCard(run, balance) {
     rest);
 }
 
+// Loads and reactions of a static analysis are in balance.
+function equilibriumCard(run) {
+  const part = (name, key) => [`${name} `, ofSummary(run, `worst_${key}_residual`), unitOf(run, `${key}_residual`) && ` ${unitOf(run, `${key}_residual`)}`];
+  return element("div", { class: "balance" }, element("h2", {}, "Resultant of loads and reactions"),
+    element("p", { class: "part" }, ...part("largest force", "linear_momentum"), element("br"), ...part("largest moment", "angular_momentum")));
+}
+
 // Size and cost of a run, as words that wrap.
 function facts(run) {
   const s = run.summary;
   const fact = (term, ...value) => element("div", {}, element("dt", {}, term), " ", element("dd", {}, ...value));
   const small = (text) => element("small", {}, text);
-  const mean = s.steps > 0 ? `, ${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
+  const mean = s.steps > 0 ? `, ${(s.newton_iterations / s.steps).toFixed(1)} per ${stepName(run)}` : "";
   return element("dl", { class: "facts" },
-    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`, degree ${s.degree}`)),
-    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(` to t = ${inUnit(number(s.time), unitOf(run, "time"))}`)),
+    fact("scheme", ofSummary(run, "scheme", s.scheme), isStatic(run) ? null : small(`, degree ${s.degree}`)),
+    fact(`${stepName(run)}s`, ofSummary(run, "steps", grouped(s.steps)), small(` to ${timeText(run, s.time)}`)),
     fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
     fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
@@ -87,12 +95,12 @@ function extremes(run, clock) {
   const s = run.summary;
   if (!(s.largest_displacement > 0)) return null;
   const point = s.largest_displacement_point.map((x) => number(x)).join(", ");
-  const unit = unitOf(run, "displacement");
+  const unit = unitOf(run, "displacement"), length = unit && ` ${unit}`, time = unitOf(run, "time");
   return element("div", { class: "balance extremes" },
     element("h2", {}, "Largest displacement"),
     element("p", { class: "size" }, ofSummary(run, "largest_displacement"), unit && ` ${unit}`),
     element("p", { class: "rest" }, element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s.largest_displacement_time) },
-      "t = ", ofSummary(run, "largest_displacement_time")), `, at (${point})`));
+      isStatic(run) ? "load fraction = " : "t = ", ofSummary(run, "largest_displacement_time"), time && ` ${time}`), `, at (${point})${length}`));
 }
 
 // Warnings that limit the verdict.
@@ -108,7 +116,7 @@ function warnings(run) {
 function showVerdict(place, runs, clock) {
   if (runs.length === 1) {
     const [run] = runs;
-    const cards = balances(run).map((b) => balanceCard(run, b));
+    const cards = isStatic(run) ? [equilibriumCard(run)] : balances(run).map((b) => balanceCard(run, b));
     place.append(facts(run), element("div", { class: "strip" }, ...cards, extremes(run, clock)), ...warnings(run));
     return;
   }

@@ -14,7 +14,8 @@ class Viewer {
     new ResizeObserver(() => {
       this.scene?.resize();
       if (!this.orbit?.isMoved) this.fit();
-      this.draw();
+      // A canvas of a new size is empty; the next picture would be too late.
+      if (this.scene) this.drawNow();
     }).observe(this.canvas.parentNode);
     isDark.addEventListener("change", () => { this.scene?.setInk(); this.draw(); });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
@@ -38,7 +39,8 @@ class Viewer {
     const view = (label, name) => element("button", { class: "tool", type: "button", title: `look ${name}`, "aria-label": `look ${name}`, onclick: () => this.look(label) }, label);
     const views = element("span", { class: "views" }, view("x", "along x"), view("y", "along y"), view("z", "along z"), view("Reset", "from the side, at all of the motion"));
     const displacement = element("label", {}, `${this.factorName} `, this.factor);
-    const ofRun = this.showsModes ? [] : [toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame())];
+    const isAtRest = this.showsModes || this.runs.every(isStatic);
+    const ofRun = isAtRest ? [] : [toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame())];
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
         element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement),
@@ -102,7 +104,7 @@ class Viewer {
     this.settings.edges = frames.triangles.length < 30000;
     this.toggles.edges.checked = this.settings.edges;
     // Otherwise there is only round-off to show.
-    this.turns = !this.showsModes && !isRounding(run, "angular_momentum");
+    this.turns = !this.showsModes && !isStatic(run) && !isRounding(run, "angular_momentum");
     this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
     this.start();
   }
@@ -220,7 +222,7 @@ class Viewer {
     this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
-    this.shownField.textContent = inUnit(field.label, unitOf(this.current, field.name));
+    this.shownField.textContent = inUnit(field.label, unitOf(this.current, field.array));
     this.range.show(this.settings.perFrame ? 1 : 0);
     this.scale.replaceChildren(map,
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
@@ -249,12 +251,16 @@ class Viewer {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      this.orbit.apply();
-      this.scene.draw();
-      this.drawTriad();
-      const text = this.describe();
-      if (this.foot.textContent !== text) this.foot.textContent = text;
+      this.drawNow();
     });
+  }
+
+  drawNow() {
+    this.orbit.apply();
+    this.scene.draw();
+    this.drawTriad();
+    const text = this.describe();
+    if (this.foot.textContent !== text) this.foot.textContent = text;
   }
 
   describe() {
@@ -262,7 +268,7 @@ class Viewer {
     const factor = Number(this.factor.value);
     this.note.textContent = factor === 1 ? "" : `displacements × ${grouped(factor)}`;
     const thinned = kept < written ? ` (${written} written)` : "";
-    return `Frame ${shown + 1} of ${kept}${thinned}, step ${frames.steps[shown]}, t = ${number(frames.times[shown])}; as computed, without interpolation. ${notes.join(" ")}`;
+    return `Frame ${shown + 1} of ${kept}${thinned}, ${stepName(current)} ${frames.steps[shown]}, ${timeText(current, frames.times[shown])}; as computed, without interpolation. ${notes.join(" ")}`;
   }
 
   drawTriad() {
