@@ -287,7 +287,7 @@ def check_quantities(browser, emmy, source, directory):
     assert keys("Reaction force of z-min") == ["Fx–", "Fy–", "Fz–", "|F|–"], keys("Reaction force of z-min")
     page.press(".")
     assert keys("Reaction force of z-min") == ["Fx2", "Fy3", "Fz6", "|F|7"], keys("Reaction force of z-min")
-    assert keys("Largest displacement") == ["max displacement0.10000"] and keys("energy_of_beam") == ["energy_of_beam7"]
+    assert keys("Largest displacement") == ["max_displacement0.10000"] and keys("energy_of_beam") == ["energy_of_beam7"]
     probes = page.value("[...document.querySelectorAll('[aria-label=\"Probe tip\"]')].map(e => e.querySelectorAll('.key').length)")
     assert probes == [3, 6], probes
     check_names(page)
@@ -380,6 +380,68 @@ def check_adaptive(browser, adaptive, planned):
         page.close()
 
 
+def check_modes(browser, emmy, directory):
+    """The table has the numbers of modes.csv; a mode that is clicked is drawn as a vibration about the body at rest."""
+    run = [emmy, "modes", "examples/l-block.toml", "--count", "9", "--output", directory, "--quiet"]
+    subprocess.run(run, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+    head, *rows = [line.split(",") for line in open(f"{directory}/modes.csv").read().splitlines()]
+    page = browser.page(f"{directory}/report.html", width=1300)
+    table = page.value("[...document.querySelectorAll('.modes tbody tr')].map(e => [e.className, ...[...e.querySelectorAll('td')].map(e => [e.dataset.key, e.textContent])])")
+    assert len(table) == len(rows) == 9
+    largest = max(float(row[head.index(f"effective_mass_{axis}")]) for row in rows for axis in "xyz")
+    for row, (kind, *cells) in zip(rows, table):
+        assert kind == ("rigid" if float(row[head.index("frequency")]) == 0 else ""), (kind, row)
+        for key, text in cells:
+            expected = float(row[head.index(key)])
+            assert (text == "–") == math.isinf(expected), (key, text, expected)
+            if text != "–":
+                value, half = shown(text)
+                rounding = 1e-6 * largest if key.startswith("effective") else 0.0
+                assert abs(value - expected) <= max(half * (1 + 1e-9), rounding), (key, text, expected)
+    # A free body: the first elastic mode is chosen.
+    chosen = "document.querySelector('.modes tr[aria-selected=true] button').textContent"
+    assert [kind for kind, *_ in table].count("rigid") == 6 and page.value(chosen) == "7"
+    scene = lambda: page.picture("#viewport")
+    assert colours(scene()) > 300
+    seventh = scene()
+    click(page, ".modes tbody tr:nth-child(9) td")
+    page.settle()
+    assert page.value(chosen) == "9" and scene() != seventh
+    page.press("ArrowLeft")
+    page.press("ArrowLeft")
+    assert page.value(chosen) == "7" and scene() == seventh
+    phase = lambda value: page.value(f"(s => {{ s.value = {value}; s.dispatchEvent(new Event('input')); }})(document.querySelector('[aria-label=Phase]'))")
+    phase(750)
+    page.settle()
+    assert scene() != seventh
+    # The body is at rest at the start and after half a period.
+    still = []
+    for value in [0, 500]:
+        phase(value)
+        page.settle()
+        still.append(scene())
+    assert still[0] == still[1] != seventh, "the body is not at rest in the middle of its vibration"
+    phase(250)
+    page.value("(s => { s.value = 2; s.dispatchEvent(new Event('input')); })(document.querySelector('[aria-label=Amplitude]'))")
+    page.settle()
+    assert scene() not in (seventh, still[0])
+    check_names(page)
+    check_silence(page)
+    page.close()
+    for width, height in [(360, 740), (1080, 1920), (1920, 1080)]:
+        page = browser.page(f"{directory}/report.html", width=width, height=height)
+        wide = page.value("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wide <= 0, f"{wide} pixels too wide"
+        check_silence(page)
+        page.close()
+    page = browser.page(f"{directory}/report.html", motion="no-preference")
+    label = "document.querySelector('#transport .play').getAttribute('aria-label')"
+    page.wait(f"{label}.startsWith('Pause')", 10)
+    page.press(" ", "Space", " ")
+    page.wait(f"{label}.startsWith('Play')", 10)
+    page.close()
+
+
 def check_begun(browser, emmy, source, directory):
     """A run that has just begun: no row of its history, then one."""
     os.makedirs(directory)
@@ -452,6 +514,7 @@ def main():
         check_quantities(browser, emmy, f"{place}/charts-only", f"{place}/quantities")
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
+        check_modes(browser, emmy, f"{place}/modes")
         check_schemes(browser, f"{place}/l-block")
         compared = ["l-block", "newmark"]
         compare = [emmy, "compare", *(f"{place}/{run}" for run in compared), "--output", f"{place}/compare", "--quiet"]

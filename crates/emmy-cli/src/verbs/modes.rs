@@ -48,12 +48,13 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let directory = arguments.directory(&problem);
     emmy_io::modes::check(&directory, &problem)?;
     let (displacement, modes) = computed(&problem, arguments.count)?;
-    let frames = emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
+    emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
+    let page = emmy_io::report::write(&directory)?;
     print::result(&table(&problem, &modes))?;
     if !arguments.quiet {
         remarks(&modes);
         message!("written: {}", directory.join(emmy_io::modes::TABLE).display());
-        message!("to look at: {}", frames.display());
+        message!("to look at: {}", page.display());
     }
     Ok(())
 }

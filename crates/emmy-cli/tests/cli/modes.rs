@@ -50,7 +50,7 @@ fn modes_of_a_bar_are_printed_and_written() {
             (row[2] * row[3] - 1.0).abs() < 1e-14 && (row[1] / row[2] - std::f64::consts::TAU).abs() < 1e-14
         );
     }
-    assert_eq!(place.names("own"), [".lock", "frames", "modes.csv", "modes.toml", "own.pvd"]);
+    assert_eq!(place.names("own"), [".lock", "frames", "modes.csv", "modes.toml", "own.pvd", "report.html"]);
     assert_eq!(place.names("own/frames").len(), 5);
     // Fewer modes replace these, other files stay.
     place.write("own/mine.txt", "");
@@ -77,7 +77,7 @@ fn modes_are_in_one_file_if_frames_are() {
     let flags = ["--set", "output.format=vtkhdf", "--count", "2", "--output", "own", "--quiet"];
     let outcome = place.succeed(&[&["modes", "box.toml"][..], &flags].concat());
     assert_eq!(outcome.stderr, "");
-    assert_eq!(place.names("own"), [".lock", "modes.csv", "modes.toml", "own.vtkhdf"]);
+    assert_eq!(place.names("own"), [".lock", "modes.csv", "modes.toml", "own.vtkhdf", "report.html"]);
 }
 
 #[test]

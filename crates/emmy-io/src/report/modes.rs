@@ -10,16 +10,11 @@ use super::pack::Pack;
 use super::run::{RunData, name_of, shortened};
 use super::{MAX_FRAME_BYTES, ReportError, frames};
 use crate::directory::MARK;
-
-/// The resolved input of natural modes, by which their directory is recognized.
-const INPUT: &str = "modes.toml";
-
-/// The table of the modes.
-const TABLE: &str = "modes.csv";
+use crate::modes::{TABLE, WITNESS};
 
 /// Whether a directory has natural modes.
 pub(super) fn are_in(directory: &Path) -> bool {
-    fs::read_to_string(directory.join(INPUT)).is_ok_and(|input| input.starts_with(MARK))
+    fs::read_to_string(directory.join(WITNESS)).is_ok_and(|input| input.starts_with(MARK))
 }
 
 /// Gathers the natural modes of a directory. Frame 0 is the body at rest, frame i adds mode i to it.
@@ -29,7 +24,7 @@ pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
     let modes = table(&fs::read_to_string(&path).map_err(system)?).ok_or_else(|| {
         system(io::Error::new(io::ErrorKind::InvalidData, "is not a table of natural modes"))
     })?;
-    let input = fs::read_to_string(directory.join(INPUT)).unwrap_or_default();
+    let input = fs::read_to_string(directory.join(WITNESS)).unwrap_or_default();
     let tree: toml::Table = input.parse().unwrap_or_default();
     let mut source = FrameSource::find(directory);
     if let Some((_, frames)) = &mut source {
@@ -41,7 +36,7 @@ pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
     let frames = source.map(|frames| frames::gather(&frames, MAX_FRAME_BYTES, &mut pack)).transpose()?;
     let (places, arrays) = pack.finish();
     let name = name_of(directory);
-    let files = [TABLE, INPUT].map(String::from).into_iter().chain(collection);
+    let files = [TABLE, WITNESS].map(String::from).into_iter().chain(collection);
     let manifest = json!({
         "name": name,
         "href": "",

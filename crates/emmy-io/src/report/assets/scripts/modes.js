@@ -75,7 +75,10 @@ function kindOfMode({ frequency }) {
 
 function modeTable(run, choose) {
   const columns = [["frequency", "frequency"], ["period", "period"], ["angular_frequency", "angular frequency"], ...["x", "y", "z"].map((axis) => [`effective_mass_${axis}`, `effective mass ${axis}`])];
-  const cell = (mode, key) => element("td", { "data-key": key }, mode[key] === null ? "–" : number(mode[key]));
+  // Rounding beside the effective masses of other modes or directions.
+  const least = 1e-6 * Math.max(...run.modes.flatMap((mode) => ["x", "y", "z"].map((axis) => mode[`effective_mass_${axis}`])));
+  const text = (key, value) => number(key.startsWith("effective") && value < least ? 0 : value);
+  const cell = (mode, key) => element("td", { "data-key": key }, text(key, mode[key]));
   const rows = run.modes.map((mode, i) => {
     const kind = kindOfMode(mode);
     const button = element("button", { class: "link", type: "button", onclick: () => choose(i) }, String(mode.mode));
