@@ -380,6 +380,13 @@ def check_adaptive(browser, adaptive, planned):
         page.close()
 
 
+def differ(a, b):
+    """Whether more than a hundredth of the pixels of two pictures differ; lines on edges may be drawn in another order."""
+    (one, size), (other, _) = pixels(a), pixels(b)
+    pairs = [(row[i:i + 3], with_it[i:i + 3]) for row, with_it in zip(one, other) for i in range(0, len(row), size)]
+    return sum(a != b for a, b in pairs) > 0.01 * len(pairs)
+
+
 def check_modes(browser, emmy, directory):
     """The table has the numbers of modes.csv; a mode that is clicked is drawn as a vibration about the body at rest."""
     run = [emmy, "modes", "examples/l-block.toml", "--count", "9", "--output", directory, "--quiet"]
@@ -406,25 +413,25 @@ def check_modes(browser, emmy, directory):
     seventh = scene()
     click(page, ".modes tbody tr:nth-child(9) td")
     page.settle()
-    assert page.value(chosen) == "9" and scene() != seventh
+    assert page.value(chosen) == "9" and differ(scene(), seventh)
     page.press("ArrowLeft")
     page.press("ArrowLeft")
-    assert page.value(chosen) == "7" and scene() == seventh
+    assert page.value(chosen) == "7" and not differ(scene(), seventh)
     phase = lambda value: page.value(f"(s => {{ s.value = {value}; s.dispatchEvent(new Event('input')); }})(document.querySelector('[aria-label=Phase]'))")
     phase(750)
     page.settle()
-    assert scene() != seventh
+    assert differ(scene(), seventh)
     # The body is at rest at the start and after half a period.
     still = []
     for value in [0, 500]:
         phase(value)
         page.settle()
         still.append(scene())
-    assert still[0] == still[1] != seventh, "the body is not at rest in the middle of its vibration"
+    assert differ(still[0], seventh) and not differ(*still), "the body is not at rest in the middle of its vibration"
     phase(250)
     page.value("(s => { s.value = 2; s.dispatchEvent(new Event('input')); })(document.querySelector('[aria-label=Amplitude]'))")
     page.settle()
-    assert scene() not in (seventh, still[0])
+    assert differ(scene(), seventh)
     check_names(page)
     check_silence(page)
     page.close()
