@@ -90,17 +90,20 @@ function facts(run) {
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
 }
 
-// The largest values of the run; a click shows their time.
+// The largest values of the run, displacement first; a click shows their time.
 function extremes(run, clock) {
-  const s = run.summary;
-  if (!(s.largest_displacement > 0)) return null;
-  const point = s.largest_displacement_point.map((x) => number(x)).join(", ");
-  const unit = unitOf(run, "displacement"), length = unit && ` ${unit}`, time = unitOf(run, "time");
-  return element("div", { class: "balance extremes" },
-    element("h2", {}, "Largest displacement"),
-    element("p", { class: "size" }, ofSummary(run, "largest_displacement"), unit && ` ${unit}`),
-    element("p", { class: "rest" }, element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s.largest_displacement_time) },
-      isStatic(run) ? "load fraction = " : "t = ", ofSummary(run, "largest_displacement_time"), time && ` ${time}`), `, at (${point})${length}`));
+  const names = Object.keys(run.summary).map((key) => key.match(/^largest_(.+)_point$/)?.[1]).filter((name) => run.summary[`largest_${name}`] > 0);
+  return names.length ? element("div", { class: "balance extremes" }, ...names.map((name) => extreme(run, name, clock))) : null;
+}
+
+function extreme(run, name, clock) {
+  const key = `largest_${name}`, s = run.summary;
+  const [unit, length, time] = [name, "displacement", "time"].map((name) => unitOf(run, name)).map((unit) => unit && ` ${unit}`);
+  const show = element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s[`${key}_time`]) },
+    isStatic(run) ? "load fraction = " : "t = ", ofSummary(run, `${key}_time`), time);
+  return element("div", {}, element("h2", {}, `Largest ${words(name)}`),
+    element("p", { class: "size" }, ofSummary(run, key), unit),
+    element("p", { class: "rest" }, show, `, at (${s[`${key}_point`].map((x) => number(x)).join(", ")})${length}`));
 }
 
 // Warnings that limit the verdict.
