@@ -36,16 +36,18 @@ class Orbit {
     this.pointers.set(event.pointerId, now);
   }
 
-  // Distance from which the corners of a box around the target are in sight, or without a box a ball of some radius.
+  // Distance from which the points of a box around the target are in sight, or without a box a ball of some radius.
   fit(box, radius) {
     const { fov, aspect } = this.camera;
     // Room is left for the legend above and the axes below.
-    const high = 0.9 * Math.tan((fov * Math.PI) / 360), wide = 0.97 * Math.tan((fov * Math.PI) / 360) * (aspect || 1);
+    const high = 0.88 * Math.tan((fov * Math.PI) / 360), wide = 0.95 * Math.tan((fov * Math.PI) / 360) * (aspect || 1);
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     const [right, up, towards] = this.axes();
-    const corners = box ? [...Array(8).keys()].map((corner) => box.centre.map((x, i) => (corner & (1 << i) ? box.high[i] : box.low[i]) - x)) : [];
-    const distances = corners.map((at) => dot(at, towards) + Math.max(Math.abs(dot(at, right)) / wide, Math.abs(dot(at, up)) / high));
-    this.distance = box ? Math.max(...distances) : radius / Math.sin(Math.atan(Math.min(high, wide)));
+    const needed = (point) => {
+      const at = point.map((x, i) => x - box.centre[i]);
+      return dot(at, towards) + Math.max(Math.abs(dot(at, right)) / wide, Math.abs(dot(at, up)) / high);
+    };
+    this.distance = box ? box.points.reduce((most, point) => Math.max(most, needed(point)), 0) : radius / Math.sin(Math.atan(Math.min(high, wide)));
   }
 
   turn(azimuth, elevation) {
