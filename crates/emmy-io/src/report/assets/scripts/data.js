@@ -41,7 +41,18 @@ async function readRun(index, run) {
 
 // Unit of a column or a field of a run; empty without units.
 function unitOf(run, name) {
-  return run.units?.columns[name] ?? run.units?.fields[name] ?? "";
+  const { units } = run;
+  if (!units) return "";
+  return otherUnits(run, units.system)[name] ?? units.columns[name] ?? units.fields[name] ?? "";
+}
+
+// Units of natural modes, and of the columns that mean something else in a static analysis.
+function otherUnits(run, { mass, length, time, force }) {
+  if (run.modes) {
+    const frequency = { s: "Hz", ms: "kHz" }[time];
+    return { frequency, period: time, angular_frequency: `1/${time}`, effective_mass_x: mass, effective_mass_y: mass, effective_mass_z: mass };
+  }
+  return isStatic(run) ? { time: "", step_size: "", linear_momentum_residual: force, angular_momentum_residual: `${force}·${length}` } : {};
 }
 
 // A static analysis has increments of its loads in place of steps in time.

@@ -65,7 +65,8 @@ class ModeViewer extends Viewer {
 
 function nameOfMode(run, index) {
   const { mode, frequency } = run.modes[index];
-  return `Mode ${mode}: ${frequency > 0 ? inUnit(number(frequency, 5), unitOf(run, "frequency")) : kindOfMode(run.modes[index])}`;
+  const text = frequency > 0 ? [number(frequency, 5), unitOf(run, "frequency")].filter(Boolean).join(" ") : kindOfMode(run.modes[index]);
+  return `Mode ${mode}: ${text}`;
 }
 
 // Modes without a frequency: rigid ones, and unstable ones, whose squared frequency is negative.
