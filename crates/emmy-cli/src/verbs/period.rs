@@ -22,7 +22,7 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
     }
     match lowest_elastic_mode(body) {
         Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, n_rigid),
-        Ok(None) => report.line("period", "none: no motion of this body is elastic"),
+        Ok(None) => report.line("period", "none: the lowest modes of this body are rigid or unstable"),
         Err(error) => report.line("period", &format!("not found: {error}")),
     }
     if problem.scheme != Scheme::CentralDifferences {
