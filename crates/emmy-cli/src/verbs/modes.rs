@@ -79,6 +79,13 @@ fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode
 /// An iteration that does not converge is no fault of the input.
 fn failure(error: emmy::Error) -> Failure {
     match error {
+        emmy::Error::TooManyModes { free, .. } => {
+            let help = match free {
+                0 => "all nodes are held".to_string(),
+                free => format!("take at most {free}"),
+            };
+            Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+        }
         emmy::Error::Linear { .. } => {
             Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
         }
