@@ -103,7 +103,7 @@ mod tests {
     fn suggested_sizes_have_two_digits() {
         for (value, expected) in [(0.012345, "0.012"), (7.99e-6, "0.0000079"), (31.0, "31"), (0.025, "0.025")]
         {
-            assert_eq!(number(rounded_down(value)), number(expected.parse().unwrap()));
+            assert_eq!(number(rounded_down(value)), number(expected.parse::<f64>().unwrap()));
         }
     }
 

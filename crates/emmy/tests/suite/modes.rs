@@ -19,7 +19,7 @@ use emmy::time::TimeElement;
 
 use crate::shared::points::{masses, network};
 
-/// A block of hexahedra of a kind from the origin on; groups of nodes `x-min` and `all`.
+/// A block of hexahedra of a kind from the origin on; groups of nodes `x-min`, `x-max` and `all`.
 fn brick(kind: CellKind, size: [f64; 3], cells: [usize; 3]) -> Mesh {
     let mut builder = MeshBuilder::new();
     let mut nodes: HashMap<[usize; 3], u32> = HashMap::new();
@@ -34,8 +34,9 @@ fn brick(kind: CellKind, size: [f64; 3], cells: [usize; 3]) -> Mesh {
         let cell: Vec<u32> = element(kind).nodes().iter().map(&mut node).collect();
         builder.cell(kind, &cell).unwrap();
     }
-    let start: Vec<u32> = nodes.iter().filter(|(place, _)| place[0] == 0).map(|(_, &node)| node).collect();
-    builder.node_group("x-min", start);
+    for (name, x) in [("x-min", 0), ("x-max", 2 * nx)] {
+        builder.node_group(name, nodes.iter().filter(|(place, _)| place[0] == x).map(|(_, &node)| node));
+    }
     builder.node_group("all", nodes.into_values());
     builder.build().unwrap()
 }
@@ -192,6 +193,29 @@ fn a_chain_under_tension_vibrates_like_a_string() {
     let (lowest, n_rigid) = lowest_elastic_mode(&chain).unwrap().unwrap();
     assert_eq!(n_rigid, 2 * n);
     close(lowest.angular_frequency, found[2 * n].angular_frequency, 1e-12);
+}
+
+/// Beam between walls that its ends slide along, under an axial force N: omega^2 = k^2 (E I k^2 + N)/(rho A), k = pi/L, in both
+/// directions. Beyond Euler's load, N < -E I k^2, both modes are unstable. Shear and rotary inertia take 0.7 % of E I k^2.
+#[test]
+fn axial_force_changes_the_bending_of_a_beam() {
+    let (length, rigidity, stiffness) = (20.0, 100.0, 1200.0);
+    let walls = ["x-min", "x-max"].map(|wall| Support::of_components(wall, [true, false, false]));
+    let beam = body(brick(CellKind::Hex20, [length, 1.0, 1.0], [10, 1, 1]), stiffness, 0.0, &walls);
+    let k: f64 = PI / length;
+    let euler = rigidity * k * k;
+    for force in [0.5 * euler, 0.0, -0.5 * euler, -1.5 * euler] {
+        let strain = force / stiffness;
+        let displacement = beam.mesh().points().iter().flat_map(|X| [strain * X[0], 0.0, 0.0]).collect();
+        let state = State { displacement, ..State::initial(&beam, 0.0, &[]).unwrap() };
+        let found = modes_about(&beam, &state, 5).unwrap();
+        assert_eq!(n_rigid(&found), 3);
+        for mode in found.iter().filter(|mode| mode.angular_frequency != 0.0) {
+            let square = mode.angular_frequency * mode.angular_frequency.abs();
+            let expected = k * k * (euler + force) / 2.0;
+            assert!((square - expected).abs() < 0.01 * k * k * euler / 2.0, "{force}: {square} {expected}");
+        }
+    }
 }
 
 /// A body that is set in motion with the velocity of a mode returns to it after the period, as far as an amplitude of 1e-7
