@@ -80,6 +80,13 @@ fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode
 /// An iteration that does not converge is no fault of the input.
 fn failure(error: emmy::Error) -> Failure {
     match error {
+        emmy::Error::TooManyModes { free, .. } => {
+            let help = match free {
+                0 => "all nodes are held".to_string(),
+                free => format!("take at most {free}"),
+            };
+            Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+        }
         emmy::Error::Linear { .. } => {
             Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
         }
@@ -107,7 +114,10 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
     columns(rows.chain([sums.collect()]).collect())
 }
 
-/// Remarks on rigid and unstable modes.
+/// Largest relative residual without a warning.
+const MAX_RESIDUAL: f64 = 1e-4;
+
+/// Remarks on rigid, unstable and inaccurate modes.
 fn remarks(modes: &[Mode]) {
     let rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
     let unstable = modes.iter().filter(|mode| mode.angular_frequency < 0.0).count();
@@ -118,6 +128,12 @@ fn remarks(modes: &[Mode]) {
         let modes = plural(unstable);
         message!(
             "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
+        );
+    }
+    let residual = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
+    if residual > MAX_RESIDUAL {
+        message!(
+            "warning: relative residuals of up to {residual:.0e}: the lowest modes have few correct digits"
         );
     }
 }
