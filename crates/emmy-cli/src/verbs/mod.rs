@@ -142,11 +142,14 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
 ///
 /// # Errors
 /// [`Failure::Usage`] if the plan has larger steps than are stable.
-fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failure> {
+fn critical_step(problem: &Problem, state: Option<&State>) -> Result<Option<f64>, Failure> {
     if problem.scheme != Scheme::CentralDifferences {
         return Ok(None);
     }
-    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &state.displacement)?;
+    // Before an equilibrium is solved for, the undeformed body.
+    let displacement =
+        state.map_or_else(|| vec![0.0; problem.body.n_dofs()], |state| state.displacement.clone());
+    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &displacement)?;
     let largest = problem.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
     if largest <= limit {
         return Ok(Some(critical));

@@ -26,7 +26,7 @@ mod triangular;
 pub use block_cholesky::BlockCholesky;
 pub use cholesky::Cholesky;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
-pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse};
+pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
 pub use gmres::{Gmres, LinearSystem, Solution};
 pub(crate) use incomplete_cholesky::IncompleteCholesky;
 pub use lu::SparseLu;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "number",
     "error",
     "tensor",
@@ -19,6 +19,7 @@ const ORDER: [&str; 16] = [
     "body",
     "time",
     "motion",
+    "equilibrium",
     "adjoint",
     "prelude",
 ];
@@ -80,6 +81,8 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "start",
             "loads",
             "followers",
+            "proportional",
+            "held",
             "signal",
             "fields",
         ],
