@@ -167,3 +167,44 @@ fn an_equilibrium_that_does_not_exist_ends_with_its_load_fraction() {
     assert!(failed.stderr.contains("nothing is written"), "{}", failed.stderr);
     assert_eq!(place.names("."), ["box.toml"]);
 }
+
+/// A bar without Poisson's effect, held sideways and pulled to twice its length: `P = mu (l - 1/l)`, so its axial stiffness
+/// is `mu (1 + 1/l^2)` in place of 2 mu, and so are the squares of its frequencies.
+#[test]
+fn modes_are_about_the_equilibrium() {
+    let bar = r#"
+[mesh]
+box = { size = [6, 1, 1], cells = [6, 1, 1] }
+
+[[region]]
+density = 2.0
+material.neo-hooke = { youngs_modulus = 50.0, poissons_ratio = 0.0 }
+
+[[support]]
+group = "body"
+fix = ["y", "z"]
+
+[[support]]
+group = "x-min"
+fix = ["x"]
+
+[[load]]
+group = "x-max"
+traction = [37.5, 0, 0]
+
+"#;
+    let time = "[time]\nscheme = \"DGM\"\nsteps = [{ until = 1, size = 0.1 }]\n";
+    let place = Place::with(&format!("{bar}{time}"));
+    place.write("pulled.toml", &format!("{bar}[equilibrium]\n\n{time}"));
+    place.write("static.toml", &format!("{bar}[equilibrium]\n"));
+    let frequency = |name: &str| -> f64 {
+        place.succeed(&["modes", &format!("{name}.toml"), "--count", "2", "--output", name]);
+        let text = place.read(&format!("{name}/modes.csv"));
+        text.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap()
+    };
+    let free = frequency("box");
+    for name in ["pulled", "static"] {
+        let ratio = frequency(name) / free;
+        assert!((ratio - 0.625f64.sqrt()).abs() < 1e-9, "{name}: {ratio}");
+    }
+}

@@ -1,5 +1,7 @@
 //! Static equilibria: closed forms, literature, another code; motions that start from them.
 
+#![allow(non_snake_case)]
+
 mod felupe;
 mod held;
 mod literature;
