@@ -154,6 +154,10 @@ impl From<StartError> for Failure {
                 let help = "nothing is written; without `[time]` the equilibria up to there are the results";
                 Failure::Study { message: with_causes(&error), help: help.to_string() }
             }
+            StartError::March(MarchError::Step(error @ emmy::Error::NotHeld { .. })) => {
+                let help = "[equilibrium] needs supports: `fix`, `move`, `rotate`, `symmetry` or `spring` in [[support]]";
+                Failure::Usage { message: error.to_string(), help: Some(help.to_string()) }
+            }
             other => Failure::Usage { message: with_causes(&other), help: None },
         }
     }

@@ -120,7 +120,8 @@ fn a_run_starts_from_the_end_of_another() {
     place.succeed(&["run", "free.toml", "--quiet", "--output", "free"]);
     let (before, after) = (place.history("direct"), place.history("free"));
     let last = |name: &str| *before[name].last().unwrap();
-    assert_eq!((after["time"][0], after["strain_energy"][0]), (0.0, last("strain_energy")));
+    assert_eq!(after["time"][0], 0.0);
+    assert!((after["strain_energy"][0] / last("strain_energy") - 1.0).abs() < 1e-14);
     assert!((after["kinetic_energy"][0] / last("kinetic_energy") - 1.0).abs() < 1e-12);
 
     let other = place.emmy(&["run", "box.toml", "--output", "other", "--set", "mesh.box.cells=[1, 3, 1]"]);
@@ -155,7 +156,7 @@ fn an_equilibrium_that_does_not_exist_ends_with_its_load_fraction() {
         failed.stderr
     );
     let summary = place.summary("out");
-    assert_eq!(summary["status"], "no_convergence");
+    assert_eq!(summary["status"], "no-convergence");
     let fractions = &place.history("out")["time"];
     // A bar of lateral stiffness zero: N = E (l^3 - l)/2, least at l = 1/sqrt 3, where N = -E/sqrt 27.
     let limit = 1000.0 / 27f64.sqrt() / 600.0;

@@ -152,8 +152,8 @@ pub(super) fn check_starts(root: &Table<'_>) -> Result<(), Fault> {
 fn check_zero(item: Item<'_>) -> Result<(), Fault> {
     let start = motion(item).map_or(0.0, |history| history.value(0.0));
     // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
-    // mesh.
-    if start.abs() <= 1e-9 {
+    // mesh. Numbers that are not finite have their own fault.
+    if start.is_nan() || start.abs() <= 1e-9 {
         return Ok(());
     }
     let message = format!(
