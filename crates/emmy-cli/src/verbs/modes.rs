@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::body::RegionSummary;
-use emmy::modes::{Mode, modes};
-use emmy_io::input::{self, Overrides, Problem};
+use emmy::modes::{Mode, modes, modes_about};
+use emmy_io::input::{self, Overrides, Problem, StartError};
 
 use super::with_threads;
 use crate::failure::Failure;
@@ -73,8 +73,13 @@ impl Arguments {
 fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode>), Failure> {
     let body = &problem.body;
     let count = count.map_or(DEFAULT_COUNT.min(body.n_free_dofs().max(1)), |count| count as usize);
-    let modes = modes(body, count).map_err(failure)?;
-    Ok((vec![0.0; body.n_dofs()], modes))
+    let Some(equilibrium) = problem.equilibrium()? else {
+        let modes = modes(body, count).map_err(failure)?;
+        return Ok((vec![0.0; body.n_dofs()], modes));
+    };
+    let state = equilibrium.start(problem.newton, &[], &mut []).map_err(StartError::from)?;
+    let modes = modes_about(body, &state, count).map_err(failure)?;
+    Ok((state.displacement, modes))
 }
 
 /// An iteration that does not converge is no fault of the input.

@@ -41,7 +41,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
     let text = format!("{} in the lowest elastic mode (frequency {frequency}){beside}", number(period));
     report.line("period", &text);
     let plan = &problem.plan;
-    if plan.adaptivity().is_some() {
+    if plan.adaptivity().is_some() || problem.is_static() {
         return;
     }
     let largest = plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);

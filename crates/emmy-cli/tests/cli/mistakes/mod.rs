@@ -1,5 +1,6 @@
 //! Common mistakes, each with its whole message and the verdict of the JSON schema.
 
+mod equilibrium;
 mod files;
 mod flags;
 mod keys;
@@ -118,6 +119,7 @@ fn all() -> Vec<Mistake> {
         meshes::all(),
         supports_and_loads::all(),
         plans::all(),
+        equilibrium::all(),
         files::all(),
         flags::all(),
     ];
