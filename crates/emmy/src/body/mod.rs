@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod acceleration;
 mod batches;
 mod builder;
 mod drive;

@@ -14,6 +14,7 @@ mod links;
 mod long_flight;
 mod manufactured;
 mod materials;
+mod measured;
 mod order_of_accuracy;
 mod plane_elements;
 mod pressure;
