@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case)]
 
-mod acceleration;
 mod batches;
 mod builder;
 mod drive;

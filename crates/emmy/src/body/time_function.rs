@@ -1,12 +1,14 @@
 //! Load factors over time.
 
+mod acceleration;
+
 use std::fmt;
 use std::sync::Arc;
 
-use super::acceleration::Integrated;
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::quadrature::Quadrature;
+use acceleration::Integrated;
 
 /// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), a
 /// smooth function, or the double integral of one of these.
