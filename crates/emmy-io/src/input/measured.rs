@@ -157,7 +157,7 @@ impl Source<'_> {
         }
         let fault = self.fault_of(which, row, &format!("`{text}` is not a number"));
         match text.replacen(',', ".", 1).parse::<f64>() {
-            Ok(_) => fault.help("write numbers with a decimal point"),
+            Ok(_) => fault.help("a decimal comma: write numbers with a decimal point"),
             Err(_) => {
                 fault.help("rows below the first line hold numbers; a line that begins with `#` is a comment")
             }
