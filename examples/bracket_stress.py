@@ -21,6 +21,6 @@ stress, time = max(peaks)
 print(f"largest von Mises stress at a node: {stress:.0f} MPa at {1e3 * time:.2f} ms")
 
 plotter = pyvista.Plotter(off_screen=True)
-plotter.add_mesh(frame(time).warp_by_vector("displacement", factor=5), scalars="von_mises_stress", scalar_bar_args={"vertical": True})
+plotter.add_mesh(frame(time).warp_by_vector("displacement", factor=5), scalars="von_mises_stress", scalar_bar_args={"vertical": True, "title": "MPa", "position_x": 0.85})
 plotter.camera_position = "iso"
 plotter.screenshot(f"{name}.png")

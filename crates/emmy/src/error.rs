@@ -435,6 +435,14 @@ pub enum Error {
         /// Message of its error.
         message: String,
     },
+    /// More natural modes than the body has degrees of freedom.
+    #[error("{count} modes are wanted, but the body has {free} free degrees of freedom, and as many modes")]
+    TooManyModes {
+        /// Number of modes that are wanted.
+        count: usize,
+        /// Number of free degrees of freedom.
+        free: usize,
+    },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]
     Linear {

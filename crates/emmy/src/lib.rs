@@ -44,6 +44,7 @@ mod error;
 pub mod internals;
 pub mod material;
 pub mod mesh;
+pub mod modes;
 pub mod motion;
 mod newton;
 mod number;

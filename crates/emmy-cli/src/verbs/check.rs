@@ -13,7 +13,7 @@ use emmy::motion::{Adaptivity, State};
 use emmy_io::input::Problem;
 use emmy_io::message::shown;
 
-use super::{Input, critical_step, sizes, unresolved_steps};
+use super::{Input, critical_step, period, sizes, unresolved_steps};
 use crate::failure::Failure;
 use crate::message::message;
 use crate::print::{self, number, vector};
@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(step) = critical_step(&problem, &state)? {
         report.line("stability", &format!("critical step {} at the start", number(step)));
     }
+    period::report(&mut report, &problem);
     report.output(&problem);
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
@@ -55,12 +56,12 @@ const MAX_LISTED_PARTS: usize = 10;
 
 /// Lines under key words.
 #[derive(Debug, Default)]
-struct Report {
+pub(super) struct Report {
     text: String,
 }
 
 impl Report {
-    fn line(&mut self, word: &str, text: &str) {
+    pub(super) fn line(&mut self, word: &str, text: &str) {
         let _ = writeln!(self.text, "{word:<11}{}", shown(text));
     }
 

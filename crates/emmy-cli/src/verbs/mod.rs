@@ -5,7 +5,9 @@ mod compare;
 mod completions;
 mod converge;
 mod list;
+mod modes;
 mod new;
+mod period;
 mod report;
 mod resume;
 mod run;
@@ -38,6 +40,11 @@ pub(crate) enum Verb {
     /// Emmy's are never overwritten or removed; a directory that holds only such files is rejected. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
+    /// Compute natural modes: frequencies, effective masses, mode shapes
+    ///
+    /// The modes of the supported body about its reference configuration, without loads, viscosity and drag. Rigid modes
+    /// are counted among them, with the frequency 0.
+    Modes(modes::Arguments),
     /// Write report.html of a run again
     ///
     /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion
@@ -75,6 +82,7 @@ impl Verb {
             Verb::New(arguments) => new::run(&arguments),
             Verb::Check(arguments) => check::run(&arguments),
             Verb::Run(arguments) => run::run(&arguments),
+            Verb::Modes(arguments) => modes::run(&arguments),
             Verb::Report(arguments) => report::run(&arguments),
             Verb::Resume(arguments) => resume::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),

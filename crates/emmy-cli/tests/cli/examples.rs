@@ -284,4 +284,10 @@ fn steel_bracket() {
     close(tip[low] - 60.0, -0.6705, 0.025);
     close(tip[high] - 60.0, 0.6552, 0.025);
     assert!((time[low] - 4.761e-3).abs() <= 5e-5 && (time[high] - 3.783e-3).abs() <= 5e-5);
+    let input = format!("{}/../../examples/steel-bracket.toml", env!("CARGO_MANIFEST_DIR"));
+    place.succeed(&["modes", &input, "--count", "3", "--quiet", "--output", "modes"]);
+    let modes = place.read("modes/modes.csv");
+    for (row, frequency) in modes.lines().skip(1).zip([524.59, 915.29, 1478.81]) {
+        close(row.split(',').nth(2).unwrap().parse().unwrap(), frequency, 1e-5);
+    }
 }

@@ -11,6 +11,7 @@ mod links;
 mod listings;
 mod materials;
 mod mistakes;
+mod modes;
 mod reference;
 mod report;
 mod results;

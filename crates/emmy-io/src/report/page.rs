@@ -18,13 +18,14 @@ const PARTS: [(&str, &str); 6] = [
 ];
 
 /// The scripts of the page; each uses only earlier ones.
-const SCRIPTS: [&str; 16] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("assets/scripts/format.js"),
     include_str!("assets/scripts/data.js"),
     include_str!("assets/scripts/colours.js"),
     include_str!("assets/scripts/clock.js"),
     include_str!("assets/scripts/verdict.js"),
     include_str!("assets/scripts/chart.js"),
+    include_str!("assets/scripts/quantities.js"),
     include_str!("assets/scripts/charts.js"),
     include_str!("assets/scripts/newton.js"),
     include_str!("assets/scripts/frames.js"),
@@ -34,6 +35,7 @@ const SCRIPTS: [&str; 16] = [
     include_str!("assets/scripts/viewer.js"),
     include_str!("assets/scripts/transport.js"),
     include_str!("assets/scripts/details.js"),
+    include_str!("assets/scripts/modes.js"),
     include_str!("assets/scripts/main.js"),
 ];
 

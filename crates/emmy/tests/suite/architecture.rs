@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "number",
     "error",
     "tensor",
@@ -18,6 +18,7 @@ const ORDER: [&str; 16] = [
     "average",
     "body",
     "time",
+    "modes",
     "motion",
     "adjoint",
     "prelude",
@@ -33,6 +34,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "pattern",
             "ordering",
             "dense",
+            "eigen",
             "solver",
             "gmres",
             "cholesky",

@@ -6,20 +6,25 @@ function showCharts(place, runs, clock) {
   const specs = runs.length === 1 ? chartsOfRun(runs[0], clock) : chartsOfRuns(runs, clock);
   specs.forEach((spec) => new Chart(place, spec, clock));
   clock.follow((time) => charts.forEach((chart) => chart.show(time)));
-  new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(place);
   isDark.addEventListener("change", () => charts.forEach((chart) => chart.build()));
 }
 
 // Lines of one run over its own times.
-function ofRun(run, spec) {
-  const lines = spec.lines.map((line) => ({ times: run.time, ...line }));
-  return { shaded: run.shaded, marks: run.marks, data: () => [run.time, ...lines.map((line) => line.values)], ...spec, lines };
+function ofRun(run, { lines, choices = [{ lines }], ...spec }) {
+  const timed = choices.map((choice) => ({ ...choice, lines: choice.lines.map((line) => ({ times: run.time, ...line })) }));
+  const data = (lines) => [run.time, ...lines.map((line) => line.values)];
+  return { abscissa: abscissaOf(run), shaded: run.shaded, marks: run.marks, data, ...spec, choices: timed };
 }
 
 // Lines of several runs over the times of all of them.
-function ofRuns(spec) {
-  const data = () => uPlot.join(spec.lines.map((line) => [line.times, line.values]));
-  return { data, ...spec };
+function ofRuns({ lines, choices = [{ lines }], ...spec }) {
+  const data = (lines) => uPlot.join(lines.map((line) => [line.times, line.values]));
+  return { abscissa: abscissaOf(manifest.runs[0]), data, ...spec, choices };
+}
+
+// The quantity on the horizontal axes.
+function abscissaOf(run) {
+  return inUnit("t", unitOf(run, "time"));
 }
 
 function chartsOfRun(run, clock) {
@@ -34,6 +39,7 @@ function chartsOfRun(run, clock) {
       line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
       ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
+    ...chartsOfQuantities(run),
     ofRun(run, { title: "Angular momentum", unit: "about the origin" + ifRounding(run, "angular_momentum"), lines: vector("angular_momentum", "L") }),
     ofRun(run, { title: "Linear momentum", unit: ifRounding(run, "linear_momentum"), lines: vector("linear_momentum", "P") }),
     newtonChart(run, clock),
@@ -49,12 +55,6 @@ function chartsOfRun(run, clock) {
   if (determinant?.some(Number.isFinite)) {
     specs.push(ofRun(run, { title: "Smallest det F", unit: "over all quadrature points; 1: volume unchanged", height: 150,
       lines: [line("min det F", nulled(determinant), "--c0")] }));
-  }
-  for (const probe of run.probes) {
-    const at = AXES.map(([axis]) => column(`${probe}_${axis}`));
-    // The position itself would only show where the node is.
-    specs.push(ofRun(run, { title: `Probe ${probe}`, unit: `displacement from (${at.map((values) => number(values[0])).join(", ")})`, height: 150,
-      lines: AXES.map(([axis, colour, dash], i) => line(`u${axis}`, at[i].map((value) => value - at[i][0]), colour, dash)) }));
   }
   return specs;
 }
@@ -108,6 +108,7 @@ function chartsOfRuns(runs, clock) {
   const specs = [
     ofRuns({ title: "Total energy", unit: "T + V", height: 190, lines: column("total_energy") }),
     residual("energy", "Energy balance of each step", "residual, as a part of the largest T + V"),
+    ...comparedQuantities(runs, each),
     ofRuns({ title: "Angular momentum", unit: "|L| about the origin", height: 190, lines: each((run) => run.norm("angular_momentum")) }),
     residual("angular_momentum", "Angular momentum balance of each step", "residual, as a part of the largest |L|"),
     ofRuns({ title: "Linear momentum", unit: "|P|", lines: each((run) => run.norm("linear_momentum")) }),

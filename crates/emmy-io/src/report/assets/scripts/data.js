@@ -39,6 +39,11 @@ async function readRun(index, run) {
   return { ...run, index, array, column, norm, time: column("time") };
 }
 
+// Unit of a column or a field of a run; empty without units.
+function unitOf(run, name) {
+  return run.units?.[name] ?? "";
+}
+
 // Index of the last of ascending times that is not after a time; 0 before the first.
 function lastBefore(times, time) {
   const tolerance = 1e-9 * Math.max(Math.abs(time), Math.abs(times[times.length - 1]));

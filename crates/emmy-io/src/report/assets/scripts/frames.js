@@ -67,8 +67,9 @@ class Frames {
     return this.ranges.get(name);
   }
 
-  // Box around the reference, and around the whole motion with displacements magnified.
-  box(factor) {
+  // Box around the reference, and around the whole motion with displacements magnified; modes go both ways.
+  box(factor, goesBack = false) {
+    const reference = goesBack ? this.box(0) : null;
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const add = (displacement) => {
       for (let i = 0; i < 3 * this.n; i++) {
@@ -79,6 +80,11 @@ class Frames {
     };
     if (factor === 0) add(null);
     else for (let frame = 0; frame < this.times.length; frame++) add(this.readDisplacement(frame));
+    if (goesBack) for (const i of low.keys()) {
+      // The reference is in the middle of both ends.
+      const most = Math.max(high[i] - reference.high[i], reference.low[i] - low[i]);
+      [low[i], high[i]] = [reference.low[i] - most, reference.high[i] + most];
+    }
     return { low, high, centre: low.map((a, i) => (a + high[i]) / 2), size: Math.hypot(...low.map((a, i) => high[i] - a)) };
   }
 }

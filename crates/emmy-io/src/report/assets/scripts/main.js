@@ -32,14 +32,27 @@ function loadedIntervals(run, end) {
   return joined;
 }
 
-showHeading(manifest.runs);
-try {
+// The height that the head and the controls leave to the motion in the first window.
+function giveRoom() {
+  const [stage, viewer, viewport, transport] = [".stage", "#viewer", "#viewport", "#transport"].map((name) => document.querySelector(name));
+  const set = () => {
+    const above = stage.getBoundingClientRect().top + scrollY, controls = viewer.offsetHeight - viewport.offsetHeight;
+    document.documentElement.style.setProperty("--room", `${Math.floor(innerHeight - above - controls - transport.offsetHeight - 10)}px`);
+  };
+  [document.getElementById("verdict"), transport, document.getElementById("viewer-foot")].forEach((node) => new ResizeObserver(set).observe(node));
+  addEventListener("resize", set);
+  set();
+}
+
+// The page of one run, or of several.
+async function showRuns(manifest) {
+  showHeading(manifest.runs);
   const runs = (await Promise.all(manifest.runs.map((run, index) => readRun(index, run)))).map(prepared);
-  showVerdict(document.getElementById("verdict"), runs);
   // A run that has just started may have no row yet.
   const endOf = (run) => run.time[run.time.length - 1] ?? 0;
   const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
   const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
+  showVerdict(document.getElementById("verdict"), runs, clock);
   const withFrames = runs.filter((run) => run.frames);
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");
@@ -50,10 +63,15 @@ try {
     runs.length === 1);
   showDetails(document.getElementById("details"), runs);
   showFoot(document.getElementById("foot"), runs, manifest.version);
+  giveRoom();
   // An address that ends in #t=2.5 shows that time.
   const wanted = Number(location.hash.match(/^#t=(.+)$/)?.[1] ?? NaN);
   if (Number.isFinite(wanted)) clock.set(wanted);
   else if (!isStill.matches && withFrames.length && runs.length === 1) clock.play();
+}
+
+try {
+  await (manifest.runs[0].modes ? showModes(manifest) : showRuns(manifest));
   document.documentElement.dataset.ready = "true";
 } catch (error) {
   const fault = document.getElementById("fault");

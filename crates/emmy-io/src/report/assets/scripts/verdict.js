@@ -67,18 +67,32 @@ function balanceCard(run, balance) {
     rest);
 }
 
+// Size and cost of a run, as words that wrap.
 function facts(run) {
   const s = run.summary;
-  const fact = (term, ...value) => element("div", {}, element("dt", {}, term), element("dd", {}, ...value));
+  const fact = (term, ...value) => element("div", {}, element("dt", {}, term), " ", element("dd", {}, ...value));
   const small = (text) => element("small", {}, text);
-  const mean = s.steps > 0 ? `${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
+  const mean = s.steps > 0 ? `, ${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
   return element("dl", { class: "facts" },
-    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`degree ${s.degree}`)),
-    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(`to t = ${number(s.time)}`)),
+    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`, degree ${s.degree}`)),
+    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(` to t = ${inUnit(number(s.time), unitOf(run, "time"))}`)),
     fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
-    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`${grouped(s.nodes)} nodes`)),
+    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
+}
+
+// The largest values of the run; a click shows their time.
+function extremes(run, clock) {
+  const s = run.summary;
+  if (!(s.largest_displacement > 0)) return null;
+  const point = s.largest_displacement_point.map((x) => number(x)).join(", ");
+  const unit = unitOf(run, "displacement");
+  return element("div", { class: "balance extremes" },
+    element("h2", {}, "Largest displacement"),
+    element("p", { class: "size" }, ofSummary(run, "largest_displacement"), unit && ` ${unit}`),
+    element("p", { class: "rest" }, element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s.largest_displacement_time) },
+      "t = ", ofSummary(run, "largest_displacement_time")), `, at (${point})`));
 }
 
 // Warnings that limit the verdict.
@@ -91,10 +105,11 @@ function warnings(run) {
   ].filter((warning) => warning !== null);
 }
 
-function showVerdict(place, runs) {
+function showVerdict(place, runs, clock) {
   if (runs.length === 1) {
-    const cards = balances(runs[0]).map((b) => balanceCard(runs[0], b));
-    place.append(element("div", { class: "strip" }, ...cards, facts(runs[0])), ...warnings(runs[0]));
+    const [run] = runs;
+    const cards = balances(run).map((b) => balanceCard(run, b));
+    place.append(facts(run), element("div", { class: "strip" }, ...cards, extremes(run, clock)), ...warnings(run));
     return;
   }
   const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "steps", "Newton", "dofs", "time", "status"];
