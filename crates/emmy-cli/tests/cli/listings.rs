@@ -107,9 +107,9 @@ impl<'a> Session<'a> {
         let examples = root().join("examples");
         copy(&examples, &place.path("examples"));
         copy(&examples.join("meshes"), &place.path("meshes"));
-        ["l-block.toml", "pulse.csv"]
-            .into_iter()
-            .for_each(|name| drop(fs::copy(examples.join(name), place.path(name)).unwrap()));
+        for name in ["l-block.toml", "pulse.csv"] {
+            fs::copy(examples.join(name), place.path(name)).unwrap();
+        }
         Session { page, place, output: String::new() }
     }
 
