@@ -1,8 +1,14 @@
-"""The frame of the bracket with the largest von Mises stress, as a picture; run it where `emmy run bracket.toml` was run."""
+"""The frame with the largest von Mises stress, as a picture; run it where `emmy run bracket.toml` was run.
+
+Another run is named behind it: `python bracket_stress.py steel-bracket`.
+"""
+
+import sys
 
 import pyvista
 
-reader = pyvista.get_reader("bracket/bracket.pvd")
+name = sys.argv[1] if len(sys.argv) > 1 else "bracket"
+reader = pyvista.get_reader(f"{name}/{name}.pvd")
 
 
 def frame(time):
@@ -15,6 +21,6 @@ stress, time = max(peaks)
 print(f"largest von Mises stress at a node: {stress:.0f} MPa at {1e3 * time:.2f} ms")
 
 plotter = pyvista.Plotter(off_screen=True)
-plotter.add_mesh(frame(time).warp_by_vector("displacement", factor=5), scalars="von_mises_stress", scalar_bar_args={"vertical": True})
+plotter.add_mesh(frame(time).warp_by_vector("displacement", factor=5), scalars="von_mises_stress", scalar_bar_args={"vertical": True, "title": "MPa", "position_x": 0.85})
 plotter.camera_position = "iso"
-plotter.screenshot("bracket.png")
+plotter.screenshot(f"{name}.png")

@@ -115,9 +115,9 @@ fn product(text: &str) -> f64 {
 fn mesh(trial: &mut Trial<'_>) -> Result<(), String> {
     let rng = &mut trial.rng;
     let meshes = "crates/emmy-io/tests/meshes";
-    let (folder, extension) =
-        [("fuzz/corpus/gmsh", "msh"), ("fuzz/corpus/abaqus", "inp"), ("fuzz/corpus/vtu", "vtu")]
-            [rng.usize(..3)];
+    let formats = [("gmsh", "msh"), ("abaqus", "inp"), ("nastran", "bdf"), ("vtu", "vtu")];
+    let (format, extension) = formats[rng.usize(..formats.len())];
+    let folder = &format!("fuzz/corpus/{format}");
     let whole = match rng.usize(..3) {
         0 => one_of(rng, &corpus(folder, &[])),
         _ => one_of(rng, &corpus(meshes, &[extension])),

@@ -113,7 +113,7 @@ impl Report {
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
             self.load(load, &resultant);
         }
-        problem.supports.iter().for_each(|support| self.support(support, body.mesh()));
+        problem.supports.iter().for_each(|support| self.support(support, problem));
         self.ground(&problem.nodal);
         self.damping(body);
     }
@@ -243,7 +243,8 @@ impl Report {
         }
     }
 
-    fn support(&mut self, support: &Support, mesh: &Mesh) {
+    fn support(&mut self, support: &Support, problem: &Problem) {
+        let mesh = problem.body.mesh();
         let n_nodes = mesh.group_nodes(&support.group).map_or(0, |nodes| nodes.len());
         let fix = support.fixed_components(mesh).unwrap_or_default();
         let components = |is_in: &dyn Fn(usize) -> bool| -> Vec<&str> {
@@ -258,8 +259,15 @@ impl Report {
             parts.map(|(components, how)| format!("{} {how}", components.join(", "))).collect();
         self.line("support", &format!("{}: {}, {dofs} degrees of freedom", support.group, parts.join(", ")));
         for (component, time_function) in ["x", "y", "z"].iter().zip(&support.displacement) {
-            if let Some(time_function) = time_function {
-                self.line("", &format!("{component} moves: {}", summary(time_function)));
+            match time_function.as_ref().map(|displacement| (displacement, displacement.acceleration())) {
+                Some((displacement, Some(acceleration))) => {
+                    self.line("", &format!("{component} accelerates: {}", summary(acceleration)));
+                    self.line("", &drift(displacement, acceleration, problem.plan.end()));
+                }
+                Some((displacement, None)) => {
+                    self.line("", &format!("{component} moves: {}", summary(displacement)));
+                }
+                None => {}
             }
         }
         if support.symmetry {
@@ -360,8 +368,30 @@ fn summary(time_function: &TimeFunction) -> String {
     match (time_function.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
         (Some(text), _) => text.to_string(),
         (None, 1.0) if entries.len() == 1 => "constant".to_string(),
+        (None, _) if time_function.is_measured() => {
+            let values = || entries.iter().map(|(_, factor)| *factor);
+            let least = values().fold(f64::INFINITY, f64::min);
+            let largest = values().fold(f64::NEG_INFINITY, f64::max);
+            let [start, end] = [entries[0].0, entries[entries.len() - 1].0].map(number);
+            let [least, largest] = [least, largest].map(number);
+            format!("{} rows from t = {start} to t = {end}, values from {least} to {largest}", entries.len())
+        }
         (None, peak) => format!("{} times, largest factor {}", entries.len(), number(peak)),
     }
+}
+
+/// Velocity and displacement to which an acceleration leads at the end of its table or of the run.
+fn drift(displacement: &TimeFunction, acceleration: &TimeFunction, end: f64) -> String {
+    let time = match acceleration.entries() {
+        [_, .., (last, _)] => last.min(end),
+        _ => end,
+    };
+    let velocity = number(displacement.rate(time));
+    format!(
+        "integrated: velocity {velocity}, displacement {} at t = {}",
+        number(displacement.value(time)),
+        number(time)
+    )
 }
 
 /// The tensor with round-off replaced by zeros.

@@ -266,3 +266,28 @@ fn bracket() {
     let period = (back[back.len() - 1] - back[0]) / (back.len() - 1) as f64;
     assert!(period > strip(50.0) && period < strip(50.0 + 28.0), "{period} {} {}", strip(50.0), strip(78.0));
 }
+
+#[test]
+fn steel_bracket() {
+    let (place, history) = run_in_place("steel-bracket");
+    let (time, tip) = (&history["time"], &history["tip_z"]);
+    let largest = place.summary("steel-bracket")["largest_energy"].as_f64().unwrap();
+    for (energy, work) in history["total_energy"].iter().zip(&history["external_work"]) {
+        assert!((energy - work).abs() < 1e-10 * largest, "{energy} {work}");
+    }
+    // `examples.py`: the linear equations, for a deflection of 1 % of the length.
+    let [mut low, mut high] = [0; 2];
+    for i in 0..tip.len() {
+        low = if tip[i] < tip[low] { i } else { low };
+        high = if tip[i] > tip[high] { i } else { high };
+    }
+    close(tip[low] - 60.0, -0.6705, 0.025);
+    close(tip[high] - 60.0, 0.6552, 0.025);
+    assert!((time[low] - 4.761e-3).abs() <= 5e-5 && (time[high] - 3.783e-3).abs() <= 5e-5);
+    let input = format!("{}/../../examples/steel-bracket.toml", env!("CARGO_MANIFEST_DIR"));
+    place.succeed(&["modes", &input, "--count", "3", "--quiet", "--output", "modes"]);
+    let modes = place.read("modes/modes.csv");
+    for (row, frequency) in modes.lines().skip(1).zip([524.59, 915.29, 1478.81]) {
+        close(row.split(',').nth(2).unwrap().parse().unwrap(), frequency, 1e-5);
+    }
+}

@@ -8,7 +8,7 @@
 //! | `toml` | parts of an input: a small input with them passes `emmy check` |
 //! | `sh`, `sh exit N` | the commands of `emmy` are run; commands of cargo must name existing packages and tests |
 //! | `text output` | lines of the last output, except for numbers; `...` stands for any others |
-//! | `rust FILE`, `python FILE`, `geo FILE` | lines of FILE, which another test runs |
+//! | `rust FILE`, `python FILE`, `geo FILE`, `csv FILE` | lines of FILE, which another test runs |
 //! | `text FILE` | output of the Python program FILE, for `tests/pyvista/frames.py` |
 //!
 //! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes the present output into the pages.
@@ -108,7 +108,9 @@ impl<'a> Session<'a> {
         copy(&examples, &place.path("examples"));
         copy(&examples.join("meshes"), &place.path("meshes"));
         copy(&examples.join("meshes"), &place.path("examples/meshes"));
-        fs::copy(examples.join("l-block.toml"), place.path("l-block.toml")).unwrap();
+        for name in ["l-block.toml", "pulse.csv"] {
+            fs::copy(examples.join(name), place.path(name)).unwrap();
+        }
         Session { page, place, output: String::new() }
     }
 
@@ -121,9 +123,9 @@ impl<'a> Session<'a> {
             ["sh"] => self.commands(&listing.text, 0),
             ["sh", "exit", code] => self.commands(&listing.text, code.parse().unwrap()),
             ["text", "output"] => return Some(self.shown(&listing.text)),
-            ["rust" | "python" | "geo", file] => self.is_part_of(&listing.text, file),
+            ["rust" | "python" | "geo" | "csv", file] => self.is_part_of(&listing.text, file),
             // `tests/pyvista/frames.py` compares these.
-            ["text", script] if script.ends_with(".py") => {}
+            ["text", script, ..] if script.ends_with(".py") => {}
             ["math"] => {}
             _ => panic!("{}: nobody tests a listing of {words:?}", self.page),
         }

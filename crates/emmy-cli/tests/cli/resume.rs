@@ -326,3 +326,61 @@ fn cuts_end_at_the_smallest_step_with_3() {
     ]);
     assert_eq!(place.summary("box")["status"], "done");
 }
+
+/// A pulse from a file is a part of the input: its path may change, its rows may not.
+#[test]
+fn a_run_with_a_measured_load_is_resumed_with_the_same_table() {
+    let place = Place::with(&even_box(1.0, 0.05).replace(
+        "history = [[0.0, 0.0], [0.5, 1.0]]",
+        "history = { file = \"in/pulse.csv\", time = \"t\", value = \"force\", factor = 2 }",
+    ));
+    place.write("in/pulse.csv", "t,force\n0,0\n0.31,0.7\n0.5,0.5\n");
+    let whole =
+        even_box(1.0, 0.05).replace("[[0.0, 0.0], [0.5, 1.0]]", "[[0.0, 0.0], [0.31, 1.4], [0.5, 1.0]]");
+    place.write("whole.toml", &whole);
+    place.succeed(&["run", "whole.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--until", "0.3"]);
+    place.succeed(&["resume", "out", "--quiet", "--until", "0.5"]);
+    std::fs::rename(place.path("in"), place.path("moved")).unwrap();
+    let outcome = place.emmy(&["resume", "out", "--until", "1"]);
+    assert!(outcome.code == 2 && outcome.stderr.contains("in/pulse.csv"), "{}", outcome.stderr);
+    let file = format!("load.history.file={}", place.path("moved/pulse.csv").display());
+    place.succeed(&["resume", "out", "--quiet", "--until", "0.7", "--set", &file]);
+    place.write("moved/pulse.csv", "t,force\n0,0\n0.31,0.8\n0.5,0.5\n");
+    let outcome = place.emmy(&["resume", "out", "--until", "1"]);
+    assert!(
+        outcome.code == 2 && outcome.stderr.contains("the tables had 3 rows, checksum"),
+        "{}",
+        outcome.stderr
+    );
+    place.write("moved/pulse.csv", "t,force\n0,0\n0.31,0.7\n0.5,0.5\n");
+    place.succeed(&["resume", "out", "--quiet", "--until", "1"]);
+    assert_same_rows(&place, "out", "whole");
+    let factor = place.emmy(&["resume", "out", "--until", "2", "--set", "load.history.factor=3"]);
+    assert!(factor.code == 2 && factor.stderr.contains("`load.0.history.factor` is 3"), "{}", factor.stderr);
+}
+
+/// A driven support that follows an acceleration is resumed bit for bit. An expression is integrated on panels of
+/// the same size if both ends lie between the same powers of two.
+#[test]
+fn a_shaken_support_is_resumed() {
+    let input = even_box(0.9, 0.05).replace("scheme = \"AS(2)\"", "scheme = \"DGM\"").replace(
+        "fix = [\"x\", \"y\", \"z\"]",
+        "fix = [\"y\"]\naccelerate = { x = { file = \"quake.csv\", time = \"t\", value = \"a\" }, z = \"sin(9*t)\" }",
+    );
+    let place = Place::with(&input);
+    place.write("quake.csv", "t,a\n0,0\n0.31,0.7\n0.5,-0.5\n0.8,0\n");
+    let report = place.succeed(&["check", "box.toml"]).stdout;
+    // v = 0.31*0.35 + 0.19*0.1 - 0.3*0.25 = 0.0525.
+    for part in [
+        "x accelerates: 4 rows from t = 0 to t = 0.8, values from -0.5 to 0.7",
+        "integrated: velocity 0.0525, displacement 0.0",
+        "z accelerates: sin(9*t)",
+    ] {
+        assert!(report.contains(part), "{part}\n{report}");
+    }
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.6"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "0.9"]);
+    assert_same_rows(&place, "parts", "whole");
+}

@@ -199,14 +199,14 @@ def scripts_of_the_book(emmy, directory):
     root = pathlib.Path(__file__).parents[4]
     page = (root / "book/src/quick-start.md").read_text()
     (directory / "first.toml").write_text(page.split("```toml first.toml\n")[1].split("```")[0])
-    for run in ["first.toml", root / "examples/bracket.toml"]:
+    for run in ["first.toml", root / "examples/bracket.toml", root / "examples/steel-bracket.toml"]:
         subprocess.run([emmy, "run", run, "--quiet"], cwd=directory, check=True)
 
-    def printed(page, name):
+    def printed(page, name, *arguments):
         """What a program prints, which is also in the page; its small numbers are rounding."""
-        command = [sys.executable, root / "examples" / name]
+        command = [sys.executable, root / "examples" / name, *arguments]
         text = subprocess.run(command, cwd=directory, check=True, capture_output=True, text=True).stdout
-        shown = (root / "book/src" / page).read_text().split(f"```text {name}\n")[1].split("```")[0]
+        shown = (root / "book/src" / page).read_text().split(f"```text {' '.join([name, *arguments])}\n")[1].split("```")[0]
         assert re.sub(r"[0-9.]+e-[0-9]+", "#", text) == re.sub(r"[0-9.]+e-[0-9]+", "#", shown), text
         print(text, end="")
         return text
@@ -215,7 +215,9 @@ def scripts_of_the_book(emmy, directory):
     balance = printed("bracket.md", "bracket_history.py").splitlines()[0]
     assert float(balance.split()[-3]) < 1e-9, balance
     printed("bracket.md", "bracket_stress.py")
-    assert (directory / "bracket.png").stat().st_size > 1000
+    printed("bracket.md", "bracket_stress.py", "steel-bracket")
+    for picture in ["bracket.png", "steel-bracket.png"]:
+        assert (directory / picture).stat().st_size > 1000
 
 
 def main():

@@ -138,7 +138,11 @@ mod tests {
         memory.keep_word("solver", "direct");
         snapshot.memory = Some(memory);
         Checkpoint {
-            identity: Identity { input: "title = \"ä\"\n".into(), mesh: String::new() },
+            identity: Identity {
+                input: "title = \"ä\"\n".into(),
+                mesh: String::new(),
+                tables: String::new(),
+            },
             snapshot,
             frames: vec![FrameTime { step: 3, time: 0.5 }],
             history_checksum: 0xdead_beef,

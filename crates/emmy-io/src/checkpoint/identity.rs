@@ -15,6 +15,9 @@ pub struct Identity {
     pub input: String,
     /// Digest of the mesh: nodes, cells, groups.
     pub mesh: String,
+    /// Digest of the tables that loads and supports follow.
+    #[serde(default)]
+    pub tables: String,
 }
 
 /// The checkpoint belongs to another problem.
@@ -43,12 +46,27 @@ pub enum Mismatch {
         /// The mesh now.
         now: String,
     },
+    /// A table from a file has changed, although the input names the same file.
+    #[error(
+        "the file of a history has changed since the checkpoint: the tables had {before} and now have {now}; restore the \
+         file, or name an old copy with --set, such as --set load.0.history.file=PATH"
+    )]
+    Tables {
+        /// The tables of the checkpoint.
+        before: String,
+        /// The tables now.
+        now: String,
+    },
 }
 
 impl Identity {
     /// The identity of a problem.
     pub fn new(problem: &Problem) -> Self {
-        Identity { input: problem.resolved.clone(), mesh: digest(problem.body.mesh()) }
+        Identity {
+            input: problem.resolved.clone(),
+            mesh: digest(problem.body.mesh()),
+            tables: digest_of_tables(problem),
+        }
     }
 
     /// Checks that a problem has the same body, loads and supports.
@@ -58,7 +76,8 @@ impl Identity {
     pub fn check(&self, now: &Identity) -> Result<(), Mismatch> {
         let table = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
         let (mut before_input, mut now_input) = (table(&self.input), table(&now.input));
-        // The file may have moved; its content is in the digest.
+        // Files may have moved; their content is in the digests.
+        [&mut before_input, &mut now_input].into_iter().for_each(remove_history_files);
         let (old_file, new_file) = (take_file(&mut before_input), take_file(&mut now_input));
         let of = |table: &toml::Table, key: &str| table.get(key).cloned();
         for key in FIXED {
@@ -78,6 +97,10 @@ impl Identity {
         }
         if old_file.is_some() != new_file.is_some() || self.mesh != now.mesh {
             return Err(Mismatch::Mesh { before: self.mesh.clone(), now: now.mesh.clone() });
+        }
+        // Checkpoints of earlier versions have no digest.
+        if !self.tables.is_empty() && self.tables != now.tables {
+            return Err(Mismatch::Tables { before: self.tables.clone(), now: now.tables.clone() });
         }
         Ok(())
     }
@@ -100,6 +123,25 @@ impl Identity {
 
 fn take_file(input: &mut toml::Table) -> Option<toml::Value> {
     input.get_mut("mesh")?.as_table_mut()?.remove("file")
+}
+
+/// Removes the paths of the files of histories from a resolved input.
+pub(crate) fn remove_history_files(input: &mut toml::Table) {
+    fn remove(value: &mut toml::Value) {
+        match value {
+            toml::Value::Array(items) => items.iter_mut().for_each(remove),
+            toml::Value::Table(table) => {
+                if ["time", "value"].iter().all(|key| table.contains_key(*key)) {
+                    table.remove("file");
+                }
+                table.iter_mut().for_each(|(_, value)| remove(value));
+            }
+            _ => {}
+        }
+    }
+    for section in ["load", "support"] {
+        input.get_mut(section).into_iter().for_each(remove);
+    }
 }
 
 /// The first key at which two values differ, with both as text.
@@ -139,12 +181,26 @@ pub(crate) fn digest(mesh: &Mesh) -> String {
     format!("{} nodes, {} cells, checksum {:08x}", mesh.n_nodes(), mesh.n_cells(), sum.finalize())
 }
 
+/// Digest of the tables that loads and supports follow.
+pub(crate) fn digest_of_tables(problem: &Problem) -> String {
+    let loads = problem.loads.iter().map(|load| &load.time_function);
+    let functions = loads.chain(problem.supports.iter().flat_map(|support| support.time_functions()));
+    let tables = functions.map(|function| function.acceleration().unwrap_or(function).entries());
+    let mut sum = crc32fast::Hasher::new();
+    let mut rows = 0;
+    for (time, factor) in tables.flatten() {
+        [time, factor].iter().for_each(|number| sum.update(&number.to_le_bytes()));
+        rows += 1;
+    }
+    format!("{rows} rows, checksum {:08x}", sum.finalize())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn identity(input: &str) -> Identity {
-        Identity { input: input.to_string(), mesh: "8 nodes".to_string() }
+        Identity { input: input.to_string(), mesh: "8 nodes".to_string(), tables: "2 rows".to_string() }
     }
 
     #[test]
@@ -162,6 +218,12 @@ mod tests {
         }
         let other = Identity { mesh: "9 nodes".into(), ..identity(old) };
         assert!(matches!(identity(old).check(&other), Err(Mismatch::Mesh { .. })));
+        let other = Identity { tables: "3 rows".into(), ..identity(old) };
+        assert!(matches!(identity(old).check(&other), Err(Mismatch::Tables { .. })));
+        let measured = |file: &str| {
+            identity(&format!("{old}[[support]]\nmove.x = {{ file = '{file}', time = 't', value = 'x' }}"))
+        };
+        assert_eq!(measured("a.csv").check(&measured("/b/c.csv")), Ok(()));
         assert!(identity(old).has_same_stepper(&identity(&format!("{old}[solver]\nkind = 'auto'\n"))));
         assert!(!identity(old).has_same_stepper(&identity(&old.replace("degree = 1", "degree = 2"))));
     }

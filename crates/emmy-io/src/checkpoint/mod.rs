@@ -5,7 +5,7 @@
 //! done at most once a second; then the files change roles. [`newest`] takes the later one that is complete.
 
 mod file;
-mod identity;
+pub(crate) mod identity;
 
 use std::io;
 use std::path::{Path, PathBuf};

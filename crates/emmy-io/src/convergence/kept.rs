@@ -12,6 +12,7 @@ use emmy::motion::{Samples, State};
 use serde::{Deserialize, Serialize};
 
 use super::Study;
+use crate::checkpoint::identity;
 use crate::input::Problem;
 use crate::stored;
 use crate::whole_file::replace;
@@ -45,6 +46,7 @@ impl Key {
         // The path of the mesh in the input has lost characters that are not UTF-8.
         let mesh = problem.files.get(1).map(PathBuf::as_path);
         key.push_str(&relevant_input(&problem.resolved, mesh)?);
+        let _ = writeln!(key, "tables = {}", identity::digest_of_tables(problem));
         Ok(Key(key))
     }
 
@@ -55,13 +57,14 @@ impl Key {
 }
 
 /// The part of the resolved input that determines a motion from a given state, with a checksum of the mesh file instead
-/// of its path.
+/// of its path, and without the paths of histories.
 fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     let mut input: toml::Table = resolved.parse().map_err(io::Error::other)?;
     ["title", "output", "limits", "initial"].into_iter().for_each(|section| drop(input.remove(section)));
     if let Some(time) = input.get_mut("time").and_then(toml::Value::as_table_mut) {
         ["scheme", "degree", "steps"].into_iter().for_each(|key| drop(time.remove(key)));
     }
+    identity::remove_history_files(&mut input);
     if let Some(file) = input.get_mut("mesh").and_then(|mesh| mesh.get_mut("file")) {
         let path = mesh.unwrap_or(Path::new(file.as_str().unwrap_or_default()));
         let content = std::fs::read(path)?;

@@ -8,6 +8,7 @@ use emmy::motion::{Phase, StepPlan};
 use super::Start;
 use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
+use super::history;
 use super::problem::ROOT;
 use super::tree::{self, Node, Value};
 use crate::{link, message};
@@ -68,6 +69,19 @@ pub(super) fn fill_directory(tree: &mut Node, path: &Path, asked: Option<&Path>)
         output.put("directory", string(&directory.to_string_lossy(), &place));
     }
     directory
+}
+
+/// Makes the files of histories absolute, or else relative to the output directory, and returns their paths.
+pub(super) fn resolve_histories(tree: &mut Node, directory: &Path, output: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    history::for_each_file(tree, &mut |node| {
+        let Value::String(name) = &mut node.value else { return };
+        let file = directory.join(&*name);
+        let absolute = std::path::absolute(&file).unwrap_or_else(|_| file.clone());
+        *name = spellable(absolute, output).to_string_lossy().into_owned();
+        files.push(file);
+    });
+    files
 }
 
 /// The path of a mesh file as text: absolute, or else relative to the output directory, which holds the text.

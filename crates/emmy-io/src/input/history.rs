@@ -1,4 +1,6 @@
-//! `history`: tables of the time, or expressions.
+//! `history`: tables of the time, here or in a CSV file, or expressions.
+
+use std::path::Path;
 
 use emmy::body::TimeFunction;
 use emmy::internals::number::short;
@@ -7,15 +9,30 @@ use emmy::motion::StepPlan;
 use super::description::{self, Kind, Section};
 use super::expression;
 use super::fault::{Fault, Faults};
+use super::measured;
 use super::table::Item;
 use super::tree::{Node, Value};
 
-/// Reads a history: a list of `[time, value]`, or the text of an expression.
-pub(super) fn read(item: Item<'_>) -> Result<TimeFunction, Fault> {
+/// The input around a history.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Context<'a> {
+    /// Folder of the input.
+    pub(super) directory: &'a Path,
+    /// End of the run.
+    pub(super) end: f64,
+}
+
+/// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression.
+pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     if let Some(text) = item.text() {
         return Ok(expression::read(&item, expression::TIME)?.time_function(text.trim()));
     }
-    let items = item.list_or("a list of [time, value] or an expression such as \"sin(2*pi*t)\"")?;
+    if item.is_table() {
+        return measured::read(item, context.directory);
+    }
+    let wanted =
+        "a list of [time, value], a table { file, time, value } or an expression such as \"sin(2*pi*t)\"";
+    let items = item.list_or(wanted)?;
     let pair = |item: &Item<'_>| item.numbers().map(|[time, factor]| (time, factor));
     let entries = items.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
     TimeFunction::new(entries).map_err(|error| match error {
@@ -32,6 +49,22 @@ fn is_history(key: &str) -> bool {
         section.keys.iter().any(|own| own.name == key && matches!(own.kind, Kind::TimeFunction))
     };
     description::all().into_iter().any(of)
+}
+
+/// Visits the names of the files of all histories in a part of the tree.
+pub(super) fn for_each_file(node: &mut Node, visit: &mut impl FnMut(&mut Node)) {
+    match &mut node.value {
+        Value::Array(items) => items.iter_mut().for_each(|item| for_each_file(item, visit)),
+        Value::Table(entries) => {
+            for entry in entries {
+                match entry.node.get_mut("file").filter(|_| is_history(&entry.key)) {
+                    Some(file) => visit(file),
+                    None => for_each_file(&mut entry.node, visit),
+                }
+            }
+        }
+        _ => {}
+    }
 }
 
 /// Number of times at which an expression is checked before a run.
@@ -72,4 +105,22 @@ fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fau
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::input::{load, tree};
+
+    /// The history of a load in an input of a folder.
+    pub(crate) fn read_in(directory: &Path, history: &str) -> Result<TimeFunction, String> {
+        let text = format!("group = 'a'\nforce = [1, 0, 0]\nhistory = {history}");
+        let mut tree = tree::parse("test", &format!("[load]\n{text}\n")).unwrap();
+        let node = tree.get_mut("load").unwrap();
+        let item = Item::of("load", node);
+        match load::read(item, Context { directory, end: 1.0 }) {
+            Ok(load) => Ok(load.value.time_function().unwrap().clone()),
+            Err(fault) => Err(fault.to_string()),
+        }
+    }
 }

@@ -4,11 +4,12 @@ use emmy::body::{GroundAttraction, Load, LoadKind, TimeFunction};
 use emmy::internals::material::{Bounds, IfAbsent};
 
 use super::description::{Described, Key, Kind, NUMBER, POSITIVE, Rule, Section, exactly, vector};
+use super::expression;
 use super::fault::Fault;
 use super::groups::Members;
+use super::history::{self, Context};
 use super::region::{Placed, group};
 use super::table::{Item, Table};
-use super::{expression, history};
 
 /// A kind of load.
 struct Row {
@@ -24,6 +25,7 @@ struct Given<'a> {
     table: &'a Table<'a>,
     value: Item<'a>,
     group: Option<String>,
+    context: Context<'a>,
 }
 
 /// The action on the body.
@@ -34,6 +36,16 @@ pub(super) enum Acting {
     Attraction(GroundAttraction),
     /// Rate of a drag on the whole body.
     Drag(f64),
+}
+
+#[cfg(test)]
+impl Acting {
+    pub(super) fn time_function(&self) -> Option<&TimeFunction> {
+        match self {
+            Acting::Load(load, _) => Some(&load.time_function),
+            Acting::Attraction(_) | Acting::Drag(_) => None,
+        }
+    }
 }
 
 /// Every kind of load.
@@ -152,7 +164,7 @@ static ATTRACTION: Described = Described::new(|| {
 });
 
 /// Reads one load.
-pub(super) fn read(item: Item<'_>) -> Result<Placed<Acting>, Fault> {
+pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<Placed<Acting>, Fault> {
     let table = item.table(&LOAD)?;
     let value = table.exactly_one("one kind of load")?;
     let row = ROWS.iter().find(|row| (row.key)().name == value.key());
@@ -161,14 +173,14 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Acting>, Fault> {
         true => Some(table.require("group")?.name()?),
         false => group(&table)?.map(|(name, _)| name),
     };
-    let acting = (row.read)(Given { table: &table, value, group })?;
+    let acting = (row.read)(Given { table: &table, value, group, context })?;
     Placed::new(&table, acting)
 }
 
 impl Given<'_> {
     /// The load of a kind with its factor over time.
     fn load(self, members: Members, kind: impl FnOnce(String) -> LoadKind) -> Result<Acting, Fault> {
-        let history = self.table.get("history").map(history::read).transpose()?;
+        let history = self.table.get("history").map(|item| history::read(item, self.context)).transpose()?;
         let time_function = history.unwrap_or_else(TimeFunction::constant);
         Ok(Acting::Load(Load { kind: kind(self.group.unwrap_or_default()), time_function }, members))
     }

@@ -18,6 +18,7 @@ mod history;
 mod initial;
 mod load;
 mod material;
+mod measured;
 mod nodal;
 mod probes;
 mod problem;

@@ -107,7 +107,7 @@ fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
 /// Whether a support consists of springs only.
 pub(super) fn is_spring_alone(item: &Item<'_>) -> bool {
     let has = |key: &str| item.has_key(key).is_some();
-    has("spring") && !["fix", "move", "rotate", "symmetry"].into_iter().any(has)
+    has("spring") && !["fix", "move", "accelerate", "rotate", "symmetry"].into_iter().any(has)
 }
 
 fn spring(item: Item<'_>) -> Result<Placed<GroundSpring>, Fault> {

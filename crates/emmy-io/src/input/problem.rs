@@ -10,6 +10,7 @@ use emmy::time::Scheme;
 use super::description::{Described, Kind, Section};
 use super::fault::{Fault, Faults, InputError};
 use super::groups::Members;
+use super::history::Context;
 use super::region::Placed;
 use super::settings::{Limits, Output};
 use super::shape::Shape;
@@ -114,7 +115,7 @@ pub struct Problem {
     pub limits: Limits,
     /// Remarks from the mesh reader, and on keys without effect.
     pub notes: Vec<String>,
-    /// The source files: the input, then the files of the mesh.
+    /// The source files: the input, the files of the mesh, the files of histories.
     pub files: Vec<PathBuf>,
     /// The input with all values in effect, as TOML that gives the same run.
     pub resolved: String,
@@ -138,6 +139,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     parts.output.directory = output.unwrap_or(parts.output.directory);
     let mesh_file =
         parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
+    let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
     let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
     complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
     let mut problem = parts.problem(write::toml(&tree))?;
@@ -145,6 +147,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
         problem.notes.push(LOST_MESH.to_string());
     }
     problem.files.insert(0, path.to_path_buf());
+    problem.files.extend(histories);
     problem.notes.extend(note);
     Ok(problem)
 }
@@ -182,19 +185,23 @@ impl Parts {
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
+        let start = faults.keep(read_start(&root, directory)).unwrap_or(Start::Undeformed);
+        let time = read_time(&root, &start, overrides);
+        let end = time.as_ref().map_or(1.0, |time| time.plan.end());
+        let context = Context { directory, end };
         let load::Sorted { loads, attractions, drags } =
-            optional(&root, "load", load::read, &mut faults).into_iter().collect();
+            optional(&root, "load", |item| load::read(item, context), &mut faults).into_iter().collect();
         let is_support = |item: &Item<'_>| !nodal::is_spring_alone(item);
-        let supports = optional_where(&root, "support", is_support, support::read, &mut faults);
+        let supports =
+            optional_where(&root, "support", is_support, |item| support::read(item, context), &mut faults);
         let nodal = nodal::read(&root, attractions, drags, &mut faults);
         faults.keep(root.get("mass").map_or(Ok(()), |item| item.one_or_more().map(|_| ())));
         let is_velocity = |item: &Item<'_>| item.has_key("state").is_none();
         let initial = optional_where(&root, "initial", is_velocity, initial::read, &mut faults);
-        let start = faults.keep(read_start(&root, directory)).unwrap_or(Start::Undeformed);
         if start == Start::Undeformed {
-            faults.keep(support::check_starts(&root));
+            faults.keep(support::check_starts(&root, context));
         }
-        let time = faults.keep(read_time(&root, &start, overrides));
+        let time = faults.keep(time);
         let start = if root.get("time").is_some() { start } else { Start::Undeformed };
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
         let output = faults.keep(root.require("output").and_then(settings::output));
@@ -363,17 +370,17 @@ fn at_least_one(item: Item<'_>) -> Result<Item<'_>, Fault> {
 }
 
 /// Reads one table or a list of them; each failure stores its fault.
-fn each<T>(item: Item<'_>, read: fn(Item<'_>) -> Result<T, Fault>, faults: &mut Faults) -> Vec<T> {
+fn each<'a, T>(item: Item<'a>, read: impl Fn(Item<'a>) -> Result<T, Fault>, faults: &mut Faults) -> Vec<T> {
     let items = faults.keep(item.one_or_more()).unwrap_or_default();
     items.into_iter().filter_map(|item| faults.keep(read(item))).collect()
 }
 
 /// Reads only the tables of a kind.
-fn optional_where<T>(
-    root: &Table<'_>,
+fn optional_where<'a, T>(
+    root: &Table<'a>,
     key: &str,
     is_wanted: impl Fn(&Item<'_>) -> bool,
-    read: fn(Item<'_>) -> Result<T, Fault>,
+    read: impl Fn(Item<'a>) -> Result<T, Fault>,
     faults: &mut Faults,
 ) -> Vec<T> {
     let Some(item) = root.get(key) else { return Vec::new() };
@@ -381,10 +388,10 @@ fn optional_where<T>(
     items.into_iter().filter(is_wanted).filter_map(|item| faults.keep(read(item))).collect()
 }
 
-fn optional<T>(
-    root: &Table<'_>,
+fn optional<'a, T>(
+    root: &Table<'a>,
     key: &str,
-    read: fn(Item<'_>) -> Result<T, Fault>,
+    read: impl Fn(Item<'a>) -> Result<T, Fault>,
     faults: &mut Faults,
 ) -> Vec<T> {
     root.get(key).map(|item| each(item, read, faults)).unwrap_or_default()

@@ -7,7 +7,7 @@ use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
 use super::description::{Key, Kind, Rule, Section, list, whole};
-use super::{material, problem};
+use super::{material, measured, problem};
 
 /// The JSON schema of an input file, draft 7.
 ///
@@ -166,10 +166,18 @@ fn bound(value: f64) -> Value {
     if value.fract() == 0.0 { json!(value as i64) } else { json!(value) }
 }
 
-/// A table of the time, or an expression.
+/// A table of the time, here or in a file, or an expression.
 fn history() -> Value {
     let entry = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
-    json!({ "type": ["string", "array"], "pattern": "\\S", "items": entry, "minItems": 1 })
+    let mut schema = table(&measured::MEASURED);
+    let rules = [
+        ("type", json!(["string", "array", "object"])),
+        ("pattern", json!("\\S")),
+        ("items", entry),
+        ("minItems", json!(1)),
+    ];
+    rules.into_iter().for_each(|(rule, value)| schema[rule] = value);
+    schema
 }
 
 /// Schemes offered by an editor; their numbers may differ.

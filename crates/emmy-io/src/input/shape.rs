@@ -78,7 +78,7 @@ const SOURCES: [SourceKind; 5] = [
                 "file",
                 Kind::Text,
                 "",
-                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp` or VTK `.vtu`; groups by their names in the file",
+                "A mesh file, its path relative to the input file: Gmsh `.msh` (2.2 or 4.1), Abaqus `.inp`, Nastran `.bdf` or VTK `.vtu`; groups by their names in the file",
             )
         },
         read: |item, directory| Ok(Source::File(directory.join(item.string()?))),
@@ -279,7 +279,7 @@ fn few_cells(count: f64, item: &Item<'_>) -> Result<(), Fault> {
 }
 
 /// The intended file in the folder of a missing path: one with a similar name, or with the name and an extension.
-fn neighbour(path: &Path) -> Option<String> {
+pub(super) fn neighbour(path: &Path) -> Option<String> {
     if path.exists() {
         return None;
     }

@@ -8,7 +8,7 @@ use emmy::motion::StepPlan;
 
 use super::description::{Described, Kind, POSITIVE, Section, list, vector};
 use super::fault::{Fault, Place};
-use super::history;
+use super::history::{self, Context};
 use super::region::Placed;
 use super::suggest::listed;
 use super::table::{Item, Table};
@@ -25,7 +25,13 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         .must("group", Kind::Text, "", "Group of nodes, facets or cells")
         .may("fix", list(1, Kind::Word(COMPONENTS.to_vec())), "", "Components that do not move, such as `[\"x\", \"y\", \"z\"]`")
         .may("move", Kind::Table(&MOVE), "", "Displacement of components over time, such as `{ x = \"0.1*sin(5*t)\" }`")
-        .may("rotate", Kind::Table(&ROTATE), "", "Rotation of the group as a rigid body; a `move` is added to it")
+        .may(
+            "accelerate",
+            Kind::Table(&ACCELERATE),
+            "",
+            "Acceleration of components over time, from rest at the start, such as `{ x = \"9.81*sin(5*t)\" }`",
+        )
+        .may("rotate", Kind::Table(&ROTATE), "", "Rotation of the group as a rigid body; `move` and `accelerate` are added to it")
         .may("symmetry", Kind::True, "", symmetry)
         .may(
             "spring",
@@ -36,7 +42,7 @@ pub(super) static SUPPORT: Described = Described::new(|| {
         )
         .may("until", POSITIVE, "time", "Time of release; not with `spring`")
         .absent("never")
-        .at_least_one(&["fix", "move", "rotate", "symmetry", "spring"])
+        .at_least_one(&["fix", "move", "accelerate", "rotate", "symmetry", "spring"])
 });
 
 static MOVE: Described = Described::new(|| {
@@ -50,6 +56,17 @@ static MOVE: Described = Described::new(|| {
         .at_least_one(&COMPONENTS)
 });
 
+static ACCELERATE: Described = Described::new(|| {
+    Section::new("accelerate", "Acceleration of components over time")
+        .may("x", Kind::TimeFunction, "length/time²", "Acceleration along x")
+        .absent("free")
+        .may("y", Kind::TimeFunction, "length/time²", "Acceleration along y")
+        .absent("free")
+        .may("z", Kind::TimeFunction, "length/time²", "Acceleration along z")
+        .absent("free")
+        .at_least_one(&COMPONENTS)
+});
+
 static ROTATE: Described = Described::new(|| {
     Section::new("rotate", "Rotation of the group as a rigid body")
         .must("axis", vector(), "", "Direction of the axis, of any length")
@@ -59,7 +76,7 @@ static ROTATE: Described = Described::new(|| {
 });
 
 /// Reads one support.
-pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
+pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<Placed<Support>, Fault> {
     let table = item.table(&SUPPORT)?;
     let group = table.require("group")?.name()?;
     let kinds = SUPPORT.choice();
@@ -68,8 +85,8 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Support>, Fault> {
         return Err(Fault::at(table.place(), message, "none of them is here"));
     }
     let fix = table.get("fix").map(fixed).transpose()?.unwrap_or_default();
-    let displacement = table.get("move").map(displacement).transpose()?.unwrap_or_default();
-    let rotation = table.get("rotate").map(rotation).transpose()?;
+    let displacement = displacement(&table, context)?;
+    let rotation = table.get("rotate").map(|item| rotation(item, context)).transpose()?;
     let symmetry = table.get("symmetry").map(symmetry).transpose()?.unwrap_or_default();
     let until = table.get("until").map(|item| item.positive()).transpose()?;
     let support = Support { group, fix, displacement, rotation, symmetry, until };
@@ -98,21 +115,41 @@ fn symmetry(item: Item<'_>) -> Result<bool, Fault> {
     }
 }
 
-fn displacement(item: Item<'_>) -> Result<[Option<TimeFunction>; 3], Fault> {
-    let table = item.table(&MOVE)?;
+/// Displacements of components, given by themselves or by their accelerations.
+fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeFunction>; 3], Fault> {
     let mut displacement = [const { None }; 3];
-    for (history, component) in displacement.iter_mut().zip(COMPONENTS) {
-        *history = table.get(component).map(motion).transpose()?;
-    }
-    if displacement.iter().all(Option::is_none) {
-        return Err(
-            item.fault("`move` is empty: it gives displacements over time", "such as { x = \"0.1*t\" }")
-        );
+    for (key, section, read) in DRIVES {
+        let Some(item) = table.get(key) else { continue };
+        let components = item.table(section)?;
+        let given = COMPONENTS.map(|component| components.get(component));
+        if given.iter().all(Option::is_none) {
+            let message = format!("`{key}` is empty: it gives histories of components");
+            return Err(item.fault(message, format!("such as {key} = {{ x = \"0.1*t\" }}")));
+        }
+        for (history, item) in displacement.iter_mut().zip(given) {
+            let Some(item) = item else { continue };
+            if history.is_some() {
+                let message = format!("component `{}` is both moved and accelerated", item.key());
+                return Err(Fault::at(item.key_place, message, "twice"));
+            }
+            *history = Some(read(item, context)?);
+        }
     }
     Ok(displacement)
 }
 
-fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
+/// The histories of the motion of components: key, description, reader.
+const DRIVES: [(&str, &Described, fn(Item<'_>, Context<'_>) -> Result<TimeFunction, Fault>); 2] =
+    [("move", &MOVE, motion), ("accelerate", &ACCELERATE, accelerated)];
+
+/// The displacement of nodes with an acceleration.
+fn accelerated(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
+    let acceleration = history::read(item, context)?;
+    TimeFunction::from_acceleration(&acceleration, [0.0, context.end])
+        .map_err(|error| item.fault(format!("`{}`: {error}", item.key()), "here"))
+}
+
+fn rotation(item: Item<'_>, context: Context<'_>) -> Result<Rotation, Fault> {
     let table = item.table(&ROTATE)?;
     let axis_item = table.require("axis")?;
     let axis: [f64; 3] = axis_item.numbers()?;
@@ -120,12 +157,12 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
         return Err(axis_item.fault("`axis` of a rotation must have a direction", "zero"));
     }
     let about = table.get("about").map_or(Ok([0.0; 3]), |item| item.numbers())?;
-    Ok(Rotation { axis, about, angle: motion(table.require("angle")?)? })
+    Ok(Rotation { axis, about, angle: motion(table.require("angle")?, context)? })
 }
 
 /// A time function that nodes can follow: without jumps.
-fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
-    let history = history::read(item)?;
+fn motion(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
+    let history = history::read(item, context)?;
     let key = item.key();
     if let Some(time) = history.first_jump() {
         let message =
@@ -136,7 +173,7 @@ fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
 }
 
 /// Checks that supports of an undeformed body move from zero on.
-pub(super) fn check_starts(root: &Table<'_>) -> Result<(), Fault> {
+pub(super) fn check_starts(root: &Table<'_>, context: Context<'_>) -> Result<(), Fault> {
     let supports = root.get("support").map_or(Ok(Vec::new()), |item| item.one_or_more());
     // Other faults of supports are found where they are read.
     for table in supports.unwrap_or_default().iter().filter_map(|item| item.table(&SUPPORT).ok()) {
@@ -144,13 +181,15 @@ pub(super) fn check_starts(root: &Table<'_>) -> Result<(), Fault> {
         let shifts =
             moves.into_iter().flat_map(|moves| COMPONENTS.into_iter().filter_map(move |x| moves.get(x)));
         let turns = table.get("rotate").and_then(|item| item.table(&ROTATE).ok());
-        shifts.chain(turns.and_then(|turns| turns.get("angle"))).try_for_each(check_zero)?;
+        shifts
+            .chain(turns.and_then(|turns| turns.get("angle")))
+            .try_for_each(|item| check_zero(item, context))?;
     }
     Ok(())
 }
 
-fn check_zero(item: Item<'_>) -> Result<(), Fault> {
-    let start = motion(item).map_or(0.0, |history| history.value(0.0));
+fn check_zero(item: Item<'_>, context: Context<'_>) -> Result<(), Fault> {
+    let start = motion(item, context).map_or(0.0, |history| history.value(0.0));
     // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
     // mesh. Numbers that are not finite have their own fault.
     if start.is_nan() || start.abs() <= 1e-9 {
@@ -171,11 +210,17 @@ fn check(table: &Table<'_>, support: &Support) -> Result<(), Fault> {
         let message = "`rotate` gives the motion of all components: nothing is left to `fix`";
         return Err(fix.fault(message, "fixed here").label(rotate.place(), "turned here"));
     }
-    let twice = (0..3).find(|&i| support.fix[i] && support.displacement[i].is_some());
-    twice.zip(table.get("move")).map_or(Ok(()), |(component, moved)| {
-        let message = format!("component `{}` is both fixed and moved", COMPONENTS[component]);
-        Err(fix.fault(message, "fixed here").label(moved.place(), "moved here"))
-    })
+    let is_twice = |&i: &usize| support.fix[i] && support.displacement[i].is_some();
+    let Some(component) = (0..3).find(is_twice) else { return Ok(()) };
+    let is_accelerated =
+        support.displacement[component].as_ref().is_some_and(|history| history.acceleration().is_some());
+    let (key, how) = if is_accelerated { ("accelerate", "accelerated") } else { ("move", "moved") };
+    let message = format!("component `{}` is both fixed and {how}", COMPONENTS[component]);
+    let fault = fix.fault(message, "fixed here");
+    Err(table
+        .get(key)
+        .into_iter()
+        .fold(fault, |fault, item| fault.label(item.place(), format!("{how} here"))))
 }
 
 /// Checks supports against each other and the scheme: two may fix the same component of a node, or the scheme may not

@@ -81,6 +81,17 @@ impl<'a> Table<'a> {
 }
 
 impl<'a> Item<'a> {
+    /// A value that stands under a key.
+    #[cfg(test)]
+    pub(super) fn of(key: &'a str, node: &'a Node) -> Self {
+        Item { key, node, key_place: &node.place }
+    }
+
+    /// Whether the value is a table.
+    pub(super) fn is_table(&self) -> bool {
+        matches!(self.node.value, Value::Table(_))
+    }
+
     /// Place of the value.
     pub(super) fn place(&self) -> &'a Place {
         &self.node.place

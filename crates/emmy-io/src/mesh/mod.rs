@@ -1,8 +1,9 @@
-//! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`) and VTK (`.vtu`).
+//! Meshes of other programs: Gmsh (`.msh`), Abaqus (`.inp`), Nastran (`.bdf`) and VTK (`.vtu`).
 
 mod abaqus;
 mod error;
 mod gmsh;
+mod nastran;
 mod other;
 pub(crate) mod vtu;
 
@@ -46,8 +47,8 @@ pub struct MeshFile {
     pub files: Vec<PathBuf>,
 }
 
-/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input) or of VTK (unstructured grid in
-/// XML, ASCII or binary, appended or not, with or without zlib compression).
+/// Mesh in a file of Gmsh (MSH 2.2 or 4.1, ASCII or binary), of Abaqus (keyword input), of Nastran (bulk data) or of VTK
+/// (unstructured grid in XML, ASCII or binary, appended or not, with or without zlib compression).
 ///
 /// Gmsh: physical volumes become cell groups, physical surfaces facet groups, physical curves and points node groups. A
 /// physical group without a name is named by its number. Volume elements without a group are kept.
@@ -55,6 +56,10 @@ pub struct MeshFile {
 /// Abaqus: element sets become cell groups, node sets node groups, surfaces facet groups (node surfaces: node groups).
 /// A set of a part is available under its own name (in all instances together) and as `Instance.Set`; the cells of an
 /// instance form a group of the instance's name.
+///
+/// Nastran: elements with a property form a group of the name that a preprocessor gave it in a comment, else `pid_3`;
+/// shells are faces of solid cells, bars the nodes at their ends. The grid points of `SPC` and `SPC1` form the group
+/// `spc_SET`.
 ///
 /// A file without solid cells is a body in plane strain: its triangles and quadrilaterals are the cells (groups of
 /// surfaces are cell groups), its lines their facets (groups of curves are facet groups). They must lie in one plane
@@ -118,6 +123,7 @@ pub fn parse_with_links(path: &Path, bytes: &[u8], links: &[String]) -> Result<M
         Some(Format::Gmsh) => gmsh::mesh(path, bytes, links),
         Some(Format::Abaqus) => abaqus::mesh(path, bytes, links),
         Some(Format::Vtu) => vtu::mesh(path, bytes, links),
+        Some(Format::Nastran) => nastran::mesh(path, bytes, links),
         None => Err(MeshError::UnknownFormat { file: path.to_path_buf() }),
     }
 }
@@ -127,24 +133,39 @@ enum Format {
     Gmsh,
     Abaqus,
     Vtu,
+    Nastran,
 }
 
 /// Format by the first character, unless the extension belongs to another known format; otherwise by the extension, for
 /// the message of its reader.
 fn format(path: &Path, bytes: &[u8]) -> Option<Format> {
+    let extension = || Some(path.extension()?.to_str()?.to_ascii_lowercase());
+    if extension().is_some_and(|extension| ["bdf", "nas", "fem"].contains(&&*extension)) {
+        return Some(Format::Nastran);
+    }
     match without_mark(bytes).trim_ascii_start().first() {
+        // A comment of Nastran, whose files often are called .dat.
+        Some(b'$') if extension().is_some_and(|extension| extension == "dat") && !has_sections(bytes) => {
+            return Some(Format::Nastran);
+        }
         Some(b'$') => return Some(Format::Gmsh),
         Some(b'*') => return Some(Format::Abaqus),
         Some(b'<') => return Some(Format::Vtu),
         _ => {}
     }
-    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    match extension.as_str() {
+    match extension()?.as_str() {
         "msh" => Some(Format::Gmsh),
         "inp" => Some(Format::Abaqus),
         "vtu" => Some(Format::Vtu),
+        "dat" => Some(Format::Nastran),
         _ => None,
     }
+}
+
+/// Whether a text begins with a section of Gmsh.
+fn has_sections(bytes: &[u8]) -> bool {
+    let text = without_mark(bytes).trim_ascii_start();
+    [&b"$MeshFormat"[..], b"$Comments", b"$NOD"].iter().any(|section| text.starts_with(section))
 }
 
 /// Bytes after the byte order mark that some editors write before UTF-8 text.

@@ -15,13 +15,16 @@ enum Way {
     Surface,
     /// A script of Gmsh.
     Script,
+    /// A result, whose input has the mesh.
+    Bulk,
 }
 
 /// Known formats by their extensions.
-const FORMATS: [(&str, &str, Way); 20] = [
-    ("bdf", "a bulk data file of Nastran", Way::Meshio),
-    ("nas", "a bulk data file of Nastran", Way::Meshio),
-    ("fem", "a bulk data file of Nastran", Way::Meshio),
+const FORMATS: [(&str, &str, Way); 21] = [
+    ("cgns", "a mesh of CGNS", Way::Gmsh),
+    ("ply", "a surface of triangles (PLY)", Way::Surface),
+    ("off", "a surface (OFF)", Way::Surface),
+    ("op2", "a binary result of Nastran", Way::Bulk),
     ("vtk", "the legacy format of VTK", Way::Meshio),
     ("xdmf", "a mesh of XDMF", Way::Meshio),
     ("xmf", "a mesh of XDMF", Way::Meshio),
@@ -57,6 +60,7 @@ pub(super) fn format(file: &Path) -> Option<MeshError> {
         Way::Surface => {
             "make a volume of it in Gmsh (`Merge`, `Surface Loop`, `Volume`) and mesh that".to_string()
         }
+        Way::Bulk => "take the bulk data file (.bdf) that it was computed from".to_string(),
         Way::Script => format!("mesh it with Gmsh: `gmsh -3 {from} -format msh41 -o {to}`"),
     };
     Some(MeshError::OtherFormat { file: file.to_path_buf(), format, command })

@@ -11,7 +11,8 @@ pub(super) fn loads(input: &Table) -> Vec<Value> {
         list.into_iter().flatten().filter_map(toml::Value::as_table)
     };
     let loads = entries("load").filter(|load| !load.contains_key("attraction")).map(load);
-    let is_driven = |support: &&Table| support.contains_key("move") || support.contains_key("rotate");
+    let is_driven =
+        |support: &&Table| ["move", "accelerate", "rotate"].iter().any(|key| support.contains_key(*key));
     let mut loads: Vec<Load> =
         loads.chain(entries("support").filter(is_driven).map(driven_support)).collect();
     if loads.len() > MAX_LOADS {

@@ -6,7 +6,8 @@ Physical groups: volumes "left part", "right part" and "whole" (both, so every c
 "edge" (y = z = 0); point "corner" (the origin). hex20 also with parametric coordinates, partitioned, and without groups
 but with all elements (all-VERSION.msh). mixed-VERSION-ENCODING.msh is the same box with hexahedra in the left part, and
 pyramids and tetrahedra in the right one, quadratic-mixed-VERSION-ENCODING.msh the same with quadratic cells. gmsh-solid.inp and gmsh-solid-quadratic.inp are a box [0, 1] x [0, 1] x [0, 2] as
-Gmsh writes it for Abaqus, with its faces; surfaces-alone.msh has its ends without its volume. wedge18.msh and version-40.msh are for the errors.
+Gmsh writes it for Abaqus, with its faces; surfaces-alone.msh has its ends without its volume. nastran-KIND.bdf
+(free, small and large fields: nastran-FORMAT.bdf of tet10) are the box [0, 2] x [0, 1] x [0, 1] as Gmsh writes it for Nastran. wedge18.msh and version-40.msh are for the errors.
 """
 
 import gmsh
@@ -110,6 +111,15 @@ def for_abaqus():
             write("surfaces-alone", 4.1, 0)
 
 
+def for_nastran(kind):
+    """The box with its inner and outer surfaces; properties are the numbers of the entities."""
+    gmsh.option.setNumber("Mesh.SaveAll", 1)
+    for name, number in [("free", 0), ("small", 1), ("large", 2)] if kind == "tet10" else [(kind, 1)]:
+        gmsh.option.setNumber("Mesh.BdfFieldFormat", number)
+        gmsh.write(f"nastran-{name}.bdf")
+    gmsh.option.setNumber("Mesh.SaveAll", 0)
+
+
 def main():
     gmsh.initialize()
     gmsh.option.setNumber("General.Verbosity", 2)
@@ -122,6 +132,8 @@ def main():
         for label, version in FORMATS.items():
             write(f"{kind}-{label}-ascii", version, 0)
             write(f"{kind}-{label}-binary", version, 1)
+        if kind in ("tet10", "hex20", "wedge15"):
+            for_nastran(kind)
         if kind == "hex20":
             write("parametric", 4.1, 0, SaveParametric=1)
             partitions()

@@ -18,7 +18,9 @@ fn corpus(target: &str) -> Vec<PathBuf> {
 
 #[test]
 fn mesh_files() {
-    for (target, name) in [("gmsh", "fuzz.msh"), ("abaqus", "fuzz.inp"), ("vtu", "fuzz.vtu")] {
+    let readers =
+        [("gmsh", "fuzz.msh"), ("abaqus", "fuzz.inp"), ("nastran", "fuzz.bdf"), ("vtu", "fuzz.vtu")];
+    for (target, name) in readers {
         for file in corpus(target) {
             let read = emmy_io::mesh::parse_with_links(
                 name.as_ref(),

@@ -13,6 +13,7 @@ mod mesh_errors;
 mod mesh_gmsh;
 mod mesh_limits;
 mod mesh_links;
+mod mesh_nastran;
 mod mesh_plane;
 mod mesh_round_trip;
 mod mesh_vtu;

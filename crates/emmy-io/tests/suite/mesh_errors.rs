@@ -26,11 +26,12 @@ fn files_of_no_known_format() {
     assert_message("a.xyz", "solid cube", &["a.xyz: not a mesh file", ".msh", ".inp"]);
     // Known other formats by their extension, with any content.
     assert_message(
-        "a.bdf",
-        "$ Nastran\n",
-        &["a.bdf: a bulk data file of Nastran is not read", "`meshio convert a.bdf a.vtu`"],
+        "a.cgns",
+        "CDF",
+        &["a mesh of CGNS is not read", "`gmsh -3 a.cgns -format msh41 -o a.msh`"],
     );
-    assert_message("a.NAS", "$ Nastran\n", &["`meshio convert a.NAS a.vtu`"]);
+    assert_message("a.op2", "XXXX", &["a binary result of Nastran is not read", "bulk data file (.bdf)"]);
+    assert_message("a.NAS", "$ Nastran\n", &["a.NAS: the mesh has no solid or plane cells", "GRID"]);
     assert_message(
         "a.vtk",
         "# vtk DataFile Version 2.0\n",

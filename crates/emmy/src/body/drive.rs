@@ -99,10 +99,7 @@ impl Drive {
 
     /// Rate of the displacement at a time; at a kink, on the side given by the sign of `shift`.
     pub(super) fn rate(&self, time: f64, shift: f64) -> Map {
-        let side = |time_function: &TimeFunction| match time_function.text() {
-            Some(_) => time_function.rate(time),
-            None => time_function.rate(time + shift),
-        };
+        let side = |time_function: &TimeFunction| time_function.rate_beside(time, shift);
         let spin = self.rotation.as_ref().map_or(0.0, |rotation| side(&rotation.angle));
         self.map_of(side, |_| {
             let angle = self.rotation.as_ref().map_or(0.0, |rotation| rotation.angle.value(time));
@@ -185,9 +182,18 @@ mod tests {
 
     fn turning(angle: TimeFunction) -> Drive {
         let rotation = Rotation { axis: [0.6, 0.0, 0.8], about: [1.0, 2.0, 3.0], angle };
-        let displacement =
-            [None, Some(TimeFunction::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()), None];
+        let displacement = [
+            None,
+            Some(TimeFunction::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()),
+            Some(shaken()),
+        ];
         Drive::new(displacement, Some(rotation), None, vec![0], &[[2.0, 1.0, 5.0]])
+    }
+
+    /// An acceleration by a table with kinks and a jump.
+    fn shaken() -> TimeFunction {
+        let entries = vec![(0.0, 2.0), (0.11, -3.0), (0.16, 5.0), (0.16, 1.0), (0.4, 0.0)];
+        TimeFunction::from_acceleration(&TimeFunction::new(entries).unwrap(), [0.0, 0.4]).unwrap()
     }
 
     fn displacement(drive: &Drive, map: &Map) -> [f64; 3] {
@@ -203,6 +209,7 @@ mod tests {
         let r = drive.offsets[0];
         let mut q = at(t);
         q[1] -= 0.1 * 0.1 / 0.17;
+        q[2] -= shaken().value(t);
         (0..3).for_each(|i| q[i] += r[i]);
         let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>();
         assert!((length(&q) - length(&r)).abs() < 1e-14);

@@ -57,14 +57,15 @@ impl Body {
         acts
     }
 
-    /// The first time after another at which the time function of a load or a driven support has a kink or a jump.
-    pub(crate) fn next_kink(&self, after: f64) -> Option<f64> {
+    /// The first time after another at which the time function of a load or a driven support has a kink or a jump; of
+    /// the kinks of a measured table only the corners count.
+    pub(crate) fn next_corner(&self, after: f64) -> Option<f64> {
         let loads = self.loads.iter().map(|load| &load.time_function);
         let fields = self.fields.iter().map(|field| &field.time_function);
         let pressures = self.pressures.iter().map(|pressure| &pressure.time_function);
         let drives = self.drives.iter().flat_map(|drive| drive.time_functions());
         let all = loads.chain(fields).chain(pressures).chain(drives);
-        all.filter_map(|time_function| time_function.next_kink(after)).min_by(f64::total_cmp)
+        all.filter_map(|time_function| time_function.next_corner(after)).min_by(f64::total_cmp)
     }
 
     /// Dead loads at a time (after a jump of a time function at this time), `force: [n_nodes][3]`. Returns whether any

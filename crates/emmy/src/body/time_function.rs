@@ -1,14 +1,17 @@
 //! Load factors over time.
 
+mod acceleration;
+
 use std::fmt;
 use std::sync::Arc;
 
 use crate::average::Rule;
 use crate::error::{Error, Result};
 use crate::quadrature::Quadrature;
+use acceleration::Integrated;
 
-/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), or
-/// a smooth function.
+/// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), a
+/// smooth function, or the double integral of one of these.
 ///
 /// ```
 /// use emmy::body::TimeFunction;
@@ -25,9 +28,20 @@ pub struct TimeFunction {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Law {
-    Table(Vec<(f64, f64)>),
+    Table(Table),
     Smooth(Smooth),
+    Integrated(Arc<Integrated>),
 }
+
+/// Entries (time, factor), and the times at which adaptive steps end; `None`: at every entry.
+#[derive(Debug, Clone, PartialEq)]
+struct Table {
+    entries: Arc<[Entry]>,
+    corners: Option<Arc<[f64]>>,
+}
+
+/// Size of the deviations of a measured table that need no end of a step, as a part of its largest size.
+const SMALL_DEVIATION: f64 = 0.01;
 
 /// A smooth function of time, identified by its text.
 #[derive(Clone)]
@@ -51,12 +65,12 @@ impl PartialEq for Smooth {
 impl TimeFunction {
     /// The factor 1 at all times.
     pub fn constant() -> Self {
-        TimeFunction { law: Law::Table(vec![(0.0, 1.0)]) }
+        TimeFunction { law: Law::Table(Table { entries: [(0.0, 1.0)].into(), corners: None }) }
     }
 
     /// The factor that grows evenly from 0 at t = 0 to a value at t = 1.
     pub(super) fn ramp(value: f64) -> Self {
-        TimeFunction { law: Law::Table(vec![(0.0, 0.0), (1.0, value)]) }
+        TimeFunction { law: Law::Table(Table { entries: [(0.0, 0.0), (1.0, value)].into(), corners: None }) }
     }
 
     /// The time function with entries (time, factor).
@@ -75,7 +89,61 @@ impl TimeFunction {
                 return Err(Error::TimeFunction { entry, reason: "times must not go back" });
             }
         }
-        Ok(TimeFunction { law: Law::Table(entries) })
+        Ok(TimeFunction { law: Law::Table(Table { entries: entries.into(), corners: None }) })
+    }
+
+    /// A table with many entries, such as a measurement. Its integrals are as exact as those of [`TimeFunction::new`],
+    /// but adaptive steps end only where it turns by more than 1 % of its largest size.
+    ///
+    /// ```
+    /// use emmy::body::TimeFunction;
+    /// let ramp = TimeFunction::measured((0..=1000).map(|i| (f64::from(i), 2.0 * f64::from(i))).collect())?;
+    /// assert_eq!((ramp.entries().len(), ramp.value(1.5)), (1001, 3.0));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`TimeFunction::new`].
+    pub fn measured(entries: Vec<(f64, f64)>) -> Result<Self> {
+        let mut table = TimeFunction::new(entries)?;
+        if let Law::Table(Table { entries, corners }) = &mut table.law {
+            *corners = Some(self::corners(entries).into());
+        }
+        Ok(table)
+    }
+
+    /// The displacement with an acceleration, from rest at the first of two times; the second bounds the times at which
+    /// it is needed. A table is integrated exactly, a smooth function to round-off.
+    ///
+    /// ```math
+    /// u(t) = integral from start to t of (t - s) a(s) ds
+    /// ```
+    ///
+    /// ```
+    /// use emmy::body::TimeFunction;
+    /// let fall = TimeFunction::from_acceleration(&TimeFunction::new(vec![(0.0, -9.81)])?, [0.0, 2.0])?;
+    /// assert!((fall.value(2.0) + 19.62).abs() < 1e-14 && (fall.rate(2.0) + 19.62).abs() < 1e-14);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::TimeFunction`] if the acceleration is such an integral itself, or is not finite.
+    pub fn from_acceleration(acceleration: &TimeFunction, span: [f64; 2]) -> Result<Self> {
+        let integrated = Integrated::new(acceleration, span)?;
+        Ok(TimeFunction { law: Law::Integrated(Arc::new(integrated)) })
+    }
+
+    /// The acceleration of a displacement made by [`TimeFunction::from_acceleration`].
+    pub fn acceleration(&self) -> Option<&TimeFunction> {
+        match &self.law {
+            Law::Table(_) | Law::Smooth(_) => None,
+            Law::Integrated(integrated) => Some(integrated.acceleration()),
+        }
+    }
+
+    /// Whether it is a measured table.
+    pub fn is_measured(&self) -> bool {
+        matches!(&self.law, Law::Table(Table { corners: Some(_), .. }))
     }
 
     /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text`
@@ -84,49 +152,74 @@ impl TimeFunction {
         TimeFunction { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
     }
 
-    /// Entries (time, factor) of a table; a smooth function has none.
+    /// Entries (time, factor) of a table; other functions have none.
     pub fn entries(&self) -> &[(f64, f64)] {
         match &self.law {
-            Law::Table(entries) => entries,
-            Law::Smooth(_) => &[],
+            Law::Table(table) => &table.entries,
+            Law::Smooth(_) | Law::Integrated(_) => &[],
         }
     }
 
-    /// Text of a smooth function.
+    /// Text of a smooth function, or of the displacement of a smooth acceleration.
     pub fn text(&self) -> Option<&str> {
         match &self.law {
             Law::Table(_) => None,
             Law::Smooth(smooth) => Some(&smooth.text),
+            Law::Integrated(integrated) => integrated.text(),
         }
     }
 
     /// The factor at a time; at a jump, the value after it.
     pub fn value(&self, time: f64) -> f64 {
         match &self.law {
-            Law::Table(entries) => match around(entries, time) {
+            Law::Table(table) => match around(&table.entries, time) {
                 (None, Some((_, factor))) | (Some((_, factor)), None) => factor,
                 (Some((t0, f0)), Some((t1, f1))) => f0 + (f1 - f0) * (time - t0) / (t1 - t0),
                 (None, None) => 1.0,
             },
             Law::Smooth(smooth) => (smooth.function)(time)[0],
+            Law::Integrated(integrated) => integrated.at(time).displacement,
         }
     }
 
     /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it.
     pub fn rate(&self, time: f64) -> f64 {
         match &self.law {
-            Law::Table(entries) => match around(entries, time) {
+            Law::Table(table) => match around(&table.entries, time) {
                 (Some((t0, f0)), Some((t1, f1))) => (f1 - f0) / (t1 - t0),
                 _ => 0.0,
             },
             Law::Smooth(smooth) => (smooth.function)(time)[1],
+            Law::Integrated(integrated) => integrated.at(time).velocity,
         }
     }
 
-    /// The first time after another at which a table has a kink or a jump.
+    /// Rate of the factor at a time; at a kink, on the side given by the sign of `shift`.
+    pub(super) fn rate_beside(&self, time: f64, shift: f64) -> f64 {
+        match &self.law {
+            Law::Table(_) => self.rate(time + shift),
+            Law::Smooth(_) | Law::Integrated(_) => self.rate(time),
+        }
+    }
+
+    /// The first time after another at which a table, or an acceleration by a table, has a kink or a jump.
     pub fn next_kink(&self, after: f64) -> Option<f64> {
+        if let Some(acceleration) = self.acceleration() {
+            return acceleration.next_kink(after);
+        }
         let entries = self.entries();
         entries.get(entries.partition_point(|&(t, _)| t <= after)).map(|&(t, _)| t)
+    }
+
+    /// The first time after another at which adaptive steps end: a kink, but of a measured table only a corner.
+    pub(super) fn next_corner(&self, after: f64) -> Option<f64> {
+        match &self.law {
+            Law::Table(Table { corners: Some(corners), .. }) => {
+                corners.get(corners.partition_point(|&t| t <= after)).copied()
+            }
+            Law::Integrated(integrated) => integrated.acceleration().next_corner(after),
+            Law::Table(Table { corners: None, .. }) | Law::Smooth(_) => self.next_kink(after),
+        }
     }
 
     /// Time of the first jump of a table.
@@ -145,15 +238,17 @@ impl TimeFunction {
     /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
     pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
         averages.fill(0.0);
-        if let Law::Smooth(_) = self.law {
-            return self.add_segment(time, step_size, [0.0, 1.0], rule, rule.smooth_quadrature(), averages);
-        }
+        let (entries, quadrature) = match &self.law {
+            Law::Table(table) => (&*table.entries, rule.load_quadrature()),
+            Law::Smooth(_) => (&[][..], rule.smooth_quadrature()),
+            Law::Integrated(integrated) => (integrated.acceleration().entries(), rule.smooth_quadrature()),
+        };
         let mut from = 0.0;
-        let first = self.entries().partition_point(|&(t, _)| t <= time);
-        let kinks = self.entries()[first..].iter().map(|&(t, _)| (t - time) / step_size);
+        let first = entries.partition_point(|&(t, _)| t <= time);
+        let kinks = entries[first..].iter().map(|&(t, _)| (t - time) / step_size);
         for to in kinks.take_while(|&alpha| alpha < 1.0).chain([1.0]) {
             if to > from {
-                self.add_segment(time, step_size, [from, to], rule, rule.load_quadrature(), averages);
+                self.add_segment(time, step_size, [from, to], rule, quadrature, averages);
                 from = to;
             }
         }
@@ -181,6 +276,39 @@ impl TimeFunction {
 
 /// An entry of a table: (time, factor).
 type Entry = (f64, f64);
+
+/// Times at which a table turns: its entries between two of them deviate from a straight line by little. Jumps are
+/// corners.
+fn corners(entries: &[Entry]) -> Vec<f64> {
+    let peak = entries.iter().fold(0f64, |peak, (_, factor)| peak.max(factor.abs()));
+    let deviation = SMALL_DEVIATION * peak;
+    let mut corners: Vec<f64> = entries.first().map(|entry| entry.0).into_iter().collect();
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    // Slopes of the lines from the last corner that pass every entry since then at a small distance.
+    let (mut from, mut slopes) = (entries[0], all);
+    for pair in entries.windows(2) {
+        let [last, (time, factor)] = [pair[0], pair[1]];
+        let bounds =
+            |from: Entry| [-1.0, 1.0].map(|side| (factor - from.1 + side * deviation) / (time - from.0));
+        let is_outside = |[low, high]: [f64; 2]| {
+            let slope = (factor - from.1) / (time - from.0);
+            !(low <= slope && slope <= high)
+        };
+        if time == last.0 || is_outside(slopes) {
+            corners.push(last.0);
+            (from, slopes) = (last, all);
+        }
+        if time > from.0 {
+            let [low, high] = bounds(from);
+            slopes = [slopes[0].max(low), slopes[1].min(high)];
+        } else {
+            from = (time, factor);
+        }
+    }
+    corners.extend(entries.last().map(|entry| entry.0));
+    corners.dedup();
+    corners
+}
 
 /// The entries of a table before (or at) a time and after it.
 fn around(entries: &[Entry], time: f64) -> (Option<Entry>, Option<Entry>) {
@@ -233,6 +361,34 @@ mod tests {
         );
         assert_eq!((time_function.first_jump(), TimeFunction::constant().first_jump()), (Some(1.0), None));
         assert!(TimeFunction::smooth("t", |t| [t, 1.0, 0.0]) == TimeFunction::smooth("t", |_| [0.0; 3]));
+    }
+
+    #[test]
+    fn steps_end_only_where_a_measured_table_turns() {
+        // A hat of 1000 rows with noise of 0.2 % turns at its start, top and end, and jumps at t = 20.
+        let hat = |t: f64| (1.0 - (t - 5.0).abs() / 5.0).max(0.0);
+        let noise = |i: u32| 0.002 * (f64::from(i * 7919 % 1000) / 1000.0 - 0.5);
+        let mut entries: Vec<Entry> =
+            (0..=1000).map(|i| (0.015 * f64::from(i), hat(0.015 * f64::from(i)) + noise(i))).collect();
+        entries.extend([(20.0, 0.0), (20.0, 0.5), (30.0, 0.5)]);
+        let table = TimeFunction::measured(entries.clone()).unwrap();
+        let mut corners = vec![-1.0];
+        while let Some(corner) = table.next_corner(corners[corners.len() - 1]) {
+            corners.push(corner);
+        }
+        assert!(corners.len() < 20 && corners.contains(&20.0), "{corners:?}");
+        for turn in [0.0, 5.0, 10.0] {
+            assert!(corners.iter().any(|corner| (corner - turn).abs() < 0.2), "{turn}: {corners:?}");
+        }
+        // Between corners the table is almost a line.
+        for (time, factor) in entries.iter().filter(|entry| entry.0 < 20.0) {
+            let next = corners.partition_point(|corner| corner <= time);
+            let [a, b] = [corners[next - 1].max(0.0), corners[next]];
+            let line = table.value(a) + (table.value(b) - table.value(a)) * (time - a) / (b - a);
+            assert!(b == 20.0 || (line - factor).abs() <= 0.02, "{time} {line} {factor}");
+        }
+        assert_eq!(table.next_kink(0.001), Some(0.015));
+        assert_eq!(TimeFunction::new(entries).unwrap().next_corner(0.001), Some(0.015));
     }
 
     #[test]

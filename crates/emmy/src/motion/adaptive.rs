@@ -63,7 +63,7 @@ impl<'a> Motion<'a> {
         if until - self.state.time <= same {
             return None;
         }
-        let kink = self.body.next_kink(self.state.time + same).unwrap_or(f64::INFINITY);
+        let kink = self.body.next_corner(self.state.time + same).unwrap_or(f64::INFINITY);
         let before = |time: f64, limit: f64| if time < limit - same { time } else { limit };
         let time = before(kink, before(output.unwrap_or(f64::INFINITY), until));
         Some(Stop { time, is_kink: kink <= time + same })

@@ -15,6 +15,7 @@ mod links;
 mod long_flight;
 mod manufactured;
 mod materials;
+mod measured;
 mod modes;
 mod order_of_accuracy;
 mod plane_elements;

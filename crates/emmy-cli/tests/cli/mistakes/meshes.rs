@@ -29,6 +29,11 @@ fn gmsh(name: &str, rest: &str) -> Mistake {
     file(name, "part.msh", format!("{GMSH}{rest}"))
 }
 
+fn nastran(name: &str, cards: &str) -> Mistake {
+    let nodes = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n";
+    file(name, "part.bdf", format!("{nodes}{cards}"))
+}
+
 fn vtu(name: &str, text: &str) -> Mistake {
     file(name, "part.vtu", text)
 }
@@ -82,7 +87,17 @@ fn formats() -> Vec<Mistake> {
         built_in("mesh-file-that-is-a-folder", "file = \".\"").unseen(),
         file("mesh-of-another-format", "part.stl", "solid part\n"),
         file("mesh-of-a-cad-program", "part.step", "ISO-10303-21;\n"),
-        file("mesh-of-nastran", "part.bdf", "$ Nastran\n"),
+        file("mesh-of-nastran-without-cells", "part.bdf", "$ Nastran\n"),
+        nastran("nastran-in-another-system", "GRID,5,3,1.,0.,0.\n"),
+        nastran("nastran-with-too-few-nodes", "CHEXA,1,1,1,2,3,4\n"),
+        nastran("nastran-with-a-node-that-is-not-there", "CTETRA,1,1,1,2,3,9\n"),
+        nastran("nastran-with-a-coordinate-that-is-none", "GRID,5,,1.,x,0.\n"),
+        nastran("nastran-of-bars", "CBAR,1,1,1,2\n"),
+        nastran("nastran-of-masses", "CONM2,1,1,,2.5\n"),
+        nastran("nastran-in-two-files", "INCLUDE 'part2.bdf'\n"),
+        file("mesh-of-salome", "part.med", "HDF"),
+        file("mesh-of-cgns", "part.cgns", "CDF"),
+        file("results-of-nastran", "part.op2", "XXXX"),
         file("mesh-of-an-older-vtk", "part.vtk", "# vtk DataFile Version 2.0\n"),
         file("mesh-file-empty", "part.msh", ""),
         file("mesh-file-of-zeros", "part.msh", [0u8; 64]),

@@ -3,7 +3,7 @@
 use super::{FIX, HISTORY, MESH, Mistake, TRACTION, changed};
 
 pub(super) fn all() -> Vec<Mistake> {
-    [loads(), histories(), supports(), motions()].into_iter().flatten().collect()
+    [loads(), histories(), measurements(), supports(), motions()].into_iter().flatten().collect()
 }
 
 fn load(name: &str, to: &str) -> Mistake {
@@ -70,6 +70,68 @@ fn histories() -> Vec<Mistake> {
         history("history-with-a-ramp", "'max(t, 1)'").unseen(),
         history("history-with-a-pole", "\"1/(t - 0.25)\"").unseen(),
         history("history-with-an-infinite-rate", "\"sqrt(t)\"").unseen(),
+    ]
+}
+
+/// A history from a file of this content.
+fn measured(name: &str, text: impl Into<Vec<u8>>) -> Mistake {
+    history(name, "{ file = \"pulse.csv\", time = \"t\", value = \"force\" }")
+        .beside("pulse.csv", text)
+        .unseen()
+}
+
+fn measurements() -> Vec<Mistake> {
+    let rows = "t,force\n0,0\n1,1\n";
+    let of = |name: &str, text: &str| history(name, text).beside("pulse.csv", rows);
+    let base =
+        |name: &str, text: &str| support(name, &format!("accelerate = {text}")).beside("pulse.csv", rows);
+    vec![
+        of("measured-without-a-column", "{ file = \"pulse.csv\", time = \"t\" }"),
+        of("measured-with-a-key-misspelt", "{ file = \"pulse.csv\", time = \"t\", values = \"force\" }"),
+        of(
+            "measured-with-a-factor-as-text",
+            "{ file = \"pulse.csv\", time = \"t\", value = \"force\", factor = \"2\" }",
+        ),
+        of("measured-by-a-number", "7"),
+        of(
+            "measured-in-a-column-that-is-not-there",
+            "{ file = \"pulse.csv\", time = \"t\", value = \"forse\" }",
+        )
+        .unseen(),
+        of("measured-in-a-file-misspelt", "{ file = \"puls.csv\", time = \"t\", value = \"force\" }")
+            .unseen(),
+        of(
+            "measured-in-a-file-that-is-not-there",
+            "{ file = \"other.dat\", time = \"t\", value = \"force\" }",
+        )
+        .unseen(),
+        of("measured-in-a-folder", "{ file = \".\", time = \"t\", value = \"force\" }").unseen(),
+        measured("measured-words", "t,force\n0,0\n0.1,off\n"),
+        measured("measured-unsorted", "t,force\n0,0\n0.2,1\n0.1,2\n"),
+        measured("measured-once", "t,force\n0,0\n"),
+        measured("measured-infinities", "t,force\n0,0\n0.1,inf\n"),
+        measured("measured-with-decimal-commas", "t;force\n0;0\n0,1;0,5\n"),
+        measured("measured-with-commas-everywhere", "t,force\n0,0,0,0\n0,1,0,5\n"),
+        measured("measured-without-names-of-columns", "0,0\n0.1,1\n"),
+        measured("measured-with-a-gap", "t,force\n0,0\n0.1\n"),
+        measured("measured-in-nothing", ""),
+        measured("measured-in-utf-16", b"\xff\xfet\0,\0f\0"),
+        measured("measured-in-a-spreadsheet", b"PK\x03\x04\x14\0\x06\0"),
+        base("accelerated-by-a-number", "{ x = 9.81 }"),
+        base("accelerated-by-nothing", "{}"),
+        base("accelerated-along-no-component", "{ u = \"t\" }"),
+        base("accelerated-and-moved", "{ x = \"t\" }\nmove = { x = \"t\" }").unseen(),
+        base("accelerated-and-fixed", "{ x = \"t\" }\nfix = [\"x\"]").unseen(),
+        base("accelerated-by-a-pole", "{ x = \"1/(t - 0.25)\" }").unseen(),
+        base("accelerated-without-end", "{ x = [[0, 1e308], [1, 1e308]] }")
+            .and("until = 0.5", "until = 1e10")
+            .unseen(),
+        base(
+            "accelerated-by-a-file-that-is-not-there",
+            "{ y = { file = \"quake.csv\", time = \"t\", value = \"ay\" } }",
+        )
+        .unseen(),
+        support("accelerate-misspelt", "acceleration = { x = \"t\" }"),
     ]
 }
 

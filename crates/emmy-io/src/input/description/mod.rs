@@ -11,7 +11,7 @@ use emmy::internals::material::{Bounds, IfAbsent, Parameter, ParameterKind};
 use emmy::material::Volumetric;
 
 use super::suggest::did_you_mean;
-use super::{material, problem};
+use super::{material, measured, problem};
 
 /// A table of the input. Its description is created on first use.
 pub(super) type Described = LazyLock<Section>;
@@ -64,7 +64,7 @@ pub(super) enum Kind {
     Exactly(usize, Box<Kind>),
     /// Lists of whole numbers by name.
     Groups,
-    /// A table of the time or an expression.
+    /// A table of the time, here or in a file, or an expression.
     TimeFunction,
     /// A number, or an expression of position and time.
     Expression,
@@ -248,6 +248,7 @@ pub(super) fn all() -> Vec<&'static Section> {
     fn add_of(kind: &Kind, all: &mut Vec<&'static Section>) {
         match kind {
             Kind::Table(section) | Kind::Tables(section) => add(section, all),
+            Kind::TimeFunction => add(&measured::MEASURED, all),
             Kind::List(_, of) | Kind::Exactly(_, of) => add_of(of, all),
             _ => {}
         }

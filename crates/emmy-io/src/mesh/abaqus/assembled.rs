@@ -12,10 +12,20 @@ use super::element;
 use super::placement::Placement;
 
 /// The mesh of all instances and of everything outside of parts.
-pub(super) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
+pub(in crate::mesh) fn mesh(file: &Path, deck: &Deck) -> Result<MeshFile> {
     let surfaces = deck.root.surfaces.iter().map(|surface| surface.name.to_lowercase()).collect();
-    let mut assembly =
-        Assembly { file, deck, builder: MeshBuilder::new(), starts: Vec::new(), n_nodes: 0, surfaces };
+    let bodies = std::iter::once(&deck.root).chain(deck.instances.iter().map(|instance| &instance.body));
+    let mut elements = bodies.flat_map(|body| &body.elements);
+    let is_plane = !elements.any(|element| element.kind.dimension() == 3);
+    let mut assembly = Assembly {
+        file,
+        deck,
+        builder: MeshBuilder::new(),
+        starts: Vec::new(),
+        n_nodes: 0,
+        surfaces,
+        is_plane,
+    };
     let mut notes: Vec<String> = deck.notes.iter().cloned().collect();
     assembly.add_body(&deck.root, Placement::default())?;
     for instance in &deck.instances {
@@ -96,6 +106,8 @@ struct Assembly<'a> {
     n_nodes: usize,
     /// Names of the surfaces of the assembly in lower case.
     surfaces: HashSet<String>,
+    /// Whether no cell is solid: facets are edges.
+    is_plane: bool,
 }
 
 impl<'a> Assembly<'a> {
@@ -202,11 +214,13 @@ impl<'a> Assembly<'a> {
         let (found, _) = member.indices(&body.lower_index);
         for &index in &found {
             let element = &body.lower[index as usize];
-            let corners = &body.nodes_of(element)[..element.kind.n_corners()];
-            let nodes = self.node_indices(body, element, corners, self.start(instance, Of::Nodes))?;
-            match element.kind.dimension() {
-                2 => lower.faces.push(nodes),
-                _ => lower.nodes_of_edges.extend(nodes),
+            let is_facet = self.is_plane || element.kind.dimension() == 2;
+            let count = if is_facet { element.kind.n_corners() } else { element.n_nodes };
+            let nodes = &body.nodes_of(element)[..count];
+            let nodes = self.node_indices(body, element, nodes, self.start(instance, Of::Nodes))?;
+            match is_facet {
+                true => lower.faces.push(nodes),
+                false => lower.nodes_of_edges.extend(nodes),
             }
         }
         Ok(found.len() as u64)

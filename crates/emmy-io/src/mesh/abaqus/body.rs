@@ -6,34 +6,36 @@ use emmy::mesh::CellKind;
 
 /// Line of one of the files of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct At {
-    pub(super) file: u32,
-    pub(super) line: u32,
+pub(in crate::mesh) struct At {
+    pub(in crate::mesh) file: u32,
+    pub(in crate::mesh) line: u32,
 }
 
 /// Nodes, elements, sets and surfaces with the numbers and names of the file.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Body {
-    pub(super) points: Vec<[f64; 3]>,
-    pub(super) nodes: HashMap<u64, u32>,
-    pub(super) elements: Vec<Element>,
-    pub(super) element_index: HashMap<u64, u32>,
+pub(in crate::mesh) struct Body {
+    pub(in crate::mesh) points: Vec<[f64; 3]>,
+    pub(in crate::mesh) nodes: HashMap<u64, u32>,
+    pub(in crate::mesh) elements: Vec<Element>,
+    pub(in crate::mesh) element_index: HashMap<u64, u32>,
     /// Faces and edges of cells that are listed as elements.
-    pub(super) lower: Vec<Element>,
-    pub(super) lower_index: HashMap<u64, u32>,
-    pub(super) connectivity: Vec<u64>,
-    pub(super) node_sets: Sets,
-    pub(super) element_sets: Sets,
-    pub(super) surfaces: Vec<Surface>,
+    pub(in crate::mesh) lower: Vec<Element>,
+    pub(in crate::mesh) lower_index: HashMap<u64, u32>,
+    pub(in crate::mesh) connectivity: Vec<u64>,
+    pub(in crate::mesh) node_sets: Sets,
+    pub(in crate::mesh) element_sets: Sets,
+    pub(in crate::mesh) surfaces: Vec<Surface>,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Element {
-    pub(super) number: u64,
-    pub(super) kind: CellKind,
+pub(in crate::mesh) struct Element {
+    pub(in crate::mesh) number: u64,
+    pub(in crate::mesh) kind: CellKind,
+    /// Nodes; a line of three nodes is an edge of kind line2.
+    pub(in crate::mesh) n_nodes: usize,
     /// Start of the nodes in the connectivity.
-    pub(super) nodes: usize,
-    pub(super) at: At,
+    pub(in crate::mesh) nodes: usize,
+    pub(in crate::mesh) at: At,
 }
 
 /// An instance of a part; its body is a copy of the part's with its own additions.
@@ -46,16 +48,16 @@ pub(super) struct Instance {
 
 /// Kind of members of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Of {
+pub(in crate::mesh) enum Of {
     Nodes,
     Elements,
 }
 
 /// Sets by their names in lower case.
-pub(super) type Sets = BTreeMap<String, Set>;
+pub(in crate::mesh) type Sets = BTreeMap<String, Set>;
 
 #[derive(Debug, Clone, Default)]
-pub(super) struct Set {
+pub(in crate::mesh) struct Set {
     /// The name in its first spelling.
     pub(super) name: String,
     /// Made by Abaqus/CAE for its own use.
@@ -65,7 +67,7 @@ pub(super) struct Set {
 
 /// Numbers `first, first + step, ...` up to `last`, of this body or of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Member {
+pub(in crate::mesh) struct Member {
     pub(super) instance: Option<u32>,
     pub(super) first: u64,
     pub(super) last: u64,
@@ -73,7 +75,7 @@ pub(super) struct Member {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
+pub(in crate::mesh) struct Surface {
     pub(super) name: String,
     pub(super) internal: bool,
     pub(super) rows: Vec<Row>,
@@ -81,7 +83,7 @@ pub(super) struct Surface {
 
 /// A line of a surface, resolved when all sets are known.
 #[derive(Debug, Clone)]
-pub(super) struct Row {
+pub(in crate::mesh) struct Row {
     /// Name of a set, or a number.
     pub(super) target: String,
     /// Number of the face; none for a surface of nodes.
@@ -108,7 +110,7 @@ impl Body {
     }
 
     /// The set of a name, created if it is new.
-    pub(super) fn set_mut(&mut self, of: Of, name: &str) -> &mut Set {
+    pub(in crate::mesh) fn set_mut(&mut self, of: Of, name: &str) -> &mut Set {
         let sets = match of {
             Of::Nodes => &mut self.node_sets,
             Of::Elements => &mut self.element_sets,
@@ -136,7 +138,7 @@ impl Body {
     }
 
     pub(super) fn nodes_of(&self, element: &Element) -> &[u64] {
-        &self.connectivity[element.nodes..][..element.kind.n_nodes()]
+        &self.connectivity[element.nodes..][..element.n_nodes]
     }
 }
 
@@ -146,7 +148,7 @@ fn index(elements: &[Element]) -> HashMap<u64, u32> {
 
 impl Set {
     /// Adds a number; a run of consecutive numbers is kept as one member.
-    pub(super) fn push(&mut self, instance: Option<u32>, number: u64) {
+    pub(in crate::mesh) fn push(&mut self, instance: Option<u32>, number: u64) {
         match self.members.last_mut() {
             Some(run)
                 if run.instance == instance && run.step == 1 && run.last.checked_add(1) == Some(number) =>

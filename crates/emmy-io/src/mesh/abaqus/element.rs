@@ -11,7 +11,7 @@ const TYPES: [(CellKind, &[&str]); 12] = [
     (CellKind::Hex8, &["C3D8", "C3D8R", "C3D8I", "C3D8S", "C3D8H", "C3D8RH", "C3D8IH", "C3D8HS"]),
     (CellKind::Hex20, &["C3D20", "C3D20R", "C3D20H", "C3D20RH"]),
     (CellKind::Tet4, &["C3D4", "C3D4H"]),
-    (CellKind::Tet10, &["C3D10", "C3D10M", "C3D10H", "C3D10MH", "C3D10I", "C3D10HS"]),
+    (CellKind::Tet10, &["C3D10", "C3D10M", "C3D10H", "C3D10MH", "C3D10I", "C3D10HS", "C3D10T"]),
     (CellKind::Wedge6, &["C3D6", "C3D6R", "C3D6H"]),
     (CellKind::Wedge15, &["C3D15", "C3D15H"]),
     (CellKind::Pyramid5, &["C3D5", "C3D5H"]),
@@ -49,9 +49,18 @@ pub(super) fn kind(element_type: &str) -> Option<CellKind> {
     TYPES.iter().find(|(_, types)| types.contains(&element_type)).map(|(kind, _)| *kind)
 }
 
+/// Kind and number of nodes of a type that can only be a face or an edge of solid cells, in upper case. Lines of two
+/// nodes may also be links.
+pub(super) fn lower_kind(element_type: &str) -> Option<(CellKind, usize)> {
+    match element_type {
+        "T3D3" | "T3D3H" | "T2D3" | "T2D3H" => Some((CellKind::Line2, 3)),
+        _ => face_kind(element_type).map(|kind| (kind, kind.n_nodes())),
+    }
+}
+
 /// Kind of the faces of solid cells for a type of membranes, shells or plane stress elements, in upper case: meshers
 /// write these beside the solid cells for the sake of their sets.
-pub(super) fn face_kind(element_type: &str) -> Option<CellKind> {
+fn face_kind(element_type: &str) -> Option<CellKind> {
     let shape = ["CPS", "M3D", "STRI", "SFM3D", "S"]
         .into_iter()
         .find_map(|prefix| element_type.strip_prefix(prefix))?;

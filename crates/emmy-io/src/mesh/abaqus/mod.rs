@@ -1,6 +1,6 @@
 //! Abaqus: keyword input with nodes, solid elements, sets and surfaces (Abaqus Keywords Guide, "Input syntax rules").
 
-mod assembled;
+pub(super) mod assembled;
 mod body;
 mod deck;
 mod element;
@@ -9,8 +9,10 @@ mod placement;
 
 use std::path::Path;
 
+pub(super) use body::{At, Element, Of};
+pub(super) use deck::Deck;
+
 use super::{MeshFile, Result, without_mark};
-use deck::Deck;
 
 /// Element types of a kind of cell.
 #[cfg(test)]

@@ -90,7 +90,7 @@ impl Deck {
         }
         let n_numbers = elements.pending.len();
         let goes_on = comma || n_numbers - before >= FULL_LINE;
-        match n_numbers.cmp(&(1 + elements.kind.n_nodes())) {
+        match n_numbers.cmp(&(1 + elements.n_nodes)) {
             Ordering::Less if goes_on => Ok(()),
             Ordering::Equal => self.element(elements),
             _ => Err(self.wrong_node_count(elements)),
@@ -98,17 +98,16 @@ impl Deck {
     }
 
     fn wrong_node_count(&self, elements: &Elements) -> MeshError {
-        let Elements { element_type, kind, pending, at, .. } = elements;
+        let Elements { element_type, n_nodes: wanted, pending, at, .. } = elements;
         let number = pending[0];
         let found = pending.len() - 1;
-        let wanted = kind.n_nodes();
         let problem =
             format!("element {number} of type {element_type} has {found} nodes instead of {wanted}");
         self.malformed(*at, problem, "correct its type or its nodes; a line that continues ends with a comma")
     }
 
     fn element(&mut self, elements: &mut Elements) -> Result<()> {
-        let Elements { kind, is_face, at, .. } = *elements;
+        let Elements { kind, n_nodes, is_face, at, .. } = *elements;
         let body = self.body_mut();
         let number = elements.pending[0];
         let other = if is_face { &body.element_index } else { &body.lower_index };
@@ -120,7 +119,7 @@ impl Deck {
         if index.insert(number, list.len() as u32).is_some() || is_known {
             return Err(MeshError::Duplicate { place: self.place(at), what: "element", number });
         }
-        list.push(Element { number, kind, nodes: body.connectivity.len(), at });
+        list.push(Element { number, kind, n_nodes, nodes: body.connectivity.len(), at });
         body.connectivity.extend_from_slice(&elements.pending[1..]);
         if let Some(set) = &elements.set {
             body.set_mut(Of::Elements, set).push(None, number);

@@ -1,5 +1,7 @@
 //! Keywords; each determines the meaning of its data lines.
 
+use emmy::mesh::CellKind;
+
 use super::super::super::{MeshError, Result};
 use super::super::body::{At, Body, Instance, Member, Of, Surface};
 use super::super::element;
@@ -118,16 +120,18 @@ impl Deck {
 
     fn elements(&mut self, keyword: &Keyword, at: At) -> Result<Section> {
         let element_type = self.required(keyword, at, "TYPE")?.to_ascii_uppercase();
-        let face = element::face_kind(&element_type);
-        let Some(kind) = element::kind(&element_type).or(face) else {
+        let face = element::lower_kind(&element_type);
+        let own = element::kind(&element_type).map(|kind| (kind, kind.n_nodes()));
+        let Some((kind, n_nodes)) = own.or(face) else {
             let place = self.place(at);
             let supported = element::supported();
             return Err(MeshError::UnsupportedElement { place, kind: element_type, supported });
         };
         if face.is_some() {
             self.first_face.get_or_insert((at, element_type.clone()));
+            let parts = if kind == CellKind::Line2 { "edges" } else { "faces" };
             self.notes.insert(format!(
-                "elements of type {element_type} are read as faces of the solid cells beside them"
+                "elements of type {element_type} are read as {parts} of the solid cells beside them"
             ));
         } else {
             self.notes.extend(element::note(&element_type, kind));
@@ -136,6 +140,7 @@ impl Deck {
         Ok(Section::Elements(Elements {
             element_type,
             kind,
+            n_nodes,
             is_face: face.is_some(),
             set,
             pending: Vec::new(),

@@ -18,18 +18,18 @@ use crate::message;
 
 /// The contents of an input file and its includes, as far as a mesh needs them.
 #[derive(Debug, Default)]
-pub(super) struct Deck {
+pub(in crate::mesh) struct Deck {
     /// Nodes, elements, sets and surfaces outside of parts and instances.
-    pub(super) root: Body,
+    pub(in crate::mesh) root: Body,
     pub(super) parts: Vec<(String, Body)>,
     pub(super) instances: Vec<Instance>,
     /// Indices of parts and instances by their names in lower case.
     part_index: HashMap<String, usize>,
     instance_index: HashMap<String, u32>,
-    pub(super) notes: BTreeSet<String>,
-    /// The first element that can only be a face of a solid cell, and its type.
+    pub(in crate::mesh) notes: BTreeSet<String>,
+    /// The first element that can only be a face or an edge of a solid cell, and its type.
     first_face: Option<(At, String)>,
-    pub(super) files: Vec<PathBuf>,
+    pub(in crate::mesh) files: Vec<PathBuf>,
     depth: usize,
     /// Nodes, elements and set members copied from parts by the instances.
     copied: usize,
@@ -74,7 +74,9 @@ enum Section {
 struct Elements {
     element_type: String,
     kind: CellKind,
-    /// Whether these rows are faces of solid cells.
+    /// Nodes in a row.
+    n_nodes: usize,
+    /// Whether these rows are faces or edges of solid cells.
     is_face: bool,
     set: Option<String>,
     /// Number and nodes of an element that continues in the next line.
@@ -124,7 +126,7 @@ impl Deck {
         Ok(())
     }
 
-    pub(super) fn place(&self, at: At) -> Place {
+    pub(in crate::mesh) fn place(&self, at: At) -> Place {
         Place::line(&self.files[at.file as usize], at.line as usize)
     }
 
