@@ -138,8 +138,11 @@ fn displacement(table: &Table<'_>, context: Context<'_>) -> Result<[Option<TimeF
     Ok(displacement)
 }
 
+/// Reads the displacement of a component.
+type ReadMotion = fn(Item<'_>, Context<'_>) -> Result<TimeFunction, Fault>;
+
 /// The histories of the motion of components: key, description, reader.
-const DRIVES: [(&str, &Described, fn(Item<'_>, Context<'_>) -> Result<TimeFunction, Fault>); 2] =
+const DRIVES: [(&str, &Described, ReadMotion); 2] =
     [("move", &MOVE, motion), ("accelerate", &ACCELERATE, accelerated)];
 
 /// The displacement of nodes with an acceleration.

@@ -235,14 +235,14 @@ fn a_deck_in_the_style_of_prepomax_is_read() {
     let file = read("prepomax.inp");
     let mesh = &file.mesh;
     assert_eq!(mesh.counts_by_kind(), [(CellKind::Hex8, 1), (CellKind::Tet10, 1)]);
-    crate::meshes::assert_straight(mesh);
-    assert!((crate::meshes::volume(mesh) - (1.0 + 8.0 / 6.0)).abs() < 1e-14);
+    assert_straight(mesh);
+    assert!((volume(mesh) - (1.0 + 8.0 / 6.0)).abs() < 1e-14);
     let groups = mesh.groups();
     assert_eq!(groups.cells("Solid_part-1").unwrap().len() + groups.cells("Solid_part-2").unwrap().len(), 2);
     assert_eq!(groups.cells("Internal_Selection-1_Solid_Section-1").unwrap().len(), 2);
     assert_eq!((groups.nodes["Node_Set-1"].len(), groups.facets("Surface-1").unwrap().len()), (2, 1));
-    crate::meshes::assert_plane(mesh, "Internal_Selection-1_Fixed-1", 0, 0.0);
-    crate::meshes::assert_plane(mesh, "Surface-1", 2, 0.0);
+    assert_plane(mesh, "Internal_Selection-1_Fixed-1", 0, 0.0);
+    assert_plane(mesh, "Surface-1", 2, 0.0);
     assert_eq!(file.notes, ["C3D8I is read as plain hex8"]);
 }
 
@@ -252,7 +252,7 @@ fn lines_of_three_nodes_are_edges_of_solid_cells() {
     let line = "*Element, Type=T3D3, Elset=Line1\n7, 1, 5, 2\n** Node sets";
     let file = parse_text("a.inp", &deck.replacen("** Node sets", line, 1)).unwrap();
     assert_eq!(file.mesh.groups().nodes["Line1"].len(), 3);
-    crate::meshes::assert_plane(&file.mesh, "Line1", 1, 0.0);
+    assert_plane(&file.mesh, "Line1", 1, 0.0);
     let note = "elements of type T3D3 are read as edges of the solid cells beside them";
     assert!(file.notes.iter().any(|own| own == note), "{:?}", file.notes);
     let alone = "*Node\n1,0,0,0\n2,1,0,0\n3,2,0,0\n*Element, type=T3D3\n1, 1,2,3\n";

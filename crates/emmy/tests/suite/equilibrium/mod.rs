@@ -45,7 +45,7 @@ fn with_faces(mut builder: MeshBuilder, faces: &[Face<'_>]) -> Mesh {
     for (name, is_on) in faces {
         let locals = |cell: u32| 0..mesh.cell(cell as usize).kind.facets().len() as u8;
         let facets = (0..mesh.n_cells() as u32)
-            .flat_map(|cell| locals(cell).map(move |local| Facet { cell, local: local.into() }))
+            .flat_map(|cell| locals(cell).map(move |local| Facet { cell, local }))
             .filter(|&facet| mesh.facet_nodes(facet).all(|node| is_on(mesh.points()[node as usize])));
         builder.facet_group(name, facets.collect::<Vec<_>>());
     }
