@@ -40,6 +40,7 @@ pub mod adjoint;
 mod average;
 pub mod body;
 mod element;
+pub mod equilibrium;
 mod error;
 pub mod internals;
 pub mod material;

@@ -42,8 +42,8 @@ pub(crate) enum Verb {
     Run(run::Arguments),
     /// Compute natural modes: frequencies, effective masses, mode shapes
     ///
-    /// The modes of the supported body about its reference configuration, without loads, viscosity and drag. Rigid modes
-    /// are counted among them, with the frequency 0.
+    /// The modes of the supported body about its reference configuration, or about its `[equilibrium]`, without viscosity
+    /// and drag. Rigid modes are counted among them, with the frequency 0.
     Modes(modes::Arguments),
     /// Write report.html of a run again
     ///
@@ -150,11 +150,14 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
 ///
 /// # Errors
 /// [`Failure::Usage`] if the plan has larger steps than are stable.
-fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failure> {
+fn critical_step(problem: &Problem, state: Option<&State>) -> Result<Option<f64>, Failure> {
     if problem.scheme != Scheme::CentralDifferences {
         return Ok(None);
     }
-    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &state.displacement)?;
+    // Before an equilibrium is solved for, the undeformed body.
+    let displacement =
+        state.map_or_else(|| vec![0.0; problem.body.n_dofs()], |state| state.displacement.clone());
+    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &displacement)?;
     let largest = problem.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
     if largest <= limit {
         return Ok(Some(critical));

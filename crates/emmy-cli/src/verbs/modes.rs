@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::body::RegionSummary;
-use emmy::modes::{Mode, modes};
-use emmy_io::input::{self, Overrides, Problem};
+use emmy::modes::{Mode, modes, modes_about};
+use emmy_io::input::{self, Overrides, Problem, StartError};
 
 use super::with_threads;
 use crate::failure::Failure;
@@ -73,13 +73,25 @@ impl Arguments {
 fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode>), Failure> {
     let body = &problem.body;
     let count = count.map_or(DEFAULT_COUNT.min(body.n_free_dofs().max(1)), |count| count as usize);
-    let modes = modes(body, count).map_err(failure)?;
-    Ok((vec![0.0; body.n_dofs()], modes))
+    let Some(equilibrium) = problem.equilibrium()? else {
+        let modes = modes(body, count).map_err(failure)?;
+        return Ok((vec![0.0; body.n_dofs()], modes));
+    };
+    let state = equilibrium.start(problem.newton, &[], &mut []).map_err(StartError::from)?;
+    let modes = modes_about(body, &state, count).map_err(failure)?;
+    Ok((state.displacement, modes))
 }
 
 /// An iteration that does not converge is no fault of the input.
 fn failure(error: emmy::Error) -> Failure {
     match error {
+        emmy::Error::TooManyModes { free, .. } => {
+            let help = match free {
+                0 => "all nodes are held".to_string(),
+                free => format!("take at most {free}"),
+            };
+            Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+        }
         emmy::Error::Linear { .. } => {
             Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
         }
@@ -107,7 +119,10 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
     columns(rows.chain([sums.collect()]).collect())
 }
 
-/// Remarks on rigid and unstable modes.
+/// Largest relative residual without a warning.
+const MAX_RESIDUAL: f64 = 1e-4;
+
+/// Remarks on rigid, unstable and inaccurate modes.
 fn remarks(modes: &[Mode]) {
     let rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
     let unstable = modes.iter().filter(|mode| mode.angular_frequency < 0.0).count();
@@ -118,6 +133,12 @@ fn remarks(modes: &[Mode]) {
         let modes = plural(unstable);
         message!(
             "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
+        );
+    }
+    let residual = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
+    if residual > MAX_RESIDUAL {
+        message!(
+            "warning: relative residuals of up to {residual:.0e}: the lowest modes have few correct digits"
         );
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
     }
     match lowest_elastic_mode(body) {
         Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, n_rigid),
-        Ok(None) => report.line("period", "none: no motion of this body is elastic"),
+        Ok(None) => report.line("period", "none: the lowest modes of this body are rigid or unstable"),
         Err(error) => report.line("period", &format!("not found: {error}")),
     }
     if problem.scheme != Scheme::CentralDifferences {
@@ -41,7 +41,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
     let text = format!("{} in the lowest elastic mode (frequency {frequency}){beside}", number(period));
     report.line("period", &text);
     let plan = &problem.plan;
-    if plan.adaptivity().is_some() {
+    if plan.adaptivity().is_some() || problem.is_static() {
         return;
     }
     let largest = plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
@@ -103,7 +103,7 @@ mod tests {
     fn suggested_sizes_have_two_digits() {
         for (value, expected) in [(0.012345, "0.012"), (7.99e-6, "0.0000079"), (31.0, "31"), (0.025, "0.025")]
         {
-            assert_eq!(number(rounded_down(value)), number(expected.parse().unwrap()));
+            assert_eq!(number(rounded_down(value)), number(expected.parse::<f64>().unwrap()));
         }
     }
 

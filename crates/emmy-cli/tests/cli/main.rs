@@ -4,6 +4,7 @@ mod adaptive;
 mod compare;
 mod converge;
 mod endings;
+mod equilibrium;
 mod examples;
 mod hostile;
 mod killed_frames;

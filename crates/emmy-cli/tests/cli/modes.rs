@@ -105,6 +105,33 @@ fn impossible_requests_for_modes_change_nothing() {
     assert_eq!(place.succeed(&["modes", "small.toml"]).stdout.lines().count(), 2 + 4);
 }
 
+/// The numbers of the book: the tone of the fork is 11 % below that of a clamped tine,
+/// 1.875^2/(2 pi) sqrt(E/(12 rho)) t/L^2 = 1105 Hz, and the handle does not feel it.
+#[test]
+fn a_tuning_fork_sounds_a_little_below_its_tine() {
+    let place = Place::new();
+    let file = format!("{}/../../examples/tuning-fork.toml", env!("CARGO_MANIFEST_DIR"));
+    place.succeed(&["modes", &file, "--count", "4", "--output", "own", "--quiet"]);
+    let rows = rows(&place, "own");
+    let tine = 1.875_104f64.powi(2) / std::f64::consts::TAU * (2.1e5 / (12.0 * 7.85e-9f64)).sqrt() * 4.0
+        / 55.0f64.powi(2);
+    assert!((tine - 1105.0).abs() < 0.5 && (rows[3][2] / tine - 0.891).abs() < 1e-3, "{tine}, {:?}", rows[3]);
+    let total = 7.85e-9 * 2600.0;
+    assert!(rows[2][4..].iter().chain(&rows[3][4..]).all(|mass| *mass < 1e-3 * total));
+    assert!((rows[3][3] / 1e-5 - 102.0).abs() < 0.5);
+    let report = place.succeed(&["check", &file]).stdout;
+    assert!(report.contains("280 a period"), "{report}");
+}
+
+/// The critical step of an explicit scheme does not matter here.
+#[test]
+fn any_plan_will_do_for_modes() {
+    let place = Place::with(BAR);
+    let flags = ["--set", "time.scheme=central-differences"];
+    assert_eq!(place.emmy(&[&["check", "box.toml"][..], &flags].concat()).code, 2);
+    place.succeed(&[&["modes", "box.toml"][..], &flags].concat());
+}
+
 /// The lowest period of the bar is 2.4/(1 + (k h)^2/24), k h = 0.25 pi/6. With lumped masses omega_max = 2 c/h, so that
 /// the critical step is h/c = 0.05.
 #[test]

@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::input::Problem;
 use crate::vtk::FrameTime;
 use crate::whole_file::{PART, named, names, remove, replace, replace_durably};
+pub(crate) use identity::digest;
 pub use identity::{Identity, Mismatch};
 
 /// Directory of the checkpoints, in the directory of a run.

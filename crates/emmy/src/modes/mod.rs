@@ -1,6 +1,7 @@
 //! Natural modes: small free vibrations about a state at rest.
 
 mod pencil;
+mod rigid;
 
 use pencil::{BodyPencil, Linearised};
 
@@ -62,6 +63,9 @@ const LEAST_SHIFT: f64 = 1e-7;
 /// Number of modes from which the search for the lowest elastic one starts: one more than a solid has rigid ones.
 const RIGID_AND_ONE: usize = 7;
 
+/// Number of modes at which that search ends.
+const MAX_SEARCHED: usize = 56;
+
 /// The modes of lowest frequency of a body without loads, about its reference configuration, the lowest first.
 ///
 /// ```math
@@ -69,7 +73,8 @@ const RIGID_AND_ONE: usize = 7;
 /// ```
 ///
 /// with the consistent mass M and the stiffness K of cells, links and springs; fixed and driven degrees of freedom are
-/// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0.
+/// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0: translations along x, y and z as far
+/// as the body has them, then rotations and mechanisms.
 ///
 /// # Errors
 /// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Linear`] if the iteration does not converge.
@@ -106,7 +111,8 @@ pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec
     solved(body, &mut Linearised::at(body, &equilibrium.displacement, Some(equilibrium.time))?, count)
 }
 
-/// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if all are rigid.
+/// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if the 56 lowest
+/// modes are rigid or unstable.
 ///
 /// # Errors
 /// As [`modes`].
@@ -122,15 +128,16 @@ pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     let mut linearised = Linearised::at_reference(body)?;
-    let mut count = RIGID_AND_ONE.min(body.n_free_dofs());
+    let most = MAX_SEARCHED.min(body.n_free_dofs());
+    let mut count = RIGID_AND_ONE.min(most);
     loop {
         let modes = if count == 0 { Vec::new() } else { solved(body, &mut linearised, count)? };
         let n_rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
         let elastic = modes.into_iter().find(Mode::is_elastic);
-        if elastic.is_some() || count == body.n_free_dofs() {
+        if elastic.is_some() || count == most {
             return Ok(elastic.map(|mode| (mode, n_rigid)));
         }
-        count = (2 * count).min(body.n_free_dofs());
+        count = (2 * count).min(most);
     }
 }
 
@@ -153,14 +160,14 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
             Some(lowest) if !found.is_converged => shift = 0.1 * lowest,
             Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
             None if !found.is_converged => shift = 0.01 * pencil.shift(),
-            _ => return Ok(described(body, &found, zero)),
+            _ => return Ok(described(body, found, zero)),
         }
     }
     Err(Error::Linear { reason: format!("the iteration for {count} modes does not converge") })
 }
 
 /// The modes of eigenpairs; values up to `zero` are rounding.
-fn described(body: &Body, found: &Eigenmodes, zero: f64) -> Vec<Mode> {
+fn described(body: &Body, mut found: Eigenmodes, zero: f64) -> Vec<Mode> {
     let n = body.n_dofs();
     let translation = |axis: usize| {
         let e: Vec<f64> = (0..n).map(|dof| if dof % 3 == axis { 1.0 } else { 0.0 }).collect();
@@ -169,14 +176,16 @@ fn described(body: &Body, found: &Eigenmodes, zero: f64) -> Vec<Mode> {
         product
     };
     let translations = [0, 1, 2].map(translation);
+    let first = found.values.iter().filter(|value| **value < -zero).count();
+    let n_rigid = found.values[first..].iter().filter(|value| **value <= zero).count();
+    rigid::separate(&mut found.vectors[first * n..(first + n_rigid) * n], &translations);
     let eigenpairs = found.values.iter().zip(found.vectors.chunks_exact(n)).zip(&found.residuals);
     let mode = |((&value, vector), &residual): ((&f64, &[f64]), &f64)| {
-        let largest =
-            vector.iter().fold(0.0, |largest: f64, &x| if x.abs() > largest.abs() { x } else { largest });
-        let angular_frequency = if value.abs() <= zero { 0.0 } else { value.abs().sqrt().copysign(value) };
+        let largest = |largest: f64, &x: &f64| if x.abs() > largest.abs() { x } else { largest };
+        let sign = vector.iter().fold(0.0, largest).signum();
         Mode {
-            angular_frequency,
-            shape: vector.iter().map(|x| x * largest.signum()).collect(),
+            angular_frequency: if value.abs() <= zero { 0.0 } else { value.abs().sqrt().copysign(value) },
+            shape: vector.iter().map(|x| x * sign).collect(),
             effective_mass: translations.each_ref().map(|product| dot(vector, product).powi(2)),
             residual,
         }

@@ -94,7 +94,7 @@ impl<'a> BodyPencil<'a> {
             if self.factor.factor().is_definite() {
                 return Ok(());
             }
-            self.shift *= LARGER;
+            self.shift = (LARGER * self.shift).max(f64::MIN_POSITIVE);
         }
     }
 
@@ -129,7 +129,7 @@ impl<'a> BodyPencil<'a> {
         let lowest = quotients.filter(|quotient| *quotient > 0.0).fold(f64::INFINITY, f64::min);
         let largest = self.largest_quotient();
         match (lowest.is_finite(), largest > 0.0) {
-            (true, _) => 0.1 * lowest * slenderness.powi(2),
+            (true, _) => (0.1 * lowest * slenderness.powi(2)).max(self.rounding()),
             (false, true) => 1e-6 * largest,
             (false, false) => 1.0,
         }

@@ -27,7 +27,7 @@ mod triangular;
 pub use block_cholesky::BlockCholesky;
 pub use cholesky::Cholesky;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
-pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse};
+pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};
 pub use gmres::{Gmres, LinearSystem, Solution};
 pub(crate) use incomplete_cholesky::IncompleteCholesky;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "number",
     "error",
     "tensor",
@@ -20,6 +20,7 @@ const ORDER: [&str; 17] = [
     "time",
     "modes",
     "motion",
+    "equilibrium",
     "adjoint",
     "prelude",
 ];
@@ -82,6 +83,8 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "start",
             "loads",
             "followers",
+            "proportional",
+            "held",
             "signal",
             "fields",
         ],

@@ -8,6 +8,7 @@ mod balances;
 mod classic_steppers;
 mod damping;
 mod driven_supports;
+mod equilibrium;
 mod fields;
 mod linear_oscillator;
 mod links;

@@ -30,6 +30,11 @@ impl<'a> Forces<'a> {
         }
     }
 
+    /// The internal force evaluated last, `[n_nodes][3]`.
+    pub(crate) fn internal(&self) -> &[f64] {
+        &self.internal
+    }
+
     /// Assembles the internal force of a displacement; with [`Request::Tangent`] also its derivative K.
     ///
     /// # Errors
