@@ -459,6 +459,26 @@ def check_modes(browser, emmy, directory):
     page.close()
 
 
+def check_static(browser, emmy, directory):
+    """A static analysis has the load fraction in place of time, and no balances of a motion."""
+    os.makedirs(directory)
+    source = open(f"{ROOT}/examples/cantilever.toml").read()
+    before, _, rest = source.partition("[time]")
+    after = rest[rest.index("\n["):] if "\n[" in rest else ""
+    open(f"{directory}/static.toml", "w").write(before + "[equilibrium]\nload_steps = 4\n" + after)
+    run = [emmy, "run", f"{directory}/static.toml", "--set", "output.every=1", "--output", f"{directory}/static", "--quiet"]
+    subprocess.run(run, check=True)
+    page = browser.page(f"{directory}/static/report.html")
+    check_numbers(page, {"static": json.load(open(f"{directory}/static/summary.json"))})
+    charts = page.value("[...document.querySelectorAll('section.chart')].map(e => e.getAttribute('aria-label'))")
+    assert words(page) == [] and charts[0] == "Stored energy" and not any("omentum" in chart for chart in charts), charts
+    page.press("End")
+    assert page.value("document.querySelector('#transport output').textContent") == "load fraction = 1, increment 4 of 4"
+    check_layout(page)
+    check_silence(page)
+    page.close()
+
+
 def check_begun(browser, emmy, source, directory):
     """A run that has just begun: no row of its history, then one."""
     os.makedirs(directory)
@@ -532,6 +552,7 @@ def main():
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
         check_modes(browser, emmy, f"{place}/modes")
+        check_static(browser, emmy, f"{place}/static")
         check_schemes(browser, f"{place}/l-block")
         compared = ["l-block", "newmark"]
         compare = [emmy, "compare", *(f"{place}/{run}" for run in compared), "--output", f"{place}/compare", "--quiet"]

@@ -49,8 +49,8 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     emmy_io::modes::check(&directory, &problem)?;
     let (displacement, modes) = computed(&problem, arguments.count)?;
     emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
-    let page = emmy_io::report::write(&directory)?;
     print::result(&table(&problem, &modes))?;
+    let page = emmy_io::report::write(&directory)?;
     if !arguments.quiet {
         remarks(&modes);
         message!("written: {}", directory.join(emmy_io::modes::TABLE).display());
