@@ -77,6 +77,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "mass",
             "invariants",
             "driven",
+            "reactions",
             "start",
             "loads",
             "followers",

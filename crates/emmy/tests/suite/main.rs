@@ -17,6 +17,7 @@ mod materials;
 mod order_of_accuracy;
 mod plane_elements;
 mod pressure;
+mod reactions;
 mod reference_cases;
 mod resumed_motions;
 mod shared;
