@@ -18,8 +18,8 @@ mod initial;
 mod load;
 mod material;
 mod nodal;
-mod probes;
 mod problem;
+mod quantities;
 #[cfg(test)]
 mod reference;
 mod region;
@@ -39,6 +39,7 @@ pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, Place};
 pub use material::materials;
 pub use problem::{Overrides, Problem, read};
+pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 pub use schema::schema;
-pub use settings::{Limits, Output, Probe};
+pub use settings::{Limits, Output};
 pub use shape::meshes;
