@@ -28,7 +28,7 @@ pub enum HistoryError {
     },
     /// Its columns differ from the columns of the run to resume.
     #[error(
-        "{path}: its columns do not fit the present input; a resumed run cannot change `probes`, `reactions`, `extremes` or `values` of its output, or switch between adaptive and planned steps"
+        "{path}: its columns do not fit the present input; a resumed run cannot change `output.probes`, `reactions`, `extremes` or `values`, or switch between adaptive and planned steps"
     )]
     Columns {
         /// The path.

@@ -115,12 +115,14 @@ pub(super) static OUTPUT: Described = Described::new(|| {
         .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path or fields go into the history")
         .default("[]")
         .may("extremes", Kind::Words(of_extremes()), "", EXTREMES)
+        .absent("none")
         .may(
             "values",
             list(0, Kind::Table(&VALUE)),
             "",
             "Means, totals and largest values of fields in groups",
         )
+        .absent("none")
 });
 
 const FORMATS: &str = "Files of the frames: `.vtu` files and a collection of them, or one `.vtkhdf` file (ParaView 5.12, VTK 9.3)";

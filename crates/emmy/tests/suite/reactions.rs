@@ -568,7 +568,9 @@ fn resumed_motions_have_the_same_reactions() {
     for scheme in every_scheme() {
         let h = step_of(scheme);
         let mut motion = Motion::starting(&body, scheme, tight(), rest(&body)).unwrap();
-        (0..3).for_each(|_| drop(motion.step(h).unwrap()));
+        for _ in 0..3 {
+            motion.step(h).unwrap();
+        }
         let mut resumed = Motion::resumed(&body, scheme, tight(), motion.snapshot()).unwrap();
         motion.step(h).unwrap();
         resumed.step(h).unwrap();
