@@ -109,16 +109,18 @@ impl Measures {
                 .iter()
                 .map(|name| of(name).map_or(Real(f64::NAN), |own| Real(own.value))),
         );
-        let fields = self.fields.iter().flat_map(|fields| std::iter::repeat(fields));
-        for (fields, (value, (selection, weights))) in
-            fields.zip(self.quantities.values.iter().zip(&self.values))
-        {
-            let State { displacement, velocity, .. } = view.state;
-            let all = fields.on(selection, displacement, velocity, value.quantity);
+        if let Some(fields) = &self.fields {
+            self.add_values(fields, view.state, numbers);
+        }
+        extremes
+    }
+
+    fn add_values(&self, fields: &Fields, state: &State, numbers: &mut Vec<Number>) {
+        for (value, (selection, weights)) in self.quantities.values.iter().zip(&self.values) {
+            let all = fields.on(selection, &state.displacement, &state.velocity, value.quantity);
             let n = value.quantity.components().len();
             numbers.extend(measured(&all, n, weights, value.measure).into_iter().map(Real));
         }
-        extremes
     }
 
     fn add_probes(&self, view: View<'_>, numbers: &mut Vec<Number>) {

@@ -1,6 +1,8 @@
 //! Reactions of supports: their impulses and those of the loads, integrated here, are the change of the momenta for
 //! every stepper; and reactions that theory knows.
 
+#![allow(non_snake_case)]
+
 use emmy::body::{Body, Field, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind};
 use emmy::body::{PointMass, PointTerms, Reaction, Region, Rotation, Support, TimeFunction, Viscosity};
 use emmy::internals::quadrature::gauss;
