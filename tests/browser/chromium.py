@@ -150,7 +150,8 @@ class Page:
         clip = {}
         if selector:
             x, y, width, height = self.box(selector)
-            clip = {"clip": {"x": x, "y": y, "width": width, "height": height, "scale": 1}}
+            left, top = self.value("[scrollX, scrollY]")
+            clip = {"clip": {"x": x + left, "y": y + top, "width": width, "height": height, "scale": 1}}
         return base64.b64decode(self.call("Page.captureScreenshot", format="png", **clip)["data"])
 
     def complaints(self):

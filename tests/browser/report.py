@@ -164,7 +164,7 @@ def check_long_numbers(browser, emmy, source, directory):
                 "newton_iterations": 1_234_567, "scheme": "generalized-alpha(0.85)"}
     json.dump(summary, open(f"{directory}/summary.json", "w"))
     subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
-    for width in [400, 721, 1119, 1120, 1300, 1920]:
+    for width in [360, 400, 720, 721, 1000, 1001, 1119, 1120, 1300, 1920, 2560]:
         page = browser.page(f"{directory}/report.html", width=width, height=900)
         check_head(page)
         check_layout(page)
@@ -173,7 +173,7 @@ def check_long_numbers(browser, emmy, source, directory):
 
 def check_windows(browser, directory):
     """The motion is in sight at once, and in a high window no column ends half-way down."""
-    for width, height in [(1300, 900), (1300, 1800), (1440, 1300), (1920, 1080)]:
+    for width, height in [(1300, 900), (1300, 1600), (1080, 1920), (1366, 768), (1440, 1300), (1920, 1080), (2560, 1440)]:
         page = browser.page(f"{directory}/report.html", width=width, height=height)
         check_head(page)
         check_layout(page)
@@ -181,19 +181,38 @@ def check_windows(browser, directory):
         bar = page.box("#transport")[1]
         assert top + high <= bar, f"{width} x {height}: the motion ends at {top + high}, behind the bar at {bar}"
         for part in [0.25, 0.75]:
-            x, y = part * width, bar - 40
-            at = f"document.elementFromPoint({x}, {y})?.closest('.chart, .viewer') !== null"
+            # One of two points may lie in the gap between two charts.
+            x, y = part * width, bar - 50
+            at = f"[{y}, {y + 25}].some(y => document.elementFromPoint({x}, y)?.closest('.chart, .viewer'))"
             assert page.value(at), f"{width} x {height}: nothing at {x}, {y}"
+        # Charts end where the motion beside them ends, or below it.
+        lowest = page.value("Math.max(...[...document.querySelectorAll('.chart')].map(e => e.getBoundingClientRect().bottom))")
+        assert lowest >= top + high - 2, f"{width} x {height}: the charts end at {lowest}, the motion at {top + high}"
+        plots = page.value("[...document.querySelectorAll('.plot')].map(e => e.clientHeight - e.querySelector('.uplot').clientHeight)")
+        assert max(map(abs, plots)) <= 1, f"{width} x {height}: plots do not fill their places: {plots}"
         page.close()
+    page = browser.page(f"{directory}/report.html", width=360, height=740)
+    check_head(page)
+    check_layout(page)
+    assert page.box("#viewport")[3] >= 320
+    page.close()
 
 
 def check_whole_body(browser, directory):
-    """A long body fits into a picture that is higher than wide."""
-    page = browser.page(f"{directory}/report.html", width=1440, height=1300)
-    rows, size = pixels(page.picture("#viewport"))
-    edge = [row[size * x:size * x + 3] for row in rows for x in [1, 2, -3, -2]]
-    assert all(sum(pixel) > 300 for pixel in edge if pixel), "the body is cut off at the side"
-    page.close()
+    """The body fits into pictures of any shape. The background is light."""
+    for width, height in [(1440, 1300), (1300, 900), (1366, 768), (800, 1200), (390, 844)]:
+        page = browser.page(f"{directory}/report.html", width=width, height=height)
+        page.value("scrollTo(0, document.querySelector('#viewport').getBoundingClientRect().top - 10)")
+        page.value("['triad', 'legend', 'scene-note', 'transport'].forEach(id => { document.getElementById(id).style.visibility = 'hidden'; })")
+        # The arrow of the angular momentum may reach out of the picture.
+        page.value("[...document.querySelectorAll('.viewer-tools label')].find(e => e.textContent === 'Angular momentum').click()")
+        for step in ["Home", "End"]:
+            page.press(step)
+            rows, size = pixels(page.picture("#viewport"))
+            edge = [row[size * x:size * x + 3] for row in rows for x in [2, 3, -4, -3]]
+            edge += [row[size * x:size * x + 3] for row in [rows[2], rows[3], rows[-4], rows[-3]] for x in range(len(row) // size)]
+            assert all(sum(pixel) > 300 for pixel in edge if pixel), f"{width} x {height}: the body is cut off"
+        page.close()
 
 
 def check_range(browser, directory):
@@ -203,20 +222,30 @@ def check_range(browser, directory):
     ends = "[...document.querySelectorAll('#legend .ends span')].map(e => e.textContent)"
     page.press("ArrowRight")
     of_run, picture = page.value(ends), page.picture("#viewport")
-    x, y, width, height = page.box("#legend button")
-    page.drag([(x + width / 2, y + height / 2)])
-    assert page.value("document.querySelector('#legend button').textContent") == "range of the frame"
+    chosen = "document.querySelector('#legend button[aria-pressed=true]').textContent"
+    click(page, "#legend button:last-child")
+    assert page.value(chosen) == "frame"
     of_frame = page.value(ends)
     assert float(of_frame[-1]) < 0.5 * float(of_run[-1]), (of_frame, of_run)
     assert page.picture("#viewport") != picture, "the colours do not change with their range"
-    page.drag([(x + width / 2, y + height / 2)])
-    assert page.value(ends) == of_run
+    # The choice stays while the motion plays.
+    for _ in range(5):
+        page.press("ArrowRight")
+    later = page.value(ends)
+    assert page.value(chosen) == "frame" and later not in (of_frame, of_run), (later, of_frame, of_run)
+    click(page, "#legend button:first-child")
+    assert page.value(chosen) == "run" and page.value(ends) == of_run
     check_silence(page)
     page.close()
 
 
+def click(page, selector):
+    x, y, width, height = page.box(selector)
+    page.drag([(x + width / 2, y + height / 2)])
+
+
 def check_probe(browser, directory, name):
-    """A probe's chart begins at zero and ends at the displacement of the history."""
+    """A probe's chart begins at zero and ends at the displacement of the history; a click shows the position."""
     rows = open(f"{directory}/history.csv").read().splitlines()
     head, cells = rows[0].split(","), [row.split(",") for row in rows[1:]]
     column = lambda axis: [float(row[head.index(f"{name}_{axis}")]) for row in cells]
@@ -229,6 +258,53 @@ def check_probe(browser, directory, name):
         value, half = shown(text)
         expected = column(axis)[-1] - column(axis)[0]
         assert abs(value - expected) <= half * (1 + 1e-9), (axis, text, expected)
+    chart = f"[aria-label=\"Probe {name}\"]"
+    page.value(f"document.querySelector('{chart}').scrollIntoView()")
+    click(page, f"{chart} .switch button:last-child")
+    for axis, text in zip("xyz", page.value(values)):
+        value, half = shown(text)
+        assert abs(value - column(axis)[-1]) <= half * (1 + 1e-9), (axis, text, column(axis)[-1])
+    check_silence(page)
+    page.close()
+
+
+def check_quantities(browser, emmy, source, directory):
+    """Other columns have charts: components of one quantity together, the start of reactions is a gap."""
+    os.makedirs(directory)
+    for name in ["input.toml", "summary.json"]:
+        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    lines = open(f"{source}/history.csv").read().splitlines()
+    force = [f"z-min_force_{axis}" for axis in "xyz"]
+    tensor = [f"tip_cauchy_stress_{part}" for part in ["xx", "yy", "zz", "xy", "yz", "xz"]]
+    rows = [",".join([lines[0], *force, *tensor, "max_displacement", "energy_of_beam"])]
+    for step, line in enumerate(lines[1:]):
+        rows.append(",".join([line, *([str(k * step) for k in [2, 3, 6]] if step else ["nan"] * 3), *map(str, range(6)), str(0.1 * step), "7"]))
+    open(f"{directory}/history.csv", "w").write("\n".join(rows) + "\n")
+    subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
+    page = browser.page(f"{directory}/report.html")
+    keys = lambda title: page.value(f"[...document.querySelectorAll('[aria-label=\"{title}\"] .key')].map(e => e.textContent)")
+    page.press("Home")
+    assert keys("Reaction force of z-min") == ["Fx–", "Fy–", "Fz–", "|F|–"], keys("Reaction force of z-min")
+    page.press(".")
+    assert keys("Reaction force of z-min") == ["Fx2", "Fy3", "Fz6", "|F|7"], keys("Reaction force of z-min")
+    assert keys("Largest displacement") == ["max_displacement0.10000"] and keys("energy_of_beam") == ["energy_of_beam7"]
+    probes = page.value("[...document.querySelectorAll('[aria-label=\"Probe tip\"]')].map(e => e.querySelectorAll('.key').length)")
+    assert probes == [3, 6], probes
+    check_names(page)
+    check_layout(page)
+    check_silence(page)
+    page.close()
+
+
+def check_extremes(browser, directory):
+    """The largest displacement has its time, which a click shows, and its place."""
+    summary = json.load(open(f"{directory}/summary.json"))
+    page = browser.page(f"{directory}/report.html")
+    click(page, ".extremes button")
+    assert abs(time_shown(page) - summary["largest_displacement_time"]) <= 1e-4 * summary["time"]
+    place = page.value("document.querySelector('.extremes').textContent")
+    for x in summary["largest_displacement_point"]:
+        assert any(abs(x - value) <= half for value, half in map(shown, re.search(r"\((.*?)\)", place)[1].split(", "))), (x, place)
     page.close()
 
 
@@ -304,6 +380,85 @@ def check_adaptive(browser, adaptive, planned):
         page.close()
 
 
+def differ(a, b):
+    """Whether a hundredth of the pixels of two pictures clearly differ; the same picture may be taken with a small shift."""
+    (one, size), (other, _) = pixels(a), pixels(b)
+    pairs = [(row[i:i + 3], own[i:i + 3]) for row, own in zip(one[::4], other[::4]) for i in range(0, len(row), 4 * size)]
+    return sum(max(abs(x - y) for x, y in zip(*pair)) > 30 for pair in pairs) > 0.01 * len(pairs)
+
+
+def check_modes(browser, emmy, directory):
+    """The table has the numbers of modes.csv; a mode that is clicked is drawn as a vibration about the body at rest."""
+    run = [emmy, "modes", "examples/l-block.toml", "--count", "9", "--output", directory, "--quiet"]
+    subprocess.run(run, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+    head, *rows = [line.split(",") for line in open(f"{directory}/modes.csv").read().splitlines()]
+    page = browser.page(f"{directory}/report.html", width=1300)
+    table = page.value("[...document.querySelectorAll('.modes tbody tr')].map(e => [e.className, ...[...e.querySelectorAll('td')].map(e => [e.dataset.key, e.textContent])])")
+    assert len(table) == len(rows) == 9
+    largest = max(float(row[head.index(f"effective_mass_{axis}")]) for row in rows for axis in "xyz")
+    for row, (kind, *cells) in zip(rows, table):
+        assert kind == ("rigid" if float(row[head.index("frequency")]) == 0 else ""), (kind, row)
+        for key, text in cells:
+            expected = float(row[head.index(key)])
+            assert (text == "–") == math.isinf(expected), (key, text, expected)
+            if text != "–":
+                value, half = shown(text)
+                rounding = 1e-6 * largest if key.startswith("effective") else 0.0
+                assert abs(value - expected) <= max(half * (1 + 1e-9), rounding), (key, text, expected)
+    # A free body: the first elastic mode is chosen.
+    chosen = "document.querySelector('.modes tr[aria-selected=true] button').textContent"
+    assert [kind for kind, *_ in table].count("rigid") == 6 and page.value(chosen) == "7"
+    scene = lambda: page.picture("#viewport")
+
+    def drawn(is_as_wanted):
+        """Waits for a picture; a busy machine draws it late."""
+        end = time.time() + 10
+        while not is_as_wanted(picture := scene()):
+            assert time.time() < end, "the mode is not drawn"
+            page.settle()
+        return picture
+
+    drawn(lambda picture: colours(picture) > 300)
+    # The first picture may still be of the first mode.
+    time.sleep(0.5)
+    seventh = scene()
+    click(page, ".modes tbody tr:nth-child(9) td")
+    assert page.value(chosen) == "9"
+    drawn(lambda picture: differ(picture, seventh))
+    page.press("ArrowLeft")
+    page.press("ArrowLeft")
+    assert page.value(chosen) == "7"
+    drawn(lambda picture: not differ(picture, seventh))
+    phase = lambda value: page.value(f"(s => {{ s.value = {value}; s.dispatchEvent(new Event('input')); }})(document.querySelector('[aria-label=Phase]'))")
+    phase(750)
+    back = drawn(lambda picture: differ(picture, seventh))
+    # The body is at rest at the start and after half a period.
+    phase(0)
+    rest = drawn(lambda picture: differ(picture, seventh) and differ(picture, back))
+    phase(250)
+    drawn(lambda picture: not differ(picture, seventh))
+    phase(500)
+    drawn(lambda picture: not differ(picture, rest))
+    page.value("(s => { s.value = 2; s.dispatchEvent(new Event('input')); })(document.querySelector('[aria-label=Amplitude]'))")
+    phase(250)
+    drawn(lambda picture: differ(picture, seventh) and differ(picture, rest))
+    check_names(page)
+    check_silence(page)
+    page.close()
+    for width, height in [(360, 740), (1080, 1920), (1920, 1080)]:
+        page = browser.page(f"{directory}/report.html", width=width, height=height)
+        wide = page.value("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert wide <= 0, f"{wide} pixels too wide"
+        check_silence(page)
+        page.close()
+    page = browser.page(f"{directory}/report.html", motion="no-preference")
+    label = "document.querySelector('#transport .play').getAttribute('aria-label')"
+    page.wait(f"{label}.startsWith('Pause')", 10)
+    page.press(" ", "Space", " ")
+    page.wait(f"{label}.startsWith('Play')", 10)
+    page.close()
+
+
 def check_begun(browser, emmy, source, directory):
     """A run that has just begun: no row of its history, then one."""
     os.makedirs(directory)
@@ -372,8 +527,11 @@ def main():
         check_whole_body(browser, f"{place}/two-materials")
         check_range(browser, f"{place}/l-block")
         check_probe(browser, f"{place}/two-materials", "tip")
+        check_extremes(browser, f"{place}/two-materials")
+        check_quantities(browser, emmy, f"{place}/charts-only", f"{place}/quantities")
         check_adaptive(browser, f"{place}/comet", f"{place}/l-block")
         n += check_single(browser, f"{place}/newmark", [*kept, "does not close"])
+        check_modes(browser, emmy, f"{place}/modes")
         check_schemes(browser, f"{place}/l-block")
         compared = ["l-block", "newmark"]
         compare = [emmy, "compare", *(f"{place}/{run}" for run in compared), "--output", f"{place}/compare", "--quiet"]

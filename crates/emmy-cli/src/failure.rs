@@ -2,8 +2,9 @@
 
 use std::io::{IsTerminal, stderr};
 
+use emmy::motion::MarchError;
 use emmy_io::directory::DirectoryError;
-use emmy_io::input::InputError;
+use emmy_io::input::{InputError, StartError};
 use emmy_io::message::shown;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
 
@@ -32,7 +33,7 @@ pub(crate) enum Failure {
     },
     /// A step did not converge.
     NoConvergence(String),
-    /// A run of a study did not converge.
+    /// A run of a study, or the equilibrium at the start of a motion, did not converge.
     Study {
         /// The run and its failure.
         message: String,
@@ -142,6 +143,23 @@ impl From<InputError> for Failure {
 impl From<DirectoryError> for Failure {
     fn from(error: DirectoryError) -> Self {
         Failure::Usage { message: error.to_string(), help: None }
+    }
+}
+
+/// A start that does not fit is bad input; an equilibrium that was not found is a failed computation.
+impl From<StartError> for Failure {
+    fn from(error: StartError) -> Self {
+        match error {
+            StartError::March(MarchError::Step(error @ emmy::Error::NoEquilibrium { .. })) => {
+                let help = "nothing is written; without `[time]` the equilibria up to there are the results";
+                Failure::Study { message: with_causes(&error), help: help.to_string() }
+            }
+            StartError::March(MarchError::Step(error @ emmy::Error::NotHeld { .. })) => {
+                let help = "[equilibrium] needs supports: `fix`, `move`, `rotate`, `symmetry` or `spring` in [[support]]";
+                Failure::Usage { message: error.to_string(), help: Some(help.to_string()) }
+            }
+            other => Failure::Usage { message: with_causes(&other), help: None },
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::io::{IsTerminal, stderr};
 
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
+use emmy::time::Scheme;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::message::message;
@@ -70,12 +71,15 @@ impl Progress {
         }
     }
 
-    /// Time, balance of the step relative to the largest T + V, Newton iterations.
-    fn message(&self, record: &Record) -> String {
+    /// Time, balance of the step relative to the largest T + V, Newton iterations; load fraction of an equilibrium.
+    fn message(&self, record: &Record, is_static: bool) -> String {
         let balance =
             if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
         let time = number(record.time);
         let what = if matches!(self.form, Form::Bar(_)) { self.what } else { "" };
+        if is_static {
+            return format!("{what}load fraction {time}  Newton {}", record.newton_iterations);
+        }
         format!("{what}t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
     }
 }
@@ -91,6 +95,7 @@ fn bar(n_steps: usize, style: &str) -> ProgressBar {
 impl Observer for Progress {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
+        let is_static = view.motion.scheme() == Scheme::Static;
         self.largest_energy = self.largest_energy.max(record.kinetic_energy + record.strain_energy.abs());
         let done = record.step - *self.first.get_or_insert(record.step);
         // The number of adaptive steps is unknown: the bar shows the time.
@@ -104,7 +109,7 @@ impl Observer for Progress {
         let message = match self.form {
             Form::Nothing => return Ok(()),
             Form::Lines { shown } if tenths <= shown => return Ok(()),
-            _ => self.message(record),
+            _ => self.message(record, is_static),
         };
         match &mut self.form {
             Form::Bar(bar) => {
@@ -112,9 +117,11 @@ impl Observer for Progress {
                 bar.set_position(position as u64);
             }
             _ => {
-                let end = number(self.span[1]);
+                let end =
+                    if is_static { String::new() } else { format!(" (end: t = {})", number(self.span[1])) };
+                let step = if is_static { "increment" } else { "step" };
                 let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
-                message!("{}step {done}{of}, {message} (end: t = {end})", self.what);
+                message!("{}{step} {done}{of}, {message}{end}", self.what);
                 self.form = Form::Lines { shown: tenths };
             }
         }

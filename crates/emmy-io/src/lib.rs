@@ -18,6 +18,7 @@
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
 //! | [`comparison`] | charts of several runs side by side |
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
+//! | [`modes`] | natural modes: `modes.csv`, a frame for each mode |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | estimated sizes of the files of a run |
 //! | [`message`] | text prepared for a terminal |
@@ -38,6 +39,7 @@ mod link;
 pub mod log;
 pub mod mesh;
 pub mod message;
+pub mod modes;
 pub mod newton;
 mod picture;
 mod recording;

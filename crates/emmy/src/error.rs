@@ -210,10 +210,10 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
-    /// A prescribed motion that is not zero at the start, where the body is undeformed.
+    /// A prescribed motion that does not begin where its nodes are, which is zero in an undeformed body.
     #[error(
-        "a prescribed motion starts with a displacement of {} at t = {}, where the body is undeformed; let it \
-         start from zero",
+        "a prescribed motion starts with a displacement of {} from its nodes at t = {}; let it start from zero, or the \
+         body from its equilibrium",
         short(.distance),
         short(.time)
     )]
@@ -222,6 +222,83 @@ pub enum Error {
         time: f64,
         /// Largest displacement.
         distance: f64,
+    },
+    /// A body that is to be in equilibrium, and is free to move as a rigid body.
+    #[error(
+        "nothing holds {part} against {motions}; an equilibrium needs supports or springs to the ground there"
+    )]
+    NotHeld {
+        /// The body, or a part of it.
+        part: String,
+        /// The rigid motions that are free.
+        motions: String,
+    },
+    /// A body in equilibrium with a part that moves without resistance: a link that can turn, or a buckled member.
+    #[error(
+        "the stiffness is singular at a load fraction of {fraction}: node {node} near {position} moves without resistance; \
+         look for links that can turn, and for members that buckle there",
+        fraction = short(.fraction),
+        position = short_vector(.position)
+    )]
+    Singular {
+        /// Load fraction of the increment.
+        fraction: f64,
+        /// Node with the largest motion.
+        node: usize,
+        /// Its last position in equilibrium.
+        position: [f64; 3],
+    },
+    /// An equilibrium that does not belong to the path of the loads: the body would snap through.
+    #[error(
+        "the next equilibrium, at a load fraction of {fraction}, lies far away: the body snaps through, node {node} near {position} \
+         most of all",
+        fraction = short(.fraction),
+        position = short_vector(.position)
+    )]
+    OtherPath {
+        /// Load fraction of the increment.
+        fraction: f64,
+        /// Node that moves farthest.
+        node: usize,
+        /// Its last position in equilibrium.
+        position: [f64; 3],
+    },
+    /// An increment without equilibrium, with every size down to the smallest one.
+    #[error(
+        "no equilibrium was found beyond a load fraction of {fraction}, with increments down to {increment}; the body may snap \
+         through or buckle there: try smaller loads, more supports, or a motion in which the loads grow slowly, with damping",
+        fraction = short(.fraction),
+        increment = short(.increment)
+    )]
+    NoEquilibrium {
+        /// Load fraction of the last equilibrium.
+        fraction: f64,
+        /// The last increment that was tried.
+        increment: f64,
+        /// Why the last attempt failed.
+        #[source]
+        cause: Box<Error>,
+    },
+    /// Newton's iteration for an equilibrium that did not converge.
+    #[error(
+        "no convergence at a load fraction of {fraction}: residual {residual:.3e} after {iterations} iterations (wanted \
+         {target:.3e}), largest at node {node} near {position}",
+        fraction = short(.fraction),
+        position = short_vector(.position)
+    )]
+    NotBalanced {
+        /// Load fraction of the increment.
+        fraction: f64,
+        /// Number of Newton iterations done.
+        iterations: usize,
+        /// Norm of the last residual.
+        residual: f64,
+        /// Bound on the norm.
+        target: f64,
+        /// Node with the largest residual.
+        node: usize,
+        /// Its last position in equilibrium.
+        position: [f64; 3],
     },
     /// A scheme that does not parse or does not exist for the degree.
     #[error("scheme \"{scheme}\": {reason}")]
@@ -434,6 +511,14 @@ pub enum Error {
     Observer {
         /// Message of its error.
         message: String,
+    },
+    /// More natural modes than the body has degrees of freedom.
+    #[error("{count} modes are wanted, but the body has {free} free degrees of freedom, and as many modes")]
+    TooManyModes {
+        /// Number of modes that are wanted.
+        count: usize,
+        /// Number of free degrees of freedom.
+        free: usize,
     },
     /// A linear system that could not be factorised or solved.
     #[error("linear solver: {reason}")]

@@ -66,7 +66,7 @@ pub mod tensor {
 
 /// Tables of schemes and estimators, and the steppers behind [`Motion`](crate::motion::Motion).
 pub mod time {
-    pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper};
+    pub use crate::time::classic::{BatheStepper, CentralDifferences, NewmarkStepper, StaticStepper};
     pub use crate::time::element_stepper::TimeElementStepper;
     pub use crate::time::error::{ESTIMATORS, LocalError, Reconstruction};
     pub use crate::time::memory::Memory;

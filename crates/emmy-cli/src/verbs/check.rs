@@ -10,10 +10,10 @@ use emmy::body::{
 };
 use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
-use emmy_io::input::Problem;
+use emmy_io::input::{Problem, Start};
 use emmy_io::message::shown;
 
-use super::{Input, critical_step, sizes, unresolved_steps};
+use super::{Input, critical_step, period, sizes, unresolved_steps};
 use crate::failure::Failure;
 use crate::message::message;
 use crate::print::{self, number, vector};
@@ -34,12 +34,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.mesh(problem.body.mesh());
     report.groups(problem.body.mesh());
     report.body(&problem);
-    report.start(&problem)?;
+    let state = problem.check_start()?;
+    report.start(&problem, state.as_ref());
     report.time(&problem);
-    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
-    if let Some(step) = critical_step(&problem, &state)? {
+    if let Some(step) = critical_step(&problem, state.as_ref())? {
         report.line("stability", &format!("critical step {} at the start", number(step)));
     }
+    period::report(&mut report, &problem);
     report.output(&problem);
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
@@ -55,12 +56,12 @@ const MAX_LISTED_PARTS: usize = 10;
 
 /// Lines under key words.
 #[derive(Debug, Default)]
-struct Report {
+pub(super) struct Report {
     text: String,
 }
 
 impl Report {
-    fn line(&mut self, word: &str, text: &str) {
+    pub(super) fn line(&mut self, word: &str, text: &str) {
         let _ = writeln!(self.text, "{word:<11}{}", shown(text));
     }
 
@@ -130,22 +131,28 @@ impl Report {
         }
     }
 
-    fn start(&mut self, problem: &Problem) -> Result<(), Failure> {
-        if problem.initial.is_empty() {
-            self.line("initial", "at rest");
-            return Ok(());
+    fn start(&mut self, problem: &Problem, state: Option<&State>) {
+        match &problem.start {
+            Start::Undeformed if problem.is_static() => return,
+            Start::Equilibrium { load_steps } => {
+                let loads = "static equilibrium under the loads and driven supports at t = 0";
+                self.line("start", &format!("{loads}, in {load_steps} increments"));
+            }
+            Start::Run(directory) => {
+                self.line("start", &format!("last state of the run in {}", directory.display()));
+            }
+            Start::Undeformed if problem.initial.is_empty() => return self.line("initial", "at rest"),
+            Start::Undeformed => {}
         }
         problem.initial.iter().for_each(|field| self.field(field));
-        let body = &problem.body;
-        let state = State::initial(body, problem.plan.start(), &problem.initial)?;
+        let Some(state) = state else { return };
         let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
         let kinetic_energy = number(products.sum::<f64>() / 2.0);
         let linear = [0, 1, 2].map(|i| state.momentum.iter().skip(i).step_by(3).sum());
-        let angular = body.moment(&state.displacement, &state.momentum);
+        let angular = problem.body.moment(&state.displacement, &state.momentum);
         self.line("start", &format!("kinetic energy {kinetic_energy}"));
         self.line("", &format!("linear momentum {}", vector(linear)));
         self.line("", &format!("angular momentum about the origin {}", vector(angular)));
-        Ok(())
     }
 
     fn field(&mut self, field: &InitialVelocity) {
@@ -273,6 +280,14 @@ impl Report {
 
     fn time(&mut self, problem: &Problem) {
         let plan = &problem.plan;
+        if problem.is_static() {
+            let steps = plan.n_steps();
+            self.line(
+                "analysis",
+                &format!("static, {steps} increments of the loads and driven supports at t = 0"),
+            );
+            return self.newton(problem);
+        }
         self.line("scheme", &format!("{}, degree {}", problem.scheme.name(), problem.scheme.degree()));
         let steps = plan.n_steps();
         let start = number(plan.start());
@@ -286,6 +301,10 @@ impl Report {
                 }
             }
         }
+        self.newton(problem);
+    }
+
+    fn newton(&mut self, problem: &Problem) {
         let newton = &problem.newton;
         let tolerance = number(newton.tolerance);
         let most = newton.max_iterations;

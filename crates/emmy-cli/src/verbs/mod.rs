@@ -5,7 +5,9 @@ mod compare;
 mod completions;
 mod converge;
 mod list;
+mod modes;
 mod new;
+mod period;
 mod report;
 mod resume;
 mod run;
@@ -38,6 +40,11 @@ pub(crate) enum Verb {
     /// Emmy's are never overwritten or removed; a directory that holds only such files is rejected. Bad input leaves
     /// everything as it is.
     Run(run::Arguments),
+    /// Compute natural modes: frequencies, effective masses, mode shapes
+    ///
+    /// The modes of the supported body about its reference configuration, or about its `[equilibrium]`, without viscosity
+    /// and drag. Rigid modes are counted among them, with the frequency 0.
+    Modes(modes::Arguments),
     /// Write report.html of a run again
     ///
     /// A run writes its report at the end, and updates it before. The report opens from disk in a browser: the motion
@@ -75,6 +82,7 @@ impl Verb {
             Verb::New(arguments) => new::run(&arguments),
             Verb::Check(arguments) => check::run(&arguments),
             Verb::Run(arguments) => run::run(&arguments),
+            Verb::Modes(arguments) => modes::run(&arguments),
             Verb::Report(arguments) => report::run(&arguments),
             Verb::Resume(arguments) => resume::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
@@ -142,11 +150,14 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
 ///
 /// # Errors
 /// [`Failure::Usage`] if the plan has larger steps than are stable.
-fn critical_step(problem: &Problem, state: &State) -> Result<Option<f64>, Failure> {
+fn critical_step(problem: &Problem, state: Option<&State>) -> Result<Option<f64>, Failure> {
     if problem.scheme != Scheme::CentralDifferences {
         return Ok(None);
     }
-    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &state.displacement)?;
+    // Before an equilibrium is solved for, the undeformed body.
+    let displacement =
+        state.map_or_else(|| vec![0.0; problem.body.n_dofs()], |state| state.displacement.clone());
+    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &displacement)?;
     let largest = problem.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
     if largest <= limit {
         return Ok(Some(critical));

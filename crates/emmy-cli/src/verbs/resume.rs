@@ -100,10 +100,8 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
     let end = number(problem.plan.end());
     let message =
         format!("the run has already reached t = {time} (step {}); its plan ends at t = {end}", state.step);
-    let help = format!(
-        "give a later end with --until T; `emmy report {}` writes the report again",
-        directory.display()
-    );
+    let longer = if problem.is_static() { "" } else { "give a later end with --until T; " };
+    let help = format!("{longer}`emmy report {}` writes the report again", directory.display());
     Err(usage(message, &help))
 }
 

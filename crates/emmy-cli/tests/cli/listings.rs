@@ -107,6 +107,7 @@ impl<'a> Session<'a> {
         let examples = root().join("examples");
         copy(&examples, &place.path("examples"));
         copy(&examples.join("meshes"), &place.path("meshes"));
+        copy(&examples.join("meshes"), &place.path("examples/meshes"));
         fs::copy(examples.join("l-block.toml"), place.path("l-block.toml")).unwrap();
         Session { page, place, output: String::new() }
     }

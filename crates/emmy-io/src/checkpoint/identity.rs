@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::input::Problem;
 
 /// Sections of the input that may not change: body, loads, supports and initial state.
-const FIXED: [&str; 6] = ["mesh", "region", "mass", "load", "support", "initial"];
+const FIXED: [&str; 7] = ["mesh", "region", "mass", "load", "support", "initial", "equilibrium"];
 
 /// The run that a checkpoint belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,6 +67,15 @@ impl Identity {
                 return Err(Mismatch::Key { key, before, now });
             }
         }
+        let is_static = |table: &toml::Table| !table.contains_key("time");
+        if is_static(&before_input) != is_static(&now_input) {
+            let text = |table: &toml::Table| if is_static(table) { "missing" } else { "given" }.to_string();
+            return Err(Mismatch::Key {
+                key: "time".into(),
+                before: text(&before_input),
+                now: text(&now_input),
+            });
+        }
         if old_file.is_some() != new_file.is_some() || self.mesh != now.mesh {
             return Err(Mismatch::Mesh { before: self.mesh.clone(), now: now.mesh.clone() });
         }
@@ -119,7 +128,7 @@ fn difference(
 }
 
 /// Digest of nodes, cells and groups.
-fn digest(mesh: &Mesh) -> String {
+pub(crate) fn digest(mesh: &Mesh) -> String {
     let mut sum = crc32fast::Hasher::new();
     mesh.points().as_flattened().iter().for_each(|x| sum.update(&x.to_le_bytes()));
     for cell in mesh.cells() {

@@ -18,6 +18,7 @@ use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::FrameTime;
 use crate::whole_file::{PART, named, names, remove, replace, replace_durably};
+pub(crate) use identity::digest;
 pub use identity::{Identity, Mismatch};
 
 /// Directory of the checkpoints, in the directory of a run.

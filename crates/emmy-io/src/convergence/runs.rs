@@ -7,14 +7,14 @@ use std::time::Instant;
 use emmy::motion::{ErrorNorm, MarchError, Motion, Observer, Phase, Sampler, Samples, State, StepPlan};
 
 use super::{Measure, MemberRun, Study};
-use crate::input::Problem;
+use crate::input::{Problem, StartError};
 
 /// The state at a time, reached with scheme and plan of the input; steps are counted from there.
 ///
 /// # Errors
-/// [`MarchError`] of the first step that fails.
-pub fn start(problem: &Problem, from: f64, observers: &mut [&mut dyn Observer]) -> Result<State, MarchError> {
-    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
+/// [`StartError`] of the start, or of the first step that fails.
+pub fn start(problem: &Problem, from: f64, observers: &mut [&mut dyn Observer]) -> Result<State, StartError> {
+    let state = problem.start_state(&mut [])?;
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
     if from > problem.plan.start() {
         motion.march(&until(&problem.plan, from)?, observers)?;

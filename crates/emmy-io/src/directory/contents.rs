@@ -42,6 +42,11 @@ pub(super) fn remove_run(path: &Path) -> io::Result<()> {
     for name in FILES {
         remove(&path.join(name))?;
     }
+    remove_frames(path)
+}
+
+/// Removes the frames of all collections, the series, and unfinished files.
+pub(crate) fn remove_frames(path: &Path) -> io::Result<()> {
     for name in collections(path)? {
         vtk::remove_frames(&path.join("frames"), &name)?;
         remove(&path.join(format!("{name}.pvd")))?;

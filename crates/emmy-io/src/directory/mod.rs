@@ -15,9 +15,9 @@ mod sources;
 use std::path::Path;
 use std::{fs, io};
 
-pub(crate) use contents::remove_unfinished;
 use contents::{BEGINNINGS, is_run, remove_run};
 pub use contents::{FILES, MARK};
+pub(crate) use contents::{remove_frames, remove_unfinished};
 pub use error::DirectoryError;
 pub use lock::Lock;
 pub(crate) use sources::check as check_sources;

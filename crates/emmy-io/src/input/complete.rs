@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use emmy::internals::material::IfAbsent;
 use emmy::motion::{Phase, StepPlan};
 
+use super::Start;
 use super::description::{Kind, Section};
 use super::fault::{InputError, Place};
 use super::problem::ROOT;
@@ -89,13 +90,18 @@ fn string(text: &str, place: &Place) -> Node {
     Node { value: Value::String(text.to_string()), place: place.clone() }
 }
 
-/// Puts the results of the reading back into the tree: the path of the mesh, the plan.
+/// Puts the results of the reading back into the tree: the paths of the mesh and of another run, the plan.
 pub(super) fn resolve(
     tree: &mut Node,
     mesh_file: Option<PathBuf>,
+    start: &Start,
     plan: &StepPlan,
 ) -> Result<(), InputError> {
     let place = tree.place.clone();
+    if let (Start::Run(directory), Some(initial)) = (start, tree.get_mut("initial")) {
+        let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.clone());
+        initial.put_in_first("state", string(&absolute.to_string_lossy(), &place));
+    }
     if let (Some(file), Some(mesh)) = (mesh_file, tree.get_mut("mesh")) {
         mesh.put("file", string(&file.to_string_lossy(), &place));
     }

@@ -1,4 +1,4 @@
-//! `[initial]` or `[[initial]]`: velocities at the start.
+//! `[initial]` or `[[initial]]`: velocities at the start. `initial.state` is in `start`.
 
 use emmy::body::InitialVelocity;
 
@@ -21,6 +21,13 @@ pub(super) static INITIAL: Described = Described::new(|| {
         .absent("the origin")
         .may("gradient", exactly(3, vector()), "1/time", "Gradient of the velocity, row by row")
         .absent("0")
+        .may(
+            "state",
+            Kind::Text,
+            "",
+            "Output directory of another run with the same mesh, whose last displacement and velocity are the start; relative to the input, alone in `[initial]`",
+        )
+        .absent("undeformed")
 });
 
 /// Reads one initial velocity field.

@@ -17,8 +17,8 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    adaptive, complete, derived, groups, history, initial, load, nodal, quantities, region, set, settings,
-    shape, support, time, write,
+    Start, adaptive, complete, derived, equilibrium, groups, history, initial, load, nodal, quantities,
+    region, set, settings, shape, start, support, time, write,
 };
 use crate::mesh::MeshFile;
 use crate::message::shown;
@@ -39,13 +39,22 @@ pub(super) static ROOT: Described = Described::new(|| {
         )
         .may("initial", Kind::Tables(&initial::INITIAL), "", "Velocities at the start; none, one or more")
         .absent("at rest")
-        .must("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
+        .may(
+            "equilibrium",
+            Kind::Table(&equilibrium::EQUILIBRIUM),
+            "",
+            "Start from the static equilibrium under the loads at t = 0; without `time` a static analysis",
+        )
+        .absent("starts undeformed")
+        .may("time", Kind::Table(&time::TIME), "", "Scheme, degree and steps")
+        .absent("a static analysis, which needs `equilibrium`")
         .may("newton", Kind::Table(&settings::NEWTON), "", "End of the iteration of a step")
         .default("{}")
         .may("solver", Kind::Table(&settings::SOLVER), "", "Solver of the linear systems")
         .may("output", Kind::Table(&settings::OUTPUT), "", "Files of the results, and their place")
         .default("{}")
         .may("limits", Kind::Table(&settings::LIMITS), "", "Limits that end a run early")
+        .at_least_one(&["time", "equilibrium"])
 });
 
 /// Options of the command line for an input.
@@ -90,9 +99,11 @@ pub struct Problem {
     pub loads: Vec<Load>,
     /// Initial velocities.
     pub initial: Vec<InitialVelocity>,
-    /// Scheme.
+    /// The state to which the initial velocities belong.
+    pub start: Start,
+    /// Scheme; [`Scheme::Static`] for a static analysis.
     pub scheme: Scheme,
-    /// Step plan.
+    /// Step plan; of a static analysis over the load fraction.
     pub plan: StepPlan,
     /// Smallest size of a cut step; `None`: 1/1024 of the planned one.
     pub smallest_step: Option<f64>,
@@ -131,7 +142,7 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     let mesh_file =
         parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
     let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
-    complete::resolve(&mut tree, mesh_file, &parts.time.plan)?;
+    complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
     let mut problem = parts.problem(write::toml(&tree))?;
     if is_lost {
         problem.notes.push(LOST_MESH.to_string());
@@ -154,6 +165,7 @@ struct Parts {
     supports: Vec<Placed<Support>>,
     nodal: nodal::PlacedNodal,
     initial: Vec<Placed<InitialVelocity>>,
+    start: Start,
     time: time::Time,
     newton: NewtonSettings,
     output: Output,
@@ -180,9 +192,14 @@ impl Parts {
         let supports = optional_where(&root, "support", is_support, support::read, &mut faults);
         let nodal = nodal::read(&root, attractions, drags, &mut faults);
         faults.keep(root.get("mass").map_or(Ok(()), |item| item.one_or_more().map(|_| ())));
-        let initial = optional(&root, "initial", initial::read, &mut faults);
-        let time = faults
-            .keep(root.require("time").and_then(|item| time::read(item, overrides.until, overrides.step)));
+        let is_velocity = |item: &Item<'_>| item.has_key("state").is_none();
+        let initial = optional_where(&root, "initial", is_velocity, initial::read, &mut faults);
+        let start = faults.keep(read_start(&root, directory)).unwrap_or(Start::Undeformed);
+        if start == Start::Undeformed {
+            faults.keep(support::check_starts(&root));
+        }
+        let time = faults.keep(read_time(&root, &start, overrides));
+        let start = if root.get("time").is_some() { start } else { Start::Undeformed };
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
         let output = root.require("output").and_then(|item| {
             Ok((settings::output(item)?, quantities::read(&item.table(&settings::OUTPUT)?)?))
@@ -200,7 +217,11 @@ impl Parts {
         else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
-        let plan = support::plan_with_releases(&time.plan, &supports);
+        let plan = match time.scheme {
+            // The load fraction is no time.
+            Scheme::Static => time.plan.clone(),
+            _ => support::plan_with_releases(&time.plan, &supports),
+        };
         let plan = root.require("output").and_then(|item| settings::plan_with_frames(plan, &output, &item));
         let Some(plan) = faults.keep(plan) else { return Err(finished(faults)) };
         let time = time::Time { plan, ..time };
@@ -212,6 +233,7 @@ impl Parts {
             supports,
             nodal,
             initial,
+            start,
             time,
             newton: NewtonSettings { solver, ..newton },
             output,
@@ -254,9 +276,13 @@ impl Parts {
         let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
         places.check(&body, &loads, &initial, &self.time.plan)?;
-        if !is_moved && nodal.attractions.is_empty() {
+        if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
+        let body = match self.time.scheme {
+            Scheme::Static => body.in_proportion(0.0),
+            _ => body,
+        };
         Ok(Problem {
             title: self.title,
             body,
@@ -264,6 +290,7 @@ impl Parts {
             nodal,
             loads,
             initial,
+            start: self.start,
             scheme: self.time.scheme,
             plan: self.time.plan,
             smallest_step: self.time.smallest_step,
@@ -275,6 +302,36 @@ impl Parts {
             files,
             resolved,
         })
+    }
+}
+
+/// The state from which the motion starts.
+fn read_start(root: &Table<'_>, directory: &Path) -> Result<Start, Fault> {
+    if let Some(state) = start::read(root, directory)? {
+        return Ok(Start::Run(state));
+    }
+    let Some(item) = root.get("equilibrium") else { return Ok(Start::Undeformed) };
+    Ok(Start::Equilibrium { load_steps: equilibrium::read(item)? })
+}
+
+/// Scheme and plan; an equilibrium without `[time]` is a static analysis.
+fn read_time(root: &Table<'_>, start: &Start, overrides: &Overrides) -> Result<time::Time, Fault> {
+    let Start::Equilibrium { load_steps } = *start else {
+        return time::read(root.require("time")?, overrides.until, overrides.step);
+    };
+    if let Some(time) = root.get("time") {
+        return time::read(time, overrides.until, overrides.step);
+    }
+    if let Some(initial) = root.get("initial") {
+        let message = "a static analysis has no velocities: without `[time]` the body does not move";
+        return Err(
+            Fault::at(initial.key_place, message, "velocities").help("give `[time]`, or remove `[initial]`")
+        );
+    }
+    match (overrides.until, overrides.step) {
+        (Some(_), _) => Err(equilibrium::no_time("--until")),
+        (None, Some(_)) => Err(equilibrium::no_time("--step")),
+        (None, None) => equilibrium::analysis(load_steps),
     }
 }
 

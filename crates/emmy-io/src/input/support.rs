@@ -123,7 +123,7 @@ fn rotation(item: Item<'_>) -> Result<Rotation, Fault> {
     Ok(Rotation { axis, about, angle: motion(table.require("angle")?)? })
 }
 
-/// A time function that nodes can follow: from zero, without jumps.
+/// A time function that nodes can follow: without jumps.
 fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
     let history = history::read(item)?;
     let key = item.key();
@@ -132,17 +132,36 @@ fn motion(item: Item<'_>) -> Result<TimeFunction, Fault> {
             format!("`{key}`: a motion that jumps, at t = {}; give the way there some time", short(time));
         return Err(item.fault(message, "two values at one time"));
     }
-    let start = history.value(0.0);
-    // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
-    // mesh.
-    if start.abs() > 1e-9 {
-        let message = format!(
-            "`{key}` is {} at t = 0, where the body is undeformed; let it start from 0",
-            short(start)
-        );
-        return Err(item.fault(message, "not 0 at the start"));
-    }
     Ok(history)
+}
+
+/// Checks that supports of an undeformed body move from zero on.
+pub(super) fn check_starts(root: &Table<'_>) -> Result<(), Fault> {
+    let supports = root.get("support").map_or(Ok(Vec::new()), |item| item.one_or_more());
+    // Other faults of supports are found where they are read.
+    for table in supports.unwrap_or_default().iter().filter_map(|item| item.table(&SUPPORT).ok()) {
+        let moves = table.get("move").and_then(|item| item.table(&MOVE).ok());
+        let shifts =
+            moves.into_iter().flat_map(|moves| COMPONENTS.into_iter().filter_map(move |x| moves.get(x)));
+        let turns = table.get("rotate").and_then(|item| item.table(&ROTATE).ok());
+        shifts.chain(turns.and_then(|turns| turns.get("angle"))).try_for_each(check_zero)?;
+    }
+    Ok(())
+}
+
+fn check_zero(item: Item<'_>) -> Result<(), Fault> {
+    let start = motion(item).map_or(0.0, |history| history.value(0.0));
+    // Rounding in an expression that is exactly zero is no displacement; other values are checked with the size of the
+    // mesh. Numbers that are not finite have their own fault.
+    if start.is_nan() || start.abs() <= 1e-9 {
+        return Ok(());
+    }
+    let message = format!(
+        "`{}` is {} at t = 0, where the body is undeformed; let it start from 0",
+        item.key(),
+        short(start)
+    );
+    Err(item.fault(message, "not 0 at the start"))
 }
 
 /// Components that are given twice.

@@ -64,6 +64,14 @@ impl Node {
         self.entries_mut()?.iter_mut().find(|entry| entry.key == key).map(|entry| &mut entry.node)
     }
 
+    /// Sets a key of the first table of a list, or of the table itself.
+    pub(super) fn put_in_first(&mut self, key: &str, node: Node) {
+        match &mut self.value {
+            Value::Array(items) => items.iter_mut().take(1).for_each(|item| item.put(key, node.clone())),
+            _ => self.put(key, node),
+        }
+    }
+
     /// Sets a key of a table; any other node is unchanged.
     pub(super) fn put(&mut self, key: &str, node: Node) {
         let Some(entries) = self.entries_mut() else { return };

@@ -90,9 +90,9 @@ pub(super) fn gather(
     let kept = kept(n_frames, room, surface.nodes.len() * (DISPLACEMENT + fields.len()));
     pack_mesh(&surface, &frame.points, pack);
     pack_frames((frames, &kept), &surface, frame.points.len(), &fields, pack)?;
-    let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false });
-    let of_field =
-        |field: &&ColourField| json!({ "name": field.name, "label": field.label, "signed": field.is_signed });
+    let displacement = json!({ "name": "displacement", "label": "displacement |u|", "signed": false, "array": "displacement" });
+    // The array has the unit of the quantity; stretches have none.
+    let of_field = |field: &&ColourField| json!({ "name": field.name, "label": field.label, "signed": field.is_signed, "array": field.array.0 });
     let offered: Vec<Value> = [displacement].into_iter().chain(fields.iter().map(of_field)).collect();
     Ok(Some(json!({
         "written": n_frames,

@@ -37,7 +37,7 @@ impl Thinned {
         // These columns only increase, so that the first row of a stretch is enough.
         let is_steady = |name: &str| matches!(name, "step" | "time" | "wall_seconds");
         let peaked: Vec<usize> =
-            (0..columns.len().min(required().count() + 12)).filter(|&i| !is_steady(&columns[i])).collect();
+            (0..columns.len().min(required().count() + 24)).filter(|&i| !is_steady(&columns[i])).collect();
         let limit = limit.min(MAX_NUMBERS / columns.len()).max(1);
         let (step, time) = (index_of(&columns, "step"), index_of(&columns, "time"));
         let mut steps = Vec::new();

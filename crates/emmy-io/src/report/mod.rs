@@ -1,4 +1,4 @@
-//! `report.html`: one run, or several side by side, as a page that opens from disk and loads nothing.
+//! `report.html`: one run, several side by side, or natural modes, as a page that opens from disk and loads nothing.
 //!
 //! Everything comes from the directory of the run: `history.csv`, `newton.csv`, `events.csv`, `summary.json`,
 //! `input.toml` and the frames. The page is replaced as a whole, also during a run.
@@ -8,6 +8,7 @@
 //! | `run` | gathers a directory: a manifest in JSON, numbers in packed arrays |
 //! | `history` | histories, reduced to a limited number of rows |
 //! | `thinning` | chooses the rows of a long history, with every peak |
+//! | `modes` | natural modes in place of a run |
 //! | `loads` | time intervals in which loads act |
 //! | `events` | `events.csv` |
 //! | `collection`, `frames` | frames, and the selection of frames |
@@ -23,6 +24,7 @@ mod events;
 mod frames;
 mod history;
 mod loads;
+mod modes;
 mod pack;
 mod page;
 mod run;
@@ -77,11 +79,14 @@ pub enum ReportError {
     },
 }
 
-/// Writes `report.html` into the directory of a run, and returns its path.
+/// Writes `report.html` into the directory of a run or of natural modes, and returns its path.
 ///
 /// # Errors
 /// [`ReportError`]; an earlier report is then unchanged.
 pub fn write(directory: &Path) -> Result<PathBuf, ReportError> {
+    if modes::are_in(directory) {
+        return written(directory, &[modes::gather(directory)?]);
+    }
     let input = fs::read_to_string(directory.join("input.toml")).unwrap_or_default();
     if directory.is_dir() && !input.starts_with(MARK) {
         return Err(ReportError::NoRun { path: directory.to_path_buf() });

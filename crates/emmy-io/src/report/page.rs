@@ -25,6 +25,7 @@ const SCRIPTS: [&str; 16] = [
     include_str!("assets/scripts/clock.js"),
     include_str!("assets/scripts/verdict.js"),
     include_str!("assets/scripts/chart.js"),
+    include_str!("assets/scripts/quantities.js"),
     include_str!("assets/scripts/charts.js"),
     include_str!("assets/scripts/newton.js"),
     include_str!("assets/scripts/frames.js"),
@@ -34,8 +35,13 @@ const SCRIPTS: [&str; 16] = [
     include_str!("assets/scripts/viewer.js"),
     include_str!("assets/scripts/transport.js"),
     include_str!("assets/scripts/details.js"),
-    include_str!("assets/scripts/main.js"),
 ];
+
+/// The script of natural modes, in their pages only.
+const MODES: &str = include_str!("assets/scripts/modes.js");
+
+/// The last script, which puts the page together.
+const MAIN: &str = include_str!("assets/scripts/main.js");
 
 /// The page of some runs.
 pub(super) fn page(runs: &[RunData]) -> String {
@@ -47,11 +53,15 @@ pub(super) fn page(runs: &[RunData]) -> String {
     let arrays = |(index, run): (usize, &RunData)| {
         format!("<script type=\"text/plain\" id=\"run-{index}\">{}</script>\n", run.arrays)
     };
+    let has_modes = runs.iter().any(|run| run.manifest.get("modes").is_some());
+    let modes = if has_modes { MODES } else { "" };
     filled(TEMPLATE, |place| match place {
         "title" => escaped(&names.join(", ")),
         "manifest" => inside_script(&manifest),
         "data" => runs.iter().enumerate().map(arrays).collect(),
-        "scripts" => SCRIPTS.join("\n"),
+        "scripts" => format!("{}\n{modes}\n{MAIN}", SCRIPTS.join("\n")),
+        // Charts are not drawn beside modes.
+        "vendor/uplot/uPlot.iife.min.js" if has_modes => String::new(),
         place => {
             PARTS.iter().find(|(name, _)| *name == place).map_or(String::new(), |(_, text)| text.to_string())
         }
@@ -129,7 +139,11 @@ mod tests {
 
     #[test]
     fn nothing_is_loaded_from_elsewhere() {
-        let own = SCRIPTS.iter().chain([&TEMPLATE]).copied().chain(PARTS.iter().map(|(_, text)| *text));
+        let own = SCRIPTS
+            .iter()
+            .chain([&TEMPLATE, &MODES, &MAIN])
+            .copied()
+            .chain(PARTS.iter().map(|(_, text)| *text));
         for text in own {
             assert!(!text.contains("</script><") && !text.contains("@import") && !text.contains("fetch("));
             // Names of XML vocabularies and of a licence are not loaded.

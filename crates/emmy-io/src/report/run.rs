@@ -77,7 +77,7 @@ impl RunData {
 }
 
 /// Name of a directory, also of `.`.
-fn name_of(directory: &Path) -> String {
+pub(super) fn name_of(directory: &Path) -> String {
     let whole = directory.canonicalize().unwrap_or_else(|_| directory.to_path_buf());
     whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
@@ -86,7 +86,7 @@ fn name_of(directory: &Path) -> String {
 const MAX_INPUT: usize = 100_000;
 
 /// Cuts an input that is too long for a page.
-fn shortened(mut input: String) -> String {
+pub(super) fn shortened(mut input: String) -> String {
     let length = input.len();
     if length > MAX_INPUT {
         let end = (0..=MAX_INPUT).rev().find(|&end| input.is_char_boundary(end));

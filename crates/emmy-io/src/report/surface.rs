@@ -79,14 +79,15 @@ impl Surface {
     }
 }
 
-/// Facets of the solid cells: their nodes, four corners (a triangle has its last one twice), and the number of corners.
+/// Facets of the solid cells: their nodes, four corners (the fourth of a triangle is no node, so that two cells agree on
+/// the same facet whichever corner is last), and the number of corners.
 fn solid_facets(cells: &[(CellKind, Vec<u32>)]) -> impl Iterator<Item = (Vec<u32>, [u32; 4], usize)> + '_ {
     let solids = cells.iter().filter(|(kind, _)| kind.dimension() == 3);
     solids.flat_map(|(kind, nodes)| {
         kind.facets().iter().map(|facet| {
             let nodes: Vec<u32> = facet.nodes.iter().map(|&local| nodes[local]).collect();
             let n = facet.kind.n_corners();
-            let corners = [0, 1, 2, 3].map(|i| nodes[i.min(n - 1)]);
+            let corners = [0, 1, 2, 3].map(|i| if i < n { nodes[i] } else { u32::MAX });
             (nodes, corners, n)
         })
     })
@@ -155,6 +156,16 @@ mod tests {
                 "{kind}: {}",
                 area(&points, &surface)
             );
+        }
+    }
+
+    /// The cells list the nodes of their facets in different orders.
+    #[test]
+    fn a_triangle_between_two_cells_is_inside() {
+        for second in [[1, 2, 3, 4], [1, 3, 2, 4], [3, 2, 1, 4], [4, 1, 2, 3], [2, 4, 3, 1]] {
+            let surface =
+                Surface::new(&[(CellKind::Tet4, vec![0, 1, 2, 3]), (CellKind::Tet4, second.to_vec())]);
+            assert_eq!((surface.triangles.len(), surface.edges.len()), (6, 9), "{second:?}");
         }
     }
 

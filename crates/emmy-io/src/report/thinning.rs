@@ -31,7 +31,8 @@ pub(super) fn kept_rows<E>(
             if by(least).is_lt() {
                 *least = row.clone();
             }
-            if by(most).is_ge() {
+            // A first row without a number stays in any case.
+            if by(most).is_ge() || (most.0 % length == 0 && most.1[column].is_nan()) {
                 *most = row.clone();
             }
         }
@@ -69,6 +70,16 @@ mod tests {
     fn short_histories_stay_whole() {
         assert_eq!(kept_of(&noise(100), 100).0, (0..100).collect::<Vec<_>>());
         assert_eq!(kept_of(&[], 100).0, [0; 0]);
+    }
+
+    /// Reactions have no value at the start.
+    #[test]
+    fn a_first_row_without_a_number_hides_no_peak() {
+        let mut rows = noise(50_000);
+        rows[0][1] = f64::NAN;
+        rows[7][1] = 1e6;
+        let (kept, _) = kept_of(&rows, 1000);
+        assert!(kept[0] == 0 && kept.contains(&7));
     }
 
     #[test]

@@ -48,6 +48,18 @@ impl Drive {
         }
     }
 
+    /// The motion that grows evenly, from no displacement at t = 0 to the displacement at a time at t = 1.
+    pub(super) fn in_proportion(&self, time: f64) -> Drive {
+        let grown = |time_function: &TimeFunction| TimeFunction::ramp(time_function.value(time));
+        let rotation = self.rotation.as_ref();
+        Drive {
+            displacement: self.displacement.each_ref().map(|component| component.as_ref().map(grown)),
+            rotation: rotation.map(|rotation| Rotation { angle: grown(&rotation.angle), ..rotation.clone() }),
+            until: None,
+            ..self.clone()
+        }
+    }
+
     /// Driven degrees of freedom.
     pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
         self.entries().map(|(dof, _, _)| dof)

@@ -18,6 +18,16 @@ impl Body {
         self.drives.iter().flat_map(Drive::dofs)
     }
 
+    /// Sets the displacement of the driven degrees of freedom to the given motion at a time; the others are unchanged.
+    pub(crate) fn set_driven_displacement(&self, time: f64, displacement: &mut [f64]) {
+        for drive in &self.drives {
+            let map = drive.map(time);
+            for (dof, component, offset) in drive.entries() {
+                displacement[dof] = apply(&map[component], offset);
+            }
+        }
+    }
+
     /// Sets the rates x_i of the driven degrees of freedom in a step that starts at a displacement, so that the step
     /// ends at the given motion; the others are unchanged. `rates: [k][n_nodes][3]`.
     ///
@@ -61,11 +71,14 @@ impl Body {
         }
     }
 
-    /// Largest displacement of the given motion at a time \[length\].
-    pub(crate) fn driven_distance(&self, time: f64) -> f64 {
+    /// Largest distance of the given motion at a time from the displacement of its nodes \[length\].
+    pub(crate) fn driven_distance(&self, time: f64, displacement: &[f64]) -> f64 {
         let of_drive = |drive: &Drive| {
             let map = drive.map(time);
-            drive.entries().map(|(_, i, offset)| apply(&map[i], offset).abs()).fold(0.0, f64::max)
+            let distance = |(dof, i, offset): (usize, usize, &[f64; 3])| {
+                (apply(&map[i], offset) - displacement[dof]).abs()
+            };
+            drive.entries().map(distance).fold(0.0, f64::max)
         };
         self.drives.iter().map(of_drive).fold(0.0, f64::max)
     }

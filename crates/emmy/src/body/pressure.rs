@@ -39,6 +39,11 @@ impl Pressure {
         Ok(Some(Pressure { load: index, pressure, time_function, tables }))
     }
 
+    /// The pressure with another factor over time.
+    pub(super) fn with_time_function(&self, time_function: TimeFunction) -> Pressure {
+        Pressure { load: self.load, pressure: self.pressure, time_function, tables: self.tables.clone() }
+    }
+
     /// Adds the force of a factor at a displacement, `force: [n_nodes][3]`.
     pub(super) fn add_force(&self, mesh: &Mesh, displacement: &[f64], factor: f64, force: &mut [f64]) {
         for table in &self.tables {

@@ -8,13 +8,12 @@ impl Body {
     /// are at rest, driven ones follow their motion.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::DrivenStart`] if a driven node is displaced then.
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
     pub(crate) fn initial_motion(
         &self,
         time: f64,
         fields: &[InitialVelocity],
     ) -> Result<(Vec<f64>, Vec<f64>)> {
-        self.check_start(time)?;
         let mut velocity = vec![0.0; self.n_dofs()];
         for field in fields {
             let nodes = match &field.group {
@@ -29,15 +28,24 @@ impl Body {
                 velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
             }
         }
-        self.set_given_velocity(time, 0.0, &mut velocity);
-        let mut momentum = vec![0.0; self.n_dofs()];
-        self.mass_product(&velocity, &mut momentum);
+        let momentum = self.momentum_of(time, &mut velocity);
         Ok((momentum, velocity))
     }
 
-    /// The body is undeformed at the start: driven nodes must be at their reference positions.
-    fn check_start(&self, time: f64) -> Result<()> {
-        let distance = self.driven_distance(time);
+    /// Momentum of a velocity whose fixed and driven components are set to their given motion at a time.
+    pub(crate) fn momentum_of(&self, time: f64, velocity: &mut [f64]) -> Vec<f64> {
+        self.set_given_velocity(time, 0.0, velocity);
+        let mut momentum = vec![0.0; self.n_dofs()];
+        self.mass_product(velocity, &mut momentum);
+        momentum
+    }
+
+    /// Checks that driven nodes are where their motion begins.
+    ///
+    /// # Errors
+    /// [`Error::DrivenStart`].
+    pub(crate) fn check_start(&self, time: f64, displacement: &[f64]) -> Result<()> {
+        let distance = self.driven_distance(time, displacement);
         let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
         // Rounding in an expression that is exactly zero is not a displacement.
         if distance <= 1e-12 * size {

@@ -54,6 +54,11 @@ impl TimeFunction {
         TimeFunction { law: Law::Table(vec![(0.0, 1.0)]) }
     }
 
+    /// The factor that grows evenly from 0 at t = 0 to a value at t = 1.
+    pub(super) fn ramp(value: f64) -> Self {
+        TimeFunction { law: Law::Table(vec![(0.0, 0.0), (1.0, value)]) }
+    }
+
     /// The time function with entries (time, factor).
     ///
     /// # Errors

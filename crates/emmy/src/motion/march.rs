@@ -6,7 +6,7 @@ use super::{
 };
 use crate::error::{Error, Result};
 use crate::number::short;
-use crate::time::LARGEST_ROUNDING;
+use crate::time::{LARGEST_ROUNDING, Scheme};
 
 impl Motion<'_> {
     /// Marches through a plan. Observers see the start and every step.
@@ -102,6 +102,10 @@ impl Motion<'_> {
 
     /// The error of a step that failed with every size down to a given one.
     pub(super) fn smallest_step_error(&self, step_size: f64, cause: Error) -> Error {
+        if self.scheme == Scheme::Static {
+            let fraction = self.state.time;
+            return Error::NoEquilibrium { fraction, increment: step_size, cause: Box::new(cause) };
+        }
         let step = self.state.step + 1;
         Error::SmallestStep { step, start: self.state.time, step_size, cause: Box::new(cause) }
     }

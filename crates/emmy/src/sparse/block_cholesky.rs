@@ -49,6 +49,14 @@ impl BlockCholesky {
         Ok(BlockCholesky { factor, values: vec![0.0; sources.len()], sources, packed: Vec::new(), free })
     }
 
+    /// Reserves memory for the solution of `n_columns` right-hand sides at once; without it, there are three.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub fn reserve(&mut self, n_columns: usize) -> Result<()> {
+        self.factor.reserve(n_columns)
+    }
+
     /// Numerical factorisation; `entry` returns an entry of the matrix by `position components^2 + components a + b`.
     ///
     /// # Errors

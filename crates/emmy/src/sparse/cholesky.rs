@@ -20,6 +20,8 @@ pub struct Cholesky {
     values: Vec<f64>,
     indefinite: Option<Pivots>,
     memory: MemBuffer,
+    /// Largest number of right-hand sides solved at once.
+    max_columns: usize,
 }
 
 /// Data of an indefinite factorisation besides the values.
@@ -35,7 +37,7 @@ impl std::fmt::Debug for Cholesky {
     }
 }
 
-/// Largest number of right-hand sides solved at once.
+/// Largest number of right-hand sides solved at once, unless more are reserved.
 const MAX_COLUMNS: usize = 3;
 
 impl Cholesky {
@@ -62,7 +64,19 @@ impl Cholesky {
             .or(symbolic.solve_in_place_scratch::<f64>(MAX_COLUMNS, Par::Seq));
         let memory = MemBuffer::try_new(request).map_err(|_| out_of_memory(request.size_bytes()))?;
         let values = zeros(symbolic.len_val())?;
-        Ok(Cholesky { pattern, symbolic, values, indefinite: None, memory })
+        Ok(Cholesky { pattern, symbolic, values, indefinite: None, memory, max_columns: MAX_COLUMNS })
+    }
+
+    /// Reserves memory for the solution of `n_columns` right-hand sides at once.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn reserve(&mut self, n_columns: usize) -> Result<()> {
+        let request = (self.symbolic.solve_in_place_scratch::<f64>(n_columns, Par::Seq))
+            .or(self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
+        self.memory = MemBuffer::try_new(request).map_err(|_| out_of_memory(request.size_bytes()))?;
+        self.max_columns = n_columns;
+        Ok(())
     }
 
     /// Number of stored entries of the factor.
@@ -126,7 +140,7 @@ impl Cholesky {
 
     /// Solves in place. `rhs`: right-hand sides one after another, `[n_columns][n]`.
     pub fn solve(&mut self, rhs: &mut [f64], n_columns: usize) {
-        assert!(n_columns <= MAX_COLUMNS);
+        assert!(n_columns <= self.max_columns);
         let n = self.pattern.nrows();
         let rhs = MatMut::from_column_major_slice_mut(rhs, n, n_columns);
         let stack = MemStack::new(&mut self.memory);

@@ -1,7 +1,7 @@
 //! Small dense matrices: inverse and eigenpairs of a k x k matrix.
 
 use faer::prelude::Solve;
-use faer::{Mat, c64};
+use faer::{Mat, Side, c64};
 
 use crate::error::{Error, Result};
 
@@ -46,6 +46,29 @@ pub fn eigenpairs(matrix: &[f64]) -> Result<Eigenpairs> {
         inverse: (0..n * n).map(|at| pair(V_inverse[(at / n, at % n)])).collect(),
     })
 }
+
+/// Orthonormal basis of the null space of a small symmetric matrix without negative eigenvalues, of a size about 1, given
+/// row by row.
+///
+/// ```
+/// let basis = emmy::internals::sparse::null_space(&[1.0, -1.0, -1.0, 1.0])?;
+/// assert!((basis[0][0] - basis[0][1]).abs() < 1e-15 && basis.len() == 1);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Linear`] if the iteration does not converge.
+pub fn null_space(matrix: &[f64]) -> Result<Vec<Vec<f64>>> {
+    let n = matrix.len().isqrt();
+    let A = Mat::from_fn(n, n, |i, j| matrix[i * n + j]);
+    let failed = |_| Error::Linear { reason: "eigenvalues of a symmetric matrix".into() };
+    let eigen = A.self_adjoint_eigen(Side::Lower).map_err(failed)?;
+    let is_null = |&m: &usize| eigen.S()[m].abs() < NULL;
+    Ok((0..n).filter(is_null).map(|m| (0..n).map(|i| eigen.U()[(i, m)]).collect()).collect())
+}
+
+/// Eigenvalues below this are zero but for rounding.
+const NULL: f64 = 1e-12;
 
 /// Solves a small system for several right-hand sides in place, by Gaussian elimination with row pivots; `x:
 /// [n][columns]`. Returns `false` if the matrix is singular. Allocates nothing.

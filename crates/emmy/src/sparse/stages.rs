@@ -157,6 +157,15 @@ impl StageMatrix {
         }
     }
 
+    /// Replaces the matrix by its symmetric part; the pattern is symmetric.
+    pub fn symmetrize(&mut self, pattern: &Pattern) {
+        let matrix = self.clone();
+        self.transpose(pattern);
+        for (part, other) in self.parts.iter_mut().zip(&matrix.parts) {
+            part.blocks.iter_mut().zip(&other.blocks).for_each(|(own, other)| *own = 0.5 * (*own + other));
+        }
+    }
+
     /// Number of stages k.
     pub fn degree(&self) -> usize {
         self.degree

@@ -37,8 +37,22 @@ impl State {
     /// # Errors
     /// [`crate::Error::UnknownGroup`], [`crate::Error::NotFinite`], [`crate::Error::DrivenStart`].
     pub fn initial(body: &Body, time: f64, fields: &[InitialVelocity]) -> Result<Self> {
+        State::displaced(body, time, vec![0.0; body.n_dofs()], fields)
+    }
+
+    /// The body at a displacement `[n_nodes][3]` with an initial velocity field.
+    ///
+    /// # Errors
+    /// As [`State::initial`]; [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
+    pub fn displaced(
+        body: &Body,
+        time: f64,
+        displacement: Vec<f64>,
+        fields: &[InitialVelocity],
+    ) -> Result<Self> {
+        body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
-        let (displacement, displacement_low) = (vec![0.0; body.n_dofs()], vec![0.0; body.n_dofs()]);
+        let displacement_low = vec![0.0; body.n_dofs()];
         Ok(State {
             time,
             step: 0,
@@ -48,6 +62,18 @@ impl State {
             displacement_low,
             momentum_error: [0.0; 3],
         })
+    }
+
+    /// The same displacement and velocity as the start of a motion of another body with the same mesh, from a time on:
+    /// momentum `p = M v` of that body, velocity zero where it is fixed.
+    ///
+    /// # Errors
+    /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
+    pub fn transferred(self, body: &Body, time: f64) -> Result<Self> {
+        body.check_start(time, &self.displacement)?;
+        let mut velocity = self.velocity;
+        let momentum = body.momentum_of(time, &mut velocity);
+        Ok(State { time, step: 0, momentum, velocity, momentum_error: [0.0; 3], ..self })
     }
 
     /// Copies another state of the same body without allocation.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 18] = [
     "number",
     "error",
     "tensor",
@@ -18,7 +18,9 @@ const ORDER: [&str; 16] = [
     "average",
     "body",
     "time",
+    "modes",
     "motion",
+    "equilibrium",
     "adjoint",
     "prelude",
 ];
@@ -33,6 +35,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "pattern",
             "ordering",
             "dense",
+            "eigen",
             "solver",
             "gmres",
             "cholesky",
@@ -81,6 +84,8 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "start",
             "loads",
             "followers",
+            "proportional",
+            "held",
             "signal",
             "fields",
         ],

@@ -250,6 +250,7 @@ fn conserves(scheme: Scheme) -> [bool; 2] {
         // HHT and generalized-alpha weigh the forces of two times, but not the impulses.
         Scheme::Newmark(family) => [matches!(family, NewmarkFamily::Newmark { .. }), false],
         Scheme::Bathe => [true, false],
+        Scheme::Static => [false; 2],
         Scheme::CentralDifferences => [true; 2],
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use emmy::motion::{MarchError, Samples, State};
+use emmy::motion::{Samples, State};
 use emmy_io::convergence::kept::{self, Found, Key};
 use emmy_io::convergence::{self, MemberRun, Study};
 use emmy_io::input::Problem;
@@ -36,7 +36,7 @@ pub(super) fn start(problem: &Problem, study: &Study, quiet: bool) -> Result<Sta
     outcome.map_err(|error| stopped("the run to the common start", &error, "steps of the input"))
 }
 
-fn stopped(what: &str, error: &MarchError, smaller: &str) -> Failure {
+fn stopped(what: &str, error: &dyn std::error::Error, smaller: &str) -> Failure {
     let message = format!("{what} did not converge: {}", with_causes(error));
     Failure::Study { message, help: format!("nothing was measured; try smaller {smaller}") }
 }

@@ -13,6 +13,10 @@ const MAX_MEMORY: f64 = 1.6e10;
 
 /// The study, checked.
 pub(super) fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Failure> {
+    if problem.is_static() {
+        let message = "the input is a static analysis: it has no steps in time to study".to_string();
+        return Err(Failure::Usage { message, help: Some("give it `[time]`".to_string()) });
+    }
     let (from, to) = span(arguments, problem)?;
     let window = window(arguments.window.as_deref(), from, to)?;
     let length = window.1 - window.0;

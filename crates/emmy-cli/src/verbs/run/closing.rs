@@ -14,19 +14,24 @@ use crate::print::{number, vector};
 const FEW_DIGITS: f64 = 6.0;
 
 /// Prints steps, solver, largest residuals and files of the run.
-pub(super) fn report(results: &Results, status: Status, page: Option<&Path>) {
+pub(super) fn report(results: &Results, is_static: bool, status: Status, page: Option<&Path>) {
     let statistics = results.statistics();
+    let [step, time] = if is_static { ["increment", "load fraction"] } else { ["step", "t ="] };
     message!(
-        "{}: {} to t = {} in {:.2} s, {}",
+        "{}: {} to {time} {} in {:.2} s, {}",
         status.name(),
-        counted(statistics.steps, "step"),
+        counted(statistics.steps, step),
         number(statistics.time),
         results.wall_seconds(),
         counted(statistics.newton_iterations, "Newton iteration")
     );
     work(statistics);
-    residuals(statistics);
-    largest(results);
+    if is_static {
+        resultants(statistics)
+    } else {
+        residuals(statistics)
+    }
+    largest(results, is_static);
     let directory = results.directory();
     let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
     files.extend(results.collection());
@@ -38,13 +43,14 @@ pub(super) fn report(results: &Results, status: Status, page: Option<&Path>) {
 }
 
 /// Prints the largest displacement, and the largest values of other fields.
-fn largest(results: &Results) {
+fn largest(results: &Results, is_static: bool) {
+    let when = if is_static { "load fraction" } else { "t =" };
     let most = results.statistics().largest_displacement;
     if most.value > 0.0 {
         let value = number(most.value);
         let time = number(most.time);
         let at = vector(most.point);
-        message!("largest displacement: {value} at t = {time}, node {} at {at}", most.node);
+        message!("largest displacement: {value} at {when} {time}, node {} at {at}", most.node);
     }
     let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
     for extreme in others.filter(|own| own.value != 0.0) {
@@ -53,8 +59,8 @@ fn largest(results: &Results) {
         let at = vector(extreme.point);
         let kind = if extreme.is_cell { "cell" } else { "node" };
         let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
-        let when = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
-        message!("largest {name}{when}: {value} at t = {time}, {kind} {} at {at}", extreme.member);
+        let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
+        message!("largest {name}{of}: {value} at {when} {time}, {kind} {} at {at}", extreme.member);
     }
 }
 
@@ -84,6 +90,14 @@ fn residuals(statistics: &RunStatistics) {
     residual("linear momentum", statistics.worst_linear_momentum_residual, None);
     let relative = part(angular_momentum, statistics.largest_angular_momentum);
     residual("angular momentum", angular_momentum, Some((relative, "|L|")));
+}
+
+/// Resultant and moment of all forces, which vanish in equilibrium.
+fn resultants(statistics: &RunStatistics) {
+    let Extreme { value, step } = statistics.worst_linear_momentum_residual;
+    message!("largest resultant of all forces: {value:.2e} (increment {step})");
+    let Extreme { value, step } = statistics.worst_angular_momentum_residual;
+    message!("largest moment of all forces:    {value:.2e} (increment {step})");
 }
 
 fn residual(name: &str, worst: Extreme, relative: Option<(f64, &str)>) {

@@ -7,7 +7,7 @@ use clap::Args;
 use emmy::motion::{GlobalError, MarchError, Motion, Observer, State, StepPlan};
 use emmy::time::MAX_DEGREE;
 use emmy_io::directory;
-use emmy_io::input::Problem;
+use emmy_io::input::{Problem, Start};
 use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -57,8 +57,8 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
     check(&problem, &arguments.options)?;
     directory::check_run(&problem)?;
-    let state = State::initial(&problem.body, problem.plan.start(), &problem.initial)?;
-    critical_step(&problem, &state)?;
+    critical_step(&problem, problem.check_start()?.as_ref())?;
+    let state = start(&problem, &arguments.options)?;
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
     motion.allow_cuts(problem.smallest_step);
     if let Some(warning) = unresolved_steps(&problem) {
@@ -67,6 +67,16 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     // Nothing is written before everything is read and built.
     let results = Results::create(&problem)?;
     march(&problem, &mut motion, results, &arguments.options, Motion::march)
+}
+
+/// The start of the motion, with the progress of its equilibrium.
+fn start(problem: &Problem, options: &RunOptions) -> Result<State, Failure> {
+    let Start::Equilibrium { load_steps } = problem.start else { return Ok(problem.start_state(&mut [])?) };
+    let mut progress =
+        Progress::of("equilibrium: ", &emmy::equilibrium::increments(load_steps)?, options.quiet);
+    let state = problem.start_state(&mut [&mut progress]);
+    progress.end();
+    Ok(state?)
 }
 
 /// Motion::march, or Motion::march_on.
@@ -111,7 +121,7 @@ pub(super) fn march<'a>(
     let printed = if options.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
     closing::warnings(results.statistics());
     if !options.quiet {
-        closing::report(&results, ended.status, report.as_deref());
+        closing::report(&results, problem.is_static(), ended.status, report.as_deref());
         error.into_iter().for_each(|error| closing::error(&problem.body, error));
     }
     failure.map_or(printed, Err)

@@ -39,5 +39,8 @@ pub(super) fn all() -> Vec<Mistake> {
         flag("set-without-an-equals-sign", &["--set", "title"]),
         flag("set-a-number-inside-a-text", &["--set", "title.x=1"]),
         flag("until-a-number-that-is-none", &["--until", "nan"]),
+        flag("modes-more-than-degrees-of-freedom", &["--count", "25"]).of("modes"),
+        flag("modes-none", &["--count", "0"]).of("modes"),
+        flag("modes-in-a-file", &["--output", "./box.toml"]).of("modes"),
     ]
 }

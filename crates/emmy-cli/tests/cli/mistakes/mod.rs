@@ -1,5 +1,6 @@
 //! Common mistakes, each with its whole message and the verdict of the JSON schema.
 
+mod equilibrium;
 mod files;
 mod flags;
 mod keys;
@@ -33,13 +34,15 @@ struct Mistake {
     /// Files beside it.
     files: Vec<(&'static str, Vec<u8>)>,
     flags: &'static [&'static str],
+    verb: &'static str,
     /// Whether the schema can see it.
     seen: bool,
 }
 
 /// A complete input.
 fn whole(name: &str, input: impl Into<Vec<u8>>) -> Mistake {
-    Mistake { name: name.to_string(), input: input.into(), files: Vec::new(), flags: &[], seen: true }
+    let (name, input) = (name.to_string(), input.into());
+    Mistake { name, input, files: Vec::new(), flags: &[], verb: "run", seen: true }
 }
 
 /// A mistake in [`BOX`].
@@ -71,19 +74,24 @@ impl Mistake {
         Mistake { flags, ..self }
     }
 
+    /// The same with another verb than `run`.
+    fn of(self, verb: &'static str) -> Self {
+        Mistake { verb, ..self }
+    }
+
     /// The input for the schema; `None` if it is not TOML, which editors report by themselves.
     fn json(&self) -> Option<serde_json::Value> {
         let table: toml::Table = std::str::from_utf8(&self.input).ok()?.parse().ok()?;
         serde_json::to_value(table).ok()
     }
 
-    /// The whole message of `emmy run`, which must change nothing. Without flags, `emmy check` prints the same.
+    /// The whole message of the verb, which must change nothing. Without flags, `emmy check` prints the same.
     fn message(&self) -> String {
         let place = Place::new();
         std::fs::write(place.path("box.toml"), &self.input).unwrap();
         self.files.iter().for_each(|(name, bytes)| std::fs::write(place.path(name), bytes).unwrap());
         let before = place.names(".");
-        let outcome = place.emmy(&[&["run", "box.toml"], self.flags].concat());
+        let outcome = place.emmy(&[&[self.verb, "box.toml"], self.flags].concat());
         let Mistake { name, .. } = self;
         assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{name}\n{}", outcome.stderr);
         if self.flags.is_empty() {
@@ -111,6 +119,7 @@ fn all() -> Vec<Mistake> {
         meshes::all(),
         supports_and_loads::all(),
         plans::all(),
+        equilibrium::all(),
         files::all(),
         flags::all(),
     ];

@@ -30,6 +30,11 @@ impl<'a> Forces<'a> {
         }
     }
 
+    /// The internal force evaluated last, `[n_nodes][3]`.
+    pub(crate) fn internal(&self) -> &[f64] {
+        &self.internal
+    }
+
     /// Assembles the internal force of a displacement; with [`Request::Tangent`] also its derivative K.
     ///
     /// # Errors
@@ -140,6 +145,11 @@ impl TimePoint {
             force: vec![0.0; n],
             ground: vec![0.0; n],
         }
+    }
+
+    /// Reactions at the point, once they are set.
+    pub(crate) fn reactions(&self) -> &[Reaction] {
+        &self.reactions
     }
 
     /// Keeps the forces of the point for the start of the next step.

@@ -10,11 +10,14 @@ mod bathe;
 mod central_differences;
 mod forces;
 mod newmark;
+mod statics;
 
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
-pub(super) use forces::{Forces, Start};
+pub(crate) use forces::Forces;
+pub(super) use forces::Start;
 pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};
+pub use statics::StaticStepper;
 
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Rule;

@@ -6,7 +6,7 @@ mod tests;
 use std::fmt;
 use std::str::FromStr;
 
-use super::classic::{BatheStepper, CentralDifferences, NewmarkFamily, NewmarkStepper};
+use super::classic::{BatheStepper, CentralDifferences, NewmarkFamily, NewmarkStepper, StaticStepper};
 use super::{MAX_DEGREE, State, Stepper, TimeElement, TimeElementStepper};
 use crate::average::AveragingRule;
 use crate::body::Body;
@@ -48,6 +48,9 @@ pub enum Scheme {
     Bathe,
     /// `central-differences`: explicit, lumped mass; steps beyond the critical one are rejected.
     CentralDifferences,
+    /// `static`: no scheme in time, but the equilibrium under the loads at the end of each step, without inertia. No input
+    /// names it; [`crate::equilibrium`] uses it with the load fraction as time.
+    Static,
 }
 
 /// A row of the table of schemes.
@@ -137,7 +140,7 @@ impl Scheme {
     pub fn time_element(self) -> Option<TimeElement> {
         match self {
             Scheme::TimeElement(element) => Some(element),
-            Scheme::Newmark(_) | Scheme::Bathe | Scheme::CentralDifferences => None,
+            Scheme::Newmark(_) | Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => None,
         }
     }
 
@@ -163,6 +166,7 @@ impl Scheme {
             Scheme::Newmark(family) => family.name(),
             Scheme::Bathe => "Bathe".to_string(),
             Scheme::CentralDifferences => "central-differences".to_string(),
+            Scheme::Static => "static".to_string(),
         }
     }
 
@@ -210,7 +214,7 @@ impl Scheme {
         match self {
             Scheme::TimeElement(element) => element.check(),
             Scheme::Newmark(family) => family.check(),
-            Scheme::Bathe | Scheme::CentralDifferences => Ok(()),
+            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => Ok(()),
         }
     }
 
@@ -222,7 +226,7 @@ impl Scheme {
                 checked.map_err(|reason| Error::Scheme { scheme: self.name(), reason })
             }
             Scheme::Newmark(family) => family.check(),
-            Scheme::Bathe | Scheme::CentralDifferences => Ok(()),
+            Scheme::Bathe | Scheme::CentralDifferences | Scheme::Static => Ok(()),
         }
     }
 
@@ -245,7 +249,8 @@ impl Scheme {
     /// [`Error::Scheme`].
     pub fn check_feature(self, feature: BodyFeature) -> Result<()> {
         let reason = match (feature, self) {
-            (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }))
+            // An equilibrium has no velocity, and no damping.
+            (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }) | Scheme::Static)
             | (BodyFeature::Damping, Scheme::TimeElement(_)) => return Ok(()),
             (BodyFeature::PrescribedMotion, Scheme::TimeElement(_)) => {
                 "a prescribed motion needs a scheme without dissipation"
@@ -291,6 +296,7 @@ impl Scheme {
             }
             Scheme::Bathe => Box::new(BatheStepper::new(body, settings, state)?),
             Scheme::CentralDifferences => Box::new(CentralDifferences::new(body, state)?),
+            Scheme::Static => Box::new(StaticStepper::new(body, settings, state)?),
         })
     }
 }

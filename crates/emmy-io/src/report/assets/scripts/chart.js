@@ -31,20 +31,35 @@ function tickLabels(plot, ticks) {
 }
 
 class Chart {
-  // spec: { title, unit, lines: [{ name, label, colour, dash, width, values, stairs, off }], time, log, fixed, draw, tools, shade }
+  // spec: { title, unit, data, choices: [{ name, unit, lines: [{ label, colour, dash, width, values, times, stairs }] }], log, range, draw, tools }
   constructor(place, spec, clock) {
     Object.assign(this, { spec, clock });
-    this.plotPlace = element("div", { class: "plot" });
+    this.plotPlace = element("div", { class: "plot", style: `min-height:${spec.height ?? 165}px` });
     this.keys = element("div", { class: "keys" });
-    const title = element("h3", {}, spec.title, spec.unit ? element("small", {}, spec.unit) : null, spec.note ? element("small", { class: "shaded" }, spec.note) : null);
+    this.unit = element("small");
+    const title = element("h3", {}, spec.title, this.unit, spec.note ? element("small", { class: "shaded" }, spec.note) : null);
+    const { choices } = spec;
+    this.switch = choices.length > 1 ? choiceOf(choices.map(({ name }) => name), (i) => this.choose(i)) : null;
     this.node = element("section", { class: "chart", "aria-label": spec.title },
-      element("div", { class: "chart-head" }, title, spec.tools ?? null, this.keys),
+      element("div", { class: "chart-head" }, title, this.switch?.node ?? null, spec.tools ?? null, this.keys),
       this.plotPlace);
     place.append(this.node);
-    this.isOff = spec.lines.map((line) => line.off ?? false);
-    this.values = spec.lines.map((line, i) => this.key(line, i));
-    this.build();
+    this.choose(0);
+    new ResizeObserver(() => this.resize()).observe(this.plotPlace);
     charts.push(this);
+  }
+
+  // Shows one of the choices of lines.
+  choose(index) {
+    const { unit, lines } = this.spec.choices[index];
+    this.switch?.show(index);
+    this.lines = lines;
+    this.unit.textContent = unit ?? this.spec.unit ?? "";
+    this.isOff = lines.map(() => false);
+    this.keys.replaceChildren();
+    this.values = lines.map((line, i) => this.key(line, i));
+    this.build();
+    this.show(this.clock.time);
   }
 
   key(line, i) {
@@ -64,10 +79,11 @@ class Chart {
   }
 
   build() {
+    const zoomed = this.plot?.scales.x;
     this.plot?.destroy();
     const { spec } = this;
-    const lines = spec.lines.map((line, i) => ({
-      label: line.name ?? line.label, stroke: style(line.colour), width: line.width ?? 1.6, dash: line.dash, show: !this.isOff[i],
+    const lines = this.lines.map((line, i) => ({
+      label: line.label, stroke: style(line.colour), width: line.width ?? 1.6, dash: line.dash, show: !this.isOff[i],
       spanGaps: spec.log ?? false, points: { show: line.points ?? false },
       paths: line.stairs ? uPlot.paths.stepped({ align: -1 }) : undefined,
     }));
@@ -80,7 +96,7 @@ class Chart {
     }
     if (spec.whole) y.incrs = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
     const options = {
-      width: Math.max(this.plotPlace.clientWidth, 200), height: spec.height ?? 165, legend: { show: false }, padding: [8, 20, 0, 0],
+      ...this.size(), legend: { show: false }, padding: [8, 20, 0, 0],
       scales: { x: { time: false }, y: spec.log ? { distr: 3, range: logRange } : { range: spec.range ?? roomyRange } },
       series: [{}, ...lines], axes: [{ ...axis, size: 24, gap: 3, values: tickLabels, space: 70 }, y],
       cursor: { y: false, points: { show: false }, drag: { x: true, y: false, setScale: true }, bind: this.bindings() },
@@ -90,7 +106,9 @@ class Chart {
         setSize: [() => this.place()],
       },
     };
-    this.plot = new uPlot(options, spec.data(), this.plotPlace);
+    this.plot = new uPlot(options, spec.data(this.lines), this.plotPlace);
+    this.plot.root.append(element("span", { class: "abscissa", "aria-hidden": "true" }, spec.abscissa));
+    if (zoomed) this.plot.setScale("x", { min: zoomed.min, max: zoomed.max });
     this.plot.root.querySelector("canvas").setAttribute("aria-hidden", "true");
     this.now = element("div", { class: "now" });
     this.plot.over.append(this.now);
@@ -138,14 +156,20 @@ class Chart {
 
   show(time) {
     this.place();
-    this.spec.lines.forEach((line, i) => {
+    this.lines.forEach((line, i) => {
       this.values[i].textContent = reading(line.values[lastBefore(line.times, time)]);
     });
   }
 
+  // Size of the plot: its place fills the row of the chart.
+  size() {
+    const { clientWidth, clientHeight } = this.plotPlace;
+    return { width: Math.max(clientWidth, 200), height: Math.max(clientHeight, 100) };
+  }
+
   resize() {
-    const width = this.plotPlace.clientWidth;
-    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.plot.height });
+    const { width, height } = this.size();
+    if (this.plotPlace.clientWidth > 0 && (width !== this.plot.width || height !== this.plot.height)) this.plot.setSize({ width, height });
   }
 }
 

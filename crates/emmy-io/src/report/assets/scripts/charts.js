@@ -6,57 +6,79 @@ function showCharts(place, runs, clock) {
   const specs = runs.length === 1 ? chartsOfRun(runs[0], clock) : chartsOfRuns(runs, clock);
   specs.forEach((spec) => new Chart(place, spec, clock));
   clock.follow((time) => charts.forEach((chart) => chart.show(time)));
-  new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(place);
   isDark.addEventListener("change", () => charts.forEach((chart) => chart.build()));
 }
 
 // Lines of one run over its own times.
-function ofRun(run, spec) {
-  const lines = spec.lines.map((line) => ({ times: run.time, ...line }));
-  return { shaded: run.shaded, marks: run.marks, data: () => [run.time, ...lines.map((line) => line.values)], ...spec, lines };
+function ofRun(run, { lines, choices = [{ lines }], ...spec }) {
+  const timed = choices.map((choice) => ({ ...choice, lines: choice.lines.map((line) => ({ times: run.time, ...line })) }));
+  const data = (lines) => [run.time, ...lines.map((line) => line.values)];
+  return { abscissa: abscissaOf(run), shaded: run.shaded, marks: run.marks, data, ...spec, choices: timed };
 }
 
 // Lines of several runs over the times of all of them.
-function ofRuns(spec) {
-  const data = () => uPlot.join(spec.lines.map((line) => [line.times, line.values]));
-  return { data, ...spec };
+function ofRuns({ lines, choices = [{ lines }], ...spec }) {
+  const data = (lines) => uPlot.join(lines.map((line) => [line.times, line.values]));
+  return { abscissa: abscissaOf(manifest.runs[0]), data, ...spec, choices };
+}
+
+// The quantity on the horizontal axes.
+function abscissaOf(run) {
+  return isStatic(run) ? "fraction" : inUnit("t", unitOf(run, "time"));
 }
 
 function chartsOfRun(run, clock) {
+  if (isStatic(run)) return chartsOfAnalysis(run, clock);
   const column = run.column;
   const line = (label, values, colour, dash, width) => ({ label, values, colour, dash, width });
   const vector = (name, letter) => [
     ...AXES.map(([axis, colour, dash]) => line(`${letter}${axis}`, column(`${name}_${axis}`), colour, dash)),
     line(`|${letter}|`, run.norm(name), "--ink", [], 2)];
   const specs = [
-    ofRun(run, { title: "Energies", note: run.loadNote, height: 190, lines: [
+    ofRun(run, { title: "Energies", unit: inUnit("", unitOf(run, "total_energy")), note: run.loadNote, height: 190, lines: [
       line("T kinetic", column("kinetic_energy"), "--c0", [6, 3]), line("V strain", column("strain_energy"), "--c1", [2, 3]),
       line("H = T + V", column("total_energy"), "--ink", [], 2.2), line("W external", column("external_work"), "--c2", [9, 3, 2, 3]),
       ...(column("dissipated_energy") ? [line("D dissipated", column("dissipated_energy"), "--c3", [2, 2])] : [])] }),
     residuals(run),
-    ofRun(run, { title: "Angular momentum", unit: "about the origin" + ifRounding(run, "angular_momentum"), lines: vector("angular_momentum", "L") }),
-    ofRun(run, { title: "Linear momentum", unit: ifRounding(run, "linear_momentum"), lines: vector("linear_momentum", "P") }),
+    ...chartsOfQuantities(run),
+    ofRun(run, { title: "Angular momentum", unit: inUnit("about the origin" + ifRounding(run, "angular_momentum"), unitOf(run, "angular_momentum_x")), lines: vector("angular_momentum", "L") }),
+    ofRun(run, { title: "Linear momentum", unit: inUnit(ifRounding(run, "linear_momentum"), unitOf(run, "linear_momentum_x")), lines: vector("linear_momentum", "P") }),
     newtonChart(run, clock),
-    ofRun(run, { title: "Step size", height: 150, range: fromZero, lines: [
-      { ...line("h", fromFirstStep(column("step_size")), "--c0"), stairs: true }] }),
+    stepSizes(run),
   ];
   const error = column("local_error");
   if (error) {
     specs.push(ofRun(run, { title: "Error of each step", unit: "estimated, relative to the scales of the input", log: true, height: 150,
       lines: [line("local error", sizes(error, 1), "--c0")] }));
   }
-  const determinant = column("smallest_determinant");
-  if (determinant?.some(Number.isFinite)) {
-    specs.push(ofRun(run, { title: "Smallest det F", unit: "over all quadrature points; 1: volume unchanged", height: 150,
-      lines: [line("min det F", nulled(determinant), "--c0")] }));
-  }
-  for (const probe of run.probes) {
-    const at = AXES.map(([axis]) => column(`${probe}_${axis}`));
-    // The position itself would only show where the node is.
-    specs.push(ofRun(run, { title: `Probe ${probe}`, unit: `displacement from (${at.map((values) => number(values[0])).join(", ")})`, height: 150,
-      lines: AXES.map(([axis, colour, dash], i) => line(`u${axis}`, at[i].map((value) => value - at[i][0]), colour, dash)) }));
-  }
-  return specs;
+  return [...specs, ...determinants(run)];
+}
+
+// Charts of a static analysis: nothing moves, so that there are no balances over time.
+function chartsOfAnalysis(run, clock) {
+  const line = (label, name, colour, dash) => ({ label, values: run.column(name), colour, dash });
+  return [
+    ofRun(run, { title: "Stored energy", unit: inUnit("", unitOf(run, "strain_energy")), height: 190, lines: [line("V", "strain_energy", "--ink", [])] }),
+    ...chartsOfQuantities(run),
+    ofRun(run, { title: "Resultant of loads and reactions", log: true, choices: [
+      { name: "force", unit: inUnit("", unitOf(run, "linear_momentum_residual")), lines: [{ ...line("|R|", "linear_momentum_residual", "--c2"), values: sizes(run.column("linear_momentum_residual"), 1) }] },
+      { name: "moment", unit: inUnit("about the origin", unitOf(run, "angular_momentum_residual")), lines: [{ ...line("|M|", "angular_momentum_residual", "--c1"), values: sizes(run.column("angular_momentum_residual"), 1) }] }] }),
+    newtonChart(run, clock),
+    stepSizes(run),
+    ...determinants(run)];
+}
+
+function stepSizes(run) {
+  const values = fromFirstStep(run.column("step_size"));
+  return ofRun(run, { title: isStatic(run) ? "Size of the increments" : "Step size", unit: inUnit("", unitOf(run, "step_size")), height: 150, range: fromZero,
+    lines: [{ label: "h", values, colour: "--c0", stairs: true }] });
+}
+
+function determinants(run) {
+  const values = run.column("smallest_determinant");
+  if (!values?.some(Number.isFinite)) return [];
+  return [ofRun(run, { title: "Smallest det F", unit: "over all quadrature points; 1: volume unchanged", height: 150,
+    lines: [{ label: "min det F", values: nulled(values), colour: "--c0" }] })];
 }
 
 // A momentum of round-off only would fill a scale of its own.
@@ -105,17 +127,19 @@ function chartsOfRuns(runs, clock) {
   };
   const column = (name) => each((run) => run.column(name));
   const stairs = (name) => each((run) => fromFirstStep(run.column(name))).map((line) => ({ ...line, stairs: true }));
+  const unit = (name, column) => inUnit(name, unitOf(runs[0], column));
   const specs = [
-    ofRuns({ title: "Total energy", unit: "T + V", height: 190, lines: column("total_energy") }),
+    ofRuns({ title: "Total energy", unit: unit("T + V", "total_energy"), height: 190, lines: column("total_energy") }),
     residual("energy", "Energy balance of each step", "residual, as a part of the largest T + V"),
-    ofRuns({ title: "Angular momentum", unit: "|L| about the origin", height: 190, lines: each((run) => run.norm("angular_momentum")) }),
+    ...comparedQuantities(runs, each),
+    ofRuns({ title: "Angular momentum", unit: unit("|L| about the origin", "angular_momentum_x"), height: 190, lines: each((run) => run.norm("angular_momentum")) }),
     residual("angular_momentum", "Angular momentum balance of each step", "residual, as a part of the largest |L|"),
-    ofRuns({ title: "Linear momentum", unit: "|P|", lines: each((run) => run.norm("linear_momentum")) }),
+    ofRuns({ title: "Linear momentum", unit: unit("|P|", "linear_momentum_x"), lines: each((run) => run.norm("linear_momentum")) }),
     residual("linear_momentum", "Linear momentum balance of each step", "residual, as a part of the largest |P|"),
-    ofRuns({ title: "Kinetic energy", unit: "T", lines: column("kinetic_energy") }),
-    ofRuns({ title: "Strain energy", unit: "V", lines: column("strain_energy") }),
+    ofRuns({ title: "Kinetic energy", unit: unit("T", "kinetic_energy"), lines: column("kinetic_energy") }),
+    ofRuns({ title: "Strain energy", unit: unit("V", "strain_energy"), lines: column("strain_energy") }),
     ofRuns({ title: "Newton iterations", unit: "of each step", whole: true, range: fromZero, lines: stairs("newton_iterations") }),
-    ofRuns({ title: "Step size", range: fromZero, lines: stairs("step_size") }),
+    ofRuns({ title: "Step size", unit: unit("", "step_size"), range: fromZero, lines: stairs("step_size") }),
   ];
   const errors = each((run) => run.column("local_error")).filter((line) => line.values);
   if (errors.length) {

@@ -1,8 +1,9 @@
 // The one time cursor of the page: charts, motion and controls follow it.
 
 class Clock {
-  constructor(start, end) {
-    [this.start, this.end, this.time] = [start, end, start];
+  // `seconds`: what the whole motion takes at speed 1. A clock that repeats begins again at its end.
+  constructor(start, end, { seconds = 10, repeats = false } = {}) {
+    Object.assign(this, { start, end, seconds, repeats, time: start });
     this.speed = 1;
     this.isPlaying = false;
     this.followers = [];
@@ -18,9 +19,8 @@ class Clock {
     this.followers.forEach((follower) => follower(this.time));
   }
 
-  // The whole motion takes ten seconds at speed 1.
   get rate() {
-    return (this.speed * (this.end - this.start)) / 10;
+    return (this.speed * (this.end - this.start)) / this.seconds;
   }
 
   play() {
@@ -32,8 +32,9 @@ class Clock {
       if (!this.isPlaying) return;
       const passed = last === null ? 0 : Math.min((now - last) / 1000, 0.25);
       last = now;
-      if (this.time + passed * this.rate >= this.end) this.isPlaying = false;
-      this.set(this.time + passed * this.rate);
+      const next = this.time + passed * this.rate;
+      if (next >= this.end && !this.repeats) this.isPlaying = false;
+      this.set(next >= this.end && this.repeats ? this.start + ((next - this.start) % (this.end - this.start)) : next);
       if (this.isPlaying) requestAnimationFrame(tick);
     };
     requestAnimationFrame(tick);

@@ -39,6 +39,40 @@ async function readRun(index, run) {
   return { ...run, index, array, column, norm, time: column("time") };
 }
 
+// Unit of a column or a field of a run; empty without units.
+function unitOf(run, name) {
+  const { units } = run;
+  if (!units) return "";
+  return otherUnits(run, units.system)[name] ?? units.columns[name] ?? units.fields[name] ?? "";
+}
+
+// Units of natural modes, and of the columns that mean something else in a static analysis.
+function otherUnits(run, { mass, length, time, force }) {
+  if (run.modes) {
+    const frequency = { s: "Hz", ms: "kHz" }[time];
+    return { frequency, period: time, angular_frequency: `1/${time}`, effective_mass_x: mass, effective_mass_y: mass, effective_mass_z: mass };
+  }
+  return isStatic(run) ? { time: "", step_size: "", linear_momentum_residual: force, angular_momentum_residual: `${force}·${length}` } : {};
+}
+
+// A static analysis has increments of its loads in place of steps in time.
+function isStatic(run) {
+  return run.summary.scheme === "static";
+}
+
+function stepName(run) {
+  return isStatic(run) ? "increment" : "step";
+}
+
+// A time with its name: `t = 0.2 s`, or `load fraction = 0.2`.
+function timeText(run, time, digits) {
+  return `${isStatic(run) ? "load fraction" : "t"} = ${timeValue(run, time, digits)}`;
+}
+
+function timeValue(run, time, digits) {
+  return [number(time, digits), unitOf(run, "time")].filter(Boolean).join(" ");
+}
+
 // Index of the last of ascending times that is not after a time; 0 before the first.
 function lastBefore(times, time) {
   const tolerance = 1e-9 * Math.max(Math.abs(time), Math.abs(times[times.length - 1]));

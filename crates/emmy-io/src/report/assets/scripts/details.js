@@ -14,11 +14,12 @@ function showHeading(runs) {
 }
 
 function statusText(summary) {
+  const steps = `${stepName({ summary })}s`;
   const strong = (text, mark = "") => element("strong", { class: mark }, text);
   switch (summary.status) {
-    case "done": return [strong("Done"), `: ${grouped(summary.steps)} steps in `, duration(summary.wall_seconds)];
-    case "running": return [strong("Running"), `: ${grouped(summary.steps)}${summary.planned_steps === null ? "" : ` of ${grouped(summary.planned_steps)}`} steps when this page was written; reload it for more`];
-    default: return [strong(summary.status.replaceAll("-", " "), "poor"), `: ${summary.message ?? `after ${summary.steps} steps`}`];
+    case "done": return [strong("Done"), `: ${grouped(summary.steps)} ${steps} in `, duration(summary.wall_seconds)];
+    case "running": return [strong("Running"), `: ${grouped(summary.steps)}${summary.planned_steps === null ? "" : ` of ${grouped(summary.planned_steps)}`} ${steps} when this page was written; reload it for more`];
+    default: return [strong(summary.status.replaceAll("-", " "), "poor"), `: ${summary.message ?? `after ${summary.steps} ${steps}`}`];
   }
 }
 
@@ -34,8 +35,9 @@ function showDetails(place, runs) {
 }
 
 const FILES = {
-  "history.csv": "one row a step, 17 digits", "newton.csv": "residuals of the Newton iteration", "events.csv": "cuts, rejections, releases and other events",
+  "history.csv": "one row a step, 17 digits", "columns.json": "the columns of history.csv with their units", "newton.csv": "residuals of the Newton iteration", "events.csv": "cuts, rejections, releases and other events",
   "summary.json": "the verdict", "input.toml": "the input", "report.html": "the report",
+  "modes.csv": "frequencies, periods and effective masses, 17 digits", "modes.toml": "the input",
 };
 
 function fileList(run) {
@@ -57,7 +59,7 @@ function eventTable(run) {
   const shown = run.events.slice(0, 200);
   const rest = run.events.length - shown.length + run.more_events;
   return element("section", { class: "card" }, element("h2", {}, "Events"), element("table", { class: "events" },
-    element("thead", {}, element("tr", {}, ...["step", "t", "event", ""].map((head) => element("th", { scope: "col" }, head)))),
+    element("thead", {}, element("tr", {}, ...[stepName(run), inUnit(isStatic(run) ? "load fraction" : "t", unitOf(run, "time")), "event", ""].map((head) => element("th", { scope: "col" }, head)))),
     element("tbody", {}, ...shown.map(row))), rest > 0 ? element("p", { class: "note" }, `and ${rest} more in events.csv`) : null);
 }
 

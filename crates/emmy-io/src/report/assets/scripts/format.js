@@ -43,6 +43,18 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+// A switch between some names: its element, and `show` for the one that is chosen.
+function choiceOf(names, choose) {
+  const buttons = names.map((name, i) => element("button", { type: "button", onclick: () => choose(i) }, name));
+  const show = (index) => buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(i === index)));
+  return { node: element("span", { class: "switch", role: "group" }, ...buttons), show };
+}
+
+// A text with a unit, if there is one: `force [N]`.
+function inUnit(text, unit) {
+  return [text, unit && `[${unit}]`].filter(Boolean).join(" ");
+}
+
 // A number of the summary, marked with its key: it can be checked against the file.
 function ofSummary(run, key, text) {
   return element("span", { class: "num", "data-run": run.name, "data-key": key }, text ?? number(run.summary[key]));

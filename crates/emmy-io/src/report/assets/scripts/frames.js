@@ -14,6 +14,7 @@ class Frames {
     this.displacement = new Float32Array(3 * this.n);
     this.values = new Float32Array(this.n);
     this.ranges = new Map();
+    this.boxes = new Map();
   }
 
   // Sets the displacement of a frame, `[n][3]`. The numbers are differences from node to node, component by component.
@@ -67,21 +68,46 @@ class Frames {
     return this.ranges.get(name);
   }
 
-  // Box around the reference, and around the whole motion with displacements magnified.
-  box(factor) {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const add = (displacement) => {
-      for (let i = 0; i < 3 * this.n; i++) {
-        const at = this.points[i] + (displacement ? factor * displacement[i] : 0);
-        low[i % 3] = Math.min(low[i % 3], at);
-        high[i % 3] = Math.max(high[i % 3], at);
+  // Box around the reference, or around the whole motion with displacements magnified; modes go both ways. `points`: of
+  // each frame the outermost nodes in some directions.
+  box(factor, goesBack = false) {
+    const key = `${factor} ${goesBack}`;
+    if (!this.boxes.has(key)) this.boxes.set(key, this.measure(factor, goesBack));
+    return this.boxes.get(key);
+  }
+
+  measure(factor, goesBack) {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], points = [];
+    const add = (displacement, factor) => {
+      const at = (i) => this.points[i] + (displacement ? factor * displacement[i] : 0);
+      const outermost = DIRECTIONS.map(([x, y, z]) => {
+        let most = -Infinity, node = 0;
+        for (let i = 0; i < 3 * this.n; i += 3) {
+          const reach = x * at(i) + y * at(i + 1) + z * at(i + 2);
+          if (reach > most) {
+            most = reach;
+            node = i;
+          }
+        }
+        return [at(node), at(node + 1), at(node + 2)];
+      });
+      for (const at of outermost) {
+        points.push(at);
+        for (let axis = 0; axis < 3; axis++) [low[axis], high[axis]] = [Math.min(low[axis], at[axis]), Math.max(high[axis], at[axis])];
       }
     };
     if (factor === 0) add(null);
-    else for (let frame = 0; frame < this.times.length; frame++) add(this.readDisplacement(frame));
-    return { low, high, centre: low.map((a, i) => (a + high[i]) / 2), size: Math.hypot(...low.map((a, i) => high[i] - a)) };
+    else for (let frame = 0; frame < this.times.length; frame++) {
+      this.readDisplacement(frame);
+      add(this.displacement, factor);
+      if (goesBack) add(this.displacement, -factor);
+    }
+    return { low, high, points, centre: low.map((a, i) => (a + high[i]) / 2), size: Math.hypot(...low.map((a, i) => high[i] - a)) };
   }
 }
+
+// To the faces, edges and corners of a cube.
+const DIRECTIONS = [-1, 0, 1].flatMap((x) => [-1, 0, 1].flatMap((y) => [-1, 0, 1].map((z) => [x, y, z]))).filter((d) => d.some(Boolean));
 
 // Edges where the surface ends or bends by more than 25 degrees, in the reference configuration.
 function outline(frames) {

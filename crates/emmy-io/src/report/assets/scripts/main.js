@@ -10,13 +10,15 @@ function prepared(run) {
     angular_momentum: run.summary.largest_angular_momentum,
   };
   const end = run.time[run.time.length - 1];
+  // The loads of a static analysis grow with the load fraction, whatever their histories are.
+  if (isStatic(run)) run.loads = [];
   run.shaded = loadedIntervals(run, end);
   const names = (loads) => (loads.length > 2 ? `${loads.length} loads` : loads.map((load) => load.label).join(", "));
   const shaded = names(run.loads.filter((load) => load.intervals !== null));
   const always = names(run.loads.filter((load) => load.intervals === null));
   const notes = [shaded && `shaded: ${shaded}`, always && `throughout: ${always}`];
   run.loadNote = notes.filter(Boolean).join("; ");
-  run.marks = run.events.slice(0, 300).map((event) => ({ time: event.time, title: `step ${event.step}, t = ${number(event.time)}: ${event.message || event.event}` }));
+  run.marks = run.events.slice(0, 300).map((event) => ({ time: event.time, title: `${stepName(run)} ${event.step}, ${timeText(run, event.time)}: ${event.message || event.event}` }));
   return run;
 }
 
@@ -32,14 +34,33 @@ function loadedIntervals(run, end) {
   return joined;
 }
 
-showHeading(manifest.runs);
-try {
+// The height that the head and the controls leave to the motion in the window. It grows as the head is scrolled away, at
+// most to the height of the charts beside it.
+function giveRoom() {
+  const [stage, viewer, viewport, charts, transport] = [".stage", "#viewer", "#viewport", "#charts", "#transport"].map((name) => document.querySelector(name));
+  const set = () => {
+    const above = stage.getBoundingClientRect().top, controls = viewer.offsetHeight - viewport.offsetHeight;
+    const room = (above) => innerHeight - above - controls - transport.offsetHeight - 10;
+    const isBeside = charts.getBoundingClientRect().left >= viewer.getBoundingClientRect().right;
+    const most = isBeside ? Math.min(room(Math.max(above, 13)), charts.offsetHeight - controls) : 0;
+    const height = Math.max(room(above + scrollY), most);
+    document.documentElement.style.setProperty("--room", `${Math.floor(height)}px`);
+  };
+  [document.getElementById("verdict"), transport, document.getElementById("viewer-foot")].forEach((node) => new ResizeObserver(set).observe(node));
+  addEventListener("resize", set);
+  addEventListener("scroll", set, { passive: true });
+  set();
+}
+
+// The page of one run, or of several.
+async function showRuns(manifest) {
+  showHeading(manifest.runs);
   const runs = (await Promise.all(manifest.runs.map((run, index) => readRun(index, run)))).map(prepared);
-  showVerdict(document.getElementById("verdict"), runs);
   // A run that has just started may have no row yet.
   const endOf = (run) => run.time[run.time.length - 1] ?? 0;
   const longest = runs.reduce((a, b) => (endOf(b) > endOf(a) ? b : a));
   const clock = new Clock(Math.min(...runs.map((run) => run.time[0] ?? 0)), endOf(longest));
+  showVerdict(document.getElementById("verdict"), runs, clock);
   const withFrames = runs.filter((run) => run.frames);
   if (withFrames.length) {
     document.querySelector(".stage").classList.add("with-viewer");
@@ -50,10 +71,15 @@ try {
     runs.length === 1);
   showDetails(document.getElementById("details"), runs);
   showFoot(document.getElementById("foot"), runs, manifest.version);
+  giveRoom();
   // An address that ends in #t=2.5 shows that time.
   const wanted = Number(location.hash.match(/^#t=(.+)$/)?.[1] ?? NaN);
   if (Number.isFinite(wanted)) clock.set(wanted);
   else if (!isStill.matches && withFrames.length && runs.length === 1) clock.play();
+}
+
+try {
+  await (manifest.runs[0].modes ? showModes(manifest) : showRuns(manifest));
   document.documentElement.dataset.ready = "true";
 } catch (error) {
   const fault = document.getElementById("fault");

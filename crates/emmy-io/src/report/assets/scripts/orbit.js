@@ -36,19 +36,36 @@ class Orbit {
     this.pointers.set(event.pointerId, now);
   }
 
+  // Distance from which the points of a box around the target are in sight, or without a box a ball of some radius.
+  fit(box, radius) {
+    const { fov, aspect } = this.camera;
+    // Room is left for the legend above and the axes below.
+    const high = 0.88 * Math.tan((fov * Math.PI) / 360), wide = 0.95 * Math.tan((fov * Math.PI) / 360) * (aspect || 1);
+    const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const [right, up, towards] = this.axes();
+    const needed = (point) => {
+      const at = point.map((x, i) => x - box.centre[i]);
+      return dot(at, towards) + Math.max(Math.abs(dot(at, right)) / wide, Math.abs(dot(at, up)) / high);
+    };
+    this.distance = box ? box.points.reduce((most, point) => Math.max(most, needed(point)), 0) : radius / Math.sin(Math.atan(Math.min(high, wide)));
+  }
+
   turn(azimuth, elevation) {
+    this.isMoved = true;
     this.azimuth += azimuth;
     this.elevation = Math.min(Math.max(this.elevation + elevation, -1.5607), 1.5607);
     this.changed();
   }
 
   zoom(factor) {
+    this.isMoved = true;
     this.distance *= factor;
     this.changed();
   }
 
   // Moves the target in the plane of the picture, by pixels.
   shift(dx, dy) {
+    this.isMoved = true;
     const [right, up] = this.axes();
     const unit = (2 * this.distance * Math.tan((this.camera.fov * Math.PI) / 360)) / this.node.clientHeight;
     this.pan = this.pan.map((x, i) => x - unit * dx * right[i] + unit * dy * up[i]);
@@ -56,7 +73,7 @@ class Orbit {
   }
 
   look(azimuth, elevation) {
-    [this.azimuth, this.elevation, this.pan] = [azimuth, elevation, [0, 0, 0]];
+    [this.azimuth, this.elevation, this.pan, this.isMoved] = [azimuth, elevation, [0, 0, 0], false];
     this.changed();
   }
 

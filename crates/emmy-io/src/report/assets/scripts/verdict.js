@@ -55,7 +55,8 @@ function sign(mark) {
 function balanceCard(run, balance) {
   const mark = grade(balance);
   const { key, part, of, step, drift } = balance;
-  const rest = element("p", { class: "rest" }, "largest residual of a step ", ofSummary(run, `worst_${key}_residual`));
+  const unit = unitOf(run, key === "energy" ? "energy_residual" : `${key}_residual`);
+  const rest = element("p", { class: "rest" }, "largest residual of a step ", ofSummary(run, `worst_${key}_residual`), unit && ` ${unit}`);
   if (step > 0) rest.append(", in step ", ofSummary(run, `worst_${key}_residual_step`, String(step)));
   if (drift !== null && drift !== undefined) {
     rest.append("; accumulated ", ofSummary(run, key === "energy" ? "energy_drift" : "angular_momentum_drift", number(drift, 2)));
@@ -67,18 +68,42 @@ function balanceCard(run, balance) {
     rest);
 }
 
+// Loads and reactions of a static analysis are in balance.
+function equilibriumCard(run) {
+  const part = (name, key) => [`${name} `, ofSummary(run, `worst_${key}_residual`), unitOf(run, `${key}_residual`) && ` ${unitOf(run, `${key}_residual`)}`];
+  return element("div", { class: "balance" }, element("h2", {}, "Resultant of loads and reactions"),
+    element("p", { class: "part" }, ...part("largest force", "linear_momentum"), element("br"), ...part("largest moment", "angular_momentum")));
+}
+
+// Size and cost of a run, as words that wrap.
 function facts(run) {
   const s = run.summary;
-  const fact = (term, ...value) => element("div", {}, element("dt", {}, term), element("dd", {}, ...value));
+  const fact = (term, ...value) => element("div", {}, element("dt", {}, term), " ", element("dd", {}, ...value));
   const small = (text) => element("small", {}, text);
-  const mean = s.steps > 0 ? `${(s.newton_iterations / s.steps).toFixed(1)} a step` : "";
+  const mean = s.steps > 0 ? `, ${(s.newton_iterations / s.steps).toFixed(1)} per ${stepName(run)}` : "";
   return element("dl", { class: "facts" },
-    fact("scheme", ofSummary(run, "scheme", s.scheme), small(`degree ${s.degree}`)),
-    fact("steps", ofSummary(run, "steps", grouped(s.steps)), small(`to t = ${number(s.time)}`)),
+    fact("scheme", ofSummary(run, "scheme", s.scheme), isStatic(run) ? null : small(`, degree ${s.degree}`)),
+    fact(`${stepName(run)}s`, ofSummary(run, "steps", grouped(s.steps)), small(` to ${timeText(run, s.time)}`)),
     fact("Newton iterations", ofSummary(run, "newton_iterations", grouped(s.newton_iterations)), small(mean)),
     fact("dofs", ofSummary(run, "dofs", grouped(s.dofs))),
-    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`${grouped(s.nodes)} nodes`)),
+    fact("cells", ofSummary(run, "cells", grouped(s.cells)), small(`, ${grouped(s.nodes)} nodes`)),
     fact("time", ofSummary(run, "wall_seconds", duration(s.wall_seconds))));
+}
+
+// The largest values of the run, displacement first; a click shows their time.
+function extremes(run, clock) {
+  const names = Object.keys(run.summary).map((key) => key.match(/^largest_(.+)_point$/)?.[1]).filter((name) => run.summary[`largest_${name}`] > 0);
+  return names.length ? element("div", { class: "balance extremes" }, ...names.map((name) => extreme(run, name, clock))) : null;
+}
+
+function extreme(run, name, clock) {
+  const key = `largest_${name}`, s = run.summary;
+  const [unit, length, time] = [name, "displacement", "time"].map((name) => unitOf(run, name)).map((unit) => unit && ` ${unit}`);
+  const show = element("button", { class: "link", type: "button", title: "show this time", onclick: () => clock.set(s[`${key}_time`]) },
+    isStatic(run) ? "load fraction = " : "t = ", ofSummary(run, `${key}_time`), time);
+  return element("div", {}, element("h2", {}, `Largest ${words(name)}`),
+    element("p", { class: "size" }, ofSummary(run, key), unit),
+    element("p", { class: "rest" }, show, `, at (${s[`${key}_point`].map((x) => number(x)).join(", ")})${length}`));
 }
 
 // Warnings that limit the verdict.
@@ -91,10 +116,11 @@ function warnings(run) {
   ].filter((warning) => warning !== null);
 }
 
-function showVerdict(place, runs) {
+function showVerdict(place, runs, clock) {
   if (runs.length === 1) {
-    const cards = balances(runs[0]).map((b) => balanceCard(runs[0], b));
-    place.append(element("div", { class: "strip" }, ...cards, facts(runs[0])), ...warnings(runs[0]));
+    const [run] = runs;
+    const cards = isStatic(run) ? [equilibriumCard(run)] : balances(run).map((b) => balanceCard(run, b));
+    place.append(facts(run), element("div", { class: "strip" }, ...cards, extremes(run, clock)), ...warnings(run));
     return;
   }
   const heads = ["run", "scheme", "energy", "linear momentum", "angular momentum", "steps", "Newton", "dofs", "time", "status"];

@@ -7,10 +7,16 @@ class Viewer {
     [this.canvas, this.legend, this.note, this.foot, this.triad] = ["scene", "legend", "scene-note", "viewer-foot", "triad"].map(id);
     place.hidden = false;
     this.settings = { edges: true, ghost: true, arrow: true, follow: false, perFrame: false };
+    this.factor = this.magnifier();
     this.addTools(id("viewer-tools"));
     this.choose(this.runs[0]);
     clock.follow((time) => this.show(time));
-    new ResizeObserver(() => { this.scene?.resize(); this.draw(); }).observe(this.canvas.parentNode);
+    new ResizeObserver(() => {
+      this.scene?.resize();
+      if (!this.orbit?.isMoved) this.fit();
+      // A canvas of a new size is empty; the next picture would be too late.
+      if (this.scene) this.drawNow();
+    }).observe(this.canvas.parentNode);
     isDark.addEventListener("change", () => { this.scene?.setInk(); this.draw(); });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
   }
@@ -28,46 +34,77 @@ class Viewer {
     };
     this.toggles = {};
     this.colour = select("Colour by", (name) => { this.field = name; this.refresh(); });
-    this.factor = select("Displacement is magnified by", () => this.frame());
     this.run = select("Run", (index) => this.choose(this.runs[index]));
     this.runs.forEach((run, i) => this.run.append(element("option", { value: i }, run.name)));
     const view = (label, name) => element("button", { class: "tool", type: "button", title: `look ${name}`, "aria-label": `look ${name}`, onclick: () => this.look(label) }, label);
     const views = element("span", { class: "views" }, view("x", "along x"), view("y", "along y"), view("z", "along z"), view("Reset", "from the side, at all of the motion"));
-    const displacement = element("label", {}, "Displacement ", this.factor);
+    const displacement = element("label", {}, `${this.factorName} `, this.factor);
+    const isAtRest = this.showsModes || this.runs.every(isStatic);
+    const ofRun = isAtRest ? [] : [toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame())];
     place.append(
       element("div", {}, this.runs.length > 1 ? element("label", {}, "Run ", this.run) : null,
         element("label", {}, "Colour ", this.colour), this.runs.length > 1 ? null : displacement),
       element("div", {}, this.runs.length > 1 ? displacement : null, toggle("Cells", "edges", () => this.refresh()), toggle("Reference", "ghost", () => this.refresh()),
-        toggle("Angular momentum", "arrow", () => this.refresh()), toggle("Follow", "follow", () => this.frame()), views));
-    this.range = element("button", { class: "tool", type: "button", title: "colours span the values of the run, or of the frame", onclick: () => {
-      this.settings.perFrame = !this.settings.perFrame;
+        ...ofRun, views));
+    this.range = choiceOf(["run", "frame"], (index) => {
+      this.settings.perFrame = index === 1;
       this.refresh();
-    } });
+    });
+    this.range.node.setAttribute("aria-label", "Range of the colours");
+    this.range.node.title = "colours span the values of the whole run, or of the frame shown";
     [this.shownField, this.scale] = [element("span"), element("div")];
-    this.legend.append(element("div", { class: "head" }, this.shownField, this.range), this.scale);
-    this.toggles.follow.parentNode.title = "keep the body in the middle";
+    this.legend.append(element("div", { class: "head" }, this.shownField, this.showsModes ? null : element("span", {}, "range of ", this.range.node)), this.scale);
+    if (this.toggles.follow) this.toggles.follow.parentNode.title = "keep the body in the middle";
+  }
+
+  get factorName() {
+    return "Displacement";
+  }
+
+  get showsModes() {
+    return false;
+  }
+
+  // The control of the factor of displacements.
+  magnifier() {
+    return element("select", { "aria-label": "Displacement is magnified by", onchange: () => this.frame() });
+  }
+
+  setFactors() {
+    const proposed = proposedFactor(this.frames.rangeOf("displacement")[1], this.reference.size);
+    const factors = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 1e4, 1e5, 1e6, proposed];
+    const options = [...new Set(factors)].sort((a, b) => a - b).map((factor) => element("option", { value: factor, selected: factor === proposed }, `× ${grouped(factor)}`));
+    this.factor.replaceChildren(...options);
+  }
+
+  framesOf(run) {
+    return new Frames(run);
+  }
+
+  // Index of the frame at a time.
+  frameAt(time) {
+    return lastBefore(this.frames.times, time);
+  }
+
+  // Factor of the displacements at a time.
+  scaleAt() {
+    return Number(this.factor.value);
   }
 
   // Shows a run.
   choose(run) {
     this.current = run;
-    this.frames = new Frames(run);
+    this.frames = this.framesOf(run);
     const { frames } = this;
     this.reference = frames.box(0);
-    const largest = frames.rangeOf("displacement")[1];
-    this.factor.replaceChildren();
-    const proposed = proposedFactor(largest, this.reference.size);
-    const factors = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 1e4, 1e5, 1e6, proposed];
-    for (const factor of [...new Set(factors)].sort((a, b) => a - b)) {
-      this.factor.append(element("option", { value: factor, selected: factor === proposed }, `× ${grouped(factor)}`));
-    }
+    this.setFactors();
     this.colour.replaceChildren(...frames.fields.map((field) => element("option", { value: field.name }, field.label)));
     const kept = frames.fields.find((field) => field.name === this.field) ?? frames.fields.find((field) => field.name === "von_mises_stress") ?? frames.fields[0];
     this.field = this.colour.value = kept.name;
     this.settings.edges = frames.triangles.length < 30000;
     this.toggles.edges.checked = this.settings.edges;
     // Otherwise there is only round-off to show.
-    this.turns = !isRounding(run, "angular_momentum");
+    this.turns = !this.showsModes && !isStatic(run) && !isRounding(run, "angular_momentum");
     this.momentum = ["x", "y", "z"].map((axis) => run.column(`angular_momentum_${axis}`));
     this.start();
   }
@@ -93,7 +130,7 @@ class Viewer {
     this.isPlane = frames.triangles.length > 0 && isFlat(frames, this.reference);
     this.orbit.up = this.isPlane || (!frames.triangles.length && this.reference.high[2] === this.reference.low[2]) ? [0, 1, 0] : [0, 0, 1];
     // In a plane it points at the eye.
-    this.settings.arrow = this.toggles.arrow.checked = this.settings.arrow && !this.isPlane;
+    if (this.toggles.arrow) this.settings.arrow = this.toggles.arrow.checked = this.settings.arrow && !this.isPlane;
     this.scene.setInk();
     this.scene.resize();
     this.frame();
@@ -103,19 +140,21 @@ class Viewer {
 
   // Sets the view so that the whole motion fits.
   frame() {
-    const factor = Number(this.factor.value);
-    this.motion = this.frames.box(factor);
+    this.motion = this.frames.box(Number(this.factor.value), this.showsModes);
     this.shown = null;
-    if (!this.hasChosenFollow) {
+    if (!this.hasChosenFollow && this.toggles.follow) {
       this.settings.follow = this.toggles.follow.checked || this.motion.size > 2.5 * this.reference.size;
       this.toggles.follow.checked = this.settings.follow;
       this.hasChosenFollow = true;
     }
-    const size = this.settings.follow ? 1.4 * this.reference.size : this.motion.size;
-    const high = Math.tan((32 * Math.PI) / 360), wide = high * (this.scene?.camera.aspect ?? 1);
-    // A ball of this size fits across; corners may touch the upper and the lower edge.
-    if (this.orbit) this.orbit.distance = size * Math.max(0.47 / high, 0.5 / Math.sin(Math.atan(wide)));
+    this.fit();
     this.refresh();
+  }
+
+  // Sets the distance from which the whole motion is in sight; a body that is followed may turn.
+  fit() {
+    const { orbit, settings, motion, reference } = this;
+    orbit?.fit(settings.follow ? null : motion, 0.6 * reference.size);
   }
 
   look(from) {
@@ -123,8 +162,8 @@ class Viewer {
     const views = { x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, 1.5607], Reset: [-1.0, 0.42] };
     const plane = { x: [Math.PI / 2, 0], y: [0, 1.5607], z: [0, 0], Reset: this.isPlane || turn ? [0, 0] : [-1, 0.42] };
     const [azimuth, elevation] = (turn ? plane : views)[from];
-    if (from === "Reset") this.frame();
     this.orbit.look(azimuth, elevation);
+    this.frame();
   }
 
   key(event) {
@@ -144,10 +183,14 @@ class Viewer {
 
   show(time) {
     if (!this.scene) return;
-    const frame = lastBefore(this.frames.times, time);
+    const frame = this.frameAt(time), scale = this.scaleAt(time);
     if (this.shown !== frame) {
       this.shown = frame;
       this.showFrame(frame);
+    }
+    if (this.shownScale !== scale) {
+      this.shownScale = scale;
+      this.middle = this.scene.setFrame(scale);
     }
     this.setArrow(time);
     this.draw();
@@ -164,7 +207,8 @@ class Viewer {
     if (!(high > low)) high = low + (Math.abs(low) || 1);
     scene.range.value = [low, high];
     scene.setMap(field.signed ? "diverging" : "viridis");
-    this.middle = scene.setFrame(Number(this.factor.value));
+    this.shownScale = this.scaleAt(this.clock.time);
+    this.middle = scene.setFrame(this.shownScale);
     if (scene.cellEdges) scene.cellEdges.visible = settings.edges;
     if (scene.ghost) scene.ghost.visible = settings.ghost;
     this.orbit.target = settings.follow ? this.middle : this.motion.centre;
@@ -178,23 +222,27 @@ class Viewer {
     this.legend.dataset.shown = key;
     const map = element("canvas");
     drawMap(map, field.signed ? "diverging" : "viridis");
-    this.shownField.textContent = field.label;
-    this.range.textContent = this.settings.perFrame ? "range of the frame" : "range of the run";
+    this.shownField.textContent = inUnit(field.label, unitOf(this.current, field.array));
+    this.range.show(this.settings.perFrame ? 1 : 0);
     this.scale.replaceChildren(map,
       element("div", { class: "ends" }, element("span", {}, number(low, 3)), element("span", {}, number((low + high) / 2, 3)), element("span", {}, number(high, 3))));
   }
 
   // The arrow of angular momentum starts in the middle of the body; its length is proportional to |L|.
   setArrow(time) {
+    if (!this.turns) {
+      this.scene.arrows.forEach((mesh) => { mesh.visible = false; });
+      return;
+    }
     const row = lastBefore(this.current.time, time);
     const L = this.momentum.map((component) => component[row]);
     const size = Math.hypot(...L), { arrow, arrows } = this.scene;
-    const isShown = this.settings.arrow && this.turns && size > 1e-9 * this.current.largest.angular_momentum;
+    const isShown = this.settings.arrow && size > 1e-9 * this.current.largest.angular_momentum;
     arrows.forEach((mesh) => { mesh.visible = isShown; });
     if (!isShown) return;
     arrow.start.value = this.middle;
     arrow.along.value = L.map((x) => x / size);
-    arrow.reach.value = (0.52 * this.reference.size * size) / this.current.largest.angular_momentum;
+    arrow.reach.value = (0.42 * this.reference.size * size) / this.current.largest.angular_momentum;
     arrow.thick.value = 0.0075 * this.reference.size;
   }
 
@@ -203,11 +251,16 @@ class Viewer {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      this.orbit.apply();
-      this.scene.draw();
-      this.drawTriad();
-      this.describe();
+      this.drawNow();
     });
+  }
+
+  drawNow() {
+    this.orbit.apply();
+    this.scene.draw();
+    this.drawTriad();
+    const text = this.describe();
+    if (this.foot.textContent !== text) this.foot.textContent = text;
   }
 
   describe() {
@@ -215,8 +268,7 @@ class Viewer {
     const factor = Number(this.factor.value);
     this.note.textContent = factor === 1 ? "" : `displacements × ${grouped(factor)}`;
     const thinned = kept < written ? ` (${written} written)` : "";
-    const text = `Frame ${shown + 1} of ${kept}${thinned}, step ${frames.steps[shown]}, t = ${number(frames.times[shown])}; as computed, without interpolation. ${notes.join(" ")}`;
-    if (this.foot.textContent !== text) this.foot.textContent = text;
+    return `Frame ${shown + 1} of ${kept}${thinned}, ${stepName(current)} ${frames.steps[shown]}, ${timeText(current, frames.times[shown])}; as computed, without interpolation. ${notes.join(" ")}`;
   }
 
   drawTriad() {

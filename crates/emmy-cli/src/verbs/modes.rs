@@ -1,0 +1,148 @@
+//! `emmy modes FILE`: natural modes, as a table and as files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use emmy::body::RegionSummary;
+use emmy::modes::{Mode, modes, modes_about};
+use emmy_io::input::{self, Overrides, Problem, StartError};
+
+use super::with_threads;
+use crate::failure::Failure;
+use crate::message::message;
+use crate::print::{self, columns, number};
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Input file (TOML)
+    file: PathBuf,
+    /// Number of modes, rigid ones included [default: 10, or all of a smaller body]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    count: Option<u32>,
+    /// Output directory [default: the directory of the input, with `-modes` added]
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Change a value of the input, such as region.0.density=2.5 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// No messages on standard error
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Number of modes without `--count`.
+const DEFAULT_COUNT: usize = 10;
+
+/// Computes, prints and writes the modes.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    with_threads(arguments.threads, || run_here(arguments))?
+}
+
+fn run_here(arguments: &Arguments) -> Result<(), Failure> {
+    let overrides = Overrides { set: arguments.set.clone(), ..Overrides::default() };
+    let problem = input::read(&arguments.file, &overrides)?;
+    let directory = arguments.directory(&problem);
+    emmy_io::modes::check(&directory, &problem)?;
+    let (displacement, modes) = computed(&problem, arguments.count)?;
+    emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
+    let page = emmy_io::report::write(&directory)?;
+    print::result(&table(&problem, &modes))?;
+    if !arguments.quiet {
+        remarks(&modes);
+        message!("written: {}", directory.join(emmy_io::modes::TABLE).display());
+        message!("to look at: {}", page.display());
+    }
+    Ok(())
+}
+
+impl Arguments {
+    fn directory(&self, problem: &Problem) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            let mut name = problem.output.directory.clone().into_os_string();
+            name.push("-modes");
+            name.into()
+        })
+    }
+}
+
+/// The displacement about which the body vibrates, and its modes.
+fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode>), Failure> {
+    let body = &problem.body;
+    let count = count.map_or(DEFAULT_COUNT.min(body.n_free_dofs().max(1)), |count| count as usize);
+    let Some(equilibrium) = problem.equilibrium()? else {
+        let modes = modes(body, count).map_err(failure)?;
+        return Ok((vec![0.0; body.n_dofs()], modes));
+    };
+    let state = equilibrium.start(problem.newton, &[], &mut []).map_err(StartError::from)?;
+    let modes = modes_about(body, &state, count).map_err(failure)?;
+    Ok((state.displacement, modes))
+}
+
+/// An iteration that does not converge is no fault of the input.
+fn failure(error: emmy::Error) -> Failure {
+    match error {
+        emmy::Error::TooManyModes { free, .. } => {
+            let help = match free {
+                0 => "all nodes are held".to_string(),
+                free => format!("take at most {free}"),
+            };
+            Failure::Usage { message: format!("--count: {error}"), help: Some(help) }
+        }
+        emmy::Error::Linear { .. } => {
+            Failure::Study { message: error.to_string(), help: "nothing was written".to_string() }
+        }
+        error => error.into(),
+    }
+}
+
+/// The modes with their effective masses relative to the mass of the body.
+fn table(problem: &Problem, modes: &[Mode]) -> String {
+    let mass = RegionSummary::combined(problem.body.regions()).mass;
+    let share = |effective: f64| format!("{:.1} %", 100.0 * effective / mass);
+    let head = ["mode", "frequency", "period", "mass x", "mass y", "mass z"].map(String::from).to_vec();
+    let row = |(index, mode): (usize, &Mode)| {
+        let period = match mode.angular_frequency {
+            0.0 => "rigid".to_string(),
+            _ if mode.is_elastic() => number(mode.period()),
+            _ => "unstable".to_string(),
+        };
+        let own = [(index + 1).to_string(), number(mode.frequency()), period];
+        own.into_iter().chain(mode.effective_mass.map(share)).collect()
+    };
+    let sum = |axis: usize| share(modes.iter().map(|mode| mode.effective_mass[axis]).sum());
+    let sums = ["sum".to_string(), String::new(), String::new()].into_iter().chain([0, 1, 2].map(sum));
+    let rows = std::iter::once(head).chain(modes.iter().enumerate().map(row));
+    columns(rows.chain([sums.collect()]).collect())
+}
+
+/// Largest relative residual without a warning.
+const MAX_RESIDUAL: f64 = 1e-4;
+
+/// Remarks on rigid, unstable and inaccurate modes.
+fn remarks(modes: &[Mode]) {
+    let rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
+    let unstable = modes.iter().filter(|mode| mode.angular_frequency < 0.0).count();
+    if rigid > 0 {
+        message!("note: {rigid} rigid {}, in which nothing holds the body", plural(rigid));
+    }
+    if unstable > 0 {
+        let modes = plural(unstable);
+        message!(
+            "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
+        );
+    }
+    let residual = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
+    if residual > MAX_RESIDUAL {
+        message!(
+            "warning: relative residuals of up to {residual:.0e}: the lowest modes have few correct digits"
+        );
+    }
+}
+
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "mode" } else { "modes" }
+}

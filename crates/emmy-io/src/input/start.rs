@@ -1,0 +1,137 @@
+//! The state from which a motion starts.
+
+use std::path::{Path, PathBuf};
+
+use emmy::equilibrium::Equilibrium;
+use emmy::motion::{MarchError, Observer, State};
+use emmy::time::Scheme;
+
+use super::Problem;
+use super::fault::{Fault, Place};
+use super::table::Table;
+use crate::checkpoint;
+
+/// The state from which a motion starts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// The undeformed body.
+    Undeformed,
+    /// Static equilibrium under the loads at the start.
+    Equilibrium {
+        /// Number of increments of the loads.
+        load_steps: usize,
+    },
+    /// The last state of the run in a directory.
+    Run(PathBuf),
+}
+
+/// Why there is no start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// An impossible start, or no equilibrium.
+    #[error(transparent)]
+    March(#[from] MarchError),
+    /// The state of another run cannot be taken.
+    #[error("`initial.state`: {0}")]
+    Run(String),
+}
+
+impl From<emmy::Error> for StartError {
+    fn from(error: emmy::Error) -> Self {
+        StartError::March(error.into())
+    }
+}
+
+impl Problem {
+    /// The start of the motion. An equilibrium is solved for; observers see its increments.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn start_state(&self, observers: &mut [&mut dyn Observer]) -> Result<State, StartError> {
+        match &self.start {
+            Start::Undeformed => Ok(State::initial(&self.body, self.plan.start(), &self.initial)?),
+            Start::Equilibrium { load_steps } => {
+                let equilibrium = Equilibrium::new(&self.body, self.plan.start(), *load_steps)?;
+                Ok(equilibrium.start(self.newton, &self.initial, observers)?)
+            }
+            Start::Run(directory) => self.state_of(directory),
+        }
+    }
+
+    /// Checks the start; returns its state unless that is an equilibrium, which is not solved for.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn check_start(&self) -> Result<Option<State>, StartError> {
+        if let Some(equilibrium) = self.equilibrium()? {
+            equilibrium.check()?;
+        }
+        match self.start {
+            Start::Equilibrium { .. } => Ok(None),
+            Start::Undeformed | Start::Run(_) => self.start_state(&mut []).map(Some),
+        }
+    }
+
+    /// The equilibrium from which the motion starts, or to which a static analysis leads.
+    ///
+    /// # Errors
+    /// [`emmy::Error::Plan`].
+    pub fn equilibrium(&self) -> emmy::Result<Option<Equilibrium<'_>>> {
+        let equilibrium = |time, load_steps| Equilibrium::new(&self.body, time, load_steps).map(Some);
+        match self.start {
+            Start::Equilibrium { load_steps } => equilibrium(self.plan.start(), load_steps),
+            _ if self.is_static() => equilibrium(self.plan.end(), self.plan.n_steps()),
+            Start::Undeformed | Start::Run(_) => Ok(None),
+        }
+    }
+
+    /// Whether the run is a static analysis, whose time is the load fraction.
+    pub fn is_static(&self) -> bool {
+        self.scheme == Scheme::Static
+    }
+
+    /// The last state of another run.
+    fn state_of(&self, directory: &Path) -> Result<State, StartError> {
+        let own = std::fs::canonicalize(&self.output.directory).ok();
+        if own.is_some() && own == std::fs::canonicalize(directory).ok() {
+            let reason = "it is the output directory of this run, which would replace it; give another `output.directory`";
+            return Err(StartError::Run(reason.to_string()));
+        }
+        let (checkpoint, _) =
+            checkpoint::newest(directory).map_err(|error| StartError::Run(error.to_string()))?;
+        let (theirs, own) = (&checkpoint.identity.mesh, checkpoint::digest(self.body.mesh()));
+        if *theirs != own {
+            return Err(StartError::Run(format!(
+                "the run in {} has another mesh: {theirs}, here {own}",
+                directory.display()
+            )));
+        }
+        Ok(checkpoint.snapshot.state.transferred(&self.body, self.plan.start())?)
+    }
+}
+
+/// The directory of `initial.state`, if it is there.
+pub(super) fn read(root: &Table<'_>, directory: &Path) -> Result<Option<PathBuf>, Fault> {
+    let Some(initial) = root.get("initial") else { return Ok(None) };
+    let items = initial.one_or_more()?;
+    let Some(place) = items.iter().find_map(|item| item.has_key("state")) else { return Ok(None) };
+    let other = |place: &Place, what: &Place| {
+        let message = "`state` gives the whole start, with its velocities: no other key of `[initial]` can stand beside it";
+        Err(Fault::at(place, message, "the start").label(what, "and more"))
+    };
+    if let [_, second, ..] = &items[..] {
+        return other(place, second.place());
+    }
+    let table = items[0].table(&super::initial::INITIAL)?;
+    if let Some(key) =
+        ["group", "velocity", "angular_velocity", "about", "gradient"].iter().find_map(|key| table.get(key))
+    {
+        return other(place, key.key_place);
+    }
+    if let Some(equilibrium) = root.get("equilibrium") {
+        let message = "the motion starts from `initial.state` or from `[equilibrium]`, not from both";
+        return Err(Fault::at(place, message, "this one").label(equilibrium.key_place, "and this one"));
+    }
+    let path = table.require("state")?.string()?;
+    Ok(Some(directory.join(path)))
+}

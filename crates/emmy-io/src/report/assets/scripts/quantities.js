@@ -1,0 +1,84 @@
+// Charts of the columns that depend on the input: probes, reactions, extremes and values of groups.
+
+// Columns with charts of their own, or without one.
+const STANDARD = new Set(["step", "time", "step_size", "kinetic_energy", "strain_energy", "external_work", "total_energy", "energy_residual",
+  "linear_momentum_residual", "angular_momentum_residual", "newton_iterations", "wall_seconds", "smallest_determinant", "local_error", "dissipated_energy", "degree",
+  ...["linear", "angular"].flatMap((kind) => ["x", "y", "z"].map((axis) => `${kind}_momentum_${axis}`))]);
+
+const COMPONENTS = { x: ["--c1", []], y: ["--c2", [6, 3]], z: ["--c0", [2, 3]],
+  xx: ["--c1", []], yy: ["--c2", [6, 3]], zz: ["--c0", [2, 3]], xy: ["--c3", [9, 3]], yz: ["--c5", [4, 4]], xz: ["--c6", [2, 2]],
+  1: ["--c1", []], 2: ["--c2", [6, 3]], 3: ["--c0", [2, 3]] };
+
+const LETTERS = { position: "", displacement: "u", velocity: "v", force: "F", moment: "M", cauchy_stress: "σ", second_piola_kirchhoff_stress: "S", green_lagrange_strain: "E" };
+
+function words(name) {
+  return name.replaceAll("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy").replace("green lagrange", "Green-Lagrange").replace("piola kirchhoff", "Piola-Kirchhoff");
+}
+
+// Quantities with the columns of their components: `foot_force_x, _y, _z` are the components x, y and z of `foot_force`.
+function quantities(run) {
+  const found = new Map();
+  for (const column of run.history.columns.filter((name) => !STANDARD.has(name))) {
+    const [, stem, component] = column.match(/^(.+)_(x|y|z|xx|yy|zz|xy|yz|xz|[123])$/) ?? [null, column, ""];
+    if (!found.has(stem)) found.set(stem, []);
+    found.get(stem).push({ column, component });
+  }
+  return [...found].map(([stem, parts]) => ({ stem, parts, ...meaning(run, stem, parts) }));
+}
+
+// What a quantity is, by its name: `owner` and `name` of the quantity.
+function meaning(run, stem, [{ component }]) {
+  const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
+  if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
+  const [, group, name] = stem.match(/^(.+)_(force|moment)$/) ?? [];
+  if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
+  if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}`, name: stem, unit: "over the body" };
+  return { title: stem, name: stem };
+}
+
+// One chart for each quantity of a run. A probe's position is shown as displacement; the position itself would only show
+// where the node is.
+function chartsOfQuantities(run) {
+  const all = quantities(run);
+  const find = (owner, name) => all.find((quantity) => quantity.owner === owner && quantity.name === name);
+  return all.filter(({ owner, name }) => !(name === "displacement" && owner !== undefined && find(owner, "position"))).map((quantity) => {
+    const lines = linesOf(run, quantity);
+    const { title, unit, owner, name } = quantity;
+    if (name !== "position" || owner === undefined) {
+      const what = owner === undefined ? unit : words(name);
+      return ofRun(run, { title, unit: inUnit(what, unitOf(run, quantity.parts[0].column)), height: 150, lines });
+    }
+    const own = find(owner, "displacement");
+    const from = lines.map(({ values }) => number(values[0]));
+    const symbol = unitOf(run, quantity.parts[0].column);
+    const moved = own ? linesOf(run, own)
+      : lines.map((line, i) => ({ ...line, label: `u${quantity.parts[i].component}`, values: line.values.map((value) => (value === null ? null : value - line.values[0])) }));
+    return ofRun(run, { title, height: 150, choices: [
+      { name: "displacement", unit: inUnit(`from (${from.join(", ")})`, symbol), lines: moved },
+      { name: "position", unit: inUnit("", symbol), lines }] });
+  });
+}
+
+function linesOf(run, { parts, owner, name }) {
+  const letter = LETTERS[name] ?? "";
+  const lines = parts.map(({ column, component }) => {
+    const [colour, dash] = COMPONENTS[component] ?? ["--c0", []];
+    return { label: component ? letter + component : owner === undefined ? name : words(name), values: nulled(run.column(column)), colour, dash };
+  });
+  if (parts.length === 3 && (name === "force" || name === "moment")) {
+    const norm = lines[0].values.map((x, i) => (x === null ? null : Math.hypot(x, lines[1].values[i], lines[2].values[i])));
+    lines.push({ label: `|${letter}|`, values: norm, colour: "--ink", dash: [], width: 2 });
+  }
+  return lines;
+}
+
+// Charts of the quantities that all of several runs have, one component at a time.
+function comparedQuantities(runs, each) {
+  const others = runs.slice(1).map((run) => new Set(run.history.columns));
+  const isShared = ({ parts }) => others.every((columns) => parts.every(({ column }) => columns.has(column)));
+  return quantities(runs[0]).filter(isShared).map(({ title, unit, owner, name, parts }) => {
+    const what = inUnit(owner === undefined ? unit : words(name), unitOf(runs[0], parts[0].column));
+    const choices = parts.map(({ column, component }) => ({ name: component, unit: what, lines: each((run) => nulled(run.column(column))) }));
+    return ofRuns({ title, height: 150, ...(choices.length > 1 ? { choices } : choices[0]) });
+  });
+}

@@ -1,0 +1,270 @@
+//! Rigid motions that neither supports nor the ground hold.
+
+use super::{Assembly, Body, StepInput};
+use crate::average::Rule;
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::number::short_vector;
+use crate::quadrature::gauss;
+use crate::sparse::null_space;
+use crate::tensor::cross;
+
+/// Components of a rigid motion: rotations about x, y, z through a centre, then translations along x, y, z.
+const MOTIONS: usize = 6;
+
+/// Rotations, angles and distances below this part of the size of a part count as zero.
+const ROUNDING: f64 = 1e-6;
+
+/// Angle, or distance over the radius of a part, of a motion that tests the force of the ground.
+const SMALL: f64 = 1e-4;
+
+/// A rigid motion, by its components; rotations are distances at the radius of the part.
+type Twist = [f64; MOTIONS];
+
+impl Body {
+    /// Checks that supports, springs and attractions hold each connected part of the body in the reference
+    /// configuration.
+    ///
+    /// # Errors
+    /// [`Error::NotHeld`] names the rigid motions that are free.
+    pub(crate) fn check_held(&self) -> Result<()> {
+        let mut assembly = self.assembly(1);
+        let parts = self.mesh.parts();
+        for cells in &parts {
+            let part = Part::new(&self.mesh, cells);
+            let free = part.free_motions(self, &mut assembly)?;
+            if !free.is_empty() {
+                let what = match parts.len() {
+                    1 => "the body".to_string(),
+                    _ => format!("the part of the body with cell {}", cells[0]),
+                };
+                return Err(Error::NotHeld { part: what, motions: listed(&free) });
+            }
+        }
+        Ok(())
+    }
+
+    /// Force of springs and attractions on a displacement.
+    fn ground_force_at(
+        &self,
+        displacement: &[f64],
+        assembly: &mut Assembly,
+        force: &mut [f64],
+    ) -> Result<()> {
+        let rest = vec![0.0; self.n_dofs()];
+        let rule = Rule::standard(1, &gauss(1));
+        let step = StepInput {
+            rule: &rule,
+            tangent_factor: 0.0,
+            displacement,
+            rates: &rest,
+            damping: Default::default(),
+        };
+        self.ground_force(&step, assembly, force)
+    }
+}
+
+/// A connected part of the mesh.
+struct Part<'a> {
+    mesh: &'a Mesh,
+    nodes: Vec<u32>,
+    centre: [f64; 3],
+    radius: f64,
+}
+
+impl<'a> Part<'a> {
+    fn new(mesh: &'a Mesh, cells: &[u32]) -> Self {
+        let mut nodes: Vec<u32> =
+            cells.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut centre = [0.0; 3];
+        for X in nodes.iter().map(|&node| mesh.points()[node as usize]) {
+            (0..3).for_each(|d| centre[d] += X[d] / nodes.len() as f64);
+        }
+        let distance = |&node: &u32| {
+            let X = mesh.points()[node as usize];
+            (0..3).map(|d| (X[d] - centre[d]).powi(2)).sum::<f64>().sqrt()
+        };
+        let radius = nodes.iter().map(distance).fold(0.0, f64::max);
+        Part { mesh, nodes, centre, radius: if radius > 0.0 { radius } else { 1.0 } }
+    }
+
+    /// Displacement of a component of the node by each rigid motion.
+    fn row(&self, node: u32, component: usize) -> Twist {
+        let X = self.mesh.points()[node as usize];
+        let r = [0, 1, 2].map(|d| (X[d] - self.centre[d]) / self.radius);
+        let mut row = [0.0; MOTIONS];
+        for axis in 0..3 {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            row[axis] = cross(unit, r)[component];
+        }
+        row[3 + component] = 1.0;
+        row
+    }
+
+    /// The free rigid motions, each named.
+    fn free_motions(&self, body: &Body, assembly: &mut Assembly) -> Result<Vec<String>> {
+        let dofs = || self.nodes.iter().flat_map(|&node| (0..3).map(move |i| (node, i)));
+        let mut all = Gram::default();
+        let mut held = Gram::default();
+        for (node, component) in dofs() {
+            let row = self.row(node, component);
+            all.add(&row, &row);
+            if body.fixed()[3 * node as usize + component] {
+                held.add(&row, &row);
+            }
+        }
+        let mut sum = held.normalized();
+        if body.has_ground() {
+            sum.add_all(&self.ground(body, assembly)?.squared().normalized());
+        }
+        // Rotations that move no node, of a part on a line, need not be held.
+        for idle in null_space(&all.normalized().0)? {
+            sum.add(&idle, &idle);
+        }
+        let free = reduced(null_space(&sum.0)?);
+        Ok(free.iter().map(|twist| self.name(twist)).collect())
+    }
+
+    /// Derivatives of the force and the moment of the ground by the rigid motions, by central differences. Both are seen
+    /// from the body: a motion around a centre of attraction does not change them.
+    fn ground(&self, body: &Body, assembly: &mut Assembly) -> Result<Gram> {
+        let mut gram = Gram::default();
+        let mut displacement = vec![0.0; body.n_dofs()];
+        let mut force = displacement.clone();
+        for (motion, sign) in (0..MOTIONS).flat_map(|motion| [(motion, 1.0), (motion, -1.0)]) {
+            let angle = if motion < 3 { sign * SMALL } else { 0.0 };
+            for &node in &self.nodes {
+                let X = self.mesh.points()[node as usize];
+                let r = [0, 1, 2].map(|d| X[d] - self.centre[d]);
+                let turned = turned(r, motion % 3, angle);
+                (0..3).for_each(|d| displacement[3 * node as usize + d] = turned[d] - r[d]);
+                if motion >= 3 {
+                    displacement[3 * node as usize + motion - 3] = sign * SMALL * self.radius;
+                }
+            }
+            body.ground_force_at(&displacement, assembly, &mut force)?;
+            for &node in &self.nodes {
+                let own = [0, 1, 2].map(|d| sign * force[3 * node as usize + d]);
+                let own = turned(own, motion % 3, -angle);
+                let mut unit = [0.0; MOTIONS];
+                unit[motion] = 1.0;
+                for (component, f) in own.into_iter().enumerate() {
+                    gram.add(&self.row(node, component).map(|x| f * x), &unit);
+                }
+            }
+        }
+        Ok(gram)
+    }
+
+    /// Name of a rigid motion.
+    fn name(&self, twist: &Twist) -> String {
+        let spin = [0, 1, 2].map(|d| twist[d] / self.radius);
+        let shift = [3, 4, 5].map(|d| twist[d]);
+        let square: f64 = spin.iter().map(|w| w * w).sum();
+        if square.sqrt() * self.radius < ROUNDING {
+            return format!("translation along {}", direction(shift));
+        }
+        // The point of the axis next to the centre.
+        let arm = cross(spin, shift).map(|x| x / square);
+        let about = direction(spin);
+        if arm.iter().all(|x| x.abs() < ROUNDING * self.radius) {
+            return format!("rotation about {about}");
+        }
+        let point = [0, 1, 2].map(|d| self.centre[d] + arm[d]);
+        let point = point.map(|x| if x.abs() < ROUNDING * self.radius { 0.0 } else { x });
+        format!("rotation about {about} through {}", short_vector(point))
+    }
+}
+
+/// A vector turned about a coordinate axis.
+fn turned(v: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
+    let [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
+    let mut turned = v;
+    turned[b] = angle.cos() * v[b] - angle.sin() * v[c];
+    turned[c] = angle.sin() * v[b] + angle.cos() * v[c];
+    turned
+}
+
+/// A coordinate axis by its name, any other direction as a vector.
+fn direction(vector: [f64; 3]) -> String {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let unit = vector.map(|x| if x.abs() < ROUNDING * length { 0.0 } else { x / length });
+    match unit.iter().position(|x| x.abs() > 1.0 - ROUNDING) {
+        Some(axis) => ["x", "y", "z"][axis].to_string(),
+        None => format!("the direction {}", short_vector(unit)),
+    }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => name.clone(),
+        [names @ .., last] => format!("{} and {last}", names.join(", ")),
+    }
+}
+
+/// Basis of the same space in reduced echelon form: each motion has a component 1 that the others do not have.
+fn reduced(mut basis: Vec<Vec<f64>>) -> Vec<Twist> {
+    let mut done = 0;
+    for column in 0..MOTIONS {
+        let size = |vector: &Vec<f64>| vector[column].abs();
+        let best = (done..basis.len()).max_by(|&a, &b| size(&basis[a]).total_cmp(&size(&basis[b])));
+        let Some(best) = best.filter(|&best| size(&basis[best]) > ROUNDING) else { continue };
+        basis.swap(done, best);
+        let pivot = basis[done][column];
+        basis[done].iter_mut().for_each(|x| *x /= pivot);
+        let row = basis[done].clone();
+        for (_, other) in basis.iter_mut().enumerate().filter(|(index, _)| *index != done) {
+            let factor = other[column];
+            other.iter_mut().zip(&row).for_each(|(x, y)| *x -= factor * y);
+        }
+        done += 1;
+    }
+    basis.iter().map(|vector| [0, 1, 2, 3, 4, 5].map(|i| vector[i])).collect()
+}
+
+/// A symmetric matrix of the rigid motions, row by row.
+#[derive(Debug, Clone, Copy)]
+struct Gram([f64; MOTIONS * MOTIONS]);
+
+impl Default for Gram {
+    fn default() -> Self {
+        Gram([0.0; MOTIONS * MOTIONS])
+    }
+}
+
+impl Gram {
+    /// Adds `a b^T`.
+    fn add(&mut self, a: &[f64], b: &[f64]) {
+        for (at, sum) in self.0.iter_mut().enumerate() {
+            *sum += a[at / MOTIONS] * b[at % MOTIONS];
+        }
+    }
+
+    fn add_all(&mut self, other: &Gram) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, x)| *sum += x);
+    }
+
+    /// The matrix over its largest entry.
+    fn normalized(mut self) -> Gram {
+        let largest = self.0.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        if largest > 0.0 {
+            self.0.iter_mut().for_each(|x| *x /= largest);
+        }
+        self
+    }
+
+    /// The product with the transpose from the left: positive semidefinite, with the same null space.
+    fn squared(self) -> Gram {
+        let unit = self.normalized().0;
+        let mut square = Gram::default();
+        for row in unit.chunks_exact(MOTIONS) {
+            square.add(row, row);
+        }
+        square
+    }
+}

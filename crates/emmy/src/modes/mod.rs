@@ -1,0 +1,194 @@
+//! Natural modes: small free vibrations about a state at rest.
+
+mod pencil;
+mod rigid;
+
+use pencil::{BodyPencil, Linearised};
+
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::sparse::reduce::dot;
+use crate::sparse::{Eigenmodes, Pencil, smallest};
+use crate::time::State;
+
+/// A natural mode.
+///
+/// ```
+/// use emmy::modes::Mode;
+/// let mode = Mode { angular_frequency: 4.0, shape: Vec::new(), effective_mass: [0.0; 3], residual: 0.0 };
+/// assert_eq!((mode.frequency(), mode.period()), (4.0 / std::f64::consts::TAU, 0.5 * std::f64::consts::PI));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Angular frequency omega \[1/time\]; 0 for a rigid mode. An unstable mode, which grows as `exp(gamma t)`, has
+    /// `-gamma`.
+    pub angular_frequency: f64,
+    /// Shape v with `v^T M v = 1` and a positive largest component, `[n_nodes][3]` \[1/sqrt(mass)\].
+    pub shape: Vec<f64>,
+    /// Effective mass of each direction, `(v^T M e_d)^2` with the rigid translation e_d \[mass\]. The sums over all modes
+    /// of a free body are its mass.
+    pub effective_mass: [f64; 3],
+    /// Relative residual `|K v - omega^2 M v| / ((omega^2 + s) |M v|)` of the computed mode, with a shift s of the size of
+    /// the lowest elastic omega^2.
+    pub residual: f64,
+}
+
+impl Mode {
+    /// Frequency `omega / (2 pi)` \[1/time\].
+    pub fn frequency(&self) -> f64 {
+        self.angular_frequency / std::f64::consts::TAU
+    }
+
+    /// Period `2 pi / omega` \[time\]; infinite for a rigid or unstable mode.
+    pub fn period(&self) -> f64 {
+        if self.is_elastic() { 1.0 / self.frequency() } else { f64::INFINITY }
+    }
+
+    /// Whether the body vibrates in this mode: it is neither rigid nor unstable.
+    pub fn is_elastic(&self) -> bool {
+        self.angular_frequency > 0.0
+    }
+}
+
+/// Relative residual of the Ritz vectors at which the iteration ends; the errors of the eigenvalues are its square.
+const TOLERANCE: f64 = 1e-9;
+
+/// Number of shifts that are tried.
+const MAX_SHIFTS: usize = 6;
+
+/// Least ratio of the shift to the lowest elastic omega^2 of a body with rigid modes, whose eigenvalues 1/s must not drown
+/// the others.
+const LEAST_SHIFT: f64 = 1e-7;
+
+/// Number of modes from which the search for the lowest elastic one starts: one more than a solid has rigid ones.
+const RIGID_AND_ONE: usize = 7;
+
+/// Number of modes at which that search ends.
+const MAX_SEARCHED: usize = 56;
+
+/// The modes of lowest frequency of a body without loads, about its reference configuration, the lowest first.
+///
+/// ```math
+/// K v = omega^2 M v
+/// ```
+///
+/// with the consistent mass M and the stiffness K of cells, links and springs; fixed and driven degrees of freedom are
+/// held. Viscosity and drag are left out. Rigid modes are counted, and have the frequency 0: translations along x, y and z as far
+/// as the body has them, then rotations and mechanisms.
+///
+/// # Errors
+/// [`Error::TooManyModes`], [`Error::OutOfMemory`], [`Error::Linear`] if the iteration does not converge.
+///
+/// ```
+/// use emmy::modes::modes;
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let modes = modes(&body, 8)?;
+/// assert_eq!(modes.iter().filter(|mode| mode.angular_frequency == 0.0).count(), 6);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
+    solved(body, &mut Linearised::at_reference(body)?, count)
+}
+
+/// The modes about an equilibrium, with the stiffness of its displacement and of its follower pressures (their symmetric
+/// part: exact for a pressure on a closed surface, or on one whose edge is held). A mode is unstable if the equilibrium is.
+///
+/// # Errors
+/// As [`modes`], and [`Error::Inverted`].
+///
+/// ```
+/// use emmy::modes::{modes, modes_about};
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let state = State::initial(&body, 0.0, &[])?;
+/// assert_eq!(modes_about(&body, &state, 8)?, modes(&body, 8)?);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec<Mode>> {
+    solved(body, &mut Linearised::at(body, &equilibrium.displacement, Some(equilibrium.time))?, count)
+}
+
+/// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if the 56 lowest
+/// modes are rigid or unstable.
+///
+/// # Errors
+/// As [`modes`].
+///
+/// ```
+/// use emmy::modes::lowest_elastic_mode;
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+/// let (mode, n_rigid) = lowest_elastic_mode(&body)?.unwrap();
+/// assert!(n_rigid == 6 && mode.period().is_finite());
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
+    let mut linearised = Linearised::at_reference(body)?;
+    let most = MAX_SEARCHED.min(body.n_free_dofs());
+    let mut count = RIGID_AND_ONE.min(most);
+    loop {
+        let modes = if count == 0 { Vec::new() } else { solved(body, &mut linearised, count)? };
+        let n_rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
+        let elastic = modes.into_iter().find(Mode::is_elastic);
+        if elastic.is_some() || count == most {
+            return Ok(elastic.map(|mode| (mode, n_rigid)));
+        }
+        count = (2 * count).min(most);
+    }
+}
+
+/// The lowest modes of a linearised body, with a shift near the lowest elastic one.
+fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
+    let free = body.n_free_dofs();
+    if count > free {
+        return Err(Error::TooManyModes { count, free });
+    }
+    let max_vectors = 6 * count + 200;
+    let mut pencil = BodyPencil::new(body, linearised)?;
+    let mut shift = pencil.suggested_shift();
+    for _ in 0..MAX_SHIFTS {
+        pencil.factorize(shift)?;
+        let found = smallest(&mut pencil, count, TOLERANCE, max_vectors);
+        let zero = pencil.rounding();
+        let lowest = found.values.iter().copied().find(|value| *value > zero);
+        let is_rigid = found.values.iter().any(|value| value.abs() <= zero);
+        match lowest {
+            Some(lowest) if !found.is_converged => shift = 0.1 * lowest,
+            Some(lowest) if is_rigid && pencil.shift() < LEAST_SHIFT * lowest => shift = 0.1 * lowest,
+            None if !found.is_converged => shift = 0.01 * pencil.shift(),
+            _ => return Ok(described(body, found, zero)),
+        }
+    }
+    Err(Error::Linear { reason: format!("the iteration for {count} modes does not converge") })
+}
+
+/// The modes of eigenpairs; values up to `zero` are rounding.
+fn described(body: &Body, mut found: Eigenmodes, zero: f64) -> Vec<Mode> {
+    let n = body.n_dofs();
+    let translation = |axis: usize| {
+        let e: Vec<f64> = (0..n).map(|dof| if dof % 3 == axis { 1.0 } else { 0.0 }).collect();
+        let mut product = vec![0.0; n];
+        body.mass_product(&e, &mut product);
+        product
+    };
+    let translations = [0, 1, 2].map(translation);
+    let first = found.values.iter().filter(|value| **value < -zero).count();
+    let n_rigid = found.values[first..].iter().filter(|value| **value <= zero).count();
+    rigid::separate(&mut found.vectors[first * n..(first + n_rigid) * n], &translations);
+    let eigenpairs = found.values.iter().zip(found.vectors.chunks_exact(n)).zip(&found.residuals);
+    let mode = |((&value, vector), &residual): ((&f64, &[f64]), &f64)| {
+        let largest = |largest: f64, &x: &f64| if x.abs() > largest.abs() { x } else { largest };
+        let sign = vector.iter().fold(0.0, largest).signum();
+        Mode {
+            angular_frequency: if value.abs() <= zero { 0.0 } else { value.abs().sqrt().copysign(value) },
+            shape: vector.iter().map(|x| x * sign).collect(),
+            effective_mass: translations.each_ref().map(|product| dot(vector, product).powi(2)),
+            residual,
+        }
+    };
+    eigenpairs.map(mode).collect()
+}

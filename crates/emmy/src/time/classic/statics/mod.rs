@@ -1,0 +1,159 @@
+//! Static equilibrium: the internal force balances the loads at the end of each step.
+
+mod system;
+
+use super::forces::TimePoint;
+use crate::body::{Body, Reaction};
+use crate::error::{Error, Result};
+use crate::newton::{Newton, NewtonSettings, Outcome};
+use crate::sparse::reduce::norm;
+use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
+use system::{StaticSystem, largest_node};
+
+/// An equilibrium farther away than this multiple of the step linearised at its start belongs to another path: near a limit
+/// of the loads, where the path is a parabola, the multiple is at most 2.
+const FARTHEST: f64 = 3.0;
+
+/// The same multiple of the step linearised at its end; a path that stiffens with the power n has n.
+const FARTHEST_BACK: f64 = 10.0;
+
+/// Distances below this part of the size of the body are rounding.
+const NO_DISTANCE: f64 = 1e-9;
+
+/// Stepper of static equilibria, for a body under loads that grow with the time ([`Body::in_proportion`]). A step leads
+/// from one equilibrium to the next; there is no inertia, and no damping.
+///
+/// ```math
+/// f(u_2) = F(u_2, t_2)
+/// ```
+///
+/// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
+/// stiffness is positive definite, then with a line search. In a record, the work of loads and supports is the change of
+/// the strain energy, as it is along a path of equilibria, and the residuals of the momentum balances are the resultant
+/// and the moment of loads, reactions and ground.
+#[derive(Debug)]
+pub struct StaticStepper<'a> {
+    newton: Newton,
+    settings: NewtonSettings,
+    system: StaticSystem<'a>,
+    unknowns: Vec<f64>,
+    end: TimePoint,
+    energy: f64,
+}
+
+impl<'a> StaticStepper<'a> {
+    /// The stepper of a state, which it brings to rest.
+    ///
+    /// # Errors
+    /// [`Error::NotHeld`], [`Error::Linear`], [`Error::OutOfMemory`].
+    pub fn new(body: &'a Body, settings: NewtonSettings, state: &mut State) -> Result<Self> {
+        body.check_held()?;
+        state.velocity.fill(0.0);
+        state.momentum.fill(0.0);
+        Ok(StaticStepper {
+            newton: Newton::default(),
+            settings: NewtonSettings { exact_tangent: true, ..settings },
+            system: StaticSystem::new(body)?,
+            unknowns: vec![0.0; body.n_dofs()],
+            end: TimePoint::new(body),
+            energy: body.strain_energy(&state.displacement),
+        })
+    }
+
+    /// Solves for the equilibrium at the end of a step.
+    fn solve(&mut self, state: &State, step_size: f64) -> Result<Outcome> {
+        self.system.time = state.time + step_size;
+        match self.attempt(state, false) {
+            // Smaller corrections do not help a singular stiffness.
+            Err(error) if !matches!(error, Error::Singular { .. }) => self.attempt(state, true),
+            outcome => outcome,
+        }
+    }
+
+    fn attempt(&mut self, state: &State, line_search: bool) -> Result<Outcome> {
+        self.system.must_be_definite = !line_search;
+        self.system.predict(&state.displacement, &mut self.unknowns)?;
+        let outcome = self.newton.solve(&mut self.system, &mut self.unknowns, &self.settings, line_search)?;
+        if !outcome.converged {
+            return Err(self.failure(state, outcome));
+        }
+        self.check_path(state).map(|()| outcome)
+    }
+
+    /// Checks that the equilibrium belongs to the path that leads to it.
+    fn check_path(&mut self, state: &State) -> Result<()> {
+        let mut moved = self.unknowns.clone();
+        moved.iter_mut().zip(&state.displacement).for_each(|(u, old)| *u -= old);
+        let distance = norm(&moved);
+        if distance <= NO_DISTANCE * self.system.size {
+            return Ok(());
+        }
+        // At a limit of the loads the stiffness is singular.
+        let back = self.system.linear_step(&self.unknowns).map_or(f64::INFINITY, |step| norm(&step));
+        let forth = self.system.predicted.unwrap_or(0.0);
+        if distance <= (FARTHEST * forth).min(FARTHEST_BACK * back) {
+            return Ok(());
+        }
+        let node = largest_node(&moved);
+        let position = state.position(self.system.forces.body, node);
+        Err(Error::OtherPath { fraction: self.system.time, node, position })
+    }
+
+    /// The error of an iteration that did not converge.
+    fn failure(&self, state: &State, failed: Outcome) -> Error {
+        let node = largest_node(self.newton.residual());
+        Error::NotBalanced {
+            fraction: self.system.time,
+            iterations: failed.iterations,
+            residual: failed.residual,
+            target: failed.target,
+            node,
+            position: state.position(self.system.forces.body, node),
+        }
+    }
+}
+
+impl Stepper for StaticStepper<'_> {
+    fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
+        let newton = self.solve(state, step_size)?;
+        self.end.displacement.copy_from_slice(&self.unknowns);
+        self.end.evaluate(&mut self.system.forces, self.system.time)?;
+        let body = self.system.forces.body;
+        let strain_state = body.strain_state(&self.unknowns);
+        // The fixed degrees of freedom have no inertia.
+        self.end.set_reactions(body, &self.system.rest);
+        state.displacement.copy_from_slice(&self.unknowns);
+        state.displacement_low.fill(0.0);
+        let mut impulses = Impulses { work: strain_state.strain_energy - self.energy, ..Impulses::default() };
+        self.energy = strain_state.strain_energy;
+        self.add_resultants(&mut impulses);
+        Ok(StepOutcome { newton, impulses, strain_state, solver: None })
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        self.end.reactions()
+    }
+
+    fn newton_history(&self) -> &[f64] {
+        self.newton.history()
+    }
+
+    fn memory(&self) -> Memory {
+        let mut memory = Memory::default();
+        memory.keep_number("energy", self.energy);
+        memory
+    }
+
+    fn restore(&mut self, memory: &Memory) -> Result<()> {
+        self.energy = memory.number("energy")?;
+        Ok(())
+    }
+}
+
+impl StaticStepper<'_> {
+    /// Adds resultant and moment of loads, reactions and ground; on free degrees of freedom loads and internal forces
+    /// cancel but for the residual.
+    fn add_resultants(&self, impulses: &mut Impulses) {
+        impulses.add_force(self.system.forces.body, 1.0, &self.end.displacement, &self.end.force);
+    }
+}

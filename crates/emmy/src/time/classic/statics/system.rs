@@ -1,0 +1,267 @@
+//! The equations of equilibrium, and their linear systems.
+
+use crate::average::Request;
+use crate::body::{Body, StepDamping, StepInput};
+use crate::error::{Error, Result};
+use crate::newton::{Sizes, System, Tangent};
+use crate::sparse::reduce::norm;
+use crate::sparse::{BlockCholesky, Gmres, LinearSystem, SparseLu, StageMatrix};
+use crate::time::classic::configurations;
+use crate::time::classic::forces::Forces;
+use crate::time::followers::Followers;
+use crate::time::linear::clear_fixed;
+
+/// Iterations of GMRES before the stiffness is factorised with its follower loads.
+const MAX_LINEAR_ITERATIONS: usize = 60;
+
+/// Rounding floor of the residual over `eps || |K| |u| ||`: rounding errors of many terms partly cancel.
+const FLOOR: f64 = 0.25;
+
+/// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
+const LARGEST_CORRECTION: f64 = 1e6;
+
+/// The equations of equilibrium at a time.
+#[derive(Debug)]
+pub(super) struct StaticSystem<'a> {
+    pub(super) forces: Forces<'a>,
+    followers: Followers,
+    pub(super) time: f64,
+    factor: BlockCholesky,
+    gmres: Gmres,
+    /// Factorisation with follower loads, where GMRES fails.
+    lu: Option<SparseLu>,
+    /// Whether a stiffness that is not positive definite ends the iteration.
+    pub(super) must_be_definite: bool,
+    /// Residual at the start of the step, under the loads at its end.
+    first: Vec<f64>,
+    /// Displacement of the driven degrees of freedom in the step.
+    shift: Vec<f64>,
+    /// Norm of the step, linearised at its start.
+    pub(super) predicted: Option<f64>,
+    /// Largest extent of the mesh.
+    pub(super) size: f64,
+    floor: f64,
+    external: Vec<f64>,
+    right: Vec<f64>,
+    pub(super) rest: Vec<f64>,
+}
+
+impl<'a> StaticSystem<'a> {
+    pub(super) fn new(body: &'a Body) -> Result<Self> {
+        let zero = vec![0.0; body.n_dofs()];
+        Ok(StaticSystem {
+            forces: Forces::new(body),
+            followers: Followers::new(body, &configurations(&[(1.0, 1.0)])),
+            time: 0.0,
+            factor: BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?,
+            gmres: Gmres::default(),
+            lu: None,
+            must_be_definite: true,
+            first: zero.clone(),
+            shift: zero.clone(),
+            predicted: None,
+            size: body.mesh().extent().into_iter().fold(0.0, f64::max),
+            floor: 0.0,
+            external: zero.clone(),
+            right: zero.clone(),
+            rest: zero,
+        })
+    }
+
+    /// First unknowns of a step that starts in equilibrium at a displacement: with moving supports, the solution of the
+    /// equations linearised there.
+    pub(super) fn predict(&mut self, displacement: &[f64], unknowns: &mut [f64]) -> Result<()> {
+        (self.floor, self.predicted) = (0.0, None);
+        unknowns.copy_from_slice(displacement);
+        let body = self.forces.body;
+        let mut first = std::mem::take(&mut self.first);
+        let outcome = self.residual(displacement, &mut first);
+        self.first = first;
+        outcome?;
+        if !body.is_driven() {
+            return Ok(());
+        }
+        self.shift.copy_from_slice(displacement);
+        body.set_driven_displacement(self.time, &mut self.shift);
+        self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
+        self.factorize(displacement)?;
+        let step = self.linear_step(displacement)?;
+        self.predicted = Some(norm(&step));
+        unknowns.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
+        // Exactly there, not but for rounding.
+        body.set_driven_displacement(self.time, unknowns);
+        Ok(())
+    }
+
+    /// The step from the start that the equations give, linearised with the tangent that was set last, near x.
+    pub(super) fn linear_step(&mut self, x: &[f64]) -> Result<Vec<f64>> {
+        let body = self.forces.body;
+        let mut residual = self.rest.clone();
+        self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
+        clear_fixed(body, &mut residual);
+        residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
+        let mut step = self.rest.clone();
+        self.solve(x, &residual, PREDICTION, &mut step)?;
+        step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
+        Ok(step)
+    }
+
+    /// Sets the exact tangent at a displacement, and factorises it without the follower loads.
+    fn factorize(&mut self, displacement: &[f64]) -> Result<()> {
+        self.forces.assemble(displacement, Request::Tangent)?;
+        let body = self.forces.body;
+        self.lu = None;
+        let matrix = &self.forces.assembly.matrix;
+        self.factor.factorize(|source| matrix.block(source / 9)[source % 9])?;
+        if self.must_be_definite && !self.factor.factor().is_definite() {
+            return Err(Error::Linear { reason: "the stiffness is not positive definite".into() });
+        }
+        self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
+        let rule = configurations(&[(1.0, 1.0)]);
+        let step = StepInput {
+            rule: &rule,
+            tangent_factor: 1.0,
+            displacement,
+            rates: &self.rest,
+            damping: StepDamping::default(),
+        };
+        self.followers.sample(body, self.time, 0.0);
+        self.followers.add_tangent(body, &step, &mut self.forces.assembly);
+        Ok(())
+    }
+
+    /// Solves `K dx = -R` with the tangent that was set last.
+    ///
+    /// # Errors
+    /// [`Error::Singular`], [`Error::Linear`], [`Error::OutOfMemory`].
+    fn solve(&mut self, x: &[f64], residual: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+        self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
+        let mut iterations = self.iterate(tolerance, dx);
+        if iterations.is_none() && self.lu.is_none() {
+            let body = self.forces.body;
+            let lu = SparseLu::new(&self.forces.assembly.matrix, body.pattern(), body.fixed());
+            self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
+            iterations = self.iterate(tolerance, dx);
+        }
+        let size = dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max);
+        let iterations = iterations.filter(|_| size <= LARGEST_CORRECTION * self.size);
+        iterations.ok_or_else(|| self.singular(x, dx))
+    }
+
+    /// Solves with GMRES; `None` if it misses the tolerance.
+    fn iterate(&mut self, tolerance: f64, dx: &mut [f64]) -> Option<usize> {
+        let mut system = Linearised {
+            body: self.forces.body,
+            matrix: &mut self.forces.assembly.matrix,
+            factor: &mut self.factor,
+            lu: self.lu.as_ref(),
+        };
+        let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, MAX_LINEAR_ITERATIONS);
+        let is_solved = solution.relative_residual <= tolerance && dx.iter().all(|dx| dx.is_finite());
+        is_solved.then_some(solution.iterations)
+    }
+
+    /// The error of a singular stiffness, at a node without any, or else at the one that moves most.
+    fn singular(&self, x: &[f64], dx: &[f64]) -> Error {
+        let body = self.forces.body;
+        let stiffness = |dof: usize| {
+            let diagonal = body.pattern().position(dof / 3, dof / 3).unwrap_or(0);
+            self.forces.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
+        };
+        let free = || (0..dx.len()).filter(|&dof| !body.fixed()[dof]);
+        let largest = free().map(stiffness).fold(0.0, f64::max);
+        let node = free()
+            .find(|&dof| stiffness(dof) <= f64::EPSILON * largest)
+            .map_or_else(|| largest_node(dx), |dof| dof / 3);
+        let X = body.mesh().points()[node];
+        let position = [0, 1, 2].map(|d| X[d] + x[3 * node + d]);
+        Error::Singular { fraction: self.time, node, position }
+    }
+}
+
+/// Relative tolerance of the linear system of a prediction.
+const PREDICTION: f64 = 1e-6;
+
+impl System for StaticSystem<'_> {
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        self.forces.net(x, self.time, &mut self.external, residual)?;
+        let scale = norm(&self.external).max(norm(self.forces.internal()));
+        residual.iter_mut().for_each(|r| *r = -*r);
+        clear_fixed(self.forces.body, residual);
+        Ok(Sizes { residual: norm(residual), scale, floor: self.floor })
+    }
+
+    fn correction(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        tolerance: f64,
+        tangent: Tangent,
+        dx: &mut [f64],
+    ) -> Result<usize> {
+        if tangent != Tangent::LastExact {
+            self.factorize(x)?;
+        }
+        let iterations = self.solve(x, residual, tolerance, dx)?;
+        self.predicted.get_or_insert_with(|| norm(dx));
+        Ok(iterations)
+    }
+
+    fn refactorization_cost(&self) -> f64 {
+        self.factor.cost_over_solution()
+    }
+}
+
+/// The linearised equations, preconditioned by the factorised stiffness without follower loads, or else solved by the
+/// factorisation with them.
+struct Linearised<'a> {
+    body: &'a Body,
+    matrix: &'a mut StageMatrix,
+    factor: &'a mut BlockCholesky,
+    lu: Option<&'a SparseLu>,
+}
+
+impl LinearSystem for Linearised<'_> {
+    fn product(&mut self, x: &[f64], y: &mut [f64]) {
+        self.matrix.multiply(self.body.pattern(), x, y);
+        clear_fixed(self.body, y);
+    }
+
+    fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
+        // Only a lack of memory makes the solution fail: the unknowns are then left as they are, and GMRES fails.
+        if let Some(lu) = self.lu
+            && lu.solve(x, y).is_ok()
+        {
+            return;
+        }
+        y.copy_from_slice(x);
+        clear_fixed(self.body, y);
+        let mut y = y;
+        self.factor.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
+    }
+}
+
+/// Norm of `|K| |u|` on the free degrees of freedom.
+fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> f64 {
+    let pattern = body.pattern();
+    let mut square = 0.0;
+    for node in 0..pattern.n_rows() {
+        let mut sum = [0.0; 3];
+        for (position, &column) in pattern.range(node).zip(pattern.row(node)) {
+            let u = &displacement[3 * column as usize..][..3];
+            for (i, row) in matrix.block(position).chunks_exact(3).enumerate() {
+                sum[i] += row.iter().zip(u).map(|(k, u)| (k * u).abs()).sum::<f64>();
+            }
+        }
+        let free = (0..3).filter(|i| !body.fixed()[3 * node + i]);
+        square += free.map(|i| sum[i] * sum[i]).sum::<f64>();
+    }
+    square.sqrt()
+}
+
+/// Node with the largest vector, `[n_nodes][3]`; NaN exceeds every number.
+pub(super) fn largest_node(vectors: &[f64]) -> usize {
+    let squares = vectors.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>().abs());
+    let largest = squares.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    largest.map_or(0, |(node, _)| node)
+}
