@@ -4,9 +4,11 @@ use std::io;
 use std::path::PathBuf;
 
 use emmy::body::{FieldName, Fields};
+use emmy::mesh::Mesh;
 use emmy::motion::State;
 
 use crate::checkpoint::Checkpoint;
+use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::{Format, FrameTime, FrameWriter, series_fields};
 
@@ -82,18 +84,19 @@ impl Recording {
         Ok((Recording { files, fields, names, written }, missing))
     }
 
-    /// Writes a state, once a step.
+    /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field.
     ///
     /// # Errors
     /// Errors of the system.
-    pub(crate) fn write(&mut self, state: &State) -> io::Result<()> {
+    pub(crate) fn write(&mut self, mesh: &Mesh, state: &State) -> io::Result<Option<Extreme>> {
         if self.files.last_step() == Some(state.step) {
-            return Ok(());
+            return Ok(None);
         }
         let fields = self.fields.at(&state.displacement, &state.velocity, &self.names);
         self.files.write(state.step, state.time, &fields)?;
         self.written.push(FrameTime { step: state.step, time: state.time });
-        Ok(())
+        let stress = fields.iter().find(|field| field.name == FieldName::VonMisesStress);
+        Ok(stress.and_then(|stress| Extreme::of(mesh, state, stress.name, &stress.numbers)))
     }
 
     /// Completes the files.

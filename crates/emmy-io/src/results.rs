@@ -4,13 +4,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use emmy::motion::{Event, Motion, Observer, RunStatistics, StepPlan, View};
+use emmy::body::Body;
+use emmy::motion::{Event, Motion, Observer, RunStatistics, State, StepPlan, View};
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::events::EventsFile;
-use crate::history::{HistoryColumns, HistoryError, HistoryFile};
+use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::log::RunLog;
@@ -51,6 +52,8 @@ pub struct Results {
     newton: NewtonFile,
     recording: Option<Recording>,
     statistics: RunStatistics,
+    /// Largest values of fields so far.
+    extremes: Vec<Extreme>,
     events: EventsFile,
     log: RunLog,
     checkpoints: Option<Checkpoints>,
@@ -143,8 +146,9 @@ impl Results {
         let header = SummaryHeader::new(problem);
         let statistics =
             after.map_or_else(RunStatistics::default, |checkpoint| checkpoint.snapshot.statistics.clone());
+        let extremes = after.map_or_else(Vec::new, |checkpoint| checkpoint.extremes.clone());
         let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
-        let summary = header.summary(&statistics, Status::Running, None, seconds_before);
+        let summary = header.summary(&statistics, &extremes, Status::Running, None, seconds_before);
         summary::write(&directory.join("summary.json"), &summary)?;
         Ok(Results {
             limits: problem.limits,
@@ -156,6 +160,7 @@ impl Results {
             newton,
             recording,
             statistics,
+            extremes,
             events,
             log,
             checkpoints,
@@ -184,8 +189,7 @@ impl Results {
             format!("{} at step {}, t = {}", status.name(), self.statistics.steps, self.statistics.time);
         let end = message.as_ref().map_or(end.clone(), |message| format!("{end}: {message}"));
         let logged = self.log.line(&end);
-        let mut summary =
-            self.header.summary(&self.statistics, status, message.as_deref(), self.wall_seconds());
+        let mut summary = self.summary(status, message.as_deref());
         summary["estimated_error"] = self.estimated_error.into();
         let written = summary::write(&self.summary_path(), &summary);
         error = error.or(logged.err()).or(written.err());
@@ -194,9 +198,42 @@ impl Results {
 
     /// Completes the frames, with the last state if it `is_sound`.
     fn end_frames(&mut self, motion: &Motion<'_>, is_sound: bool) -> io::Result<()> {
+        let written = if is_sound { self.write_frame(motion.body(), motion.state()) } else { Ok(()) };
+        written.and(self.recording.as_mut().map_or(Ok(()), Recording::finish))
+    }
+
+    /// Writes a state as a frame, if there are frames.
+    fn write_frame(&mut self, body: &Body, state: &State) -> io::Result<()> {
         let Some(recording) = &mut self.recording else { return Ok(()) };
-        let written = if is_sound { recording.write(motion.state()) } else { Ok(()) };
-        written.and(recording.finish())
+        let stress = recording.write(body.mesh(), state)?;
+        self.note_extremes(stress);
+        Ok(())
+    }
+
+    /// Keeps the largest value of each field.
+    fn note_extremes(&mut self, new: impl IntoIterator<Item = Extreme>) {
+        for new in new {
+            match self.extremes.iter_mut().find(|own| own.field == new.field) {
+                Some(own) if own.value >= new.value => {}
+                Some(own) => *own = new,
+                None => self.extremes.push(new),
+            }
+        }
+    }
+
+    fn summary(&self, status: Status, message: Option<&str>) -> Value {
+        self.header.summary(&self.statistics, &self.extremes, status, message, self.wall_seconds())
+    }
+
+    /// Largest values of fields so far: of those that the input asks for in every step, of the von Mises stress
+    /// otherwise at the frames.
+    pub fn extremes(&self) -> &[Extreme] {
+        &self.extremes
+    }
+
+    /// Whether the largest value of a field is that of every step, and not of the frames alone.
+    pub fn is_in_every_step(&self, field: &str) -> bool {
+        self.columns.has_extreme(field)
     }
 
     fn summary_path(&self) -> PathBuf {
@@ -227,8 +264,7 @@ impl Results {
     fn report_progress(&mut self) -> io::Result<()> {
         let begin = self.wall_seconds();
         if begin >= self.report_due {
-            let summary = self.header.summary(&self.statistics, Status::Running, None, begin);
-            summary::write(&self.summary_path(), &summary)?;
+            summary::write(&self.summary_path(), &self.summary(Status::Running, None))?;
             let _ = self.report();
             let now = self.wall_seconds();
             self.report_due = now + REPORT_INTERVAL.max((now - begin) / MAX_REPORT_COST);
@@ -270,7 +306,12 @@ impl Results {
             // The history must reach the disk before the checkpoint that belongs to it.
             self.history.sync()?;
         }
-        let progress = Progress { frames, history_checksum: self.history.sum(), wall_seconds: seconds };
+        let progress = Progress {
+            frames,
+            history_checksum: self.history.sum(),
+            wall_seconds: seconds,
+            extremes: &self.extremes,
+        };
         checkpoints.write(motion, progress, is_safe)
     }
 }
@@ -312,15 +353,16 @@ fn missing_frames(missing: &[FrameTime]) -> Option<String> {
 impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let row = self.columns.row(view, self.wall_seconds());
-        self.history.write(&row)?;
+        self.history.write(&row.numbers)?;
+        self.note_extremes(row.extremes);
         let every = self.output.log_every;
         let is_logged = every > 0 && view.record.step.is_multiple_of(every);
         if is_logged {
             self.newton.write(view)?;
         }
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
-        if let Some(recording) = self.recording.as_mut().filter(|_| is_frame) {
-            recording.write(view.state)?;
+        if is_frame {
+            self.write_frame(view.body, view.state)?;
         }
         self.statistics.clone_from(view.motion.statistics());
         self.log.solver(view.record)?;

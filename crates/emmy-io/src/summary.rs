@@ -5,10 +5,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use emmy::body::FieldName;
 use emmy::motion::RunStatistics;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::history::Extreme;
 use crate::input::Problem;
 use crate::whole_file::replace;
 
@@ -73,11 +75,13 @@ impl SummaryHeader {
         }
     }
 
-    /// The summary as JSON: this header, the fields of the statistics by their names, and the end of the run. Numbers
+    /// The summary as JSON: this header, the fields of the statistics by their names, the largest values of fields, and
+    /// the end of the run. Numbers
     /// that are not finite become `null`.
     pub fn summary(
         &self,
         statistics: &RunStatistics,
+        extremes: &[Extreme],
         status: Status,
         message: Option<&str>,
         wall_seconds: f64,
@@ -87,6 +91,9 @@ impl SummaryHeader {
         let mut of_steps = json!(statistics);
         of_steps["solver"] = statistics.solver.map(|solver| solver.to_string()).into();
         insert_fields(&mut summary, "", &of_steps);
+        for extreme in extremes.iter().filter(|extreme| extreme.field != DISPLACEMENT) {
+            insert_fields(&mut summary, &format!("largest_{}", extreme.field), &place_of(extreme));
+        }
         let end = json!({
             "energy_drift": statistics.energy_drift(),
             "angular_momentum_drift": statistics.angular_momentum_drift(),
@@ -99,6 +106,16 @@ impl SummaryHeader {
         insert_fields(&mut summary, "", &end);
         Value::Object(summary)
     }
+}
+
+/// The field whose largest value is among the statistics.
+const DISPLACEMENT: &str = FieldName::Displacement.name();
+
+/// The largest value of a field with its place.
+fn place_of(extreme: &Extreme) -> Value {
+    let Extreme { value, step, time, member, is_cell, point, .. } = extreme;
+    let kind = if *is_cell { "cell" } else { "node" };
+    json!({ "value": value, "step": step, "time": time, kind: member, "point": point })
 }
 
 /// Inserts the fields of an object. Fields of an object inside it become `NAME_FIELD`, and its `value` becomes `NAME`.

@@ -348,7 +348,7 @@ impl Report {
         };
         self.line("output", &format!("{}, {frames}", output.directory.display()));
         self.line("files", &sizes::text(problem));
-        for probe in &output.probes {
+        for probe in &problem.quantities.probes {
             let at = vector(problem.body.mesh().points()[probe.node]);
             self.line("probe", &format!("{}: node {} at {at}", probe.name, probe.node));
         }

@@ -70,7 +70,7 @@ fn other_folders_are_rejected() {
         ("box.toml", "box.toml is not a directory"),
         ("empty", "cannot read empty/history.csv"),
         ("other", "other/history.csv:1: there is no column `step`"),
-        ("damaged", "damaged/history.csv:11: there are 2 numbers for 22 columns"),
+        ("damaged", "damaged/history.csv:11: there are 2 numbers for 28 columns"),
         ("no-summary", "no-summary/summary.json"),
         ("broken", "not valid JSON"),
     ] {

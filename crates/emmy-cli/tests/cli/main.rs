@@ -13,6 +13,7 @@ mod listings;
 mod materials;
 mod mistakes;
 mod modes;
+mod quantities;
 mod reference;
 mod report;
 mod results;
@@ -148,7 +149,8 @@ impl Place {
         for line in lines {
             assert_eq!(line.len(), names.len());
             for (name, number) in names.iter().zip(line) {
-                columns.get_mut(*name).unwrap().push(number.parse().unwrap());
+                let number = if number.is_empty() { f64::NAN } else { number.parse().unwrap() };
+                columns.get_mut(*name).unwrap().push(number);
             }
         }
         columns

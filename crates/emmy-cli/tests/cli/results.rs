@@ -4,7 +4,8 @@ use super::{BOX, Place};
 
 const COLUMNS: &str = "step,time,step_size,kinetic_energy,strain_energy,external_work,total_energy,energy_residual,\
     linear_momentum_x,linear_momentum_y,linear_momentum_z,angular_momentum_x,angular_momentum_y,angular_momentum_z,\
-    linear_momentum_residual,angular_momentum_residual,newton_iterations,wall_seconds,smallest_determinant,tip_x,tip_y,tip_z";
+    linear_momentum_residual,angular_momentum_residual,newton_iterations,wall_seconds,smallest_determinant,tip_x,tip_y,tip_z,\
+    y-min_force_x,y-min_force_y,y-min_force_z,y-min_moment_x,y-min_moment_y,y-min_moment_z";
 
 #[test]
 fn the_history_has_its_columns_and_a_row_a_step() {

@@ -147,6 +147,7 @@ mod tests {
             frames: vec![FrameTime { step: 3, time: 0.5 }],
             history_checksum: 0xdead_beef,
             wall_seconds: 1.0,
+            extremes: Vec::new(),
         }
     }
 

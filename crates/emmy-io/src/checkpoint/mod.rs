@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use emmy::motion::{Motion, Snapshot};
 use serde::{Deserialize, Serialize};
 
+use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::FrameTime;
 use crate::whole_file::{PART, named, names, remove, replace, replace_durably};
@@ -42,6 +43,9 @@ pub struct Checkpoint {
     pub history_checksum: u32,
     /// Duration of the run so far, in seconds.
     pub wall_seconds: f64,
+    /// Largest values of fields so far.
+    #[serde(default)]
+    pub extremes: Vec<Extreme>,
 }
 
 /// Why there is no checkpoint to resume from.
@@ -118,6 +122,8 @@ pub struct Progress<'a> {
     pub history_checksum: u32,
     /// Duration of the run, in seconds.
     pub wall_seconds: f64,
+    /// Largest values of fields so far.
+    pub extremes: &'a [Extreme],
 }
 
 /// Writes the checkpoints of a run.
@@ -179,6 +185,7 @@ impl Checkpoints {
             frames: progress.frames.to_vec(),
             history_checksum: progress.history_checksum,
             wall_seconds: progress.wall_seconds,
+            extremes: progress.extremes.to_vec(),
         };
         let other = 1 - self.safe;
         let path = self.folder.join(FILES[other]);

@@ -3,7 +3,8 @@
 use emmy::motion::{Record, View};
 
 use super::Number::{self, Real, Whole};
-use crate::input::{Probe, Problem};
+use super::measures::{Extreme, Measures};
+use crate::input::Problem;
 
 /// The numbers of a row.
 struct Step<'a> {
@@ -22,7 +23,7 @@ struct Column {
 /// Number of the first columns, which every history has.
 const N_REQUIRED: usize = 19;
 
-/// All columns before the probes, in their order in the file.
+/// The columns of the whole body, in their order in the file.
 const COLUMNS: [Column; 22] = [
     always("step", |step| Whole(step.record.step)),
     always("time", |step| Real(step.record.time)),
@@ -65,8 +66,22 @@ pub fn required() -> impl Iterator<Item = &'static str> {
     COLUMNS[..N_REQUIRED].iter().map(|column| column.name)
 }
 
+/// Names of all columns of the whole body, also of those that a history may not have.
+pub(crate) fn fixed_names() -> impl Iterator<Item = &'static str> {
+    COLUMNS.iter().map(|column| column.name)
+}
+
+/// A row of a history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// A number for each column.
+    pub numbers: Vec<Number>,
+    /// The largest values, with their places, of [`crate::input::Quantities::extremes`].
+    pub extremes: Vec<Extreme>,
+}
+
 /// The columns of a history.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Default)]
 pub struct HistoryColumns {
     /// Whether step sizes are adaptive: column `local_error`.
     pub is_adaptive: bool,
@@ -74,8 +89,8 @@ pub struct HistoryColumns {
     pub dissipates: bool,
     /// Whether degrees are adaptive: column `degree`.
     pub has_degrees: bool,
-    /// Probes: three columns each, for the current position.
-    pub probes: Vec<Probe>,
+    /// Reactions, probes, extremes, values of groups.
+    measures: Measures,
 }
 
 impl HistoryColumns {
@@ -87,27 +102,29 @@ impl HistoryColumns {
             dissipates: body.is_viscous() || body.drag() > 0.0 || scheme.dissipation().is_some(),
             is_adaptive: adaptivity.is_some(),
             has_degrees: adaptivity.is_some_and(|adaptivity| adaptivity.degrees.is_some()),
-            probes: problem.output.probes.clone(),
+            measures: Measures::new(body, &problem.quantities),
         }
+    }
+
+    /// Whether there is a column of the largest value of a field.
+    pub(crate) fn has_extreme(&self, field: &str) -> bool {
+        self.measures.has_extreme(field)
     }
 
     /// Names of all columns.
     pub fn names(&self) -> Vec<String> {
         let own = COLUMNS.iter().filter(|column| (column.is_in)(self)).map(|column| column.name.to_string());
-        let of_probe = |probe: &Probe| ["x", "y", "z"].map(|axis| format!("{}_{axis}", probe.name));
-        own.chain(self.probes.iter().flat_map(of_probe)).collect()
+        own.chain(self.measures.columns()).collect()
     }
 
-    /// The numbers of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far.
-    pub fn row(&self, view: View<'_>, wall_seconds: f64) -> Vec<Number> {
-        let mut row = self.numbers(view.record, wall_seconds);
-        for probe in &self.probes {
-            row.extend(view.state.position(view.body, probe.node).map(Real));
-        }
-        row
+    /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far.
+    pub fn row(&self, view: View<'_>, wall_seconds: f64) -> Row {
+        let mut numbers = self.numbers(view.record, wall_seconds);
+        let extremes = self.measures.add_to(view, &mut numbers);
+        Row { numbers, extremes }
     }
 
-    /// The numbers of a step before the probes.
+    /// The numbers of a step for the whole body.
     pub(super) fn numbers(&self, record: &Record, wall_seconds: f64) -> Vec<Number> {
         let step = Step { record, wall_seconds };
         COLUMNS.iter().filter(|column| (column.is_in)(self)).map(|column| (column.number)(&step)).collect()

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crc32fast::Hasher;
 
-use super::{HistoryColumns, HistoryError, Number};
+use super::{HistoryColumns, HistoryError, Number, header};
 use crate::rows::{RowFile, step_of};
 use crate::whole_file::{PART, named, with_ending};
 
@@ -45,7 +45,7 @@ impl HistoryFile {
     /// # Errors
     /// Errors of the system.
     pub fn create(path: &Path, columns: &HistoryColumns) -> io::Result<Self> {
-        let rows = RowFile::create(path, &columns.names().join(","))?;
+        let rows = RowFile::create(path, &header::line(&columns.names()))?;
         Ok(HistoryFile { rows, sum: RowSum::default() })
     }
 
@@ -66,7 +66,7 @@ impl HistoryFile {
         let mut reader = BufReader::new(File::open(path).map_err(system)?);
         let mut line = Vec::new();
         let mut length = reader.read_until(b'\n', &mut line).map_err(system)?;
-        if line.trim_ascii_end() != columns.names().join(",").as_bytes() {
+        if line.trim_ascii_end() != header::line(&columns.names()).as_bytes() {
             return Err(HistoryError::Columns { path: path.to_path_buf() });
         }
         let mut own = RowSum::default();
@@ -145,6 +145,7 @@ impl HistoryFile {
         let text = |number: &Number| match number {
             Number::Whole(value) => value.to_string(),
             Number::Real(value) => real(*value),
+            Number::Missing => String::new(),
         };
         let row = row.iter().map(text).collect::<Vec<_>>().join(",");
         self.rows.write(&row)?;

@@ -2,10 +2,14 @@
 
 mod columns;
 mod file;
+mod header;
+mod measures;
 mod reader;
 
-pub use columns::{HistoryColumns, required};
+pub(crate) use columns::fixed_names;
+pub use columns::{HistoryColumns, Row, required};
 pub use file::HistoryFile;
+pub use measures::Extreme;
 pub use reader::{History, HistoryError, Rows};
 
 /// A number of a row.
@@ -15,6 +19,8 @@ pub enum Number {
     Whole(usize),
     /// A quantity.
     Real(f64),
+    /// Nothing: the quantity is not known in this row.
+    Missing,
 }
 
 #[cfg(test)]

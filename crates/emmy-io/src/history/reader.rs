@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use super::required;
+use super::{header, required};
 
 /// Why a history cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +28,7 @@ pub enum HistoryError {
     },
     /// Its columns differ from the columns of the run to resume.
     #[error(
-        "{path}: its columns do not fit the present input; a resumed run cannot change `output.probes`, or switch between adaptive and planned steps"
+        "{path}: its columns do not fit the present input; a resumed run cannot change `output.probes`, `reactions`, `extremes` or `values`, or switch between adaptive and planned steps"
     )]
     Columns {
         /// The path.
@@ -93,7 +93,7 @@ impl History {
         &self.columns
     }
 
-    /// Rows, each with a number for every column.
+    /// Rows, each with a number for every column; NaN where the cell is empty.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
     }
@@ -124,7 +124,7 @@ impl Rows {
         let reader = BufReader::new(File::open(path).map_err(system)?);
         let mut rows = Rows { path: path.to_path_buf(), reader, columns: Vec::new(), n_lines: 0 };
         let head = rows.line().map_err(system)?.unwrap_or_default();
-        rows.columns = head.split(',').map(str::to_string).collect();
+        rows.columns = header::names(&head);
         match required().find(|name| !rows.columns.iter().any(|column| column == name)) {
             Some(column) => Err(HistoryError::Column { path: path.to_path_buf(), column }),
             None => Ok(rows),
@@ -162,7 +162,10 @@ impl Iterator for Rows {
 }
 
 fn numbers(line: &str, n_columns: usize) -> Result<Vec<f64>, String> {
-    let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is not a number"));
+    let number = |text: &str| match text {
+        "" => Ok(f64::NAN),
+        text => text.parse().map_err(|_| format!("`{text}` is not a number")),
+    };
     let numbers = line.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
     match numbers.len() {
         n if n == n_columns => Ok(numbers),

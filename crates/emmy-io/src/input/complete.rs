@@ -42,6 +42,11 @@ fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
             (Kind::Tables(inner), Value::Array(items)) => {
                 items.iter_mut().try_for_each(|item| fill(item, inner))?
             }
+            (Kind::List(_, entry), Value::Array(items)) => {
+                if let Kind::Table(inner) = &**entry {
+                    items.iter_mut().try_for_each(|item| fill(item, inner))?;
+                }
+            }
             (Kind::Table(inner) | Kind::Tables(inner), _) => fill(value, inner)?,
             _ => {}
         }

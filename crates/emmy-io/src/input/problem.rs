@@ -11,14 +11,15 @@ use super::description::{Described, Kind, Section};
 use super::fault::{Fault, Faults, InputError};
 use super::groups::Members;
 use super::history::Context;
+use super::quantities::{Quantities, Requested};
 use super::region::Placed;
 use super::settings::{Limits, Output};
 use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    Start, adaptive, complete, derived, equilibrium, groups, history, initial, load, nodal, probes, region,
-    set, settings, shape, start, support, time, write,
+    Start, adaptive, complete, derived, equilibrium, groups, history, initial, load, nodal, quantities,
+    region, set, settings, shape, start, support, time, write,
 };
 use crate::mesh::MeshFile;
 use crate::message::shown;
@@ -111,6 +112,8 @@ pub struct Problem {
     pub newton: NewtonSettings,
     /// Output files and directory.
     pub output: Output,
+    /// Quantities in the history besides those of the whole body.
+    pub quantities: Quantities,
     /// Limits that end a run early.
     pub limits: Limits,
     /// Remarks from the mesh reader, and on keys without effect.
@@ -169,6 +172,7 @@ struct Parts {
     time: time::Time,
     newton: NewtonSettings,
     output: Output,
+    requested: Requested,
     limits: Limits,
     faults: Faults,
 }
@@ -204,7 +208,10 @@ impl Parts {
         let time = faults.keep(time);
         let start = if root.get("time").is_some() { start } else { Start::Undeformed };
         let newton = faults.keep(root.require("newton").and_then(settings::newton));
-        let output = faults.keep(root.require("output").and_then(settings::output));
+        let output = root.require("output").and_then(|item| {
+            Ok((settings::output(item)?, quantities::read(&item.table(&settings::OUTPUT)?)?))
+        });
+        let output = faults.keep(output);
         let limits = root.get("limits").map_or(Ok(Limits::default()), settings::limits);
         let limits = faults.keep(limits).unwrap_or_default();
         let solver = faults.keep(root.get("solver").map_or(Ok(Solver::Auto), settings::solver));
@@ -212,7 +219,9 @@ impl Parts {
             history::check_finite(tree, &time.plan, &mut faults);
         }
         let Some(shape) = shape else { return Err(finished(faults)) };
-        let (Some(time), Some(newton), Some(solver), Some(output)) = (time, newton, solver, output) else {
+        let (Some(time), Some(newton), Some(solver), Some((output, requested))) =
+            (time, newton, solver, output)
+        else {
             return Err(with_groups(&shape, &regions, &loads, &supports, &nodal, &initial, faults));
         };
         let plan = match time.scheme {
@@ -235,6 +244,7 @@ impl Parts {
             time,
             newton: NewtonSettings { solver, ..newton },
             output,
+            requested,
             limits,
             faults,
         })
@@ -253,7 +263,6 @@ impl Parts {
         groups::check_regions(&mesh, &self.regions)?;
         support::check_together(&mesh, &self.supports, &self.time)?;
         self.nodal.check_damping(&self.regions, &self.time)?;
-        probes::find(&mesh, &mut self.output.probes, &mut notes);
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
         let held = support::places(&self.supports);
@@ -271,6 +280,7 @@ impl Parts {
         let body =
             body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
         adaptive::check_scale(&body, &self.time)?;
+        let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
         places.check(&body, &loads, &initial, &self.time.plan)?;
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
@@ -293,6 +303,7 @@ impl Parts {
             smallest_step: self.time.smallest_step,
             newton: self.newton,
             output: self.output,
+            quantities,
             limits: self.limits,
             notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
             files,

@@ -7,8 +7,9 @@ use emmy::internals::material::Bounds;
 use emmy::internals::sparse::{SOLVERS, Solver};
 use emmy::motion::{NewtonSettings, StepPlan};
 
-use super::description::{Described, Kind, POSITIVE, Section, list, vector, whole};
-use super::fault::{Fault, Place};
+use super::description::{Described, Kind, POSITIVE, Section, list, whole};
+use super::fault::Fault;
+use super::quantities::{PROBE, VALUE, of_extremes};
 use super::table::{Item, Table, spelled};
 use crate::vtk::{Format, Precision};
 
@@ -31,19 +32,6 @@ pub struct Output {
     pub checkpoint_every: usize,
     /// Steps between rows of `newton.csv` and between steps in `run.log`; 0: none.
     pub log_every: usize,
-    /// Points whose paths are written to the history.
-    pub probes: Vec<Probe>,
-}
-
-/// A point that is followed: the nearest node.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Probe {
-    /// Name in the columns of the history.
-    pub name: String,
-    /// The requested point, in the reference configuration \[length\].
-    pub point: [f64; 3],
-    /// Index of the nearest node.
-    pub node: usize,
 }
 
 /// Limits that end a run early (exit code 4).
@@ -122,27 +110,31 @@ pub(super) static OUTPUT: Described = Described::new(|| {
             "Steps between rows of `newton.csv` and between steps in `run.log`; 0: none",
         )
         .default("1")
-        .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path goes into the history")
+        .may("reactions", list(0, Kind::Text), "", REACTIONS)
+        .absent("every support's group")
+        .may("probes", list(0, Kind::Table(&PROBE)), "", "Nodes whose path or fields go into the history")
         .default("[]")
+        .may("extremes", Kind::Words(of_extremes()), "", EXTREMES)
+        .absent("none")
+        .may(
+            "values",
+            list(0, Kind::Table(&VALUE)),
+            "",
+            "Means, totals and largest values of fields in groups",
+        )
+        .absent("none")
 });
 
 const FORMATS: &str = "Files of the frames: `.vtu` files and a collection of them, or one `.vtkhdf` file (ParaView 5.12, VTK 9.3)";
 const PRECISIONS: &str = "Precision of the fields in the frames; points and the history are always double";
 const FIELDS: &str = "Fields in the frames; `emmy list fields` explains them";
+const REACTIONS: &str =
+    "Groups of supports whose reactions go into the history, as `GROUP_force_x` to `GROUP_moment_z`";
+const EXTREMES: &str =
+    "Fields whose largest value goes into the history in each step, as `max_FIELD`; of a vector its norm";
 const DEFAULT_FIELDS: &str = "[\"displacement\", \"velocity\", \"momentum_density\", \"cauchy_stress\", \
     \"second_piola_kirchhoff_stress\", \"von_mises_stress\", \"principal_stretches\", \
     \"strain_energy_density\", \"axial_force\"]";
-
-static PROBE: Described = Described::new(|| {
-    Section::new("a probe", "A node that is followed")
-        .must("name", Kind::Column(&TAKEN), "", "Name of its columns: letters, digits, `_` and `-`")
-        .must(
-            "point",
-            vector(),
-            "length",
-            "Reference position; the nearest node is taken, with a note if it lies elsewhere",
-        )
-});
 
 /// `[limits]`.
 pub(super) static LIMITS: Described = Described::new(|| {
@@ -180,15 +172,6 @@ pub(super) fn solver(item: Item<'_>) -> Result<Solver, Fault> {
 
 pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
     let table = item.table(&OUTPUT)?;
-    let mut probes: Vec<(Probe, Place)> = Vec::new();
-    for item in table.require("probes")?.list()? {
-        let found = probe(item)?;
-        if let Some((_, place)) = probes.iter().find(|(other, _)| other.name == found.0.name) {
-            let fault = Fault::at(&found.1, format!("two probes are named `{}`", found.0.name), "second");
-            return Err(fault.label(place, "first"));
-        }
-        probes.push(found);
-    }
     let formats = Format::ALL.map(|format| (format.name(), format));
     let precisions = Precision::ALL.map(|precision| (precision.name(), precision));
     Ok(Output {
@@ -200,7 +183,6 @@ pub(super) fn output(item: Item<'_>) -> Result<Output, Fault> {
         fields: fields(table.require("fields")?)?,
         checkpoint_every: table.require("checkpoint_every")?.whole(0)?,
         log_every: table.require("log_every")?.whole(0)?,
-        probes: probes.into_iter().map(|(probe, _)| probe).collect(),
     })
 }
 
@@ -266,25 +248,6 @@ fn fields(item: Item<'_>) -> Result<Vec<FieldName>, Fault> {
         fields.push(field.ok_or_else(|| item.fault(format!("the field `{word}` is there twice"), "again"))?);
     }
     Ok(fields)
-}
-
-/// Names that would repeat existing columns.
-const TAKEN: [&str; 2] = ["linear_momentum", "angular_momentum"];
-
-fn probe(item: Item<'_>) -> Result<(Probe, Place), Fault> {
-    let table = item.table(&PROBE)?;
-    let name_item = table.require("name")?;
-    let name = name_item.string()?;
-    if !name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
-        let message =
-            format!("a probe's name becomes a column: `{name}` may have letters, digits, `_` and `-` only");
-        return Err(name_item.fault(message, "not a name"));
-    }
-    if TAKEN.contains(&name) {
-        return Err(name_item.fault(format!("there is a column `{name}_x` already"), "taken"));
-    }
-    let point = table.require("point")?.numbers()?;
-    Ok((Probe { name: name.to_string(), point, node: 0 }, name_item.place().clone()))
 }
 
 pub(super) fn limits(item: Item<'_>) -> Result<Limits, Fault> {

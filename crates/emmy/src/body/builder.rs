@@ -7,8 +7,8 @@ use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::regions::{self, RegionOfCell};
-use super::supports::Constraints;
-use super::{Body, Load, PointTerms, Region, Support, nodal, term};
+use super::supports::{Constraints, supported_groups};
+use super::{Body, GroundSpring, Load, PointTerms, Region, Support, nodal, term};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::sparse::Pattern;
@@ -151,6 +151,7 @@ impl Body {
             viscous_time: term::viscous_time(&terms),
             fixed: constraints.fixed,
             drives: constraints.drives,
+            supported: supported_groups(&mesh, &supports, nodal.springs.iter(), |_| true)?,
             mass: Arc::new(regions::mass(&mesh, &pattern, &density_of_cell, &point_masses)),
             lumped_mass,
             regions: regions_and_masses,
@@ -163,20 +164,22 @@ impl Body {
             parts,
             mesh: Arc::new(mesh),
         };
-        body.with_releases(&supports)
+        body.with_releases(&supports, &nodal.springs)
     }
 
     /// The body and its successors after each release of a support, which share its tables.
-    fn with_releases(self, supports: &[Support]) -> Result<Self> {
+    fn with_releases(self, supports: &[Support], springs: &[GroundSpring]) -> Result<Self> {
         let mut times: Vec<f64> = supports.iter().filter_map(|support| support.until).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         let mut release = None;
         for &time in times.iter().rev() {
-            let holds = |support: &&Support| support.until.is_none_or(|until| until > time);
-            let Constraints { fixed, drives } = Constraints::new(&self.mesh, supports.iter().filter(holds))?;
+            let holds = |support: &Support| support.until.is_none_or(|until| until > time);
+            let held = supports.iter().filter(|support| holds(support));
+            let Constraints { fixed, drives } = Constraints::new(&self.mesh, held)?;
+            let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
             nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
-            release = Some((time, Box::new(Body { fixed, drives, release, ..self.clone() })));
+            release = Some((time, Box::new(Body { fixed, drives, supported, release, ..self.clone() })));
         }
         Ok(Body { release, ..self })
     }

@@ -23,6 +23,7 @@ pub(crate) mod models;
 mod nodal;
 mod pressure;
 mod proportional;
+mod reactions;
 mod regions;
 mod signal;
 mod solid;
@@ -37,7 +38,7 @@ mod viscosity;
 
 pub use builder::BodyBuilder;
 pub use field::Field;
-pub use fields::{FieldName, FieldValues, Fields, Place};
+pub use fields::{FieldName, FieldValues, Fields, Place, Selection};
 pub(crate) use geometry::CellTable;
 pub use input::{
     FieldDomain, GroundAttraction, GroundSpring, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
@@ -47,6 +48,7 @@ pub(crate) use integral::Scratch;
 pub(crate) use invariants::sum;
 pub use loads::LoadResultant;
 pub(crate) use mass::MassSolver;
+pub use reactions::Reaction;
 pub use regions::RegionSummary;
 pub(crate) use signal::{Signal, SignalTarget};
 pub(crate) use step::{StepDamping, StepInput};

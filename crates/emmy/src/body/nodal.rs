@@ -110,31 +110,34 @@ impl Term for GroundSprings {
         _: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let k = step.rule.degree();
-        let mean = step.rule.mean();
-        let n = step.displacement.len();
         let springs = self.nodes.iter().zip(&self.stiffness).zip(&self.positions);
-        for ((&node, stiffness), &position) in springs {
+        for ((&node, &stiffness), &position) in springs {
             if !sink.owns(node) {
                 continue;
             }
-            for i in 0..k {
-                let force = [0, 1, 2].map(|d| {
-                    let dof = 3 * node as usize + d;
-                    let rates = (0..k).map(|j| mean.rates[i * k + j] * step.rates[j * n + dof]);
-                    stiffness * (mean.start[i] * step.displacement[dof] + rates.sum::<f64>())
-                });
-                sink.add_force(i, node, force);
+            for i in 0..step.rule.degree() {
+                sink.add_force(i, node, spring_force(stiffness, node as usize, step, i));
             }
             if request == Request::Stress {
                 continue;
             }
-            for (stages, rate) in mean.rates.iter().enumerate() {
+            for (stages, rate) in step.rule.mean().rates.iter().enumerate() {
                 let block = sink.block_mut(position as usize, stages);
                 (0..3).for_each(|d| block[4 * d] += step.tangent_factor * stiffness * rate);
             }
         }
         Ok(())
+    }
+
+    fn for_each_spring_force(
+        &self,
+        step: &StepInput<'_>,
+        stage: usize,
+        visit: &mut dyn FnMut(usize, [f64; 3]),
+    ) {
+        for (&node, &stiffness) in self.nodes.iter().zip(&self.stiffness) {
+            visit(node as usize, spring_force(stiffness, node as usize, step, stage));
+        }
     }
 
     fn add_start_gradient(&self, step: &StepInput<'_>, adjoint: &[f64], gradient: &mut [f64]) {
@@ -152,6 +155,18 @@ impl Term for GroundSprings {
         let energies = self.nodes.iter().zip(&self.stiffness).map(|(&node, k)| 0.5 * k * square(node));
         StrainState { strain_energy: energies.sum(), ..StrainState::NONE }
     }
+}
+
+/// Stage average of the force of a spring on the ground.
+fn spring_force(stiffness: f64, node: usize, step: &StepInput<'_>, stage: usize) -> [f64; 3] {
+    let k = step.rule.degree();
+    let mean = step.rule.mean();
+    let n = step.displacement.len();
+    [0, 1, 2].map(|d| {
+        let dof = 3 * node + d;
+        let rates = (0..k).map(|j| mean.rates[stage * k + j] * step.rates[j * n + dof]);
+        stiffness * (mean.start[stage] * step.displacement[dof] + rates.sum::<f64>())
+    })
 }
 
 /// Term of an attraction: links from the masses to a fixed point.

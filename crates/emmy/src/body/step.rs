@@ -17,6 +17,13 @@ pub struct StepInput<'a> {
     pub damping: StepDamping,
 }
 
+impl<'a> StepInput<'a> {
+    /// A step for its forces alone, without derivatives and damping.
+    pub(crate) fn undamped(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64]) -> Self {
+        StepInput { rule, tangent_factor: 0.0, displacement, rates, damping: StepDamping::default() }
+    }
+}
+
 /// Factors of the damping in a step; zero by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepDamping {

@@ -1,7 +1,7 @@
 //! Degrees of freedom under supports: free, at rest, or driven.
 
 use super::drive::Drive;
-use super::{Rotation, Support};
+use super::{GroundSpring, Rotation, Support};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::number::{short, short_vector};
@@ -75,6 +75,51 @@ impl Constraints {
         self.drives.push(drive);
         Ok(())
     }
+}
+
+/// A group with supports: the degrees of freedom that it holds before any other group, and its springs to the ground.
+#[derive(Debug, Clone)]
+pub(super) struct SupportedGroup {
+    pub name: String,
+    pub dofs: Vec<usize>,
+    /// Indices of the springs among the terms of the ground.
+    pub springs: Vec<usize>,
+}
+
+/// The groups of all supports, each once and in their order; supports that have been released hold nothing.
+pub(super) fn supported_groups<'a>(
+    mesh: &Mesh,
+    supports: &'a [Support],
+    springs: impl Iterator<Item = &'a GroundSpring>,
+    holds: impl Fn(&Support) -> bool,
+) -> Result<Vec<SupportedGroup>> {
+    let mut groups: Vec<SupportedGroup> = Vec::new();
+    let mut is_held = vec![false; mesh.n_dofs()];
+    for support in supports {
+        let group = entry(&mut groups, &support.group);
+        if !holds(support) {
+            continue;
+        }
+        let fixed = support.fixed_components(mesh)?;
+        for node in mesh.group_nodes(&support.group)? {
+            let dofs = (0..3).filter(|&d| fixed[d] || support.drives(d)).map(|d| 3 * node as usize + d);
+            group.dofs.extend(dofs.filter(|&dof| !std::mem::replace(&mut is_held[dof], true)));
+        }
+    }
+    for (index, spring) in springs.enumerate() {
+        entry(&mut groups, &spring.group).springs.push(index);
+    }
+    Ok(groups)
+}
+
+/// The group of a name, added at the end if it is new.
+fn entry<'a>(groups: &'a mut Vec<SupportedGroup>, name: &str) -> &'a mut SupportedGroup {
+    let index = groups.iter().position(|group| group.name == name).unwrap_or(groups.len());
+    if index == groups.len() {
+        let name = name.to_string();
+        groups.push(SupportedGroup { name, dofs: Vec::new(), springs: Vec::new() });
+    }
+    &mut groups[index]
 }
 
 /// The rotation with an axis of unit length.

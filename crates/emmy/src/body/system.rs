@@ -9,6 +9,7 @@ use super::drive::Drive;
 use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
+use super::supports::SupportedGroup;
 use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
 use crate::average::Request;
 use crate::error::Result;
@@ -45,6 +46,7 @@ pub struct Body {
     pub(super) lumped_mass: Vec<f64>,
     pub(super) fixed: Vec<bool>,
     pub(super) drives: Vec<Drive>,
+    pub(super) supported: Vec<SupportedGroup>,
     pub(super) loads: Arc<Vec<LoadVector>>,
     pub(super) fields: Arc<Vec<FieldLoad>>,
     pub(super) pressures: Arc<Vec<Pressure>>,

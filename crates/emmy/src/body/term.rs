@@ -80,6 +80,10 @@ pub(crate) trait Term: fmt::Debug + Send + Sync {
         [0.0; 2]
     }
 
+    /// Calls a function with the stage average of the force on the ground at each node of springs; other terms have
+    /// none.
+    fn for_each_spring_force(&self, _: &StepInput<'_>, _: usize, _: &mut dyn FnMut(usize, [f64; 3])) {}
+
     /// Energy that viscosity and the scheme dissipate in a step \[energy\].
     fn dissipated(&self, _: &StepInput<'_>, _: &mut Scratch) -> f64 {
         0.0

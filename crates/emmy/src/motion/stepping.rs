@@ -5,7 +5,7 @@ use super::degree_choice::degree_of;
 use super::failure::placed;
 use super::plan::SHORTEST;
 use super::{Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, Subdivision};
-use crate::body::Body;
+use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::number::short;
@@ -38,6 +38,8 @@ pub struct Motion<'a> {
     last: State,
     pub(super) record: Record,
     pub(super) statistics: RunStatistics,
+    /// Reactions in the last step; empty before the first.
+    reactions: Vec<Reaction>,
     /// Smallest size of a cut step; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
@@ -124,6 +126,7 @@ impl<'a> Motion<'a> {
             state,
             record,
             statistics,
+            reactions: Vec::with_capacity(body.supported_groups().len()),
             smallest: None,
             subdivision: Subdivision::default(),
             control: None,
@@ -253,6 +256,12 @@ impl<'a> Motion<'a> {
         &self.statistics
     }
 
+    /// Reactions of the supports, in the order of [`Body::supported_groups`]: means over the last step. Empty before the
+    /// first step of the motion, also after it was resumed.
+    pub fn reactions(&self) -> &[Reaction] {
+        &self.reactions
+    }
+
     /// The stepper.
     pub fn stepper(&self) -> &(dyn Stepper + 'a) {
         &*self.stepper
@@ -355,6 +364,8 @@ impl<'a> Motion<'a> {
         self.state.time = end;
         self.state.step += 1;
         self.record = self.record.after(self.body, &self.state, step_size, outcome);
+        self.reactions.clear();
+        self.reactions.extend_from_slice(self.stepper.reactions());
         self.record.cuts = std::mem::take(&mut self.cuts);
         self.record.rejections = std::mem::take(&mut self.rejections);
         self.record.releases = std::mem::take(&mut self.released);

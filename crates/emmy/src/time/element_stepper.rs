@@ -3,7 +3,7 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, MassSolver, StrainState};
+use crate::body::{Body, MassSolver, Reaction, StrainState};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
@@ -38,6 +38,7 @@ pub struct TimeElementStepper<'a> {
     /// Force on the ground in every stage; empty without springs and attractions to the ground.
     ground: Vec<f64>,
     is_loaded: bool,
+    reactions: Vec<Reaction>,
     /// Origin of the displacement in the stage system.
     origin: [f64; 3],
     /// Mass fractions of the nodes of a free body, `[n_nodes]`; empty otherwise.
@@ -64,6 +65,7 @@ impl<'a> TimeElementStepper<'a> {
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
             is_loaded: false,
+            reactions: body.no_reactions(),
             origin: [0.0; 3],
             mass_shares: if body.is_free() { mass_shares(body) } else { Vec::new() },
         })
@@ -79,6 +81,7 @@ impl<'a> TimeElementStepper<'a> {
         self.momentum.copy_from_slice(&state.momentum);
         state.set_relative_displacement(self.system.body, &mut self.position);
         self.origin = state.origin(self.system.body);
+        self.reactions.fill(Reaction::default());
         self.system.start(&self.position, h);
         self.system.set_momentum(&state.momentum);
         let StageSystem { body, coefficients, dead_load, followers, known, .. } = &mut self.system;
@@ -131,6 +134,9 @@ impl<'a> TimeElementStepper<'a> {
                 self.position.iter_mut().zip(&rates[j * n..]).for_each(|(u, x)| *u += a * x);
             }
             let force = &mut self.residual[i * n..(i + 1) * n];
+            let reactions = &mut self.reactions;
+            body.add_reactions(&self.position, |dof| b * force[dof] / (h * h), reactions);
+            self.system.add_spring_reactions(rates, i, b, &self.position, reactions);
             for dof in 0..n {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
                 force[dof] = lambda + self.system.external_force(i * n + dof);
@@ -272,7 +278,7 @@ impl<'a> TimeElementStepper<'a> {
         body.mass_product(&state.velocity, &mut self.position);
         self.momentum.copy_from_slice(&state.momentum);
         take_fixed(body, &self.position, &mut state.momentum);
-        self.add_jump(state, impulses);
+        self.add_jump(state, h, impulses);
     }
 
     /// Sets the velocity `v_c` at the end of the step's polynomial at the driven degrees of freedom; `velocity`: at the
@@ -291,12 +297,13 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Adds the impulse of the reactions at the end of the step, where the given velocity `v_c^+` replaces the velocity
     /// of the polynomial: the impulse `p_c^+ - p_c` with the work `(v_c + v_c^+)/2 . (p_c^+ - p_c)`.
-    fn add_jump(&mut self, state: &State, impulses: &mut Impulses) {
+    fn add_jump(&mut self, state: &State, h: f64, impulses: &mut Impulses) {
         let body = self.system.body;
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
         let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
         impulses.work += body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>();
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
+        body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
     }
 }
 
@@ -319,6 +326,10 @@ impl Stepper for TimeElementStepper<'_> {
 
     fn rates(&self) -> &[f64] {
         &self.iteration.rates
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        &self.reactions
     }
 
     fn newton_history(&self) -> &[f64] {

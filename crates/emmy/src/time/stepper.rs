@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{Body, StrainState, sum};
+use crate::body::{Body, Reaction, StrainState, sum};
 use crate::error::Result;
 use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
@@ -24,6 +24,10 @@ pub trait Stepper: fmt::Debug + Send {
     fn rates(&self) -> &[f64] {
         &[]
     }
+
+    /// Reactions in the last step, in the order of [`Body::supported_groups`]. With the loads, the springs among them,
+    /// their impulses are those of [`Impulses`].
+    fn reactions(&self) -> &[Reaction];
 
     /// Norms of Newton's residuals in the last step; empty for an explicit stepper.
     fn newton_history(&self) -> &[f64];

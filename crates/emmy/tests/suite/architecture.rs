@@ -80,6 +80,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "mass",
             "invariants",
             "driven",
+            "reactions",
             "start",
             "loads",
             "followers",

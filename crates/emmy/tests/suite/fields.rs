@@ -453,3 +453,60 @@ fn volume_ratios_add_up_to_the_volume_that_the_surface_encloses() {
         assert!(ratio.iter().any(|J| (J - 1.0).abs() > 0.05), "{kind}");
     }
 }
+
+/// Two regions of different materials, deformed and in motion without any symmetry.
+fn two_regions() -> (Body, Vec<f64>, Vec<f64>) {
+    let whole = block([2.0, 3.0, 1.0], [4, 3, 2]).unwrap();
+    let mut builder = MeshBuilder::new();
+    for &point in whole.points() {
+        builder.point(point);
+    }
+    for (index, cell) in whole.cells().enumerate() {
+        let cell = builder.cell(cell.kind, cell.nodes).unwrap();
+        builder.cell_group(if index % 3 == 0 { "left" } else { "right" }, [cell]);
+    }
+    let mesh = builder.build().unwrap();
+    let stiff = Region::new(SaintVenantKirchhoff::new(4000.0, 900.0).unwrap(), 0.3).on("right");
+    let body = Body::builder(mesh).region(rubber().on("left")).region(stiff).build().unwrap();
+    let wave = |X: &[f64; 3]| [0.1 * (X[1] + X[2]).sin(), 0.05 * X[0] * X[0], 0.02 * X[0] * X[1]];
+    let displacement: Vec<f64> = body.mesh().points().iter().flat_map(wave).collect();
+    let velocity: Vec<f64> =
+        body.mesh().points().iter().flat_map(|X| [X[1] * X[2], 2.0 - X[0], X[0] * X[0]]).collect();
+    (body, displacement, velocity)
+}
+
+/// A selection sees the cells around it alone, and gets the same bits.
+#[test]
+fn fields_of_a_selection_are_those_of_the_whole_body() {
+    let (body, displacement, velocity) = two_regions();
+    let fields = Fields::new(&body);
+    for name in FieldName::ALL.into_iter().filter(|&name| fields.has(name)) {
+        let whole = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+        let n = name.components().len();
+        let members: Vec<u32> = vec![7, 0, 11, 23];
+        let selection = match name.place() {
+            Place::Nodes => fields.select_nodes(&members),
+            Place::Cells => fields.select_cells(&members),
+        };
+        let of = |member: &u32| &whole[n * *member as usize..n * (*member as usize + 1)];
+        let expected: Vec<f64> = members.iter().flat_map(of).copied().collect();
+        assert_eq!(fields.on(&selection, &displacement, &velocity, name), expected, "{name}");
+    }
+}
+
+/// Energy densities times volumes are the energies of the body: `v . M v / 2` and the sum of its terms.
+#[test]
+fn energies_of_cells_add_up_to_the_energies_of_the_body() {
+    let (body, displacement, velocity) = two_regions();
+    let fields = Fields::new(&body);
+    let total = |name: FieldName| {
+        let densities = &fields.at(&displacement, &velocity, &[name])[0].numbers;
+        densities.iter().enumerate().map(|(cell, density)| density * fields.cell_volume(cell)).sum::<f64>()
+    };
+    let strain = body.strain_energy(&displacement);
+    assert!((total(FieldName::CellStrainEnergyDensity) - strain).abs() < 1e-13 * strain);
+    let mut momentum = vec![0.0; velocity.len()];
+    body.mass_product(&velocity, &mut momentum);
+    let kinetic = 0.5 * momentum.iter().zip(&velocity).map(|(p, v)| p * v).sum::<f64>();
+    assert!((total(FieldName::CellKineticEnergyDensity) - kinetic).abs() < 1e-13 * kinetic);
+}

@@ -20,6 +20,7 @@ mod modes;
 mod order_of_accuracy;
 mod plane_elements;
 mod pressure;
+mod reactions;
 mod reference_cases;
 mod resumed_motions;
 mod shared;

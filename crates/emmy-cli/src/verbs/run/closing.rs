@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use emmy::body::Body;
+use emmy::body::{Body, FieldName};
 use emmy::motion::{Extreme, RunStatistics};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -31,14 +31,7 @@ pub(super) fn report(results: &Results, is_static: bool, status: Status, page: O
     } else {
         residuals(statistics)
     }
-    let most = statistics.largest_displacement;
-    if most.value > 0.0 {
-        let value = number(most.value);
-        let time = number(most.time);
-        let at = vector(most.point);
-        let when = if is_static { "load fraction" } else { "t =" };
-        message!("largest displacement: {value} at {when} {time}, node {} at {at}", most.node);
-    }
+    largest(results, is_static);
     let directory = results.directory();
     let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
     files.extend(results.collection());
@@ -46,6 +39,28 @@ pub(super) fn report(results: &Results, is_static: bool, status: Status, page: O
     message!("written: {}", files.join(", "));
     if let Some(page) = page {
         message!("to look at: {}", page.display());
+    }
+}
+
+/// Prints the largest displacement, and the largest values of other fields.
+fn largest(results: &Results, is_static: bool) {
+    let when = if is_static { "load fraction" } else { "t =" };
+    let most = results.statistics().largest_displacement;
+    if most.value > 0.0 {
+        let value = number(most.value);
+        let time = number(most.time);
+        let at = vector(most.point);
+        message!("largest displacement: {value} at {when} {time}, node {} at {at}", most.node);
+    }
+    let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
+    for extreme in others.filter(|own| own.value != 0.0) {
+        let value = number(extreme.value);
+        let time = number(extreme.time);
+        let at = vector(extreme.point);
+        let kind = if extreme.is_cell { "cell" } else { "node" };
+        let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
+        let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
+        message!("largest {name}{of}: {value} at {when} {time}, {kind} {} at {at}", extreme.member);
     }
 }
 

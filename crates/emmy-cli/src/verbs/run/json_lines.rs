@@ -35,8 +35,10 @@ impl Observer for JsonLines {
         let value = |number: &Number| match *number {
             Number::Whole(value) => Value::from(value),
             Number::Real(value) => Value::from(value),
+            Number::Missing => Value::Null,
         };
-        let object: Map<String, Value> = self.names.iter().cloned().zip(row.iter().map(value)).collect();
+        let numbers = row.numbers.iter().map(value);
+        let object: Map<String, Value> = self.names.iter().cloned().zip(numbers).collect();
         print::result(&format!("{}\n", Value::Object(object))).map_err(|failure| failure.message().into())
     }
 }

@@ -4,6 +4,11 @@ use super::{Mistake, PROBES, changed};
 
 const SECOND: &str = "density = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
 
+/// A list with one value.
+fn value(group: &str, quantity: &str, measure: &str) -> String {
+    format!("values = [{{ name = \"a\", {group}, quantity = \"{quantity}\", measure = \"{measure}\" }}]")
+}
+
 pub(super) fn all() -> Vec<Mistake> {
     vec![
         changed("group-misspelt", "y-max", "y-mx").unseen(),
@@ -31,6 +36,44 @@ pub(super) fn all() -> Vec<Mistake> {
             PROBES,
             "probes = [{ name = \"angular_momentum\", point = [0, 0, 0] }]",
         ),
+        changed("reactions-of-a-free-group", "every = 2", "every = 2\nreactions = [\"y-max\"]").unseen(),
+        changed("reactions-of-a-group-misspelt", "every = 2", "every = 2\nreactions = [\"y-mni\"]").unseen(),
+        changed("reactions-twice", "every = 2", "every = 2\nreactions = [\"y-min\", \"y-min\"]").unseen(),
+        changed("reactions-not-in-a-list", "every = 2", "every = 2\nreactions = \"y-min\""),
+        changed("extreme-of-a-tensor", "every = 2", "every = 2\nextremes = [\"cauchy_stress\"]"),
+        changed("extreme-misspelt", "every = 2", "every = 2\nextremes = [\"von_mises\"]"),
+        changed("extreme-of-another-body", "every = 2", "every = 2\nextremes = [\"axial_force\"]").unseen(),
+        changed(
+            "probe-of-an-unknown-quantity",
+            "point = [0, 2, 0] }",
+            "point = [0, 2, 0], quantities = [\"stress\"] }",
+        ),
+        changed("probe-without-quantities", "point = [0, 2, 0] }", "point = [0, 2, 0], quantities = [] }")
+            .unseen(),
+        changed(
+            "probe-named-like-a-reaction",
+            PROBES,
+            "probes = [{ name = \"y-min_force\", point = [0, 0, 0] }]",
+        )
+        .unseen(),
+        changed("value-of-an-unknown-group", PROBES, &value("group = \"steel\"", "velocity", "mean"))
+            .unseen(),
+        changed("value-total-at-nodes", PROBES, &value("group = \"y-max\"", "velocity", "total")).unseen(),
+        changed(
+            "value-of-cells-in-a-group-of-facets",
+            PROBES,
+            &value("group = \"y-max\"", "cell_strain_energy_density", "mean"),
+        )
+        .unseen(),
+        changed("value-largest-of-a-tensor", PROBES, &value("group = \"body\"", "cauchy_stress", "max"))
+            .unseen(),
+        changed("value-of-an-unknown-measure", PROBES, &value("group = \"body\"", "velocity", "sum")),
+        changed(
+            "values-of-one-name",
+            PROBES,
+            "values = [{ name = \"a\", quantity = \"velocity\" }, { name = \"a\", quantity = \"velocity\" }]",
+        )
+        .unseen(),
         changed("probe-in-the-plane", "point = [0, 2, 0]", "point = [0, 2]"),
         changed("format-of-another-program", "every = 2", "every = 2\nformat = \"xdmf\""),
         changed("precision-of-another-language", "every = 2", "every = 2\nprecision = \"float32\""),

@@ -3,11 +3,13 @@
 mod name;
 mod point;
 mod recovery;
+mod selection;
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::geometry::for_each_volume_point;
 use super::{Body, Region};
 use crate::mesh::Mesh;
 
@@ -15,6 +17,7 @@ pub use name::{FieldName, Place};
 use name::{Formula, Needs};
 use point::{PointState, axial_force};
 use recovery::Recovery;
+pub use selection::Selection;
 
 /// The fields of a body, computed from a displacement and a velocity for any scheme.
 ///
@@ -99,7 +102,7 @@ impl Fields {
 
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
-        let is_of_state = |name: &FieldName| !matches!(name.info().formula, Formula::Motion(_));
+        let is_of_state = |name: &FieldName| name.info().formula.is_of_state();
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
         let nodes = if wanted(Place::Nodes) { self.nodal_states(displacement) } else { Vec::new() };
         let cells = if wanted(Place::Cells) { self.cell_states(displacement) } else { Vec::new() };
@@ -109,7 +112,14 @@ impl Fields {
                 Place::Cells => &cells,
             };
             match name.info().formula {
-                Formula::Motion(numbers) => numbers(self, displacement, velocity),
+                Formula::Vector(vector) => {
+                    let nodes = 0..self.mesh.n_nodes();
+                    nodes.flat_map(|node| vector(self, [displacement, velocity], node)).collect()
+                }
+                Formula::OfCell(number) => {
+                    let cells = 0..self.mesh.n_cells();
+                    cells.map(|cell| number(self, [displacement, velocity], cell)).collect()
+                }
                 Formula::Number(number) => flat(states, |state| [number(state)]),
                 Formula::Stretches(stretches) => flat(states, stretches),
                 Formula::Tensor(tensor) => flat(states, tensor),
@@ -118,17 +128,38 @@ impl Fields {
         names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
     }
 
-    /// Density times velocity; `velocity`: `[n_nodes][3]`.
-    fn momentum_density(&self, velocity: &[f64]) -> Vec<f64> {
-        velocity.iter().enumerate().map(|(dof, v)| self.density[dof / 3] * v).collect()
+    fn region(&self, cell: usize) -> &Region {
+        &self.regions[self.region_of_cell[cell] as usize]
     }
 
-    fn axial_forces(&self, displacement: &[f64]) -> Vec<f64> {
-        let force = |(cell, &region): (usize, &u32)| {
-            let link = self.regions[region as usize].link();
-            link.map_or(0.0, |link| axial_force(&link, &self.mesh, cell, displacement))
-        };
-        self.region_of_cell.iter().enumerate().map(force).collect()
+    /// Density times velocity at a node; `velocity`: `[n_nodes][3]`.
+    fn momentum_density(&self, velocity: &[f64], node: usize) -> [f64; 3] {
+        [0, 1, 2].map(|d| self.density[node] * velocity[3 * node + d])
+    }
+
+    fn axial_force(&self, displacement: &[f64], cell: usize) -> f64 {
+        let link = self.region(cell).link();
+        link.map_or(0.0, |link| axial_force(&link, &self.mesh, cell, displacement))
+    }
+
+    /// Mean over a cell of half the density times the squared velocity, with the quadrature of the consistent mass.
+    fn kinetic_energy_density(&self, velocity: &[f64], cell: usize) -> f64 {
+        let (mut sum, mut measure) = (0.0, 0.0);
+        for_each_volume_point(&self.mesh, std::iter::once(cell as u32), |_, nodes, point| {
+            let component = |d: usize| {
+                let terms = nodes.iter().zip(point.shapes);
+                terms.map(|(&node, N)| N * velocity[3 * node as usize + d]).sum::<f64>()
+            };
+            sum += point.weight * (0..3).map(|d| component(d).powi(2)).sum::<f64>();
+            measure += point.weight;
+        });
+        0.5 * self.region(cell).density * sum / measure
+    }
+
+    /// Reference volume of a cell: area times thickness of a plane one, length times cross section of a bar; 0 for
+    /// springs and attractions \[length^3\].
+    pub fn cell_volume(&self, cell: usize) -> f64 {
+        self.recovery.measure(&self.mesh, cell) * self.region(cell).section(self.mesh.cell(cell).kind)
     }
 
     /// The state at every node, `[n_nodes]`.
@@ -157,17 +188,15 @@ impl Fields {
 
     /// Means over the quadrature points of every cell by reference volume, `[n_cells]`.
     fn cell_states(&self, displacement: &[f64]) -> Vec<PointState> {
-        let state = |cell: usize| {
-            let region = &self.regions[self.region_of_cell[cell] as usize];
-            match region.link() {
-                Some(link) => PointState::of_link(&link, &self.mesh, cell, displacement),
-                None => self.cell_state(region, cell, displacement),
-            }
-        };
+        let state = |cell: usize| self.cell_state(cell, displacement);
         (0..self.mesh.n_cells()).into_par_iter().with_min_len(64).map(state).collect()
     }
 
-    fn cell_state(&self, region: &Region, cell: usize, displacement: &[f64]) -> PointState {
+    fn cell_state(&self, cell: usize, displacement: &[f64]) -> PointState {
+        let region = self.region(cell);
+        if let Some(link) = region.link() {
+            return PointState::of_link(&link, &self.mesh, cell, displacement);
+        }
         let mut points = Vec::new();
         let mut sum = PointState::default();
         let mut volume = 0.0;

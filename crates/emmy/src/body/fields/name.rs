@@ -45,18 +45,32 @@ pub(super) enum Needs {
 
 /// Formula of a field.
 pub(super) enum Formula {
-    /// From displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
-    Motion(fn(&Fields, &[f64], &[f64]) -> Vec<f64>),
+    /// A vector at a node from displacement and velocity, `[n_nodes][3]`, without a deformation gradient.
+    Vector(fn(&Fields, [&[f64]; 2], usize) -> [f64; 3]),
+    /// The same for a number in a cell.
+    OfCell(fn(&Fields, [&[f64]; 2], usize) -> f64),
     /// A number of the state at a node or in a cell.
     Number(fn(&PointState) -> f64),
     Stretches(fn(&PointState) -> [f64; 3]),
     Tensor(fn(&PointState) -> Sym<f64>),
 }
 
+impl Formula {
+    /// Whether it needs the state of the material.
+    pub(super) const fn is_of_state(&self) -> bool {
+        !matches!(self, Formula::Vector(_) | Formula::OfCell(_))
+    }
+}
+
 const ONE: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
 const ORDERED: &[&str] = &["1", "2", "3"];
+
+/// The vector of a node.
+fn of_node(vectors: &[f64], node: usize) -> [f64; 3] {
+    [0, 1, 2].map(|d| vectors[3 * node + d])
+}
 
 /// Declares the fields, each with its [`FieldInfo`].
 macro_rules! fields {
@@ -92,7 +106,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Motion(|_, displacement, _| displacement.to_vec()),
+        formula: Formula::Vector(|_, [displacement, _], node| of_node(displacement, node)),
     }
     /// v \[length/time\].
     Velocity {
@@ -101,7 +115,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
-        formula: Formula::Motion(|_, _, velocity| velocity.to_vec()),
+        formula: Formula::Vector(|_, [_, velocity], node| of_node(velocity, node)),
     }
     /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
     MomentumDensity {
@@ -110,7 +124,7 @@ fields! {
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Volume,
-        formula: Formula::Motion(|fields, _, velocity| fields.momentum_density(velocity)),
+        formula: Formula::Vector(|fields, [_, velocity], node| fields.momentum_density(velocity, node)),
     }
     /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
     CauchyStress {
@@ -210,7 +224,16 @@ fields! {
         place: Place::Cells,
         components: ONE,
         needs: Needs::Links,
-        formula: Formula::Motion(|fields, displacement, _| fields.axial_forces(displacement)),
+        formula: Formula::OfCell(|fields, [displacement, _], cell| fields.axial_force(displacement, cell)),
+    }
+    /// Mean of `rho_0 v^2/2` in a cell; times its volume, the kinetic energy of the cell. Point masses are not in it.
+    CellKineticEnergyDensity {
+        name: "cell_kinetic_energy_density",
+        description: "mean of density times v^2/2 in each cell, per reference volume [energy/length^3]",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Volume,
+        formula: Formula::OfCell(|fields, [_, velocity], cell| fields.kinetic_energy_density(velocity, cell)),
     }
 }
 
@@ -228,6 +251,21 @@ impl FieldName {
     /// The field of a name.
     pub fn from_name(name: &str) -> Option<FieldName> {
         FieldName::ALL.into_iter().find(|field| field.name() == name)
+    }
+
+    /// The field in cells of the same quantity, such as `cell_von_mises_stress` of `von_mises_stress`; a field in cells
+    /// is its own.
+    ///
+    /// ```
+    /// use emmy::body::FieldName;
+    /// assert_eq!(FieldName::VonMisesStress.in_cells(), Some(FieldName::CellVonMisesStress));
+    /// assert_eq!(FieldName::Velocity.in_cells(), None);
+    /// ```
+    pub fn in_cells(self) -> Option<FieldName> {
+        match self.place() {
+            Place::Cells => Some(self),
+            Place::Nodes => FieldName::from_name(&format!("cell_{}", self.name())),
+        }
     }
 
     /// Names of the components, in VTK's order of symmetric tensors; one empty name of a scalar.

@@ -33,6 +33,12 @@ impl GradientSum {
         self.sum.map(|row| row.map(|component| component / self.weight))
     }
 
+    /// Adds another sum.
+    pub(super) fn add(&mut self, other: &GradientSum) {
+        self.weight += other.weight;
+        (0..3).for_each(|i| (0..3).for_each(|j| self.sum[i][j] += other.sum[i][j]));
+    }
+
     /// Returns the weight and resets the sum.
     pub(super) fn take(&mut self) -> f64 {
         std::mem::take(self).weight
@@ -125,15 +131,14 @@ impl Recovery {
                 if sum.weight == 0.0 {
                     nodes.push(node);
                 }
-                sum.weight += own.weight;
-                (0..3).for_each(|i| (0..3).for_each(|j| sum.sum[i][j] += own.sum[i][j]));
+                sum.add(own);
             }
         }
         nodes
     }
 
     /// Contributions of some cells to their nodes, `[cell][n_nodes]`.
-    fn run(
+    pub(super) fn run(
         &self,
         mesh: &Mesh,
         cells: &[u32],

@@ -1,8 +1,8 @@
 //! Bathe's composite method: trapezoidal rule, then the three-point backward Euler method.
 
-use super::forces::{Forces, Start, TimePoint};
+use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
-use crate::body::Body;
+use crate::body::{Body, Reaction};
 use crate::error::Result;
 use crate::newton::{NewtonSettings, Outcome};
 use crate::time::iteration::Iteration;
@@ -41,6 +41,7 @@ pub struct BatheStepper<'a> {
     /// State at the split; its momentum is not used.
     split: State,
     points: [TimePoint; 3],
+    reactions: Vec<Reaction>,
 }
 
 impl<'a> BatheStepper<'a> {
@@ -66,7 +67,8 @@ impl<'a> BatheStepper<'a> {
             increment: vec![0.0; n],
             work: vec![0.0; n],
             split: state.clone(),
-            points: [point, TimePoint::new(n), TimePoint::new(n)],
+            points: [point, TimePoint::new(body), TimePoint::new(body)],
+            reactions: body.no_reactions(),
         })
     }
 
@@ -161,6 +163,7 @@ impl Stepper for BatheStepper<'_> {
         for (point, weight) in self.points.iter().zip(WEIGHTS) {
             point.add_to(&mut impulses, self.forces.body, weight, step_size, &self.increment);
         }
+        sum_reactions(self.points.iter().zip(WEIGHTS), &mut self.reactions);
         self.points.swap(0, 2);
         let newton = Outcome {
             iterations: first.iterations + second.iterations,
@@ -173,6 +176,10 @@ impl Stepper for BatheStepper<'_> {
         };
         let strain_state = self.system.body.strain_state(&state.displacement);
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        &self.reactions
     }
 
     /// Weights of the second part.

@@ -1,8 +1,8 @@
 //! Central differences: explicit, with lumped mass.
 
-use super::forces::{Forces, TimePoint};
+use super::forces::{Forces, TimePoint, sum_reactions};
 use crate::average::Request;
-use crate::body::Body;
+use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::Outcome;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
@@ -30,6 +30,7 @@ pub struct CentralDifferences<'a> {
     increment: Vec<f64>,
     start: TimePoint,
     end: TimePoint,
+    reactions: Vec<Reaction>,
     limit: StabilityLimit,
 }
 
@@ -42,7 +43,7 @@ impl<'a> CentralDifferences<'a> {
         let mut forces = Forces::new(body);
         let n = body.n_dofs();
         let limit = StabilityLimit::new(&mut forces, &state.displacement)?;
-        let mut start = TimePoint::new(n);
+        let mut start = TimePoint::new(body);
         start.displacement.copy_from_slice(&state.displacement);
         start.evaluate(&mut forces, state.time)?;
         for (dof, p) in state.momentum.iter_mut().enumerate() {
@@ -53,7 +54,8 @@ impl<'a> CentralDifferences<'a> {
             inertia: vec![0.0; n],
             increment: vec![0.0; n],
             start,
-            end: TimePoint::new(n),
+            end: TimePoint::new(body),
+            reactions: body.no_reactions(),
             limit,
         };
         set_inertia(body, &mut stepper.start, &mut stepper.inertia);
@@ -110,10 +112,15 @@ impl Stepper for CentralDifferences<'_> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
+        sum_reactions([(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
         std::mem::swap(&mut self.start, &mut self.end);
         let newton = Outcome { converged: true, ..Outcome::default() };
         let strain_state = self.forces.body.strain_state(&state.displacement);
         Ok(StepOutcome { newton, impulses, strain_state, solver: None })
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        &self.reactions
     }
 
     fn newton_history(&self) -> &[f64] {

@@ -2,7 +2,7 @@
 
 use super::configurations;
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, MassSolver, StepDamping, StepInput};
+use crate::body::{Assembly, Body, MassSolver, Reaction, StepDamping, StepInput};
 use crate::error::Result;
 use crate::quadrature::gauss;
 use crate::sparse::reduce::dot;
@@ -50,21 +50,18 @@ impl<'a> Forces<'a> {
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
     }
 
-    /// Force of the body on the ground at a displacement; empty without ground.
+    /// Force of the body on the ground at a displacement, zero without ground; the springs of supports are added to the
+    /// reactions.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`].
-    fn ground(&mut self, displacement: &[f64], ground: &mut [f64]) -> Result<()> {
+    fn ground(&mut self, displacement: &[f64], ground: &mut [f64], reactions: &mut [Reaction]) -> Result<()> {
+        reactions.fill(Reaction::default());
         if !self.body.has_ground() {
             return Ok(());
         }
-        let step = StepInput {
-            rule: &self.rule,
-            tangent_factor: 0.0,
-            displacement,
-            rates: &self.rest,
-            damping: StepDamping::default(),
-        };
+        let step = StepInput::undamped(&self.rule, displacement, &self.rest);
+        self.body.add_spring_reactions(&step, 0, 1.0, displacement, reactions);
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
@@ -134,11 +131,15 @@ pub(crate) struct TimePoint {
     pub force: Vec<f64>,
     /// Force on the ground.
     ground: Vec<f64>,
+    /// Force of each supported group: the springs first, then with the fixed degrees of freedom.
+    reactions: Vec<Reaction>,
 }
 
 impl TimePoint {
-    pub(crate) fn new(n: usize) -> Self {
+    pub(crate) fn new(body: &Body) -> Self {
+        let n = body.n_dofs();
         TimePoint {
+            reactions: body.no_reactions(),
             displacement: vec![0.0; n],
             external: vec![0.0; n],
             force: vec![0.0; n],
@@ -146,11 +147,18 @@ impl TimePoint {
         }
     }
 
+    /// Reactions at the point, once they are set.
+    pub(crate) fn reactions(&self) -> &[Reaction] {
+        &self.reactions
+    }
+
     /// Keeps the forces of the point for the start of the next step.
     pub(crate) fn keep(&self, memory: &mut Memory) {
         memory.keep("start.displacement", &self.displacement);
         memory.keep("start.external", &self.external);
         memory.keep("start.force", &self.force);
+        let reactions = self.reactions.iter().flat_map(|own| [own.force, own.moment]);
+        memory.keep("start.reactions", &reactions.flatten().collect::<Vec<f64>>());
     }
 
     /// Restores the data of [`TimePoint::keep`].
@@ -160,6 +168,12 @@ impl TimePoint {
     pub(crate) fn restore(&mut self, memory: &Memory) -> Result<()> {
         memory.fill("start.displacement", &mut self.displacement)?;
         memory.fill("start.external", &mut self.external)?;
+        let mut numbers = vec![0.0; 6 * self.reactions.len()];
+        memory.fill("start.reactions", &mut numbers)?;
+        for (own, [force, moment]) in self.reactions.iter_mut().zip(numbers.as_chunks::<3>().0.as_chunks().0)
+        {
+            *own = Reaction { force: *force, moment: *moment };
+        }
         memory.fill("start.force", &mut self.force)
     }
 
@@ -168,7 +182,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
-        forces.ground(&self.displacement, &mut self.ground)?;
+        forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)?;
         forces.net(&self.displacement, time, &mut self.external, &mut self.force)
     }
 
@@ -181,12 +195,14 @@ impl TimePoint {
             return self.evaluate(forces, time);
         }
         forces.external(&self.displacement, time, &mut self.external);
-        forces.ground(&self.displacement, &mut self.ground)
+        forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)
     }
 
     /// Sets the force to the sum of loads, reactions and ground, `lambda = M a + f(u) - F` at fixed degrees of freedom;
     /// `inertia`: M a.
     pub(crate) fn set_reactions(&mut self, body: &Body, inertia: &[f64]) {
+        let reaction = |dof: usize| inertia[dof] - self.force[dof];
+        body.add_reactions(&self.displacement, reaction, &mut self.reactions);
         for (dof, &fixed) in body.fixed().iter().enumerate() {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
@@ -204,6 +220,17 @@ impl TimePoint {
     ) {
         impulses.work += weight * dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
+    }
+}
+
+/// Sets the reactions of a step to the weighted sum over its points.
+pub(crate) fn sum_reactions<'p>(
+    points: impl IntoIterator<Item = (&'p TimePoint, f64)>,
+    reactions: &mut [Reaction],
+) {
+    reactions.fill(Reaction::default());
+    for (point, weight) in points {
+        reactions.iter_mut().zip(&point.reactions).for_each(|(sum, own)| sum.add(weight, own));
     }
 }
 
@@ -225,7 +252,7 @@ impl Start {
         let n = forces.body.n_dofs();
         let mut acceleration = vec![0.0; n];
         let mut inertia = vec![0.0; n];
-        let mut point = TimePoint::new(n);
+        let mut point = TimePoint::new(body);
         point.displacement.copy_from_slice(&state.displacement);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;

@@ -1,8 +1,8 @@
 //! Newmark's family: Newmark, Hilber-Hughes-Taylor and generalized-alpha are one method with four parameters.
 
-use super::forces::{Forces, Start, TimePoint};
+use super::forces::{Forces, Start, TimePoint, sum_reactions};
 use super::{configurations, stage_coefficients};
-use crate::body::Body;
+use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::time::iteration::Iteration;
@@ -148,6 +148,7 @@ pub struct NewmarkStepper<'a> {
     old_load: Vec<f64>,
     start: TimePoint,
     end: TimePoint,
+    reactions: Vec<Reaction>,
 }
 
 impl<'a> NewmarkStepper<'a> {
@@ -183,7 +184,8 @@ impl<'a> NewmarkStepper<'a> {
             inertia,
             old_load: vec![0.0; n],
             start: point,
-            end: TimePoint::new(n),
+            end: TimePoint::new(body),
+            reactions: body.no_reactions(),
         })
     }
 
@@ -236,6 +238,7 @@ impl<'a> NewmarkStepper<'a> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);
         self.end.add_to(&mut impulses, body, gamma, h, x);
+        sum_reactions([(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
         impulses
     }
 }
@@ -251,6 +254,10 @@ impl Stepper for NewmarkStepper<'_> {
         std::mem::swap(&mut self.start, &mut self.end);
         let strain_state = self.system.body.strain_state(&state.displacement);
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        &self.reactions
     }
 
     fn newton_history(&self) -> &[f64] {

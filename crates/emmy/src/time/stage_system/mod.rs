@@ -11,7 +11,7 @@ use super::linear::ApproximateTangent;
 use super::rigid_step::RigidStep;
 use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
-use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::body::{Assembly, Body, Reaction, StepDamping, StepInput};
 use crate::error::Result;
 use crate::sparse::reduce::dot;
 use crate::sparse::{Gmres, Solver, SolverChoice};
@@ -214,14 +214,22 @@ impl<'a> StageSystem<'a> {
 
     /// Stage averages of the force on the ground, on all degrees of freedom.
     pub(super) fn ground_force(&mut self, x: &[f64], force: &mut [f64]) -> Result<()> {
-        let step = StepInput {
-            rule: &self.coefficients.rule,
-            tangent_factor: 0.0,
-            displacement: &self.displacement,
-            rates: x,
-            damping: StepDamping::default(),
-        };
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
         self.body.ground_force(&step, &mut self.assembly, force)
+    }
+
+    /// Adds the forces of the springs of supports in a stage at the rates x, times a weight; `displacement`: in the
+    /// stage.
+    pub(super) fn add_spring_reactions(
+        &self,
+        x: &[f64],
+        stage: usize,
+        weight: f64,
+        displacement: &[f64],
+        reactions: &mut [Reaction],
+    ) {
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, x);
+        self.body.add_spring_reactions(&step, stage, weight, displacement, reactions);
     }
 
     /// Stage average of all loads, the followers at the rates evaluated last; `at`: position in `[k][n_nodes][3]`.

@@ -3,7 +3,7 @@
 mod system;
 
 use super::forces::TimePoint;
-use crate::body::Body;
+use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome};
 use crate::sparse::reduce::norm;
@@ -55,7 +55,7 @@ impl<'a> StaticStepper<'a> {
             settings: NewtonSettings { exact_tangent: true, ..settings },
             system: StaticSystem::new(body)?,
             unknowns: vec![0.0; body.n_dofs()],
-            end: TimePoint::new(body.n_dofs()),
+            end: TimePoint::new(body),
             energy: body.strain_energy(&state.displacement),
         })
     }
@@ -128,6 +128,10 @@ impl Stepper for StaticStepper<'_> {
         self.energy = strain_state.strain_energy;
         self.add_resultants(&mut impulses);
         Ok(StepOutcome { newton, impulses, strain_state, solver: None })
+    }
+
+    fn reactions(&self) -> &[Reaction] {
+        self.end.reactions()
     }
 
     fn newton_history(&self) -> &[f64] {

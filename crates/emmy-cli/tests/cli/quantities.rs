@@ -1,0 +1,189 @@
+//! Quantities in the history: reactions, probes, extremes, values of groups.
+
+use crate::{BOX, Place};
+
+/// A cube in uniaxial strain: one end is held, the other moves with the velocity 0.1; density 2, lambda 1000, mu 500.
+const STRETCH: &str = r#"
+[mesh]
+box = { size = [1, 1, 1], cells = [2, 1, 1] }
+
+[[region]]
+density = 2.0
+material.neo-hooke = { lambda = 1000.0, mu = 500.0 }
+
+[[support]]
+group = "x-min"
+fix = ["x", "y", "z"]
+
+[[support]]
+group = "x-max"
+fix = ["y", "z"]
+move = { x = "0.1*t" }
+
+[[support]]
+group = "body"
+fix = ["y", "z"]
+
+[time]
+scheme = "DGM"
+steps = [{ until = 2.0, size = 0.1 }]
+
+[output]
+directory = "out"
+every = 5
+reactions = ["x-max", "x-min"]
+extremes = ["von_mises_stress", "displacement"]
+probes = [
+  { name = "end", point = [1, 0, 0], quantities = ["displacement", "velocity", "cauchy_stress", "von_mises_stress"] },
+]
+values = [
+  { name = "stress", group = "body", quantity = "cauchy_stress" },
+  { name = "energy", quantity = "strain_energy_density", measure = "total" },
+  { name = "kinetic", quantity = "cell_kinetic_energy_density", measure = "total" },
+  { name = "end_stress", group = "x-max", quantity = "von_mises_stress", measure = "max" },
+  { name = "mean_velocity", group = "x-max", quantity = "velocity" },
+]
+"#;
+
+#[test]
+fn the_answers_of_a_stretched_cube_are_those_of_theory() {
+    let place = Place::with(STRETCH);
+    let closing = place.succeed(&["run", "box.toml"]).stderr;
+    let history = place.history("out");
+    let column = |name: &str| history.get(name).unwrap_or_else(|| panic!("{name}: {:?}", history.keys()));
+    let near = |name: &str, row: usize, exact: f64, scale: f64| {
+        let own = column(name)[row];
+        assert!((own - exact).abs() < 1e-9 * scale, "{name} in row {row}: {own} is not {exact}");
+    };
+    for row in [5, 20] {
+        // The middle nodes vibrate a little, the mean stretch is exact; the stress is that of neo-Hooke.
+        let stretch = 1.0 + 0.1 * column("time")[row];
+        near("end_displacement_x", row, stretch - 1.0, 1.0);
+        near("end_velocity_x", row, 0.1, 1.0);
+        let energy = column("energy")[row];
+        assert!(
+            (energy - column("strain_energy")[row]).abs() < 1e-13 * energy,
+            "the whole body is the group"
+        );
+        let kinetic = column("kinetic_energy")[row];
+        assert!((column("kinetic")[row] - kinetic).abs() < 1e-13 * kinetic.max(1e-3));
+        near("end_von_mises_stress", row, column("end_stress")[row], 1.0);
+        let largest = column("max_von_mises_stress")[row];
+        assert!(largest >= column("end_stress")[row] && largest < 1.5 * column("end_stress")[row]);
+        near("max_displacement", row, stretch - 1.0, 1.0);
+    }
+    assert!(history["x-min_force_x"][0].is_nan(), "the start has no reactions");
+    // The loads of both ends over a step change the momentum and do the work: dV + dT = F . du.
+    for row in 1..=20 {
+        let change = |name: &str| column(name)[row] - column(name)[row - 1];
+        let force = column("x-max_force_x")[row] + column("x-min_force_x")[row];
+        assert!((change("linear_momentum_x") - 0.1 * force).abs() < 1e-12, "row {row}");
+    }
+    let summary = place.summary("out");
+    let largest = column("max_von_mises_stress").iter().copied().fold(0.0, f64::max);
+    assert_eq!(summary["largest_von_mises_stress"], largest);
+    let step = summary["largest_von_mises_stress_step"].as_u64().unwrap() as usize;
+    assert_eq!(column("max_von_mises_stress")[step], largest);
+    assert_eq!(summary["largest_von_mises_stress_time"], column("time")[step]);
+    assert!(
+        summary["largest_von_mises_stress_node"].is_u64()
+            && summary["largest_von_mises_stress_point"].is_array()
+    );
+    assert!(closing.contains("largest von Mises stress: "), "{closing}");
+    // Stopped and resumed: the same file, bit for bit, but for the wall time.
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.7"]);
+    place.succeed(&["resume", "parts", "--quiet", "--until", "2"]);
+    let parts = place.history("parts");
+    for (name, numbers) in history.iter().filter(|(name, _)| *name != "wall_seconds") {
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(numbers), bits(&parts[name]), "{name}");
+    }
+    assert_eq!(place.summary("parts")["largest_von_mises_stress"], largest);
+    place.succeed(&["compare", "out", "parts"]);
+    place.succeed(&["report", "out"]);
+}
+
+/// Homogeneous: one cell, so that no node is free along x, and the stress is uniform:
+/// `sigma_xx = (mu (a^2 - 1) + lambda ln a)/a`, `sigma_yy = lambda ln a/a`, `W = mu/2 (a^2 - 1) - mu ln a +
+/// lambda/2 (ln a)^2` for the stretch a.
+#[test]
+fn uniform_tension_has_the_stress_and_the_reaction_of_theory() {
+    let place = Place::with(&STRETCH.replace("cells = [2, 1, 1]", "cells = [1, 1, 1]"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let history = place.history("out");
+    let energy = |a: f64| 250.0 * (a * a - 1.0) - 500.0 * a.ln() + 500.0 * a.ln().powi(2);
+    for row in 1..=20 {
+        let near = |name: &str, exact: f64| {
+            let own = history[name][row];
+            assert!(
+                (own - exact).abs() < 1e-10 * exact.abs().max(1.0),
+                "{name}, row {row}: {own} is not {exact}"
+            );
+        };
+        let a = 1.0 + 0.01 * row as f64;
+        let [along, across] = [(500.0 * (a * a - 1.0) + 1000.0 * a.ln()) / a, 1000.0 * a.ln() / a];
+        for name in ["stress", "end_cauchy_stress"] {
+            near(&format!("{name}_xx"), along);
+            near(&format!("{name}_yy"), across);
+            near(&format!("{name}_xy"), 0.0);
+        }
+        near("max_von_mises_stress", along - across);
+        near("energy", energy(a));
+        // int rho v^2/2 with v = 0.1 X.
+        near("kinetic", 2.0 * 0.1 * 0.1 / 6.0);
+        near("end_velocity_y", 0.0);
+        if row > 1 {
+            // Nothing accelerates, and the discrete gradient does the work exactly.
+            let force = (energy(a) - energy(a - 0.01)) / 0.01;
+            near("x-max_force_x", force);
+            near("x-min_force_x", -force);
+            // The force of an end acts at its centre.
+            near("x-max_moment_z", -0.5 * force);
+            near("x-max_moment_y", 0.5 * force);
+        }
+    }
+}
+
+/// Reactions are there by default, also for groups with names that CSV must quote.
+#[test]
+fn names_of_groups_are_quoted() {
+    let network = r#"
+mesh.network = { points = [[0, 0, 0], [1, 0, 0], [2, 0, 0]], links = [[0, 1], [1, 2]], groups = { "left, \"upper\"" = [0] } }
+region = [{ density = 2.0, material.bar = { youngs_modulus = 10.0, area = 0.5 } }]
+load = [{ acceleration = [0, 0, -1] }]
+support = [{ group = 'left, "upper"', fix = ["x", "y", "z"] }]
+time = { scheme = "DGM", steps = [{ until = 0.5, size = 0.1 }] }
+output = { directory = "out", every = 0 }
+"#;
+    let place = Place::with(network);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let header = place.read("out/history.csv").lines().next().unwrap().to_string();
+    assert!(header.contains(r#","left, ""upper""_force_x","left, ""upper""_force_y","#), "{header}");
+    place.succeed(&["report", "out"]);
+    let json = place.succeed(&["run", "box.toml", "--quiet", "--json"]).stdout;
+    assert!(json.lines().next().unwrap().contains(r#""left, \"upper\"_force_x":null"#), "{json}");
+    let last: serde_json::Value = serde_json::from_str(json.lines().nth(5).unwrap()).unwrap();
+    let force = last[r#"left, "upper"_force_z"#].as_f64().unwrap();
+    assert!(force > 0.0 && force < 2.0 * 2.0 * 0.5, "{force}");
+}
+
+#[test]
+fn a_history_without_requests_has_the_reactions_of_the_supports() {
+    let place = Place::with(BOX);
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    let header = place.read("out/history.csv").lines().next().unwrap().to_string();
+    let end = "tip_x,tip_y,tip_z,y-min_force_x,y-min_force_y,y-min_force_z,y-min_moment_x,y-min_moment_y,y-min_moment_z";
+    assert!(header.ends_with(end), "{header}");
+    // The traction grows like t/0.5 from 0 to 10 on an area of 1: its impulse, and that of the support.
+    let history = place.history("out");
+    for row in 1..history["time"].len() {
+        let [t, h] = ["time", "step_size"].map(|name| history[name][row]);
+        let change = history["linear_momentum_z"][row] - history["linear_momentum_z"][row - 1];
+        let load = 20.0 * h * (t - 0.5 * h);
+        assert!((change - load - h * history["y-min_force_z"][row]).abs() < 1e-12, "row {row}");
+    }
+    // Without any, the columns are those of before.
+    let place = Place::with(&BOX.replace("every = 2", "every = 2\nreactions = []"));
+    place.succeed(&["run", "box.toml", "--quiet"]);
+    assert!(place.read("out/history.csv").lines().next().unwrap().ends_with("tip_x,tip_y,tip_z"));
+}
