@@ -20,6 +20,8 @@
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | estimated sizes of the files of a run |
+//! | [`properties`] | measured materials with their sources |
+//! | [`units`] | systems of units, and the unit of every quantity in them |
 //! | [`message`] | text prepared for a terminal |
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
@@ -40,6 +42,7 @@ pub mod mesh;
 pub mod message;
 pub mod newton;
 mod picture;
+pub mod properties;
 mod recording;
 pub mod report;
 pub mod results;
@@ -47,5 +50,6 @@ mod rows;
 pub mod sizes;
 mod stored;
 pub mod summary;
+pub mod units;
 pub mod vtk;
 mod whole_file;

@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::input::Problem;
+use crate::units::Units;
 use crate::whole_file::replace;
 
 /// How a run ended.
@@ -55,6 +56,8 @@ pub struct SummaryHeader {
     cells: usize,
     /// `None` with adaptive steps.
     planned_steps: Option<usize>,
+    #[serde(skip)]
+    units: Units,
 }
 
 impl SummaryHeader {
@@ -70,6 +73,7 @@ impl SummaryHeader {
             nodes: mesh.n_nodes(),
             cells: mesh.n_cells(),
             planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
+            units: problem.units,
         }
     }
 
@@ -97,6 +101,7 @@ impl SummaryHeader {
             "message": message,
         });
         insert_fields(&mut summary, "", &end);
+        summary.extend(self.units.json().map(|units| ("units".to_string(), units)));
         Value::Object(summary)
     }
 }

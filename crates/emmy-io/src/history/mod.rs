@@ -4,7 +4,9 @@ mod columns;
 mod file;
 mod reader;
 
-pub use columns::{HistoryColumns, required};
+#[cfg(test)]
+pub(crate) use columns::every_column;
+pub use columns::{ColumnInfo, HistoryColumns, required};
 pub use file::HistoryFile;
 pub use reader::{History, HistoryError, Rows};
 

@@ -18,6 +18,7 @@ mod initial;
 mod load;
 mod material;
 mod nodal;
+mod plausible;
 mod probes;
 mod problem;
 #[cfg(test)]
@@ -33,6 +34,7 @@ mod syntax;
 mod table;
 mod time;
 mod tree;
+mod units;
 mod write;
 
 pub use excerpt::Excerpt;

@@ -2,35 +2,35 @@
 
 use std::path::Path;
 
-use emmy::body::Body;
 use emmy::motion::{Extreme, RunStatistics};
+use emmy_io::input::Problem;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
+use emmy_io::units::Units;
 
 use crate::message::message;
-use crate::print::{number, vector};
 
 /// Fewer correct digits than these cause a warning.
 const FEW_DIGITS: f64 = 6.0;
 
 /// Prints steps, solver, largest residuals and files of the run.
-pub(super) fn report(results: &Results, status: Status, page: Option<&Path>) {
+pub(super) fn report(results: &Results, units: Units, status: Status, page: Option<&Path>) {
     let statistics = results.statistics();
     message!(
         "{}: {} to t = {} in {:.2} s, {}",
         status.name(),
         counted(statistics.steps, "step"),
-        number(statistics.time),
+        units.number(statistics.time, "time"),
         results.wall_seconds(),
         counted(statistics.newton_iterations, "Newton iteration")
     );
     work(statistics);
-    residuals(statistics);
+    residuals(statistics, units);
     let most = statistics.largest_displacement;
     if most.value > 0.0 {
-        let value = number(most.value);
-        let time = number(most.time);
-        let at = vector(most.point);
+        let value = units.number(most.value, "length");
+        let time = units.number(most.time, "time");
+        let at = units.vector(most.point, "length");
         message!("largest displacement: {value} at t = {time}, node {} at {at}", most.node);
     }
     let directory = results.directory();
@@ -60,20 +60,21 @@ fn work(statistics: &RunStatistics) {
     }
 }
 
-fn residuals(statistics: &RunStatistics) {
+fn residuals(statistics: &RunStatistics, units: Units) {
     let part = |extreme: Extreme, whole: f64| if whole > 0.0 { extreme.value / whole } else { 0.0 };
     let energy = statistics.worst_energy_residual;
     let angular_momentum = statistics.worst_angular_momentum_residual;
+    let residual = |name: &str, worst: Extreme, dimension: &str, relative: Option<(f64, &str)>| {
+        let relative =
+            relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
+        let value = units.with_unit(format!("{:.2e}", worst.value), dimension);
+        message!("  {name:<17}{value} (step {}{relative})", worst.step);
+    };
     message!("worst balance of a step:");
-    residual("energy", energy, Some((part(energy, statistics.largest_energy), "T + V")));
-    residual("linear momentum", statistics.worst_linear_momentum_residual, None);
+    residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
+    residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
     let relative = part(angular_momentum, statistics.largest_angular_momentum);
-    residual("angular momentum", angular_momentum, Some((relative, "|L|")));
-}
-
-fn residual(name: &str, worst: Extreme, relative: Option<(f64, &str)>) {
-    let relative = relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
-    message!("  {name:<17}{:.2e} (step {}{relative})", worst.value, worst.step);
+    residual("angular momentum", angular_momentum, "mass·length²/time", Some((relative, "|L|")));
 }
 
 /// A count and its noun.
@@ -99,9 +100,10 @@ pub(super) fn warnings(statistics: &RunStatistics) {
 }
 
 /// Prints the estimated error of the positions.
-pub(super) fn error(body: &Body, error: f64) {
-    let part = error / body.radius_of_gyration();
+pub(super) fn error(problem: &Problem, error: f64) {
+    let part = error / problem.body.radius_of_gyration();
     let part =
         if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
-    message!("estimated error of the positions at the end: {error:.1e} in the root mean square{part}");
+    let error = problem.units.with_unit(format!("{error:.1e}"), "length");
+    message!("estimated error of the positions at the end: {error} in the root mean square{part}");
 }

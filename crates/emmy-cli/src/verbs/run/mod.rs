@@ -82,7 +82,7 @@ pub(super) fn march<'a>(
 ) -> Result<(), Failure> {
     signals::listen()?;
     results.notes().iter().for_each(|note| message!("note: {note}"));
-    let mut progress = Progress::new(&problem.plan, options.quiet);
+    let mut progress = Progress::new(&problem.plan, problem.units, options.quiet);
     progress.start_at(motion.state());
     let mut json = JsonLines::new(options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
@@ -111,8 +111,8 @@ pub(super) fn march<'a>(
     let printed = if options.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
     closing::warnings(results.statistics());
     if !options.quiet {
-        closing::report(&results, ended.status, report.as_deref());
-        error.into_iter().for_each(|error| closing::error(&problem.body, error));
+        closing::report(&results, problem.units, ended.status, report.as_deref());
+        error.into_iter().for_each(|error| closing::error(problem, error));
     }
     failure.map_or(printed, Err)
 }
