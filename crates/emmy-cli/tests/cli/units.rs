@@ -47,17 +47,16 @@ fn without_units_there_is_no_note_and_no_file() {
 
 #[test]
 fn results_have_units() {
-    // A block of rubber.
-    let place = Place::with(&steel("1e-9", "1.5"));
+    // The numbers of the box are those of a light foam in kg, m, s.
+    let place = Place::with(&BOX.replace("title = \"box\"", "title = \"box\"\nunits.system = \"m-kg-s\""));
     let outcome = place.succeed(&["run", "box.toml"]);
-    for part in
-        [" mJ (step ", " t·mm/s (step ", " t·mm²/s (step ", "largest displacement: ", " to t = 0.5 s in "]
-    {
+    for part in [" J (step ", " kg·m/s (step ", " kg·m²/s (step ", " m at t = ", " to t = 0.5 s in "] {
         assert!(outcome.stderr.contains(part), "{part}\n{}", outcome.stderr);
     }
+    assert!(!outcome.stderr.contains("no known solid"), "{}", outcome.stderr);
     let summary = place.summary("out");
     let units = serde_json::json!({
-        "system": "mm-t-s", "mass": "t", "length": "mm", "time": "s", "force": "N", "stress": "MPa", "energy": "mJ"
+        "system": "m-kg-s", "mass": "kg", "length": "m", "time": "s", "force": "N", "stress": "Pa", "energy": "J"
     });
     assert_eq!(summary["units"], units);
     let columns: serde_json::Value = serde_json::from_str(&place.read("out/columns.json")).unwrap();
@@ -70,23 +69,23 @@ fn results_have_units() {
     for (name, unit) in [
         ("step", ""),
         ("time", "s"),
-        ("total_energy", "mJ"),
-        ("linear_momentum_x", "t·mm/s"),
-        ("angular_momentum_residual", "t·mm²/s"),
+        ("total_energy", "J"),
+        ("linear_momentum_x", "kg·m/s"),
+        ("angular_momentum_residual", "kg·m²/s"),
         ("wall_seconds", "s"),
         ("smallest_determinant", ""),
-        ("tip_z", "mm"),
+        ("tip_z", "m"),
     ] {
         let own = columns.iter().find(|own| own["column"] == name).unwrap();
         assert_eq!(own["unit"], unit, "{name}");
         assert!(!own["meaning"].as_str().unwrap().is_empty());
     }
-    assert!(place.read("out/run.log").contains("units: mm-t-s: mass t"));
+    assert!(place.read("out/run.log").contains("units: m-kg-s: mass kg"));
     // The page has the same units, and those of the fields.
     let page = place.read("out/report.html");
-    assert!(page.contains("\"total_energy\":\"mJ\"") && page.contains("\"von_mises_stress\":\"MPa\""));
+    assert!(page.contains("\"total_energy\":\"J\"") && page.contains("\"von_mises_stress\":\"Pa\""));
     place.succeed(&["compare", "out", "--output", "chart", "--quiet"]);
-    assert!(place.read("chart/compare.svg").contains("total energy T + V [mJ]"));
+    assert!(place.read("chart/compare.svg").contains("total energy T + V [J]"));
     // A run without units does not keep the file of the run before.
     place.write("box.toml", BOX);
     place.succeed(&["run", "box.toml", "--quiet"]);
