@@ -4,10 +4,10 @@ use std::io::{IsTerminal, stderr};
 
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use emmy::time::Scheme;
+use emmy_io::units::Units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::message::message;
-use crate::print::number;
 
 /// Shows the progress of a run.
 #[derive(Debug)]
@@ -21,6 +21,7 @@ pub(crate) struct Progress {
     /// Start and end of the plan.
     span: [f64; 2],
     largest_energy: f64,
+    units: Units,
 }
 
 #[derive(Debug)]
@@ -39,12 +40,12 @@ const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
 
 impl Progress {
     /// Progress through a plan.
-    pub(crate) fn new(plan: &StepPlan, quiet: bool) -> Self {
-        Progress::of("", plan, quiet)
+    pub(crate) fn new(plan: &StepPlan, units: Units, quiet: bool) -> Self {
+        Progress::of("", plan, units, quiet)
     }
 
     /// Progress of one of several runs; `what` is the beginning of each line.
-    pub(crate) fn of(what: &'static str, plan: &StepPlan, quiet: bool) -> Self {
+    pub(crate) fn of(what: &'static str, plan: &StepPlan, units: Units, quiet: bool) -> Self {
         let n_steps = plan.n_steps();
         let form = match (quiet, stderr().is_terminal()) {
             (true, _) => Form::Nothing,
@@ -54,7 +55,7 @@ impl Progress {
         };
         let is_adaptive = plan.adaptivity().is_some();
         let span = [plan.start(), plan.end()];
-        Progress { form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0 }
+        Progress { form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0, units }
     }
 
     /// Counts the steps of a resumed run from its state on.
@@ -75,7 +76,7 @@ impl Progress {
     fn message(&self, record: &Record, is_static: bool) -> String {
         let balance =
             if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
-        let time = number(record.time);
+        let time = self.units.number(record.time, "time");
         let what = if matches!(self.form, Form::Bar(_)) { self.what } else { "" };
         if is_static {
             return format!("{what}load fraction {time}  Newton {}", record.newton_iterations);
@@ -117,8 +118,8 @@ impl Observer for Progress {
                 bar.set_position(position as u64);
             }
             _ => {
-                let end =
-                    if is_static { String::new() } else { format!(" (end: t = {})", number(self.span[1])) };
+                let end = self.units.number(self.span[1], "time");
+                let end = if is_static { String::new() } else { format!(" (end: t = {end})") };
                 let step = if is_static { "increment" } else { "step" };
                 let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
                 message!("{}{step} {done}{of}, {message}{end}", self.what);

@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::chart::{Axis, Chart, Figure, Series, Style};
 use crate::history::{History, HistoryError};
 use crate::message::shown;
+use crate::units::{UnitSystem, Units};
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +73,11 @@ impl Run {
         }
     }
 
+    fn units(&self) -> Units {
+        let system = self.summary["units"]["system"].as_str().and_then(UnitSystem::named);
+        system.map_or(Units::default(), Units::from)
+    }
+
     fn angular_momentum(&self) -> Vec<f64> {
         let [x, y, z] = ["x", "y", "z"].map(|axis| self.column(&format!("angular_momentum_{axis}")));
         x.iter().zip(&y).zip(&z).map(|((x, y), z)| (x * x + y * y + z * z).sqrt()).collect()
@@ -91,20 +97,43 @@ pub(crate) fn summary(directory: &Path) -> Result<Value, RunError> {
     serde_json::from_str(&text).map_err(|error| fail(format!("not valid JSON: {error}")))
 }
 
+/// The units of all runs; none if they differ.
+fn common_units(runs: &[Run]) -> Units {
+    let mut units = runs.iter().map(Run::units);
+    let first = units.next().unwrap_or_default();
+    if units.all(|other| other == first) { first } else { Units::default() }
+}
+
+const MOMENTUM: &str = "mass·length/time";
+const ANGULAR_MOMENTUM: &str = "mass·length²/time";
+
 /// The charts of some runs, each with the ending of its file name.
 pub fn charts(runs: &[Run]) -> Vec<(&'static str, Chart)> {
+    let units = common_units(runs);
     let of = |name: &'static str| move |run: &Run| run.column(name);
-    let state = |label: &str, values: &dyn Fn(&Run) -> Vec<f64>| chart(runs, Axis::linear(label), values);
-    let residual = |label: &str, name: &'static str| chart(runs, Axis::log(label), residuals(name));
-    let step = |label: &str, name: &'static str| stairs(chart(runs, Axis::linear(label), of(name)));
+    let state = |label: &str, dimension: &str, values: &dyn Fn(&Run) -> Vec<f64>| {
+        chart(runs, Axis::linear(units.label(label, dimension)), values)
+    };
+    let residual = |label: &str, dimension: &str, name: &'static str| {
+        chart(runs, Axis::log(units.label(label, dimension)), residuals(name))
+    };
+    let step = |label: &str, dimension: &str, name: &'static str| {
+        stairs(chart(runs, Axis::linear(units.label(label, dimension)), of(name)))
+    };
     vec![
-        ("total-energy", state("total energy T + V", &of("total_energy"))),
-        ("energy-residual", residual("|energy residual| of a step", "energy_residual")),
-        ("angular-momentum", state("angular momentum |L|", &Run::angular_momentum)),
-        ("angular-momentum-residual", residual("angular momentum residual", "angular_momentum_residual")),
-        ("newton-iterations", step("Newton iterations of a step", "newton_iterations")),
-        ("step-size", step("step size", "step_size")),
-        ("linear-momentum-residual", residual("linear momentum residual", "linear_momentum_residual")),
+        ("total-energy", state("total energy T + V", "energy", &of("total_energy"))),
+        ("energy-residual", residual("|energy residual| of a step", "energy", "energy_residual")),
+        ("angular-momentum", state("angular momentum |L|", ANGULAR_MOMENTUM, &Run::angular_momentum)),
+        (
+            "angular-momentum-residual",
+            residual("angular momentum residual", ANGULAR_MOMENTUM, "angular_momentum_residual"),
+        ),
+        ("newton-iterations", step("Newton iterations of a step", "", "newton_iterations")),
+        ("step-size", step("step size", "time", "step_size")),
+        (
+            "linear-momentum-residual",
+            residual("linear momentum residual", MOMENTUM, "linear_momentum_residual"),
+        ),
         ("angular-momentum-components", components(runs)),
     ]
 }
@@ -154,7 +183,11 @@ fn chart(runs: &[Run], y: Axis, values: impl Fn(&Run) -> Vec<f64>) -> Chart {
         colour,
     };
     let series = runs.iter().enumerate().map(series).collect();
-    Chart { title: String::new(), x: Axis::linear("time t"), y, series, guides: Vec::new() }
+    Chart { title: String::new(), x: time_axis(runs), y, series, guides: Vec::new() }
+}
+
+fn time_axis(runs: &[Run]) -> Axis {
+    Axis::linear(common_units(runs).label("time t", "time"))
 }
 
 fn components(runs: &[Run]) -> Chart {
@@ -168,8 +201,8 @@ fn components(runs: &[Run]) -> Chart {
     };
     Chart {
         title: String::new(),
-        x: Axis::linear("time t"),
-        y: Axis::linear("angular momentum"),
+        x: time_axis(runs),
+        y: Axis::linear(common_units(runs).label("angular momentum", ANGULAR_MOMENTUM)),
         series: all.map(series).collect(),
         guides: Vec::new(),
     }

@@ -21,6 +21,8 @@
 //! | [`modes`] | natural modes: `modes.csv`, a frame for each mode |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | estimated sizes of the files of a run |
+//! | [`properties`] | measured materials with their sources |
+//! | [`units`] | systems of units, and the unit of every quantity in them |
 //! | [`message`] | text prepared for a terminal |
 
 #![deny(clippy::print_stderr, clippy::print_stdout)]
@@ -42,6 +44,7 @@ pub mod message;
 pub mod modes;
 pub mod newton;
 mod picture;
+pub mod properties;
 mod recording;
 pub mod report;
 pub mod results;
@@ -49,5 +52,6 @@ mod rows;
 pub mod sizes;
 mod stored;
 pub mod summary;
+pub mod units;
 pub mod vtk;
 mod whole_file;

@@ -125,6 +125,7 @@ fn heading(problem: &Problem) -> Vec<String> {
             short(problem.plan.end())
         ),
     ];
+    lines.extend(problem.units.description().map(|units| format!("units: {units}")));
     lines.extend(problem.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

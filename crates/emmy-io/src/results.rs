@@ -20,7 +20,7 @@ use crate::recording::{OtherFields, Recording};
 use crate::report::{self, ReportError};
 use crate::summary::{self, Status, SummaryHeader};
 use crate::vtk::{Format, FrameTime};
-use crate::whole_file::replace;
+use crate::whole_file::{remove, replace};
 
 /// Why the results of a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
@@ -125,6 +125,7 @@ impl Results {
             Some((step, _)) => EventsFile::resume(&events, step)?,
             None => EventsFile::create(&events)?,
         };
+        write_units(&directory.join("columns.json"), problem)?;
         let mut log = RunLog::open(&directory.join("run.log"), problem, start)?;
         let newton = directory.join("newton.csv");
         let newton = match start {
@@ -380,6 +381,17 @@ impl Observer for Results {
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         self.log.event(event)?;
         Ok(self.events.write(event)?)
+    }
+}
+
+/// Writes the units of the columns of the history, if the input has units.
+fn write_units(path: &Path, problem: &Problem) -> io::Result<()> {
+    match problem.units.system() {
+        Some(_) => {
+            let columns = HistoryColumns::of(problem).with_units(problem.units);
+            replace(path, format!("{columns:#}\n").as_bytes())
+        }
+        None => remove(path),
     }
 }
 

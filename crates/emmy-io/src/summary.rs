@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 
 use crate::history::Extreme;
 use crate::input::Problem;
+use crate::units::Units;
 use crate::whole_file::replace;
 
 /// How a run ended.
@@ -57,6 +58,8 @@ pub struct SummaryHeader {
     cells: usize,
     /// `None` with adaptive steps.
     planned_steps: Option<usize>,
+    #[serde(skip)]
+    units: Units,
 }
 
 impl SummaryHeader {
@@ -72,6 +75,7 @@ impl SummaryHeader {
             nodes: mesh.n_nodes(),
             cells: mesh.n_cells(),
             planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
+            units: problem.units,
         }
     }
 
@@ -104,6 +108,7 @@ impl SummaryHeader {
             "message": message,
         });
         insert_fields(&mut summary, "", &end);
+        summary.extend(self.units.json().map(|units| ("units".to_string(), units)));
         Value::Object(summary)
     }
 }

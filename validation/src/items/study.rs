@@ -68,6 +68,7 @@ pub(super) fn study(
             reference_scheme: scheme(reference, reference_degree)?,
             reference_size,
             releases: Vec::new(),
+            units: emmy_io::units::Units::default(),
         })
     };
     let studies = members.iter().map(study).collect::<Result<Vec<Study>, String>>()?;

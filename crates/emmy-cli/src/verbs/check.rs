@@ -12,6 +12,7 @@ use emmy::mesh::{Mesh, Worst, quality};
 use emmy::motion::{Adaptivity, State};
 use emmy_io::input::{Problem, Start};
 use emmy_io::message::shown;
+use emmy_io::units::Units;
 
 use super::{Input, critical_step, period, sizes, unresolved_steps};
 use crate::failure::Failure;
@@ -28,9 +29,12 @@ pub(crate) struct Arguments {
 /// Prints the report.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
-    let mut report = Report::default();
+    let mut report = Report { units: problem.units, ..Report::default() };
     report.line("input", &arguments.input.file.display().to_string());
     report.line("title", problem.title.as_deref().unwrap_or("(none)"));
+    if let Some(units) = problem.units.description() {
+        report.line("units", &units);
+    }
     report.mesh(problem.body.mesh());
     report.groups(problem.body.mesh());
     report.body(&problem);
@@ -38,7 +42,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.start(&problem, state.as_ref());
     report.time(&problem);
     if let Some(step) = critical_step(&problem, state.as_ref())? {
-        report.line("stability", &format!("critical step {} at the start", number(step)));
+        let step = problem.units.number(step, "time");
+        report.line("stability", &format!("critical step {step} at the start"));
     }
     period::report(&mut report, &problem);
     report.output(&problem);
@@ -58,6 +63,7 @@ const MAX_LISTED_PARTS: usize = 10;
 #[derive(Debug, Default)]
 pub(super) struct Report {
     text: String,
+    units: Units,
 }
 
 impl Report {
@@ -121,12 +127,14 @@ impl Report {
     /// Drag and viscosity.
     fn damping(&mut self, body: &Body) {
         if body.drag() > 0.0 {
-            self.line("load", &format!("drag on all masses: rate {}", number(body.drag())));
+            let rate = self.units.number(body.drag(), "1/time");
+            self.line("load", &format!("drag on all masses: rate {rate}"));
         }
         for (viscosity, region) in body.viscosities().zip(body.regions()).filter(|(v, _)| !v.is_zero()) {
             let group = region.group.as_deref().unwrap_or("all cells");
             let Viscosity { time, shear, bulk } = *viscosity;
-            let (time, shear, bulk) = (number(time), number(shear), number(bulk));
+            let time = self.units.number(time, "time");
+            let [shear, bulk] = [shear, bulk].map(|viscosity| self.units.number(viscosity, "stress·time"));
             self.line("viscosity", &format!("{group}: time {time}, shear {shear}, bulk {bulk}"));
         }
     }
@@ -147,22 +155,26 @@ impl Report {
         problem.initial.iter().for_each(|field| self.field(field));
         let Some(state) = state else { return };
         let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
-        let kinetic_energy = number(products.sum::<f64>() / 2.0);
+        let units = self.units;
+        let kinetic_energy = units.number(products.sum::<f64>() / 2.0, "energy");
         let linear = [0, 1, 2].map(|i| state.momentum.iter().skip(i).step_by(3).sum());
         let angular = problem.body.moment(&state.displacement, &state.momentum);
         self.line("start", &format!("kinetic energy {kinetic_energy}"));
-        self.line("", &format!("linear momentum {}", vector(linear)));
-        self.line("", &format!("angular momentum about the origin {}", vector(angular)));
+        let linear = units.vector(linear, "mass·length/time");
+        self.line("", &format!("linear momentum {linear}"));
+        let angular = units.vector(angular, "mass·length²/time");
+        self.line("", &format!("angular momentum about the origin {angular}"));
     }
 
     fn field(&mut self, field: &InitialVelocity) {
         let group = field.group.as_deref().unwrap_or("all nodes");
-        let velocity = vector(field.velocity);
-        let spin = vector(field.angular_velocity);
-        let about = vector(field.about);
+        let velocity = self.units.vector(field.velocity, "length/time");
+        let spin = self.units.vector(field.angular_velocity, "1/time");
+        let about = self.units.vector(field.about, "length");
         self.line("initial", &format!("{group}: velocity {velocity}, angular velocity {spin} about {about}"));
         if field.gradient != [[0.0; 3]; 3] {
-            self.line("", &format!("gradient [{}]", field.gradient.map(vector).join(", ")));
+            let gradient = format!("[{}]", field.gradient.map(vector).join(", "));
+            self.line("", &format!("gradient {}", self.units.with_unit(gradient, "1/time")));
         }
     }
 
@@ -193,30 +205,32 @@ impl Report {
     }
 
     fn region(&mut self, word: &str, group: &str, region: &RegionSummary) {
-        let volume = number(region.volume);
-        let mass = number(region.mass);
-        let centre = vector(region.centre);
+        let volume = self.units.number(region.volume, "length³");
+        let mass = self.units.number(region.mass, "mass");
+        let centre = self.units.vector(region.centre, "length");
         let cells = region.n_cells;
         self.line(word, &format!("{group}: {cells} cells, volume {volume}, mass {mass}, centre {centre}"));
-        let inertia = without_rounding(region.inertia).map(vector).join(", ");
-        self.line("", &format!("inertia about the centre [{inertia}]"));
+        let inertia = format!("[{}]", without_rounding(region.inertia).map(vector).join(", "));
+        let inertia = self.units.with_unit(inertia, "mass·length²");
+        self.line("", &format!("inertia about the centre {inertia}"));
     }
 
     fn point_masses(&mut self, group: &str, masses: &RegionSummary) {
-        let mass = number(masses.mass);
-        let centre = vector(masses.centre);
+        let mass = self.units.number(masses.mass, "mass");
+        let centre = self.units.vector(masses.centre, "length");
         self.line("mass", &format!("{group}: mass {mass}, centre {centre}"));
     }
 
     /// Springs to the ground, and attractions.
     fn ground(&mut self, nodal: &PointTerms) {
         for spring in &nodal.springs {
-            self.line("support", &format!("{}: spring {}", spring.group, number(spring.stiffness)));
+            let stiffness = self.units.number(spring.stiffness, "force/length");
+            self.line("support", &format!("{}: spring {stiffness}", spring.group));
         }
         for attraction in &nodal.attractions {
             let group = attraction.group.as_deref().unwrap_or("all nodes");
-            let centre = vector(attraction.centre);
-            let strength = number(attraction.strength);
+            let centre = self.units.vector(attraction.centre, "length");
+            let strength = self.units.number(attraction.strength, "length³/time²");
             self.line("load", &format!("{group}: attraction to {centre}, strength {strength}"));
         }
     }
@@ -231,8 +245,8 @@ impl Report {
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
-        let force = vector(resultant.force);
-        let torque = vector(resultant.torque);
+        let force = self.units.vector(resultant.force, "force");
+        let torque = self.units.vector(resultant.torque, "force·length");
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
         let history = summary(&load.time_function);
         match load.kind.field() {
@@ -274,11 +288,11 @@ impl Report {
             self.line("", "plane of symmetry");
         }
         if let Some(time) = support.until {
-            self.line("", &format!("released at t = {}", number(time)));
+            self.line("", &format!("released at t = {}", self.units.number(time, "time")));
         }
         if let Some(rotation) = &support.rotation {
             let axis = vector(rotation.axis);
-            let about = vector(rotation.about);
+            let about = self.units.vector(rotation.about, "length");
             self.line(
                 "",
                 &format!("turns about the axis {axis} through {about}: {}", summary(&rotation.angle)),
@@ -296,16 +310,17 @@ impl Report {
             );
             return self.newton(problem);
         }
+        let time = |value: f64| problem.units.number(value, "time");
         self.line("scheme", &format!("{}, degree {}", problem.scheme.name(), problem.scheme.degree()));
         let steps = plan.n_steps();
-        let start = number(plan.start());
-        let end = number(plan.end());
+        let start = time(plan.start());
+        let end = time(plan.end());
         match plan.adaptivity() {
             Some(adaptivity) => self.adaptivity(adaptivity, problem),
             None => {
                 self.line("plan", &format!("{steps} steps from t = {start} to t = {end}"));
                 for phase in plan.phases() {
-                    self.line("", &format!("steps of {} until {}", number(phase.size), number(phase.until)));
+                    self.line("", &format!("steps of {} until {}", time(phase.size), time(phase.until)));
                 }
             }
         }
@@ -320,28 +335,32 @@ impl Report {
     }
 
     fn adaptivity(&mut self, adaptivity: &Adaptivity, problem: &Problem) {
-        let start = number(problem.plan.start());
-        let end = number(problem.plan.end());
+        let units = self.units;
+        let start = units.number(problem.plan.start(), "time");
+        let end = units.number(problem.plan.end(), "time");
         let tolerance = number(adaptivity.tolerance);
         self.line(
             "plan",
             &format!("steps with an error of at most {tolerance} each, from t = {start} to t = {end}"),
         );
         let length = adaptivity.length.unwrap_or_else(|| problem.body.radius_of_gyration());
-        let velocity =
-            adaptivity.velocity.map_or(String::new(), |v| format!(", of velocities {}", number(v)));
-        self.line("", &format!("scale of positions {}{velocity}", number(length)));
+        let velocity = adaptivity
+            .velocity
+            .map_or(String::new(), |v| format!(", of velocities {}", units.number(v, "length/time")));
+        self.line("", &format!("scale of positions {}{velocity}", units.number(length, "length")));
         if let Some([lowest, highest]) = adaptivity.degrees {
             self.line("", &format!("degrees from {lowest} to {highest}, chosen by cost"));
         }
-        let largest = if adaptivity.largest.is_finite() { number(adaptivity.largest) } else { "any".into() };
-        self.line("", &format!("sizes from {} to {largest}", number(adaptivity.smallest)));
+        let size = |size: f64| if size.is_finite() { units.number(size, "time") } else { "any".into() };
+        self.line("", &format!("sizes from {} to {}", size(adaptivity.smallest), size(adaptivity.largest)));
     }
 
     fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
         let frames = match (output.n_frames(&problem.plan), output.interval) {
-            (Some(n), Some(interval)) => format!("{n} frames, one every {} of time", number(interval)),
+            (Some(n), Some(interval)) => {
+                format!("{n} frames, one every {} of time", self.units.number(interval, "time"))
+            }
             (Some(0), None) => "no frames".to_string(),
             (Some(n), None) => format!("{n} frames"),
             (None, _) => format!("a frame every {} steps", output.every),
@@ -349,7 +368,7 @@ impl Report {
         self.line("output", &format!("{}, {frames}", output.directory.display()));
         self.line("files", &sizes::text(problem));
         for probe in &problem.quantities.probes {
-            let at = vector(problem.body.mesh().points()[probe.node]);
+            let at = self.units.vector(problem.body.mesh().points()[probe.node], "length");
             self.line("probe", &format!("{}: node {} at {at}", probe.name, probe.node));
         }
         let limits =

@@ -7,6 +7,8 @@ use emmy::internals::sparse::SOLVERS;
 use emmy::internals::time::{ESTIMATORS, SCHEMES};
 use emmy::mesh::CellKind;
 use emmy_io::input::{materials, meshes};
+use emmy_io::properties::{MeasuredMaterial, measured};
+use emmy_io::units::{SYSTEMS, UnitSystem};
 use serde_json::json;
 
 use super::new::TEMPLATES;
@@ -21,6 +23,18 @@ pub(crate) struct Arguments {
     /// As JSON: a list of objects with `name` and `description`
     #[arg(long)]
     json: bool,
+    /// With `materials`: measured materials with their sources, as lines for an input
+    #[arg(long)]
+    properties: bool,
+    /// Units of the measured materials
+    #[arg(long, value_name = "SYSTEM", requires = "properties", default_value = "m-kg-s", value_parser = system)]
+    units: &'static UnitSystem,
+}
+
+/// A system of units by its name.
+fn system(name: &str) -> Result<&'static UnitSystem, String> {
+    let names = || SYSTEMS.map(|system| system.name).join(", ");
+    UnitSystem::named(name).ok_or_else(|| format!("there is {}", names()))
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -51,6 +65,9 @@ fn described<const N: usize>(items: [(&'static str, &'static str); N]) -> Vec<It
 
 /// Prints the list.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.properties {
+        return properties(arguments);
+    }
     let Some(what) = arguments.what else { return words(arguments.json) };
     let items: Vec<Item> = match what {
         What::Schemes => described(SCHEMES.map(|row| (row.form, row.description))),
@@ -59,10 +76,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Elements => described(CellKind::ALL.map(|kind| (kind.name(), kind.info().description))),
         What::Meshes => meshes(),
         What::Solvers => described(SOLVERS.map(|(name, _, description)| (name, description))),
-        What::Fields => described(FieldName::ALL.map(|field| (field.name(), field.description()))),
+        What::Fields => FieldName::ALL.map(|field| (field.name(), emmy_io::units::described(field))).into(),
         What::Templates => described(TEMPLATES.map(|template| (template.name, template.title()))),
     };
     print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
+}
+
+/// Prints the measured materials.
+fn properties(arguments: &Arguments) -> Result<(), Failure> {
+    if !matches!(arguments.what, None | Some(What::Materials)) {
+        let message = "`--properties` belongs to the list of materials".to_string();
+        return Err(Failure::Usage { message, help: Some("emmy list materials --properties".to_string()) });
+    }
+    let system = arguments.units;
+    let text = |own: &MeasuredMaterial| format!("# {}; {}\n{}\n", own.name, own.origin(), own.input(system));
+    let object = |own: &MeasuredMaterial| json!({ "name": own.name, "input": own.input(system), "source": own.source, "note": own.note });
+    print::result(&match arguments.json {
+        true => format!("{:#}\n", serde_json::Value::Array(measured().iter().map(object).collect())),
+        false => format!("# Units: {}\n\n{}", system.name, measured().iter().map(text).collect::<String>()),
+    })
 }
 
 /// Prints the available lists.

@@ -32,13 +32,18 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
 
 /// The period, and the steps of the plan over it.
 fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
-    let (period, frequency) = (mode.period(), number(mode.frequency()));
+    let units = problem.units;
+    let period = mode.period();
+    let frequency = units.number(mode.frequency(), "1/time");
     let beside = match n_rigid {
         0 => String::new(),
         1 => ", beside 1 rigid mode".to_string(),
         n => format!(", beside {n} rigid modes"),
     };
-    let text = format!("{} in the lowest elastic mode (frequency {frequency}){beside}", number(period));
+    let text = format!(
+        "{} in the lowest elastic mode (frequency {frequency}){beside}",
+        units.number(period, "time")
+    );
     report.line("period", &text);
     let plan = &problem.plan;
     if plan.adaptivity().is_some() || problem.is_static() {
@@ -50,7 +55,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
         "",
         &format!(
             "steps of {} are {} periods: {} a period",
-            number(largest),
+            units.number(largest, "time"),
             number(share),
             count(1.0 / share)
         ),
@@ -76,7 +81,7 @@ fn explicit(report: &mut Report, problem: &Problem) {
     let rest = vec![0.0; problem.body.n_dofs()];
     if let Ok([critical, _]) = CentralDifferences::critical_steps(&problem.body, &rest) {
         let text = match critical.is_finite() {
-            true => number(critical),
+            true => problem.units.number(critical, "time"),
             false => "infinite: nothing is stiff".to_string(),
         };
         report.line("", &format!("critical step of central differences {text}"));

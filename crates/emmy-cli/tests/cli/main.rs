@@ -20,6 +20,7 @@ mod results;
 mod resume;
 mod resume_rejections;
 mod run;
+mod units;
 mod unwritable;
 mod verbs;
 

@@ -15,6 +15,8 @@ use emmy::Result;
 use emmy::motion::{Phase, StepPlan};
 use emmy::time::Scheme;
 
+use crate::units::Units;
+
 /// A convergence study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
@@ -32,6 +34,8 @@ pub struct Study {
     pub reference_size: f64,
     /// Times at which supports are released; steps end there.
     pub releases: Vec<f64>,
+    /// Units of the charts.
+    pub units: Units,
 }
 
 impl Study {
@@ -105,6 +109,7 @@ mod tests {
             reference_scheme: scheme,
             reference_size: 0.05,
             releases: Vec::new(),
+            units: Units::default(),
         }
     }
 

@@ -91,7 +91,7 @@ pub fn chart(study: &Study, rows: &[MemberRun]) -> Chart {
     let (start, end) = study.window;
     Chart {
         title: String::new(),
-        x: Axis::log("step size h"),
+        x: Axis::log(study.units.label("step size h", "time")),
         y: Axis::log(format!("error ‖q − q*‖, {start} ≤ t ≤ {end}")),
         series: vec![Series {
             label: format!("{}, degree {}", study.scheme.name(), study.scheme.degree()),

@@ -12,16 +12,17 @@ use crate::{checkpoint, vtk::is_series};
 pub const MARK: &str = "# Written by Emmy";
 
 /// Files that a run writes besides its input and its frames.
-pub const FILES: [&str; 6] =
-    ["history.csv", "newton.csv", "events.csv", "run.log", "summary.json", "report.html"];
+pub const FILES: [&str; 7] =
+    ["history.csv", "columns.json", "newton.csv", "events.csv", "run.log", "summary.json", "report.html"];
 
 /// Endings of unfinished files, which a killed run may leave.
-const UNFINISHED: [&str; 8] = [
+const UNFINISHED: [&str; 9] = [
     ".vtkhdf.part",
     ".vtkhdf.copy",
     ".vtkhdf.journal",
     ".pvd.part",
     "history.csv.part",
+    "columns.json.part",
     "summary.json.part",
     "input.toml.part",
     "report.html.part",

@@ -1,10 +1,12 @@
 //! The columns of a history, each described once.
 
 use emmy::motion::{Record, View};
+use serde_json::{Value, json};
 
 use super::Number::{self, Real, Whole};
 use super::measures::{Extreme, Measures};
 use crate::input::Problem;
+use crate::units::Units;
 
 /// The numbers of a row.
 struct Step<'a> {
@@ -13,9 +15,12 @@ struct Step<'a> {
     wall_seconds: f64,
 }
 
-/// A column: its name, the number of a step in it, and which histories have it.
+/// A column: its name, its meaning, the number of a step in it, and which histories have it.
 struct Column {
     name: &'static str,
+    /// Dimension, such as `mass·length/time`; empty for a pure number.
+    dimension: &'static str,
+    meaning: &'static str,
     number: fn(&Step<'_>) -> Number,
     is_in: fn(&HistoryColumns) -> bool,
 }
@@ -23,42 +28,107 @@ struct Column {
 /// Number of the first columns, which every history has.
 const N_REQUIRED: usize = 19;
 
+const ENERGY: &str = "energy";
+const MOMENTUM: &str = "mass·length/time";
+const ANGULAR_MOMENTUM: &str = "mass·length²/time";
+
 /// The columns of the whole body, in their order in the file.
 const COLUMNS: [Column; 22] = [
-    always("step", |step| Whole(step.record.step)),
-    always("time", |step| Real(step.record.time)),
-    always("step_size", |step| Real(step.record.step_size)),
-    always("kinetic_energy", |step| Real(step.record.kinetic_energy)),
-    always("strain_energy", |step| Real(step.record.strain_energy)),
-    always("external_work", |step| Real(step.record.external_work)),
-    always("total_energy", |step| Real(step.record.total_energy)),
-    always("energy_residual", |step| Real(step.record.energy_residual)),
-    always("linear_momentum_x", |step| Real(step.record.linear_momentum[0])),
-    always("linear_momentum_y", |step| Real(step.record.linear_momentum[1])),
-    always("linear_momentum_z", |step| Real(step.record.linear_momentum[2])),
-    always("angular_momentum_x", |step| Real(step.record.angular_momentum[0])),
-    always("angular_momentum_y", |step| Real(step.record.angular_momentum[1])),
-    always("angular_momentum_z", |step| Real(step.record.angular_momentum[2])),
-    always("linear_momentum_residual", |step| Real(step.record.linear_momentum_residual)),
-    always("angular_momentum_residual", |step| Real(step.record.angular_momentum_residual)),
-    always("newton_iterations", |step| Whole(step.record.newton_iterations)),
-    always("wall_seconds", |step| Real(step.wall_seconds)),
-    always("smallest_determinant", |step| Real(step.record.smallest_determinant)),
+    always("step", "", "number of the step; 0: the start", |step| Whole(step.record.step)),
+    always("time", "time", "time at its end", |step| Real(step.record.time)),
+    always("step_size", "time", "its size; 0 at the start", |step| Real(step.record.step_size)),
+    always("kinetic_energy", ENERGY, "T", |step| Real(step.record.kinetic_energy)),
+    always("strain_energy", ENERGY, "V", |step| Real(step.record.strain_energy)),
+    always("external_work", ENERGY, WORK, |step| Real(step.record.external_work)),
+    always("total_energy", ENERGY, "T + V", |step| Real(step.record.total_energy)),
+    always("energy_residual", ENERGY, ENERGY_RESIDUAL, |step| Real(step.record.energy_residual)),
+    always("linear_momentum_x", MOMENTUM, "linear momentum", |step| Real(step.record.linear_momentum[0])),
+    always("linear_momentum_y", MOMENTUM, "linear momentum", |step| Real(step.record.linear_momentum[1])),
+    always("linear_momentum_z", MOMENTUM, "linear momentum", |step| Real(step.record.linear_momentum[2])),
+    always("angular_momentum_x", ANGULAR_MOMENTUM, ANGULAR, |step| Real(step.record.angular_momentum[0])),
+    always("angular_momentum_y", ANGULAR_MOMENTUM, ANGULAR, |step| Real(step.record.angular_momentum[1])),
+    always("angular_momentum_z", ANGULAR_MOMENTUM, ANGULAR, |step| Real(step.record.angular_momentum[2])),
+    always("linear_momentum_residual", MOMENTUM, MOMENTUM_RESIDUAL, |step| {
+        Real(step.record.linear_momentum_residual)
+    }),
+    always("angular_momentum_residual", ANGULAR_MOMENTUM, ANGULAR_RESIDUAL, |step| {
+        Real(step.record.angular_momentum_residual)
+    }),
+    always("newton_iterations", "", "linear systems solved in this step", |step| {
+        Whole(step.record.newton_iterations)
+    }),
+    always("wall_seconds", "", "wall time since the start of the run, in seconds", |step| {
+        Real(step.wall_seconds)
+    }),
+    always("smallest_determinant", "", DETERMINANT, |step| Real(step.record.smallest_determinant)),
     Column {
         name: "local_error",
+        dimension: "",
+        meaning: "with adaptive steps only: estimated or (`\"sampled\"`) extrapolated error of the step, relative to the \
+                  scales",
         number: |step| Real(step.record.local_error),
         is_in: |own| own.is_adaptive,
     },
     Column {
         name: "dissipated_energy",
+        dimension: ENERGY,
+        meaning: "with viscosity, drag or a dissipative scheme only: energy that they have dissipated since the start",
         number: |step| Real(step.record.dissipated_energy),
         is_in: |own| own.dissipates,
     },
-    Column { name: "degree", number: |step| Whole(step.record.degree), is_in: |own| own.has_degrees },
+    Column {
+        name: "degree",
+        dimension: "",
+        meaning: "with `max_degree` only: degree of the step's element",
+        number: |step| Whole(step.record.degree),
+        is_in: |own| own.has_degrees,
+    },
 ];
 
-const fn always(name: &'static str, number: fn(&Step<'_>) -> Number) -> Column {
-    Column { name, number, is_in: |_| true }
+const WORK: &str = "work of the loads, and of the reactions of driven supports, since the start";
+const ENERGY_RESIDUAL: &str =
+    "change of T + V in this step, minus the external work in it, plus the dissipated energy in it";
+const ANGULAR: &str = "angular momentum about the origin";
+const MOMENTUM_RESIDUAL: &str =
+    "norm of the change of linear momentum in this step minus the impulse of loads and reactions";
+const ANGULAR_RESIDUAL: &str = "norm of the same for the angular momentum";
+const DETERMINANT: &str =
+    "smallest det F at the quadrature points at the end of the step; `inf` for a body of links only";
+
+const fn always(
+    name: &'static str,
+    dimension: &'static str,
+    meaning: &'static str,
+    number: fn(&Step<'_>) -> Number,
+) -> Column {
+    Column { name, dimension, meaning, number, is_in: |_| true }
+}
+
+/// A column, described.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnInfo {
+    /// Name in the header.
+    pub name: String,
+    /// Dimension, such as `mass·length/time`; empty for a pure number.
+    pub dimension: String,
+    /// Meaning in a line.
+    pub meaning: String,
+}
+
+impl From<&Column> for ColumnInfo {
+    fn from(column: &Column) -> Self {
+        ColumnInfo {
+            name: column.name.to_string(),
+            dimension: column.dimension.to_string(),
+            meaning: column.meaning.to_string(),
+        }
+    }
+}
+
+/// All columns of the whole body.
+#[cfg(test)]
+pub(crate) fn every_column() -> impl Iterator<Item = ColumnInfo> {
+    COLUMNS.iter().map(ColumnInfo::from)
 }
 
 /// Names of the columns that every history has.
@@ -111,10 +181,26 @@ impl HistoryColumns {
         self.measures.has_extreme(field)
     }
 
+    /// All columns.
+    pub fn described(&self) -> impl Iterator<Item = ColumnInfo> {
+        let own = COLUMNS.iter().filter(|column| (column.is_in)(self)).map(ColumnInfo::from);
+        own.chain(self.measures.columns())
+    }
+
     /// Names of all columns.
     pub fn names(&self) -> Vec<String> {
-        let own = COLUMNS.iter().filter(|column| (column.is_in)(self)).map(|column| column.name.to_string());
-        own.chain(self.measures.columns()).collect()
+        self.described().map(|column| column.name).collect()
+    }
+
+    /// `columns.json`: name, unit and meaning of every column.
+    pub fn with_units(&self, units: Units) -> Value {
+        let system = units.system();
+        let unit = |dimension: &str| system.map_or(String::new(), |system| system.unit(dimension));
+        let object = |ColumnInfo { name, dimension, meaning }| {
+            let unit = if name == "wall_seconds" { "s".to_string() } else { unit(&dimension) };
+            json!({ "column": name, "unit": unit, "dimension": dimension, "meaning": meaning })
+        };
+        self.described().map(object).collect()
     }
 
     /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far.

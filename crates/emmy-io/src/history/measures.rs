@@ -5,6 +5,7 @@ use emmy::mesh::Mesh;
 use emmy::motion::{State, View};
 use serde::{Deserialize, Serialize};
 
+use super::ColumnInfo;
 use super::Number::{self, Missing, Real};
 use crate::input::{GroupValue, Measure, ProbeQuantity, Quantities};
 
@@ -83,8 +84,8 @@ impl Measures {
         }
     }
 
-    /// Names of the columns.
-    pub(super) fn columns(&self) -> Vec<String> {
+    /// The columns.
+    pub(super) fn columns(&self) -> Vec<ColumnInfo> {
         self.quantities.columns()
     }
 

@@ -6,8 +6,10 @@ mod header;
 mod measures;
 mod reader;
 
+#[cfg(test)]
+pub(crate) use columns::every_column;
 pub(crate) use columns::fixed_names;
-pub use columns::{HistoryColumns, Row, required};
+pub use columns::{ColumnInfo, HistoryColumns, Row, required};
 pub use file::HistoryFile;
 pub use measures::Extreme;
 pub use reader::{History, HistoryError, Rows};

@@ -20,6 +20,7 @@ mod load;
 mod material;
 mod measured;
 mod nodal;
+mod plausible;
 mod problem;
 mod quantities;
 #[cfg(test)]
@@ -36,6 +37,7 @@ mod syntax;
 mod table;
 mod time;
 mod tree;
+mod units;
 mod write;
 
 pub use excerpt::Excerpt;

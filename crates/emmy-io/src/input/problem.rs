@@ -18,16 +18,18 @@ use super::shape::Shape;
 use super::table::{Item, Table};
 use super::tree::{self, Node};
 use super::{
-    Start, adaptive, complete, derived, equilibrium, groups, history, initial, load, nodal, quantities,
-    region, set, settings, shape, start, support, time, write,
+    Start, adaptive, complete, derived, equilibrium, groups, history, initial, load, nodal, plausible,
+    quantities, region, set, settings, shape, start, support, time, units, write,
 };
 use crate::mesh::MeshFile;
 use crate::message::shown;
+use crate::units::Units;
 
 /// The whole input.
 pub(super) static ROOT: Described = Described::new(|| {
     Section::new("the input", "Motion of an elastic body; units are any consistent set")
         .may("title", Kind::Text, "", "Any text; it goes into the summary")
+        .may("units", Kind::Table(&units::UNITS), "", "System of units, for results with units")
         .must("mesh", Kind::Table(&shape::MESH), "", "Source of the cells")
         .must("region", Kind::Tables(&region::REGION), "", "Material of the cells; one or more")
         .may("mass", Kind::Tables(&nodal::MASS), "", "Point masses at nodes; none, one or more")
@@ -90,6 +92,8 @@ pub struct Overrides {
 pub struct Problem {
     /// Title.
     pub title: Option<String>,
+    /// Units of all numbers, if they are given.
+    pub units: Units,
     /// The body: mesh, regions, supports and loads.
     pub body: Body,
     /// Supports.
@@ -162,6 +166,7 @@ const LOST_MESH: &str = "the path of the mesh is not UTF-8, which the input of t
 /// Data read from the tree before the mesh is made.
 struct Parts {
     title: Option<String>,
+    units: Units,
     shape: Shape,
     regions: Vec<Placed<Region>>,
     loads: Vec<Placed<(Load, Members)>>,
@@ -186,6 +191,8 @@ impl Parts {
         };
         let title = root.get("title").map(|item| item.string().map(str::to_string)).transpose();
         let title = faults.keep(title).flatten();
+        let units =
+            faults.keep(root.get("units").map_or(Ok(Units::default()), units::read)).unwrap_or_default();
         let shape = faults.keep(root.require("mesh").and_then(|item| shape::read(item, directory)));
         let regions = faults.keep(root.require("region").and_then(at_least_one));
         let regions = regions.map(|item| each(item, region::read, &mut faults)).unwrap_or_default();
@@ -234,6 +241,7 @@ impl Parts {
         let time = time::Time { plan, ..time };
         Ok(Parts {
             title,
+            units,
             shape,
             regions,
             loads,
@@ -265,6 +273,7 @@ impl Parts {
         self.nodal.check_damping(&self.regions, &self.time)?;
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
+        notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
         let held = support::places(&self.supports);
         let supports = values(self.supports);
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
@@ -292,6 +301,7 @@ impl Parts {
         };
         Ok(Problem {
             title: self.title,
+            units: self.units,
             body,
             supports,
             nodal,

@@ -8,7 +8,7 @@ use super::description::{Described, Kind, Section, vector};
 use super::fault::{Fault, Place};
 use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
-use crate::history::fixed_names;
+use crate::history::{ColumnInfo, fixed_names};
 
 /// Quantities in the history besides those of the whole body.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -75,45 +75,78 @@ impl Measure {
 }
 
 impl Probe {
-    /// Names of its columns.
-    fn columns(&self) -> Vec<String> {
+    /// Its columns.
+    fn columns(&self) -> Vec<ColumnInfo> {
         let of = |quantity: &ProbeQuantity| match quantity {
-            ProbeQuantity::Position => columns(&self.name, FieldName::Displacement.components()),
-            ProbeQuantity::Field(field) => columns(&format!("{}_{field}", self.name), field.components()),
+            ProbeQuantity::Position => {
+                let meaning = format!("current position of the probe {}", self.name);
+                columns(&self.name, FieldName::Displacement.components(), "length", &meaning)
+            }
+            ProbeQuantity::Field(field) => {
+                let meaning = format!("{field} at the probe {}", self.name);
+                columns(&format!("{}_{field}", self.name), field.components(), field.dimension(), &meaning)
+            }
         };
         self.quantities.iter().flat_map(of).collect()
     }
 }
 
 impl Quantities {
-    /// Names of all columns, in their order.
-    pub fn columns(&self) -> Vec<String> {
+    /// All columns, in their order.
+    pub fn columns(&self) -> Vec<ColumnInfo> {
         let probes = self.probes.iter().flat_map(Probe::columns);
         let reactions = self.reactions.iter().flat_map(|(group, _)| reaction_columns(group));
-        let extremes = self.extremes.iter().map(|field| format!("max_{field}"));
+        let extremes = self.extremes.iter().map(|field| extreme_column(*field));
         let values = self.values.iter().flat_map(value_columns);
         probes.chain(reactions).chain(extremes).chain(values).collect()
     }
 }
 
-fn reaction_columns(group: &str) -> impl Iterator<Item = String> {
-    ["force", "moment"].into_iter().flat_map(move |kind| columns(&format!("{group}_{kind}"), &AXES))
+fn reaction_columns(group: &str) -> Vec<ColumnInfo> {
+    let force = format!("reaction of {group}: its mean force on the body over the step");
+    let moment = format!("moment of the reaction of {group} about the origin");
+    let mut all = columns(&format!("{group}_force"), &AXES, "force", &force);
+    all.extend(columns(&format!("{group}_moment"), &AXES, "force·length", &moment));
+    all
 }
 
-fn value_columns(value: &GroupValue) -> Vec<String> {
+fn extreme_column(field: FieldName) -> ColumnInfo {
+    let meaning = format!("largest value of {field} in the body");
+    ColumnInfo { name: format!("max_{field}"), dimension: field.dimension().to_string(), meaning }
+}
+
+fn value_columns(value: &GroupValue) -> Vec<ColumnInfo> {
+    let field = value.quantity;
+    let group = value.group.as_deref().unwrap_or("all cells");
+    let meaning = |measure: &str| format!("{measure} of {field} in {group}");
     match value.measure {
-        Measure::Max => vec![value.name.clone()],
-        Measure::Total | Measure::Mean => columns(&value.name, value.quantity.components()),
+        Measure::Max => columns(&value.name, &[""], field.dimension(), &meaning("largest value")),
+        Measure::Mean => columns(&value.name, field.components(), field.dimension(), &meaning("mean")),
+        Measure::Total => {
+            columns(&value.name, field.components(), &integrated(field.dimension()), &meaning("total"))
+        }
+    }
+}
+
+/// Dimension of a quantity times volume.
+fn integrated(dimension: &str) -> String {
+    match (dimension, dimension.strip_suffix("/length³")) {
+        ("", _) => "length³".to_string(),
+        (_, Some(whole)) => whole.to_string(),
+        (_, None) => format!("{dimension}·length³"),
     }
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A column for each component; the component of a scalar has no name.
-fn columns(name: &str, components: &[&str]) -> Vec<String> {
-    let column = |component: &&str| match *component {
-        "" => name.to_string(),
-        component => format!("{name}_{component}"),
+fn columns(name: &str, components: &[&str], dimension: &str, meaning: &str) -> Vec<ColumnInfo> {
+    let column = |component: &&str| {
+        let name = match *component {
+            "" => name.to_string(),
+            component => format!("{name}_{component}"),
+        };
+        ColumnInfo { name, dimension: dimension.to_string(), meaning: meaning.to_string() }
     };
     components.iter().map(column).collect()
 }
@@ -378,10 +411,12 @@ impl Requested {
     /// No two columns may have the same name.
     fn check_columns(&self, reactions: &[(String, usize)]) -> Result<(), Fault> {
         let mut taken: Vec<String> = fixed_names().map(str::to_string).collect();
-        taken.extend(reactions.iter().flat_map(|(group, _)| reaction_columns(group)));
+        let names =
+            |columns: Vec<ColumnInfo>| columns.into_iter().map(|column| column.name).collect::<Vec<_>>();
+        taken.extend(reactions.iter().flat_map(|(group, _)| names(reaction_columns(group))));
         taken.extend(self.extremes.iter().map(|(field, _)| format!("max_{field}")));
-        let probes = self.probes.iter().map(|(probe, place)| (probe.columns(), place));
-        let values = self.values.iter().map(|(value, place)| (value_columns(value), place));
+        let probes = self.probes.iter().map(|(probe, place)| (names(probe.columns()), place));
+        let values = self.values.iter().map(|(value, place)| (names(value_columns(value)), place));
         for (columns, place) in probes.chain(values) {
             if let Some(column) = columns.iter().find(|column| taken.contains(column)) {
                 return Err(Fault::at(place, format!("there is a column `{column}` already"), "taken"));

@@ -1,4 +1,4 @@
-//! Tables of `docs/input.md` and `docs/results.md`, written from the descriptions.
+//! Tables of `docs/input.md`, `docs/results.md` and `docs/materials.md`, written from the descriptions.
 //!
 //! A table stands between `<!-- table: NAME -->` and `<!-- end of table -->`; NAME is the name of a table of the input,
 //! or one of [`TABLES`]. `EMMY_UPDATE_DOCS=1 cargo test -p emmy-io --lib reference` writes them.
@@ -12,17 +12,23 @@ use emmy::mesh::CellKind;
 
 use super::description::{self, Key, Kind, Rule, Section};
 use super::material;
+use crate::history::{ColumnInfo, every_column};
+use crate::properties::{MeasuredMaterial, measured};
+use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, written};
 
 /// Writes a table as Markdown.
 type Table = fn() -> String;
 
 /// Tables that are not the keys of a table of the input.
-const TABLES: [(&str, Table); 5] = [
+const TABLES: [(&str, Table); 8] = [
     ("models", models),
     ("parameters", parameters),
     ("cells", cells),
     ("schemes", schemes),
     ("fields", fields),
+    ("columns", columns),
+    ("units", units),
+    ("measured materials", measured_materials),
 ];
 
 fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -171,8 +177,45 @@ fn field(field: FieldName) -> Vec<String> {
         code(field.name()),
         place.to_string(),
         n.to_string(),
-        field.description().replace('[', "\\[").replace(']', "\\]"),
+        described(field).replace('[', "\\[").replace(']', "\\]"),
     ]
+}
+
+/// Columns of the history; columns with the same meaning share a row.
+fn columns() -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for ColumnInfo { name, dimension, meaning } in every_column() {
+        match rows.last_mut().filter(|row| row[1] == meaning) {
+            Some(row) => row[0] += &format!(", {}", code(&name)),
+            None => rows.push(vec![code(&name), meaning, dimension.to_string()]),
+        }
+    }
+    table(&["column", "content", "unit"], rows)
+}
+
+fn units() -> String {
+    let head = ["system", "mass", "length", "time", "force", "stress", "energy", "steel", "gravity"];
+    let row = |system: &UnitSystem| {
+        let names = format!("{}, {}", code(system.name), code(system.full_name));
+        let density = "mass/length³";
+        let steel = written(shifted(7850.0, -system.power(density)));
+        let steel = format!("{steel} {}", system.unit(density));
+        [names]
+            .into_iter()
+            .chain(system.units().map(|(_, unit)| unit))
+            .chain([steel, gravity(system)])
+            .collect()
+    };
+    table(&head, SYSTEMS.iter().map(row))
+}
+
+fn measured_materials() -> String {
+    let head = ["material", "density", "parameters", "source"];
+    let row = |own: &MeasuredMaterial| {
+        let [density, line] = [written(own.density), own.line(&SYSTEMS[0])];
+        vec![own.name.clone(), density, code(&line), own.origin()]
+    };
+    table(&head, measured().iter().map(row))
 }
 
 /// The table of a name.
@@ -200,9 +243,20 @@ fn filled(page: &str) -> (String, Vec<String>) {
 }
 
 #[test]
+fn every_unit_of_a_description_is_a_dimension() {
+    let of_columns = every_column().map(|column| column.dimension);
+    let of_keys = description::all()
+        .into_iter()
+        .flat_map(|section| section.keys.iter().map(|key| key.unit.to_string()));
+    for dimension in of_columns.chain(of_keys) {
+        assert!(exponents(&dimension).is_some(), "{dimension}");
+    }
+}
+
+#[test]
 fn the_tables_of_the_reference_match_the_program() {
     let mut all = Vec::new();
-    for page in ["input", "results"] {
+    for page in ["input", "results", "materials"] {
         let path = format!("{}/../../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));
         let page = std::fs::read_to_string(&path).unwrap();
         let (filled, names) = filled(&page);

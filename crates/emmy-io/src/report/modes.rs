@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::collection::FrameSource;
 use super::pack::Pack;
-use super::run::{RunData, name_of, shortened};
+use super::run::{RunData, name_of, shortened, units};
 use super::{MAX_FRAME_BYTES, ReportError, frames};
 use crate::directory::MARK;
 use crate::modes::{TABLE, WITNESS};
@@ -43,6 +43,7 @@ pub(super) fn gather(directory: &Path) -> Result<RunData, ReportError> {
         "title": tree.get("title"),
         "input": shortened(input),
         "files": files.collect::<Vec<_>>(),
+        "units": units(directory, &tree),
         "modes": modes,
         "frames": frames.flatten(),
         "arrays": places,

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use emmy::body::FieldName;
 use serde_json::{Value, json};
 
 use super::collection::FrameSource;
@@ -12,6 +13,7 @@ use super::pack::Pack;
 use super::{ReportError, Room, events, frames};
 use crate::comparison::{self, RunError};
 use crate::directory::FILES;
+use crate::units::{UnitSystem, Units};
 
 /// Name of a run in a page, and the link to its directory.
 #[derive(Debug, Clone, Default)]
@@ -58,8 +60,10 @@ impl RunData {
         let is_there = |file: &String| {
             directory.join(file).is_file() && (file != "report.html" || !link.href.is_empty())
         };
+        let units = units(directory, &tree);
         let manifest = json!({
             "name": name,
+            "units": units,
             "href": link.href,
             "summary": summary,
             "input": shortened(input),
@@ -74,6 +78,24 @@ impl RunData {
         });
         Ok(RunData { name, manifest, arrays })
     }
+}
+
+/// Units of a run that has a system: `system` with the units of all quantities, `columns` and `fields` with the unit of
+/// each by its name; `null` without a system.
+pub(super) fn units(directory: &Path, input: &toml::Table) -> Value {
+    let system = input.get("units").and_then(|units| units.get("system")?.as_str());
+    let Some(system) = system.and_then(UnitSystem::named) else { return Value::Null };
+    let columns = fs::read_to_string(directory.join("columns.json")).unwrap_or_default();
+    let columns: Vec<Value> = serde_json::from_str(&columns).unwrap_or_default();
+    let columns =
+        columns.iter().filter_map(|own| Some((own["column"].as_str()?.to_string(), own["unit"].clone())));
+    let fields =
+        FieldName::ALL.map(|field| (field.name().to_string(), system.unit(field.dimension()).into()));
+    json!({
+        "system": Units::from(system).json(),
+        "columns": Value::Object(columns.collect()),
+        "fields": Value::Object(fields.into_iter().collect()),
+    })
 }
 
 /// Name of a directory, also of `.`.

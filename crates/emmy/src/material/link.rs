@@ -135,6 +135,20 @@ impl Link {
         }
     }
 
+    /// Young's modulus of a bar \[force/length^2\].
+    ///
+    /// ```
+    /// use emmy::material::Link;
+    /// assert_eq!(Link::bar(2.1e5, 10.0)?.youngs_modulus(), Some(2.1e5));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn youngs_modulus(&self) -> Option<f64> {
+        match self.0 {
+            Kind::Bar { youngs_modulus, .. } => Some(youngs_modulus),
+            Kind::Spring { .. } | Kind::Attraction { .. } => None,
+        }
+    }
+
     /// The energy of a link with a reference length L \[length\].
     pub fn with_length(&self, length: f64) -> LinkEnergy {
         let (law, factor) = match self.0 {

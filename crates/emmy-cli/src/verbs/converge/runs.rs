@@ -30,7 +30,7 @@ pub(super) struct Reference {
 /// The common initial state of all runs, reached with the plan of the input.
 pub(super) fn start(problem: &Problem, study: &Study, quiet: bool) -> Result<State, Failure> {
     let plan = convergence::until(&problem.plan, study.from).unwrap_or_else(|_| problem.plan.clone());
-    let mut progress = Progress::of("start: ", &plan, quiet);
+    let mut progress = Progress::of("start: ", &plan, problem.units, quiet);
     let outcome = convergence::start(problem, study.from, &mut [&mut progress]);
     progress.end();
     outcome.map_err(|error| stopped("the run to the common start", &error, "steps of the input"))
@@ -84,7 +84,8 @@ fn march_reference(
     times: &[f64],
     quiet: bool,
 ) -> Result<Samples, Failure> {
-    let mut progress = Progress::of("reference: ", &study.plan(study.reference_size)?, quiet);
+    let plan = study.plan(study.reference_size)?;
+    let mut progress = Progress::of("reference: ", &plan, problem.units, quiet);
     let outcome = convergence::reference(problem, study, state, times, &mut progress);
     progress.end();
     outcome.map_err(|error| stopped("the reference", &error, "--reference"))

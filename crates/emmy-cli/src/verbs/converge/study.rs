@@ -39,6 +39,7 @@ pub(super) fn read(arguments: &Arguments, problem: &Problem) -> Result<Study, Fa
         reference_scheme,
         reference_size,
         releases,
+        units: problem.units,
     };
     affordable(&study, problem.body.n_dofs())?;
     Ok(study)

@@ -2,36 +2,37 @@
 
 use std::path::Path;
 
-use emmy::body::{Body, FieldName};
+use emmy::body::FieldName;
 use emmy::motion::{Extreme, RunStatistics};
+use emmy_io::input::Problem;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
+use emmy_io::units::Units;
 
 use crate::message::message;
-use crate::print::{number, vector};
+use crate::print::number;
 
 /// Fewer correct digits than these cause a warning.
 const FEW_DIGITS: f64 = 6.0;
 
 /// Prints steps, solver, largest residuals and files of the run.
-pub(super) fn report(results: &Results, is_static: bool, status: Status, page: Option<&Path>) {
+pub(super) fn report(results: &Results, problem: &Problem, status: Status, page: Option<&Path>) {
     let statistics = results.statistics();
-    let [step, time] = if is_static { ["increment", "load fraction"] } else { ["step", "t ="] };
     message!(
-        "{}: {} to {time} {} in {:.2} s, {}",
+        "{}: {} to {} in {:.2} s, {}",
         status.name(),
-        counted(statistics.steps, step),
-        number(statistics.time),
+        counted(statistics.steps, if problem.is_static() { "increment" } else { "step" }),
+        moment(problem, statistics.time),
         results.wall_seconds(),
         counted(statistics.newton_iterations, "Newton iteration")
     );
     work(statistics);
-    if is_static {
-        resultants(statistics)
+    if problem.is_static() {
+        resultants(statistics, problem.units)
     } else {
-        residuals(statistics)
+        residuals(statistics, problem.units)
     }
-    largest(results, is_static);
+    largest(results, problem);
     let directory = results.directory();
     let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
     files.extend(results.collection());
@@ -42,25 +43,37 @@ pub(super) fn report(results: &Results, is_static: bool, status: Status, page: O
     }
 }
 
+/// A time, or the load fraction of a static analysis.
+fn moment(problem: &Problem, time: f64) -> String {
+    match problem.is_static() {
+        true => format!("load fraction {}", number(time)),
+        false => format!("t = {}", problem.units.number(time, "time")),
+    }
+}
+
 /// Prints the largest displacement, and the largest values of other fields.
-fn largest(results: &Results, is_static: bool) {
-    let when = if is_static { "load fraction" } else { "t =" };
+fn largest(results: &Results, problem: &Problem) {
+    let units = problem.units;
     let most = results.statistics().largest_displacement;
     if most.value > 0.0 {
-        let value = number(most.value);
-        let time = number(most.time);
-        let at = vector(most.point);
-        message!("largest displacement: {value} at {when} {time}, node {} at {at}", most.node);
+        let value = units.number(most.value, "length");
+        let at = units.vector(most.point, "length");
+        message!(
+            "largest displacement: {value} at {}, node {} at {at}",
+            moment(problem, most.time),
+            most.node
+        );
     }
     let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
     for extreme in others.filter(|own| own.value != 0.0) {
-        let value = number(extreme.value);
-        let time = number(extreme.time);
-        let at = vector(extreme.point);
+        let dimension = FieldName::from_name(&extreme.field).map_or("", FieldName::dimension);
+        let value = units.number(extreme.value, dimension);
+        let time = moment(problem, extreme.time);
+        let at = units.vector(extreme.point, "length");
         let kind = if extreme.is_cell { "cell" } else { "node" };
         let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
         let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
-        message!("largest {name}{of}: {value} at {when} {time}, {kind} {} at {at}", extreme.member);
+        message!("largest {name}{of}: {value} at {time}, {kind} {} at {at}", extreme.member);
     }
 }
 
@@ -81,28 +94,30 @@ fn work(statistics: &RunStatistics) {
     }
 }
 
-fn residuals(statistics: &RunStatistics) {
+fn residuals(statistics: &RunStatistics, units: Units) {
     let part = |extreme: Extreme, whole: f64| if whole > 0.0 { extreme.value / whole } else { 0.0 };
     let energy = statistics.worst_energy_residual;
     let angular_momentum = statistics.worst_angular_momentum_residual;
+    let residual = |name: &str, worst: Extreme, dimension: &str, relative: Option<(f64, &str)>| {
+        let relative =
+            relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
+        let value = units.with_unit(format!("{:.2e}", worst.value), dimension);
+        message!("  {name:<17}{value} (step {}{relative})", worst.step);
+    };
     message!("worst balance of a step:");
-    residual("energy", energy, Some((part(energy, statistics.largest_energy), "T + V")));
-    residual("linear momentum", statistics.worst_linear_momentum_residual, None);
+    residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
+    residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
     let relative = part(angular_momentum, statistics.largest_angular_momentum);
-    residual("angular momentum", angular_momentum, Some((relative, "|L|")));
+    residual("angular momentum", angular_momentum, "mass·length²/time", Some((relative, "|L|")));
 }
 
 /// Resultant and moment of all forces, which vanish in equilibrium.
-fn resultants(statistics: &RunStatistics) {
+fn resultants(statistics: &RunStatistics, units: Units) {
+    let text = |value: f64, dimension: &str| units.with_unit(format!("{value:.2e}"), dimension);
     let Extreme { value, step } = statistics.worst_linear_momentum_residual;
-    message!("largest resultant of all forces: {value:.2e} (increment {step})");
+    message!("largest resultant of all forces: {} (increment {step})", text(value, "force"));
     let Extreme { value, step } = statistics.worst_angular_momentum_residual;
-    message!("largest moment of all forces:    {value:.2e} (increment {step})");
-}
-
-fn residual(name: &str, worst: Extreme, relative: Option<(f64, &str)>) {
-    let relative = relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
-    message!("  {name:<17}{:.2e} (step {}{relative})", worst.value, worst.step);
+    message!("largest moment of all forces:    {} (increment {step})", text(value, "force·length"));
 }
 
 /// A count and its noun.
@@ -128,9 +143,10 @@ pub(super) fn warnings(statistics: &RunStatistics) {
 }
 
 /// Prints the estimated error of the positions.
-pub(super) fn error(body: &Body, error: f64) {
-    let part = error / body.radius_of_gyration();
+pub(super) fn error(problem: &Problem, error: f64) {
+    let part = error / problem.body.radius_of_gyration();
     let part =
         if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
-    message!("estimated error of the positions at the end: {error:.1e} in the root mean square{part}");
+    let error = problem.units.with_unit(format!("{error:.1e}"), "length");
+    message!("estimated error of the positions at the end: {error} in the root mean square{part}");
 }

@@ -72,8 +72,12 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
 /// The start of the motion, with the progress of its equilibrium.
 fn start(problem: &Problem, options: &RunOptions) -> Result<State, Failure> {
     let Start::Equilibrium { load_steps } = problem.start else { return Ok(problem.start_state(&mut [])?) };
-    let mut progress =
-        Progress::of("equilibrium: ", &emmy::equilibrium::increments(load_steps)?, options.quiet);
+    let mut progress = Progress::of(
+        "equilibrium: ",
+        &emmy::equilibrium::increments(load_steps)?,
+        problem.units,
+        options.quiet,
+    );
     let state = problem.start_state(&mut [&mut progress]);
     progress.end();
     Ok(state?)
@@ -92,7 +96,7 @@ pub(super) fn march<'a>(
 ) -> Result<(), Failure> {
     signals::listen()?;
     results.notes().iter().for_each(|note| message!("note: {note}"));
-    let mut progress = Progress::new(&problem.plan, options.quiet);
+    let mut progress = Progress::new(&problem.plan, problem.units, options.quiet);
     progress.start_at(motion.state());
     let mut json = JsonLines::new(options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
@@ -121,8 +125,8 @@ pub(super) fn march<'a>(
     let printed = if options.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
     closing::warnings(results.statistics());
     if !options.quiet {
-        closing::report(&results, problem.is_static(), ended.status, report.as_deref());
-        error.into_iter().for_each(|error| closing::error(&problem.body, error));
+        closing::report(&results, problem, ended.status, report.as_deref());
+        error.into_iter().for_each(|error| closing::error(problem, error));
     }
     failure.map_or(printed, Err)
 }

@@ -2,6 +2,11 @@
 
 use super::{Mistake, PROBES, changed};
 
+/// The beginning of [`BOX`](super::BOX), with units.
+fn with_units(name: &str, units: &str) -> Mistake {
+    changed(name, "title = \"box\"", &format!("title = \"box\"\n{units}"))
+}
+
 const SECOND: &str = "density = 1.0\nmaterial.neo-hooke = { lambda = 1.0, mu = 1.0 }\n\n[[load]]";
 
 /// A list with one value.
@@ -11,6 +16,15 @@ fn value(group: &str, quantity: &str, measure: &str) -> String {
 
 pub(super) fn all() -> Vec<Mistake> {
     vec![
+        with_units("units-misspelt", "units.system = \"mm-t-z\""),
+        with_units("units-that-are-not-consistent", "units.system = \"inch-lb-s\""),
+        with_units("units-in-another-order", "units.system = \"kg-m-s\""),
+        with_units("units-with-another-force", "units.system = \"mm-t-s-kN-MPa\""),
+        with_units("units-with-another-stress", "units.system = \"mm-kg-ms-kN-MPa\""),
+        with_units("units-without-a-table", "units = \"mm-t-s\""),
+        with_units("units-without-a-system", "units = {}"),
+        with_units("units-by-quantity", "units = { length = \"mm\" }"),
+        with_units("units-by-number", "units.system = 3"),
         changed("group-misspelt", "y-max", "y-mx").unseen(),
         changed("group-in-capitals", "\"body\"", "\"Body\"").unseen(),
         changed("group-that-is-nowhere", "y-min", "clamp").unseen(),

@@ -24,8 +24,10 @@ pub enum Place {
 pub(super) struct FieldInfo {
     /// Name of the array.
     name: &'static str,
-    /// Description in a line, with the unit.
+    /// Description in a line.
     description: &'static str,
+    /// Dimension, such as `length/time`; empty for a pure number.
+    dimension: &'static str,
     place: Place,
     components: &'static [&'static str],
     pub(super) needs: Needs,
@@ -102,7 +104,8 @@ fields! {
     /// u \[length\].
     Displacement {
         name: "displacement",
-        description: "displacement u [length]",
+        description: "displacement u",
+        dimension: "length",
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
@@ -111,7 +114,8 @@ fields! {
     /// v \[length/time\].
     Velocity {
         name: "velocity",
-        description: "velocity v [length/time]",
+        description: "velocity v",
+        dimension: "length/time",
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Nothing,
@@ -120,7 +124,8 @@ fields! {
     /// Momentum per reference volume, `rho_0 v`; point masses are not in it \[mass/(length^2 time)\].
     MomentumDensity {
         name: "momentum_density",
-        description: "momentum per reference volume, density times velocity [mass/(length^2 time)]",
+        description: "momentum per reference volume, density times velocity",
+        dimension: "mass/(length²·time)",
         place: Place::Nodes,
         components: VECTOR,
         needs: Needs::Volume,
@@ -129,7 +134,8 @@ fields! {
     /// Force per current area, `sigma = F S F^T / J` \[force/length^2\].
     CauchyStress {
         name: "cauchy_stress",
-        description: "force per current area, F S F^T / J: xx, yy, zz, xy, yz, xz [force/length^2]",
+        description: "force per current area, F S F^T / J: xx, yy, zz, xy, yz, xz",
+        dimension: "stress",
         place: Place::Nodes,
         components: TENSOR,
         needs: Needs::Solids,
@@ -138,7 +144,8 @@ fields! {
     /// `S = dW/dE` \[force/length^2\].
     SecondPiolaKirchhoffStress {
         name: "second_piola_kirchhoff_stress",
-        description: "S = dW/dE: xx, yy, zz, xy, yz, xz [force/length^2]",
+        description: "S = dW/dE: xx, yy, zz, xy, yz, xz",
+        dimension: "stress",
         place: Place::Nodes,
         components: TENSOR,
         needs: Needs::Solids,
@@ -147,7 +154,8 @@ fields! {
     /// Equivalent stress `sqrt(3/2 s : s)`, s the deviator of the Cauchy stress \[force/length^2\].
     VonMisesStress {
         name: "von_mises_stress",
-        description: "equivalent stress of the Cauchy stress [force/length^2]",
+        description: "equivalent stress of the Cauchy stress",
+        dimension: "stress",
         place: Place::Nodes,
         components: ONE,
         needs: Needs::Solids,
@@ -157,6 +165,7 @@ fields! {
     PrincipalStretches {
         name: "principal_stretches",
         description: "square roots of the eigenvalues of C, the largest first",
+        dimension: "",
         place: Place::Nodes,
         components: ORDERED,
         needs: Needs::Solids,
@@ -165,7 +174,8 @@ fields! {
     /// W per reference volume \[energy/length^3\].
     StrainEnergyDensity {
         name: "strain_energy_density",
-        description: "stored energy W per reference volume [energy/length^3]",
+        description: "stored energy W per reference volume",
+        dimension: "energy/length³",
         place: Place::Nodes,
         components: ONE,
         needs: Needs::Solids,
@@ -174,7 +184,8 @@ fields! {
     /// Mean Cauchy stress of a cell; of a bar along its axis.
     CellCauchyStress {
         name: "cell_cauchy_stress",
-        description: "mean of the Cauchy stress in each cell [force/length^2]",
+        description: "mean of the Cauchy stress in each cell",
+        dimension: "stress",
         place: Place::Cells,
         components: TENSOR,
         needs: Needs::Volume,
@@ -183,7 +194,8 @@ fields! {
     /// Mean second Piola-Kirchhoff stress of a cell; of a bar along its axis at rest.
     CellSecondPiolaKirchhoffStress {
         name: "cell_second_piola_kirchhoff_stress",
-        description: "mean of S in each cell [force/length^2]",
+        description: "mean of S in each cell",
+        dimension: "stress",
         place: Place::Cells,
         components: TENSOR,
         needs: Needs::Volume,
@@ -192,7 +204,8 @@ fields! {
     /// Equivalent stress of the mean Cauchy stress of a cell.
     CellVonMisesStress {
         name: "cell_von_mises_stress",
-        description: "equivalent stress of cell_cauchy_stress [force/length^2]",
+        description: "equivalent stress of cell_cauchy_stress",
+        dimension: "stress",
         place: Place::Cells,
         components: ONE,
         needs: Needs::Volume,
@@ -201,7 +214,8 @@ fields! {
     /// Mean energy density of a cell; times its volume, the stored energy of the cell.
     CellStrainEnergyDensity {
         name: "cell_strain_energy_density",
-        description: "mean of W in each cell [energy/length^3]",
+        description: "mean of W in each cell",
+        dimension: "energy/length³",
         place: Place::Cells,
         components: ONE,
         needs: Needs::Volume,
@@ -212,6 +226,7 @@ fields! {
     CellVolumeRatio {
         name: "cell_volume_ratio",
         description: "mean of J = det F in each cell: current volume over reference volume",
+        dimension: "",
         place: Place::Cells,
         components: ONE,
         needs: Needs::Volume,
@@ -220,7 +235,8 @@ fields! {
     /// Force in a link, positive in tension; 0 in other cells \[force\].
     AxialForce {
         name: "axial_force",
-        description: "force in each link, positive in tension; 0 in other cells [force]",
+        description: "force in each link, positive in tension; 0 in other cells",
+        dimension: "force",
         place: Place::Cells,
         components: ONE,
         needs: Needs::Links,
@@ -229,7 +245,8 @@ fields! {
     /// Mean of `rho_0 v^2/2` in a cell; times its volume, the kinetic energy of the cell. Point masses are not in it.
     CellKineticEnergyDensity {
         name: "cell_kinetic_energy_density",
-        description: "mean of density times v^2/2 in each cell, per reference volume [energy/length^3]",
+        description: "mean of density times v^2/2 in each cell, per reference volume",
+        dimension: "energy/length³",
         place: Place::Cells,
         components: ONE,
         needs: Needs::Volume,
@@ -276,6 +293,16 @@ impl FieldName {
     /// Description in a line.
     pub const fn description(self) -> &'static str {
         self.info().description
+    }
+
+    /// Dimension as a product of powers of mass, length, time, force, stress and energy; empty for a pure number.
+    ///
+    /// ```
+    /// use emmy::body::FieldName;
+    /// assert_eq!(FieldName::StrainEnergyDensity.dimension(), "energy/length³");
+    /// ```
+    pub const fn dimension(self) -> &'static str {
+        self.info().dimension
     }
 
     /// Where it has its values.

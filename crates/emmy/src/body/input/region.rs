@@ -54,6 +54,36 @@ impl Region {
         }
     }
 
+    /// Young's modulus at small strain \[force/length^2\]; `None` for springs and attractions. For a material with
+    /// directions it is that of the mean elasticity over all directions.
+    ///
+    /// ```math
+    /// E = 9 K mu / (3 K + mu),      K = D_iijj / 9,      mu = (D_ijij - D_iijj / 3) / 10
+    /// ```
+    ///
+    /// Source: Voigt (1889), Ann. Phys. 274.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let steel = Region::new(NeoHooke::from_engineering(2.1e5, 0.3)?, 7.85e-9);
+    /// assert!((steel.youngs_modulus().unwrap() - 2.1e5).abs() < 1e-9);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    #[allow(non_snake_case)]
+    pub fn youngs_modulus(&self) -> Option<f64> {
+        let material = match &self.material {
+            RegionMaterial::Solid(material) => material.response::<f64>(),
+            RegionMaterial::Link(link) => return link.youngs_modulus(),
+        };
+        let mut D = [[0.0; 6]; 6];
+        material.stress_and_elasticity(&[0.0; 6], &mut [0.0; 6], &mut D);
+        let iijj: f64 = D[..3].iter().flat_map(|row| &row[..3]).sum();
+        let ijij = (0..6).map(|a| D[a][a] * if a < 3 { 1.0 } else { 2.0 }).sum::<f64>();
+        let K = iijj / 9.0;
+        let mu = (ijij - iijj / 3.0) / 10.0;
+        Some(9.0 * K * mu / (3.0 * K + mu))
+    }
+
     /// The same region with another thickness of its plane cells.
     ///
     /// ```
