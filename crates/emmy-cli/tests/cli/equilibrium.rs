@@ -75,6 +75,9 @@ fn a_motion_starts_from_equilibrium_with_the_stored_energy() {
     let history = place.history("whole");
     let stored = history["strain_energy"][0];
     assert!(stored > 0.0 && history["external_work"][0] == 0.0 && history["kinetic_energy"][0] == 0.0);
+    // The support carries the traction from the start on: 20 times 10 on an area of 1.
+    let carried = &history["y-min_force_z"];
+    assert!(carried[..3].iter().all(|force| (force + 200.0).abs() < 1e-10), "{carried:?}");
     // At rest while the load holds.
     assert!(history["time"][2] == 0.1 && history["kinetic_energy"][2] < 1e-24 * stored);
     assert!(history["kinetic_energy"].iter().any(|&energy| energy > 0.3 * stored));

@@ -9,6 +9,7 @@ use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::number::short;
+use crate::time::classic::static_reactions;
 use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
@@ -254,6 +255,27 @@ impl<'a> Motion<'a> {
     /// ```
     pub fn statistics(&self) -> &RunStatistics {
         &self.statistics
+    }
+
+    /// The motion with the reactions of a body at rest, for a start from an equilibrium.
+    ///
+    /// ```
+    /// # use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let held = Support::fixed("body");
+    /// let weight = Load::acceleration([0.0, 0.0, -10.0]);
+    /// let body =
+    ///     Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).support(held).load(weight).build()?;
+    /// let motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.with_static_reactions()?;
+    /// assert!((motion.reactions()[0].force[2] - 20.0).abs() < 1e-13); // m g
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub fn with_static_reactions(mut self) -> Result<Self> {
+        self.reactions = static_reactions(self.body, &self.state)?;
+        Ok(self)
     }
 
     /// Reactions of the supports, in the order of [`Body::supported_groups`]: means over the last step. Empty before the

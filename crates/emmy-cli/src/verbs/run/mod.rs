@@ -60,6 +60,9 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     critical_step(&problem, problem.check_start()?.as_ref())?;
     let state = start(&problem, &arguments.options)?;
     let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
+    if matches!(problem.start, Start::Equilibrium { .. }) {
+        motion = motion.with_static_reactions()?;
+    }
     motion.allow_cuts(problem.smallest_step);
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");

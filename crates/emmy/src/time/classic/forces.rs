@@ -223,6 +223,18 @@ impl TimePoint {
     }
 }
 
+/// Reactions of a state at rest in equilibrium.
+///
+/// # Errors
+/// [`crate::Error::Inverted`].
+pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reaction>> {
+    let mut point = TimePoint::new(body);
+    point.displacement.copy_from_slice(&state.displacement);
+    point.evaluate(&mut Forces::new(body), state.time)?;
+    point.set_reactions(body, &vec![0.0; body.n_dofs()]);
+    Ok(point.reactions)
+}
+
 /// Sets the reactions of a step to the weighted sum over its points.
 pub(crate) fn sum_reactions<'p>(
     points: impl IntoIterator<Item = (&'p TimePoint, f64)>,

@@ -14,7 +14,7 @@ mod statics;
 
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
-pub(crate) use forces::Forces;
+pub(crate) use forces::{Forces, static_reactions};
 pub(super) use forces::Start;
 pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};
 pub use statics::StaticStepper;
