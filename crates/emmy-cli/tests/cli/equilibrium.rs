@@ -1,6 +1,6 @@
 //! `[equilibrium]` before a motion and alone; `initial.state`.
 
-use super::resume::assert_same_rows;
+use super::resume::{assert_same_rows, rows};
 use super::{BOX, Place};
 
 const TIME: &str = "[time]\nscheme = \"AS(2)\"\ndegree = 1\nsteps = [{ until = 0.2, size = 0.1 }, { until = 0.5, size = 0.05 }]";
@@ -113,8 +113,9 @@ fn a_run_starts_from_the_end_of_another() {
     place.succeed(&["run", "box.toml", "--quiet"]);
     place.write("direct.toml", &released().replace("load_steps = 4", "load_steps = 8"));
     place.succeed(&["run", "direct.toml", "--quiet", "--output", "direct"]);
-    // The same start, so the same bits.
-    assert_same_rows(&place, "out", "direct");
+    // The same start, so the same bits; only an equilibrium has reactions at the start.
+    let moving = |directory: &str| rows(&place, directory).split_off(2);
+    assert_eq!(moving("out"), moving("direct"));
     // A motion goes on with its velocity, without the support.
     let check = place.succeed(&["check", "box.toml", "--set", "initial.state=direct"]).stdout;
     assert!(check.contains("start      last state of the run in direct"), "{check}");
@@ -137,7 +138,7 @@ fn a_run_starts_from_the_end_of_another() {
     place.succeed(&["run", "box.toml", "--quiet", "--output", "parts", "--until", "0.3"]);
     std::fs::remove_dir_all(place.path("static")).unwrap();
     place.succeed(&["resume", "parts", "--quiet", "--until", "0.5"]);
-    assert_same_rows(&place, "parts", "direct");
+    assert_same_rows(&place, "parts", "out");
 }
 
 /// Pressure on the ends of a soft box squeezes it until nothing balances it.

@@ -23,7 +23,7 @@ pub(crate) fn long_box() -> String {
 }
 
 /// The rows of a history without the last column of every history, `wall_seconds`.
-fn rows(place: &Place, directory: &str) -> Vec<String> {
+pub(crate) fn rows(place: &Place, directory: &str) -> Vec<String> {
     let text = place.read(&format!("{directory}/history.csv"));
     let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
     let wall = header.iter().position(|name| *name == "wall_seconds").unwrap();

@@ -14,8 +14,8 @@ mod statics;
 
 pub use bathe::BatheStepper;
 pub use central_differences::CentralDifferences;
-pub(crate) use forces::{Forces, static_reactions};
 pub(super) use forces::Start;
+pub(crate) use forces::{Forces, static_reactions};
 pub use newmark::{NewmarkFamily, NewmarkParameters, NewmarkStepper};
 pub use statics::StaticStepper;
 
