@@ -3,7 +3,7 @@
 import csv
 
 with open("bracket/history.csv") as file:
-    rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    rows = [{key: float(value or "nan") for key, value in row.items()} for row in csv.DictReader(file)]
 
 free = [row for row in rows if row["time"] >= 2e-4]
 work = free[-1]["external_work"]

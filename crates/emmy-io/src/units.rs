@@ -5,17 +5,18 @@ use emmy::internals::number::{short, short_vector};
 use serde_json::Value;
 
 /// The quantities in which dimensions are written, with their exponents of mass, length and time.
-const QUANTITIES: [(&str, [i32; 3]); 6] = [
+const QUANTITIES: [(&str, [i32; 3]); 7] = [
     ("mass", [1, 0, 0]),
     ("length", [0, 1, 0]),
     ("time", [0, 0, 1]),
     ("force", [1, 1, -2]),
     ("stress", [1, -1, -2]),
     ("energy", [1, 2, -2]),
+    ("frequency", [0, 0, -1]),
 ];
 
-/// SI units of force, stress and energy, which take a prefix.
-const PREFIXED: [&str; 3] = ["N", "Pa", "J"];
+/// SI units of force, stress, energy and frequency, which take a prefix.
+const PREFIXED: [&str; 4] = ["N", "Pa", "J", "Hz"];
 
 /// Prefixes of the SI with their powers of ten.
 const PREFIXES: [(&str, i32); 8] =
@@ -24,7 +25,7 @@ const PREFIXES: [(&str, i32); 8] =
 /// Standard acceleration of gravity \[m/s²\].
 const GRAVITY: f64 = 9.80665;
 
-/// A consistent system: units of mass, length and time, from which those of force, stress and energy follow.
+/// A consistent system: units of mass, length and time, from which those of force, stress, energy and frequency follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitSystem {
     /// Name, from the units of length, mass and time, as `mm-t-s`.
@@ -57,7 +58,7 @@ impl UnitSystem {
         SYSTEMS.iter().find(|system| [system.name, system.full_name].contains(&name))
     }
 
-    /// Names and units of mass, length, time, force, stress and energy.
+    /// Names and units of mass, length, time, force, stress, energy and frequency.
     pub fn units(&self) -> impl Iterator<Item = (&'static str, String)> {
         (0..QUANTITIES.len()).map(|index| (QUANTITIES[index].0, self.symbol(index)))
     }
@@ -230,6 +231,7 @@ mod tests {
             assert_eq!(system.full_name, format!("{}-{force}-{stress}", system.name));
         }
         assert_eq!(SYSTEMS.each_ref().map(|system| system.unit("energy")), ["J", "J", "mJ", "pJ"]);
+        assert_eq!(SYSTEMS.each_ref().map(|system| system.unit("frequency")), ["Hz", "kHz", "Hz", "kHz"]);
         assert_eq!(
             SYSTEMS.each_ref().map(gravity),
             ["9.80665 m/s²", "0.00980665 mm/ms²", "9806.65 mm/s²", "9.80665 µm/ms²"]
@@ -269,7 +271,7 @@ mod tests {
         assert_eq!(some.number(3.0, ""), "3");
         assert_eq!(
             some.description().unwrap(),
-            "mm-t-s: mass t, length mm, time s, force N, stress MPa, energy mJ; gravity 9806.65 mm/s²"
+            "mm-t-s: mass t, length mm, time s, force N, stress MPa, energy mJ, frequency Hz; gravity 9806.65 mm/s²"
         );
     }
 

@@ -103,7 +103,7 @@ fn failure(error: emmy::Error) -> Failure {
 fn table(problem: &Problem, modes: &[Mode]) -> String {
     let mass = RegionSummary::combined(problem.body.regions()).mass;
     let share = |effective: f64| format!("{:.1} %", 100.0 * effective / mass);
-    let labels = [problem.units.label("frequency", "1/time"), problem.units.label("period", "time")];
+    let labels = [problem.units.label("frequency", "frequency"), problem.units.label("period", "time")];
     let masses = ["mass x", "mass y", "mass z"].map(String::from);
     let head = ["mode".to_string()].into_iter().chain(labels).chain(masses).collect();
     let row = |(index, mode): (usize, &Mode)| {

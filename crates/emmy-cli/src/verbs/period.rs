@@ -34,7 +34,7 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
 fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
     let units = problem.units;
     let period = mode.period();
-    let frequency = units.number(mode.frequency(), "1/time");
+    let frequency = units.number(mode.frequency(), "frequency");
     let beside = match n_rigid {
         0 => String::new(),
         1 => ", beside 1 rigid mode".to_string(),

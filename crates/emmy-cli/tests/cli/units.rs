@@ -15,7 +15,7 @@ fn steel(density: &str, youngs_modulus: &str) -> String {
 fn check_shows_units_and_has_no_note_on_steel() {
     let outcome = Place::with(&steel("7.85e-9", "210e3")).succeed(&["check", "box.toml"]);
     for part in [
-        "units      mm-t-s: mass t, length mm, time s, force N, stress MPa, energy mJ; gravity 9806.65 mm/s²",
+        "units      mm-t-s: mass t, length mm, time s, force N, stress MPa, energy mJ, frequency Hz; gravity 9806.65 mm/s²",
         "volume 2 mm³, mass 1.57e-8 t, centre [0.5, 1, 0.5] mm",
         "force [0, 0, 10] N, torque about the origin [20, -5, 0] N·mm",
         "from t = 0 s to t = 0.5 s",

@@ -12,6 +12,7 @@ use super::fault::Fault;
 use super::shape::neighbour;
 use super::suggest::{did_you_mean, listed};
 use super::table::{Item, Table};
+use super::tree;
 use crate::whole_file;
 
 /// A history from a file.
@@ -42,6 +43,12 @@ pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<TimeFunction, Fau
     let bytes = bytes(&file, &path)?;
     let entries = Source { path: &path, bytes: &bytes, table: &table, columns }.entries(factor)?;
     TimeFunction::measured(entries).map_err(|error| file.fault(error.to_string(), "from here"))
+}
+
+/// The table of a resolved input, whose path is absolute; `None` if the file cannot be read any more.
+pub(crate) fn resolved(history: &toml::Table) -> Option<TimeFunction> {
+    let node = tree::parse("history", &toml::to_string(history).ok()?).ok()?;
+    read(Item::of("history", &node), Path::new("")).ok()
 }
 
 fn bytes(item: &Item<'_>, path: &Path) -> Result<Vec<u8>, Fault> {

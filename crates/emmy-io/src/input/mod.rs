@@ -43,6 +43,7 @@ mod write;
 pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, Place};
 pub use material::materials;
+pub(crate) use measured::resolved;
 pub use problem::{Overrides, Problem, read};
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 pub use schema::schema;

@@ -82,7 +82,6 @@ impl<'a> Table<'a> {
 
 impl<'a> Item<'a> {
     /// A value that stands under a key.
-    #[cfg(test)]
     pub(super) fn of(key: &'a str, node: &'a Node) -> Self {
         Item { key, node, key_place: &node.place }
     }

@@ -3,6 +3,8 @@
 use serde_json::{Value, json};
 use toml::Table;
 
+use crate::input::resolved;
+
 /// Loads and driven supports of a resolved input: `[{ label, intervals }]`. `intervals` is null for a load that always
 /// acts; the end of an interval is null if it does not end. Attractions are part of the strain energy and not included.
 pub(super) fn loads(input: &Table) -> Vec<Value> {
@@ -88,7 +90,14 @@ fn load(load: &Table) -> Load {
     let kind = kind.map_or("load", String::as_str).replace('_', " ");
     let group = load.get("group").and_then(toml::Value::as_str);
     let label = group.map_or(kind.clone(), |group| format!("{kind} on {group}"));
-    let table = load.get("history").and_then(toml::Value::as_array).map(|points| table(points));
+    let table = match load.get("history") {
+        Some(toml::Value::Array(points)) => Some(table(points)),
+        Some(toml::Value::Table(file)) => {
+            resolved(file).map(|table| table.entries().iter().map(|&(t, factor)| [t, factor]).collect())
+        }
+        // Constant, or an expression.
+        _ => None,
+    };
     Load { label, intervals: table.and_then(|points| intervals(&points)).map(joined) }
 }
 
@@ -170,6 +179,21 @@ mod tests {
                 json!({ "label": "driven y-min", "intervals": [[0.0, 1.0]] }),
             ]
         );
+    }
+
+    #[test]
+    fn a_measured_pulse_acts_while_its_rows_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("pulse.csv");
+        std::fs::write(&file, "t,F\n0,0\n1,0\n2,5\n3,0\n4,0\n").unwrap();
+        let text = |file: &str| {
+            format!(
+                "[[load]]\nforce = [1, 0, 0]\nhistory = {{ file = {file:?}, time = \"t\", value = \"F\" }}\n"
+            )
+        };
+        let found = |file: &str| loads(&text(file).parse().unwrap())[0]["intervals"].clone();
+        assert_eq!(found(file.to_str().unwrap()), json!([[1.0, 3.0]]));
+        assert_eq!(found("gone.csv"), Value::Null);
     }
 
     #[test]

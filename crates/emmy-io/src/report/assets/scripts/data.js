@@ -47,9 +47,8 @@ function unitOf(run, name) {
 }
 
 // Units of natural modes, and of the columns that mean something else in a static analysis.
-function otherUnits(run, { mass, length, time, force }) {
+function otherUnits(run, { mass, length, time, force, frequency }) {
   if (run.modes) {
-    const frequency = { s: "Hz", ms: "kHz" }[time];
     return { frequency, period: time, angular_frequency: `1/${time}`, effective_mass_x: mass, effective_mass_y: mass, effective_mass_z: mass };
   }
   return isStatic(run) ? { time: "", step_size: "", linear_momentum_residual: force, angular_momentum_residual: `${force}·${length}` } : {};
