@@ -1,0 +1,151 @@
+//! Quantities that `[output]` asks for in the history: reactions, probes, extremes, values of groups.
+
+mod read;
+mod resolve;
+
+use emmy::body::FieldName;
+
+pub(super) use read::{PROBE, Requested, VALUE, of_extremes, read};
+
+use crate::history::ColumnInfo;
+
+/// Quantities in the history besides those of the whole body.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Quantities {
+    /// Groups whose reactions are written, each with its place among [`Body::supported_groups`].
+    pub reactions: Vec<(String, usize)>,
+    /// Nodes that are followed.
+    pub probes: Vec<Probe>,
+    /// Fields whose largest value is written.
+    pub extremes: Vec<FieldName>,
+    /// Values of groups.
+    pub values: Vec<GroupValue>,
+}
+
+/// A point that is followed: the nearest node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Name in the columns of the history.
+    pub name: String,
+    /// The requested point, in the reference configuration \[length\].
+    pub point: [f64; 3],
+    /// Index of the nearest node.
+    pub node: usize,
+    /// What is written of it.
+    pub quantities: Vec<ProbeQuantity>,
+}
+
+/// A quantity of a probe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProbeQuantity {
+    /// Current position \[length\].
+    Position,
+    /// A field at nodes.
+    Field(FieldName),
+}
+
+/// A number of a field in a group.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupValue {
+    /// Name of its column.
+    pub name: String,
+    /// The group; `None`: all cells.
+    pub group: Option<String>,
+    /// The field: in cells where the group has cells and the quantity has such a field, else at nodes.
+    pub quantity: FieldName,
+    /// How the field becomes a number.
+    pub measure: Measure,
+}
+
+/// How a field in a group becomes a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Integral over the reference volume of the cells.
+    Total,
+    /// Mean by reference volume in cells, plain mean at nodes.
+    Mean,
+    /// Largest value, of a vector its norm.
+    Max,
+}
+
+impl Measure {
+    const ALL: [(&str, Measure); 3] =
+        [("total", Measure::Total), ("mean", Measure::Mean), ("max", Measure::Max)];
+}
+
+impl Probe {
+    /// Its columns.
+    fn columns(&self) -> Vec<ColumnInfo> {
+        let of = |quantity: &ProbeQuantity| match quantity {
+            ProbeQuantity::Position => {
+                let meaning = format!("current position of the probe {}", self.name);
+                columns(&self.name, FieldName::Displacement.components(), "length", &meaning)
+            }
+            ProbeQuantity::Field(field) => {
+                let meaning = format!("{field} at the probe {}", self.name);
+                columns(&format!("{}_{field}", self.name), field.components(), field.dimension(), &meaning)
+            }
+        };
+        self.quantities.iter().flat_map(of).collect()
+    }
+}
+
+impl Quantities {
+    /// All columns, in their order.
+    pub fn columns(&self) -> Vec<ColumnInfo> {
+        let probes = self.probes.iter().flat_map(Probe::columns);
+        let reactions = self.reactions.iter().flat_map(|(group, _)| reaction_columns(group));
+        let extremes = self.extremes.iter().map(|field| extreme_column(*field));
+        let values = self.values.iter().flat_map(value_columns);
+        probes.chain(reactions).chain(extremes).chain(values).collect()
+    }
+}
+
+fn reaction_columns(group: &str) -> Vec<ColumnInfo> {
+    let force = format!("reaction of {group}: its mean force on the body over the step");
+    let moment = format!("moment of the reaction of {group} about the origin");
+    let mut all = columns(&format!("{group}_force"), &AXES, "force", &force);
+    all.extend(columns(&format!("{group}_moment"), &AXES, "force·length", &moment));
+    all
+}
+
+fn extreme_column(field: FieldName) -> ColumnInfo {
+    let meaning = format!("largest value of {field} in the body");
+    ColumnInfo { name: format!("max_{field}"), dimension: field.dimension().to_string(), meaning }
+}
+
+fn value_columns(value: &GroupValue) -> Vec<ColumnInfo> {
+    let field = value.quantity;
+    let group = value.group.as_deref().unwrap_or("all cells");
+    let meaning = |measure: &str| format!("{measure} of {field} in {group}");
+    match value.measure {
+        Measure::Max => columns(&value.name, &[""], field.dimension(), &meaning("largest value")),
+        Measure::Mean => columns(&value.name, field.components(), field.dimension(), &meaning("mean")),
+        Measure::Total => {
+            columns(&value.name, field.components(), &integrated(field.dimension()), &meaning("total"))
+        }
+    }
+}
+
+/// Dimension of a quantity times volume.
+fn integrated(dimension: &str) -> String {
+    match (dimension, dimension.strip_suffix("/length³")) {
+        ("", _) => "length³".to_string(),
+        (_, Some(whole)) => whole.to_string(),
+        (_, None) => format!("{dimension}·length³"),
+    }
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A column for each component; the component of a scalar has no name.
+fn columns(name: &str, components: &[&str], dimension: &str, meaning: &str) -> Vec<ColumnInfo> {
+    let column = |component: &&str| {
+        let name = match *component {
+            "" => name.to_string(),
+            component => format!("{name}_{component}"),
+        };
+        ColumnInfo { name, dimension: dimension.to_string(), meaning: meaning.to_string() }
+    };
+    components.iter().map(column).collect()
+}
