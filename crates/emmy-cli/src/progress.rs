@@ -8,6 +8,7 @@ use emmy_io::units::Units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::message::message;
+use crate::print::number;
 
 /// Shows the progress of a run.
 #[derive(Debug)]
@@ -76,11 +77,12 @@ impl Progress {
     fn message(&self, record: &Record, is_static: bool) -> String {
         let balance =
             if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
-        let time = self.units.number(record.time, "time");
         let what = if matches!(self.form, Form::Bar(_)) { self.what } else { "" };
         if is_static {
-            return format!("{what}load fraction {time}  Newton {}", record.newton_iterations);
+            let fraction = number(record.time);
+            return format!("{what}load fraction {fraction}  Newton {}", record.newton_iterations);
         }
+        let time = self.units.number(record.time, "time");
         format!("{what}t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
     }
 }

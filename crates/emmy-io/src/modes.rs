@@ -88,7 +88,7 @@ fn write_frames(
     let body = &problem.body;
     let form = (problem.output.format, problem.output.precision);
     let mut frames = FrameWriter::create(form, directory, body.mesh(), body.region_of_cell())?;
-    let diagonal = body.mesh().extent().iter().map(|length| length * length).sum::<f64>().sqrt();
+    let diagonal = body.mesh().diagonal();
     let mut write = |step: usize, numbers: Vec<f64>| {
         frames.write(step, step as f64, &[FieldValues { name: FieldName::Displacement, numbers }])
     };

@@ -513,7 +513,9 @@ pub enum Error {
         message: String,
     },
     /// More natural modes than the body has degrees of freedom.
-    #[error("{count} modes are wanted, but the body has {free} free degrees of freedom, and as many modes")]
+    #[error(
+        "{count} modes were requested, but the body has only {free}, one for each free degree of freedom"
+    )]
     TooManyModes {
         /// Number of modes that are wanted.
         count: usize,

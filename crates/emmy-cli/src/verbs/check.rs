@@ -248,7 +248,7 @@ impl Report {
         let force = self.units.vector(resultant.force, "force");
         let torque = self.units.vector(resultant.torque, "force·length");
         self.line("load", &format!("{kind} on {group}: force {force}, torque about the origin {torque}"));
-        let history = summary(&load.time_function);
+        let history = summary(&load.time_function, self.units, "");
         match load.kind.field() {
             Some((field, _)) => {
                 self.line("", &format!("at t = 0, of [{}]; history: {history}", field.text()))
@@ -275,11 +275,20 @@ impl Report {
         for (component, time_function) in ["x", "y", "z"].iter().zip(&support.displacement) {
             match time_function.as_ref().map(|displacement| (displacement, displacement.acceleration())) {
                 Some((displacement, Some(acceleration))) => {
-                    self.line("", &format!("{component} accelerates: {}", summary(acceleration)));
-                    self.line("", &drift(displacement, acceleration, problem.plan.end()));
+                    self.line(
+                        "",
+                        &format!(
+                            "{component} accelerates: {}",
+                            summary(acceleration, self.units, "length/time²")
+                        ),
+                    );
+                    self.line("", &drift(displacement, acceleration, problem.plan.end(), self.units));
                 }
                 Some((displacement, None)) => {
-                    self.line("", &format!("{component} moves: {}", summary(displacement)));
+                    self.line(
+                        "",
+                        &format!("{component} moves: {}", summary(displacement, self.units, "length")),
+                    );
                 }
                 None => {}
             }
@@ -295,7 +304,10 @@ impl Report {
             let about = self.units.vector(rotation.about, "length");
             self.line(
                 "",
-                &format!("turns about the axis {axis} through {about}: {}", summary(&rotation.angle)),
+                &format!(
+                    "turns about the axis {axis} through {about}: {}",
+                    summary(&rotation.angle, self.units, "")
+                ),
             );
         }
     }
@@ -382,7 +394,7 @@ impl Report {
 }
 
 /// A time function in short.
-fn summary(time_function: &TimeFunction) -> String {
+fn summary(time_function: &TimeFunction, units: Units, dimension: &str) -> String {
     let entries = time_function.entries();
     match (time_function.text(), entries.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max)) {
         (Some(text), _) => text.to_string(),
@@ -391,8 +403,8 @@ fn summary(time_function: &TimeFunction) -> String {
             let values = || entries.iter().map(|(_, factor)| *factor);
             let least = values().fold(f64::INFINITY, f64::min);
             let largest = values().fold(f64::NEG_INFINITY, f64::max);
-            let [start, end] = [entries[0].0, entries[entries.len() - 1].0].map(number);
-            let [least, largest] = [least, largest].map(number);
+            let [start, end] = [entries[0].0, entries[entries.len() - 1].0].map(|t| units.number(t, "time"));
+            let [least, largest] = [number(least), units.number(largest, dimension)];
             format!("{} rows from t = {start} to t = {end}, values from {least} to {largest}", entries.len())
         }
         (None, peak) => format!("{} times, largest factor {}", entries.len(), number(peak)),
@@ -400,16 +412,16 @@ fn summary(time_function: &TimeFunction) -> String {
 }
 
 /// Velocity and displacement to which an acceleration leads at the end of its table or of the run.
-fn drift(displacement: &TimeFunction, acceleration: &TimeFunction, end: f64) -> String {
+fn drift(displacement: &TimeFunction, acceleration: &TimeFunction, end: f64, units: Units) -> String {
     let time = match acceleration.entries() {
         [_, .., (last, _)] => last.min(end),
         _ => end,
     };
-    let velocity = number(displacement.rate(time));
     format!(
-        "integrated: velocity {velocity}, displacement {} at t = {}",
-        number(displacement.value(time)),
-        number(time)
+        "integrated: velocity {}, displacement {} at t = {}",
+        units.number(displacement.rate(time), "length/time"),
+        units.number(displacement.value(time), "length"),
+        units.number(time, "time")
     )
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use emmy::body::RegionSummary;
 use emmy::modes::{Mode, modes, modes_about};
-use emmy_io::input::{self, Overrides, Problem, StartError};
+use emmy_io::input::{self, Overrides, Problem, Start, StartError};
 
 use super::with_threads;
 use crate::failure::Failure;
@@ -45,6 +45,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let overrides = Overrides { set: arguments.set.clone(), ..Overrides::default() };
     let problem = input::read(&arguments.file, &overrides)?;
+    if !arguments.quiet {
+        problem.notes.iter().for_each(|note| message!("note: {note}"));
+    }
     let directory = arguments.directory(&problem);
     emmy_io::modes::check(&directory, &problem)?;
     let (displacement, modes) = computed(&problem, arguments.count)?;
@@ -52,6 +55,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     print::result(&table(&problem, &modes))?;
     let page = emmy_io::report::write(&directory)?;
     if !arguments.quiet {
+        about(&problem, &displacement);
         remarks(&modes);
         message!("written: {}", directory.join(emmy_io::modes::TABLE).display());
         message!("to look at: {}", page.display());
@@ -119,6 +123,22 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
     let sums = ["sum".to_string(), String::new(), String::new()].into_iter().chain([0, 1, 2].map(sum));
     let rows = std::iter::once(head).chain(modes.iter().enumerate().map(row));
     columns(rows.chain([sums.collect()]).collect())
+}
+
+/// Says about which state the body vibrates, unless it is the reference configuration of the input.
+fn about(problem: &Problem, displacement: &[f64]) {
+    match problem.start {
+        Start::Run(_) => {
+            message!("note: the modes are about the reference configuration; `initial.state` has no effect")
+        }
+        _ if displacement.iter().all(|u| *u == 0.0) => {}
+        _ => {
+            let lengths =
+                displacement.as_chunks::<3>().0.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt());
+            let largest = problem.units.number(lengths.fold(0.0, f64::max), "length");
+            message!("about the equilibrium under the loads at t = 0; largest displacement {largest}");
+        }
+    }
 }
 
 /// Largest relative residual without a warning.

@@ -18,14 +18,15 @@ pub(super) fn report(report: &mut Report, problem: &Problem) {
         let text = format!(
             "not computed beyond {MAX_DOFS} degrees of freedom; `emmy modes --count 7` finds the lowest one"
         );
-        return report.line("period", &text);
+        report.line("period", &text);
+    } else {
+        match lowest_elastic_mode(body) {
+            Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, n_rigid),
+            Ok(None) => report.line("period", "none: the lowest modes of this body are rigid or unstable"),
+            Err(error) => report.line("period", &format!("not found: {error}")),
+        }
     }
-    match lowest_elastic_mode(body) {
-        Ok(Some((mode, n_rigid))) => lowest(report, problem, &mode, n_rigid),
-        Ok(None) => report.line("period", "none: the lowest modes of this body are rigid or unstable"),
-        Err(error) => report.line("period", &format!("not found: {error}")),
-    }
-    if problem.scheme != Scheme::CentralDifferences {
+    if problem.scheme != Scheme::CentralDifferences && !problem.is_static() {
         explicit(report, problem);
     }
 }
@@ -54,9 +55,9 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
     report.line(
         "",
         &format!(
-            "steps of {} are {} periods: {} a period",
+            "a step of {} is {} of this period: {} steps a period",
             units.number(largest, "time"),
-            number(share),
+            two_digits(share),
             count(1.0 / share)
         ),
     );
@@ -65,7 +66,7 @@ fn lowest(report: &mut Report, problem: &Problem, mode: &Mode, n_rigid: usize) {
         let size = number(rounded_down(period / wanted));
         report.line(
             "",
-            &format!("`size = {size}` makes {wanted} steps a period: a phase error of at most 0.1 %"),
+            &format!("`size = {size}` makes {wanted} steps a period: a phase error of about 0.1 %"),
         );
     }
 }
@@ -86,6 +87,11 @@ fn explicit(report: &mut Report, problem: &Problem) {
         };
         report.line("", &format!("critical step of central differences {text}"));
     }
+}
+
+/// A number with two digits.
+fn two_digits(value: f64) -> String {
+    format!("{value:.1e}").parse::<f64>().map_or_else(|_| number(value), number)
 }
 
 /// A number of steps with one digit after the point, where that says more.

@@ -49,6 +49,17 @@ fn a_static_analysis_has_a_row_for_each_increment() {
     place.succeed(&["report", "out"]);
     place.succeed(&["compare", "out", "out"]);
 
+    // The load fraction has no unit, and the residuals are a force and a moment.
+    let units =
+        place.succeed(&["run", "box.toml", "--output", "units", "--set", "units.system=m-kg-s"]).stderr;
+    assert!(units.contains("to load fraction 1 in") && !units.contains("load fraction 1 s"), "{units}");
+    let columns: serde_json::Value = serde_json::from_str(&place.read("units/columns.json")).unwrap();
+    let unit = |name: &str| {
+        columns.as_array().unwrap().iter().find(|own| own["column"] == name).unwrap()["unit"].clone()
+    };
+    let own = ["time", "step_size", "linear_momentum_residual", "angular_momentum_residual"].map(unit);
+    assert_eq!(own, ["", "", "N", "N·m"]);
+
     let again = place.emmy(&["resume", "out"]);
     assert!(again.code == 2 && again.stderr.contains("already reached t = 1 (step 8)"), "{}", again.stderr);
     assert!(!again.stderr.contains("--until"), "{}", again.stderr);
@@ -89,6 +100,22 @@ fn a_motion_starts_from_equilibrium_with_the_stored_energy() {
     let resumed = place.succeed(&["resume", "parts", "--until", "0.5"]);
     assert!(!resumed.stderr.contains("equilibrium"), "{}", resumed.stderr);
     assert_same_rows(&place, "parts", "whole");
+}
+
+#[test]
+fn a_load_that_jumps_at_the_start_is_released() {
+    let jump = released().replace("[[0.0, 20.0], [0.1, 20.0], [0.15, 0.0]]", "[[0.0, 20.0], [0.0, 0.0]]");
+    let place = Place::with(&jump);
+    let run = place.succeed(&["run", "box.toml"]);
+    assert!(!run.stderr.contains("no load acts"), "{}", run.stderr);
+    let history = place.history("out");
+    let stored = history["strain_energy"][0];
+    assert!(stored > 0.0 && history["kinetic_energy"].iter().any(|&energy| energy > 0.3 * stored));
+    assert!(history["external_work"].iter().all(|&work| work == 0.0));
+    assert!(history["total_energy"].iter().all(|&energy| (energy - stored).abs() < 1e-13 * stored));
+    place.write("box.toml", &jump.replace("[[0.0, 20.0], [0.0, 0.0]]", "[[0.0, 0.0], [0.1, 20.0]]"));
+    let check = place.succeed(&["check", "box.toml"]);
+    assert!(check.stderr.contains("note: no load acts at t = 0"), "{}", check.stderr);
 }
 
 #[test]

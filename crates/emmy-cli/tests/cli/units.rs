@@ -56,7 +56,8 @@ fn results_have_units() {
     assert!(!outcome.stderr.contains("no known solid"), "{}", outcome.stderr);
     let summary = place.summary("out");
     let units = serde_json::json!({
-        "system": "m-kg-s", "mass": "kg", "length": "m", "time": "s", "force": "N", "stress": "Pa", "energy": "J"
+        "system": "m-kg-s", "mass": "kg", "length": "m", "time": "s", "force": "N", "stress": "Pa", "energy": "J",
+        "frequency": "Hz"
     });
     assert_eq!(summary["units"], units);
     let columns: serde_json::Value = serde_json::from_str(&place.read("out/columns.json")).unwrap();

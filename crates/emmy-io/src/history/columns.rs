@@ -125,6 +125,18 @@ impl From<&Column> for ColumnInfo {
     }
 }
 
+/// A column of a static analysis, where some have another meaning.
+fn in_statics(column: ColumnInfo) -> ColumnInfo {
+    let (dimension, meaning) = match column.name.as_str() {
+        "time" => ("", "load fraction"),
+        "step_size" => ("", "increment of the load fraction"),
+        "linear_momentum_residual" => ("force", "norm of the resultant of all forces"),
+        "angular_momentum_residual" => ("force·length", "norm of the moment of all forces about the origin"),
+        _ => return column,
+    };
+    ColumnInfo { dimension: dimension.to_string(), meaning: meaning.to_string(), ..column }
+}
+
 /// All columns of the whole body.
 #[cfg(test)]
 pub(crate) fn every_column() -> impl Iterator<Item = ColumnInfo> {
@@ -159,6 +171,8 @@ pub struct HistoryColumns {
     pub dissipates: bool,
     /// Whether degrees are adaptive: column `degree`.
     pub has_degrees: bool,
+    /// Whether the time is the load fraction of a static analysis.
+    pub is_static: bool,
     /// Reactions, probes, extremes, values of groups.
     measures: Measures,
 }
@@ -172,6 +186,7 @@ impl HistoryColumns {
             dissipates: body.is_viscous() || body.drag() > 0.0 || scheme.dissipation().is_some(),
             is_adaptive: adaptivity.is_some(),
             has_degrees: adaptivity.is_some_and(|adaptivity| adaptivity.degrees.is_some()),
+            is_static: problem.is_static(),
             measures: Measures::new(body, &problem.quantities),
         }
     }
@@ -184,7 +199,8 @@ impl HistoryColumns {
     /// All columns.
     pub fn described(&self) -> impl Iterator<Item = ColumnInfo> {
         let own = COLUMNS.iter().filter(|column| (column.is_in)(self)).map(ColumnInfo::from);
-        own.chain(self.measures.columns())
+        own.map(|column| if self.is_static { in_statics(column) } else { column })
+            .chain(self.measures.columns())
     }
 
     /// Names of all columns.

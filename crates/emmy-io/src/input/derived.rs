@@ -1,6 +1,6 @@
 //! Values derived from an input, and their squares, must be finite: masses, volumes, resultants, energies.
 
-use emmy::body::{Body, InitialVelocity, Load, Region, Support};
+use emmy::body::{Body, InitialVelocity, Load, Region, Support, TimeFunction};
 use emmy::internals::number::short;
 use emmy::mesh::Mesh;
 use emmy::motion::{State, StepPlan};
@@ -25,6 +25,51 @@ const HELP: &str = "choose other units: squares of numbers above 1e150 are infin
 pub(super) const NOTHING_MOVES: &str =
     "nothing moves this body: there is no load, no support that moves, and no initial velocity";
 
+/// The remark on an equilibrium without loads.
+pub(super) const UNLOADED: &str =
+    "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
+
+/// Remarks on the measured tables of loads and driven supports.
+pub(super) fn of_records(loads: &[Load], supports: &[Support], plan: &StepPlan) -> Vec<String> {
+    let of_loads = loads
+        .iter()
+        .enumerate()
+        .flat_map(|(i, load)| of_record(&format!("load {i}"), &load.time_function, plan));
+    let of_supports = supports.iter().enumerate().flat_map(|(i, support)| {
+        let tables = support.displacement.iter().flatten();
+        tables.flat_map(move |table| {
+            of_record(&format!("support {i}"), table.acceleration().unwrap_or(table), plan)
+        })
+    });
+    of_loads.chain(of_supports).collect()
+}
+
+/// Remarks on a measured table that the run does not use as a whole, or that does not end at zero.
+fn of_record(name: &str, table: &TimeFunction, plan: &StepPlan) -> Vec<String> {
+    let entries = table.entries();
+    let ([(first, _), ..], [.., (last, value)]) = (entries, entries) else { return Vec::new() };
+    if !table.is_measured() {
+        return Vec::new();
+    }
+    let mut notes = Vec::new();
+    if *first < plan.start() {
+        let early = entries.iter().filter(|(time, _)| *time < plan.start()).count();
+        let start = short(plan.start());
+        notes.push(format!("{name}: {early} rows of the record lie before t = {start} and are not used"));
+    }
+    let peak = entries.iter().map(|(_, value)| value.abs()).fold(0.0, f64::max);
+    if *last < plan.end() && value.abs() > REMAINDER * peak {
+        let [last, value] = [*last, *value].map(short);
+        notes.push(format!(
+            "{name}: the record ends at t = {last} with {value}, which acts until the end of the run"
+        ));
+    }
+    notes
+}
+
+/// Last value of a record, as a part of its largest, that is as good as zero.
+const REMAINDER: f64 = 1e-3;
+
 /// Whether anything sets the body in motion, apart from attractions to points.
 pub(super) fn is_moved(
     regions: &[Placed<Region>],
@@ -32,12 +77,15 @@ pub(super) fn is_moved(
     supports: &[Placed<Support>],
     initial: &[Placed<InitialVelocity>],
 ) -> bool {
-    // Springs and attractions between nodes may pull from the start.
-    let pulls = |region: &Placed<Region>| region.value.link().is_some_and(|link| link.area() == 0.0);
     !loads.is_empty()
         || supports.iter().any(|support| support.value.is_driven())
         || initial.iter().any(|field| is_motion(&field.value))
-        || regions.iter().any(pulls)
+        || pulls(regions)
+}
+
+/// Whether springs or attractions between nodes may pull from the start.
+pub(super) fn pulls(regions: &[Placed<Region>]) -> bool {
+    regions.iter().any(|region| region.value.link().is_some_and(|link| link.area() == 0.0))
 }
 
 fn is_motion(field: &InitialVelocity) -> bool {
@@ -164,5 +212,29 @@ fn check_vector(place: &Place, what: &str, values: &[f64]) -> Result<(), Fault> 
             Err(Fault::at(place, message, "too large").help(HELP))
         }
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use emmy::motion::Phase;
+
+    #[test]
+    fn records_that_start_early_or_end_with_a_load_are_noted() {
+        let plan = StepPlan::new(0.0, vec![Phase { until: 2.0, size: 0.1 }]).unwrap();
+        let notes =
+            |rows: &[(f64, f64)]| of_record("load 0", &TimeFunction::measured(rows.to_vec()).unwrap(), &plan);
+        assert!(notes(&[(0.0, 0.0), (0.5, 8.0), (1.0, 0.001)]).is_empty());
+        assert_eq!(
+            notes(&[(-0.2, 0.0), (-0.1, 1.0), (1.0, 0.5), (1.5, 0.25)]),
+            [
+                "load 0: 2 rows of the record lie before t = 0 and are not used",
+                "load 0: the record ends at t = 1.5 with 0.25, which acts until the end of the run"
+            ]
+        );
+        // A table in the input is meant as it stands.
+        let table = TimeFunction::new(vec![(-1.0, 2.0), (1.0, 1.0)]).unwrap();
+        assert!(of_record("load 0", &table, &plan).is_empty());
     }
 }

@@ -35,5 +35,5 @@ pub(super) fn analysis(load_steps: usize) -> Result<Time, Fault> {
 /// The fault of an option for steps in time.
 pub(super) fn no_time(option: &str) -> Fault {
     Fault::new(format!("{option}: there is no [time], and the load fraction of a static analysis ends at 1"))
-        .help("`--set equilibrium.load_steps=20` changes the increments")
+        .help("`emmy run --set equilibrium.load_steps=20` takes other increments")
 }

@@ -71,7 +71,9 @@ fn bytes(item: &Item<'_>, path: &Path) -> Result<Vec<u8>, Fault> {
         [b'P', b'K', 3, 4, ..] => {
             Err(fault("the file is a spreadsheet or an archive".into()).help("save the table as CSV"))
         }
-        other if other.contains(&0) => Err(fault("the file is no text".into()).help("save the table as CSV")),
+        other if other.contains(&0) => {
+            Err(fault("the file is not a text file".into()).help("save the table as CSV"))
+        }
         _ => Ok(bytes),
     }
 }

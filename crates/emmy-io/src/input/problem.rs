@@ -274,6 +274,7 @@ impl Parts {
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
         notes.extend(self.regions.iter().filter_map(|region| plausible::note(&region.value, self.units)));
+        let pulls = derived::pulls(&self.regions);
         let held = support::places(&self.supports);
         let supports = values(self.supports);
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
@@ -295,10 +296,15 @@ impl Parts {
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
-        let body = match self.time.scheme {
-            Scheme::Static => body.in_proportion(0.0),
-            _ => body,
-        };
+        let is_static = self.time.scheme == Scheme::Static;
+        let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
+        if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
+            notes.push(derived::UNLOADED.to_string());
+        }
+        if !is_static {
+            notes.extend(derived::of_records(&loads, &supports, &self.time.plan));
+        }
+        let body = if is_static { body.in_proportion(0.0) } else { body };
         Ok(Problem {
             title: self.title,
             units: self.units,

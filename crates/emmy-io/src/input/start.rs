@@ -97,8 +97,12 @@ impl Problem {
             let reason = "it is the output directory of this run, which would replace it; give another `output.directory`";
             return Err(StartError::Run(reason.to_string()));
         }
-        let (checkpoint, _) =
+        let (checkpoint, damaged) =
             checkpoint::newest(directory).map_err(|error| StartError::Run(error.to_string()))?;
+        // The other checkpoint may be older.
+        if let Some(reasons) = damaged {
+            return Err(StartError::Run(format!("the last state is not certain: {reasons}")));
+        }
         let (theirs, own) = (&checkpoint.identity.mesh, checkpoint::digest(self.body.mesh()));
         if *theirs != own {
             return Err(StartError::Run(format!(

@@ -50,7 +50,7 @@ impl Drive {
 
     /// The motion that grows evenly, from no displacement at t = 0 to the displacement at a time at t = 1.
     pub(super) fn in_proportion(&self, time: f64) -> Drive {
-        let grown = |time_function: &TimeFunction| TimeFunction::ramp(time_function.value(time));
+        let grown = |time_function: &TimeFunction| TimeFunction::ramp(time_function.value_before(time));
         let rotation = self.rotation.as_ref();
         Drive {
             displacement: self.displacement.each_ref().map(|component| component.as_ref().map(grown)),

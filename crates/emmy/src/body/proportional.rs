@@ -6,8 +6,8 @@ use super::load_vector::LoadVector;
 use super::{Body, TimeFunction};
 
 impl Body {
-    /// The body under the loads and given displacements of a time, all in proportion to a load fraction from 0 to 1
-    /// that takes the place of time. Supports released by that time are gone; none is released later.
+    /// The body under the loads and given displacements of a time, before a jump there, all in proportion to a load
+    /// fraction from 0 to 1 that takes the place of time. Attractions act in full. Supports released by that time are gone; none is released later.
     ///
     /// ```
     /// use emmy::prelude::*;
@@ -24,7 +24,7 @@ impl Body {
         while let Some((_, released)) = body.release().filter(|(until, _)| *until <= time) {
             body = released;
         }
-        let grown = |time_function: &TimeFunction| TimeFunction::ramp(time_function.value(time));
+        let grown = |time_function: &TimeFunction| TimeFunction::ramp(time_function.value_before(time));
         let dead = body.loads.iter().map(|load| LoadVector {
             load: load.load,
             force: load.force.clone(),
@@ -44,5 +44,22 @@ impl Body {
             release: None,
             ..body.clone()
         }
+    }
+
+    /// Whether a load or a given displacement acts at a time, before a jump there.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let pull = Load::traction("x-max", [2.0, 0.0, 0.0]).over([(0.0, 3.0), (0.0, 0.0)])?;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).load(pull).build()?;
+    /// assert!(body.is_loaded_at(0.0) && !body.is_loaded_at(1.0));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn is_loaded_at(&self, time: f64) -> bool {
+        let loaded = self.in_proportion(time);
+        loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()])
+            || loaded.pressures.iter().any(|pressure| pressure.time_function.value(1.0) != 0.0)
+            || loaded.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
     }
 }

@@ -182,6 +182,14 @@ impl TimeFunction {
         }
     }
 
+    /// The factor at a time; at a jump, the value before it.
+    pub(super) fn value_before(&self, time: f64) -> f64 {
+        match &self.law {
+            Law::Table(table) => value_before(&table.entries, time),
+            Law::Smooth(_) | Law::Integrated(_) => self.value(time),
+        }
+    }
+
     /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it.
     pub fn rate(&self, time: f64) -> f64 {
         match &self.law {
@@ -310,6 +318,17 @@ fn corners(entries: &[Entry]) -> Vec<f64> {
     corners
 }
 
+/// The value of a table at a time, before a jump there.
+fn value_before(entries: &[Entry], time: f64) -> f64 {
+    let from = entries.partition_point(|&(t, _)| t < time);
+    match (from.checked_sub(1).map(|i| entries[i]), entries.get(from)) {
+        (_, Some(&(t, value))) if t == time => value,
+        (Some((a, f)), Some(&(b, g))) => f + (g - f) * (time - a) / (b - a),
+        (Some((_, value)), None) | (None, Some(&(_, value))) => value,
+        (None, None) => 0.0,
+    }
+}
+
 /// The entries of a table before (or at) a time and after it.
 fn around(entries: &[Entry], time: f64) -> (Option<Entry>, Option<Entry>) {
     let after = entries.partition_point(|&(t, _)| t <= time);
@@ -319,6 +338,13 @@ fn around(entries: &[Entry], time: f64) -> (Option<Entry>, Option<Entry>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn jumps_have_a_value_before_and_after() {
+        let table = TimeFunction::new(vec![(0.0, 1.0), (0.0, 5.0), (2.0, 3.0), (2.0, 0.0)]).unwrap();
+        let values = [-1.0, 0.0, 1.0, 2.0, 3.0].map(|t| [table.value_before(t), table.value(t)]);
+        assert_eq!(values, [[1.0, 1.0], [1.0, 5.0], [4.0, 4.0], [3.0, 0.0], [0.0, 0.0]]);
+    }
 
     #[test]
     fn averages_are_exact_across_kinks_and_jumps() {

@@ -88,6 +88,16 @@ impl Mesh {
         })
     }
 
+    /// Diagonal of the smallest box along the axes around the nodes \[length\].
+    ///
+    /// ```
+    /// assert_eq!(emmy::mesh::block([2.0, 3.0, 6.0], [1; 3])?.diagonal(), 7.0);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn diagonal(&self) -> f64 {
+        self.extent().iter().map(|length| length * length).sum::<f64>().sqrt()
+    }
+
     /// Number of cells of each kind, in the order of [`super::CellKind::ALL`].
     ///
     /// ```

@@ -279,7 +279,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Reactions of the supports, in the order of [`Body::supported_groups`]: means over the last step. Empty before the
-    /// first step of the motion, also after it was resumed.
+    /// first step, also after the motion was resumed, except after [`Motion::with_static_reactions`].
     pub fn reactions(&self) -> &[Reaction] {
         &self.reactions
     }
@@ -394,7 +394,7 @@ impl<'a> Motion<'a> {
         self.record.degree = self.scheme.degree();
         if self.record.at_rounding_floor && !self.was_at_rounding_floor {
             self.was_at_rounding_floor = true;
-            let message = "Newton's iteration ended at the rounding floor, above the tolerance: the body is too stiff for it";
+            let message = "Newton's iteration ended at the rounding floor, above the tolerance; the end of the run says how many digits are left";
             self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
         }
     }

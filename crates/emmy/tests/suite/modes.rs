@@ -352,6 +352,7 @@ const SCIPY: [f64; 12] = [
 #[test]
 #[ignore = "writes a file for modes.py"]
 fn matrices_for_scipy() {
+    let Some(file) = std::env::var_os("EMMY_MATRICES") else { return };
     let body = held_l_block();
     let rule = Rule::standard(1, &Quadrature { points: vec![[1.0]], weights: vec![1.0] });
     let rest = vec![0.0; body.n_dofs()];
@@ -376,5 +377,5 @@ fn matrices_for_scipy() {
             }
         }
     }
-    std::fs::write(std::env::var("EMMY_MATRICES").unwrap(), text).unwrap();
+    std::fs::write(file, text).unwrap();
 }

@@ -59,8 +59,11 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     directory::check_run(&problem)?;
     critical_step(&problem, problem.check_start()?.as_ref())?;
     let state = start(&problem, &arguments.options)?;
-    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
     if matches!(problem.start, Start::Equilibrium { .. }) {
+        critical_step(&problem, Some(&state))?;
+    }
+    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
+    if matches!(problem.start, Start::Equilibrium { .. }) || problem.is_static() {
         motion = motion.with_static_reactions()?;
     }
     motion.allow_cuts(problem.smallest_step);

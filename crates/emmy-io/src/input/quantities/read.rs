@@ -57,7 +57,7 @@ pub(in crate::input) static VALUE: Described = Described::new(|| {
             "quantity",
             Kind::Word(FieldName::ALL.map(FieldName::name).to_vec()),
             "",
-            "The field; in a group of cells, its means in cells where `emmy list fields` has them",
+            "The field; `total` and `mean` in a group of cells take its means in cells, where `emmy list fields` has them",
         )
         .may(
             "measure",

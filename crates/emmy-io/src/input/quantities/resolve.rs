@@ -120,7 +120,8 @@ fn resolve(mesh: &Mesh, value: &mut GroupValue, place: &Place) -> Result<(), Fau
         },
     };
     let name = value.quantity;
-    if has_cells {
+    // A mean over a cell would hide the largest value.
+    if has_cells && value.measure != Measure::Max {
         value.quantity = name.in_cells().unwrap_or(name);
     }
     let is_in_cells = value.quantity.place() == Members::Cells;
@@ -144,7 +145,7 @@ fn find(mesh: &Mesh, probe: &mut Probe, notes: &mut Vec<String>) {
     probe.node = mesh.nearest_node(probe.point);
     let at = mesh.points()[probe.node];
     let distance = (0..3).map(|i| (at[i] - probe.point[i]).powi(2)).sum::<f64>().sqrt();
-    if distance > FAR * size(mesh) {
+    if distance > FAR * mesh.diagonal() {
         notes.push(format!(
             "probe `{}`: the nearest node, {}, is {} away, at {}",
             probe.name,
@@ -153,15 +154,4 @@ fn find(mesh: &Mesh, probe: &mut Probe, notes: &mut Vec<String>) {
             short_vector(at)
         ));
     }
-}
-
-/// Diagonal of the box around the mesh.
-fn size(mesh: &Mesh) -> f64 {
-    let extent = |i: usize| {
-        let coordinates = mesh.points().iter().map(|point| point[i]);
-        let (low, high) =
-            coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
 }

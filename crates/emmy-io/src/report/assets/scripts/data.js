@@ -43,15 +43,13 @@ async function readRun(index, run) {
 function unitOf(run, name) {
   const { units } = run;
   if (!units) return "";
-  return otherUnits(run, units.system)[name] ?? units.columns[name] ?? units.fields[name] ?? "";
+  return unitsOfModes(run, units.system)[name] ?? units.columns[name] ?? units.fields[name] ?? "";
 }
 
-// Units of natural modes, and of the columns that mean something else in a static analysis.
-function otherUnits(run, { mass, length, time, force, frequency }) {
-  if (run.modes) {
-    return { frequency, period: time, angular_frequency: `1/${time}`, effective_mass_x: mass, effective_mass_y: mass, effective_mass_z: mass };
-  }
-  return isStatic(run) ? { time: "", step_size: "", linear_momentum_residual: force, angular_momentum_residual: `${force}·${length}` } : {};
+// Units of natural modes, whose table has no file of units.
+function unitsOfModes(run, { mass, time, frequency }) {
+  if (!run.modes) return {};
+  return { frequency, period: time, angular_frequency: `1/${time}`, effective_mass_x: mass, effective_mass_y: mass, effective_mass_z: mass };
 }
 
 // A static analysis has increments of its loads in place of steps in time.
