@@ -12,7 +12,7 @@ use crate::history::ColumnInfo;
 /// Quantities in the history besides those of the whole body.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Quantities {
-    /// Groups whose reactions are written, each with its place among [`Body::supported_groups`].
+    /// Groups whose reactions are written, each with its place among [`emmy::body::Body::supported_groups`].
     pub reactions: Vec<(String, usize)>,
     /// Nodes that are followed.
     pub probes: Vec<Probe>,
