@@ -271,14 +271,18 @@ def check_probe(browser, directory, name):
 def check_quantities(browser, emmy, source, directory):
     """Other columns have charts: components of one quantity together, the start of reactions is a gap."""
     os.makedirs(directory)
-    for name in ["input.toml", "summary.json"]:
-        open(f"{directory}/{name}", "w").write(open(f"{source}/{name}").read())
+    open(f"{directory}/summary.json", "w").write(open(f"{source}/summary.json").read())
+    text = open(f"{source}/input.toml").read()
+    # A value whose name begins like a probe's.
+    values = '[output]\nvalues = [{ name = "tip_energy", quantity = "strain_energy_density", measure = "total" }]\n'
+    assert "\n[output]\n" in text
+    open(f"{directory}/input.toml", "w").write(text.replace("[output]\n", values, 1))
     lines = open(f"{source}/history.csv").read().splitlines()
     force = [f"z-min_force_{axis}" for axis in "xyz"]
     tensor = [f"tip_cauchy_stress_{part}" for part in ["xx", "yy", "zz", "xy", "yz", "xz"]]
-    rows = [",".join([lines[0], *force, *tensor, "max_displacement", "energy_of_beam"])]
+    rows = [",".join([lines[0], *force, *tensor, "max_displacement", "energy_of_beam", "tip_energy"])]
     for step, line in enumerate(lines[1:]):
-        rows.append(",".join([line, *([str(k * step) for k in [2, 3, 6]] if step else ["nan"] * 3), *map(str, range(6)), str(0.1 * step), "7"]))
+        rows.append(",".join([line, *([str(k * step) for k in [2, 3, 6]] if step else [""] * 3), *map(str, range(6)), str(0.1 * step), "7", "8"]))
     open(f"{directory}/history.csv", "w").write("\n".join(rows) + "\n")
     subprocess.run([emmy, "report", directory], check=True, stdout=subprocess.DEVNULL)
     page = browser.page(f"{directory}/report.html")
@@ -288,6 +292,7 @@ def check_quantities(browser, emmy, source, directory):
     page.press(".")
     assert keys("Reaction force of z-min") == ["Fx2", "Fy3", "Fz6", "|F|7"], keys("Reaction force of z-min")
     assert keys("Largest displacement") == ["max_displacement0.10000"] and keys("energy_of_beam") == ["energy_of_beam7"]
+    assert keys("tip_energy") == ["tip_energy8"], keys("tip_energy")
     probes = page.value("[...document.querySelectorAll('[aria-label=\"Probe tip\"]')].map(e => e.querySelectorAll('.key').length)")
     assert probes == [3, 6], probes
     check_names(page)

@@ -70,7 +70,8 @@ impl RunData {
             "loads": loads(&tree),
             "events": events,
             "more_events": more_events,
-            "probes": probes(&tree),
+            "probes": names(&tree, "probes"),
+            "values": names(&tree, "values"),
             "files": files.filter(is_there).collect::<Vec<_>>(),
             "history": columns,
             "frames": frames,
@@ -118,7 +119,8 @@ pub(super) fn shortened(mut input: String) -> String {
     input
 }
 
-fn probes(input: &toml::Table) -> Vec<&str> {
-    let list = input.get("output").and_then(|output| output.get("probes")?.as_array());
-    list.into_iter().flatten().filter_map(|probe| probe.get("name")?.as_str()).collect()
+/// Names of the entries of a list in `[output]`.
+fn names<'a>(input: &'a toml::Table, key: &str) -> Vec<&'a str> {
+    let list = input.get("output").and_then(|output| output.get(key)?.as_array());
+    list.into_iter().flatten().filter_map(|entry| entry.get("name")?.as_str()).collect()
 }

@@ -53,13 +53,7 @@ impl Body {
     ) -> Result<()> {
         let rest = vec![0.0; self.n_dofs()];
         let rule = Rule::standard(1, &gauss(1));
-        let step = StepInput {
-            rule: &rule,
-            tangent_factor: 0.0,
-            displacement,
-            rates: &rest,
-            damping: Default::default(),
-        };
+        let step = StepInput::undamped(&rule, displacement, &rest);
         self.ground_force(&step, assembly, force)
     }
 }

@@ -148,6 +148,7 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
         return Err(Error::TooManyModes { count, free });
     }
     let max_vectors = 6 * count + 200;
+    check_memory(body.n_dofs(), max_vectors.min(free))?;
     let mut pencil = BodyPencil::new(body, linearised)?;
     let mut shift = pencil.suggested_shift();
     for _ in 0..MAX_SHIFTS {
@@ -164,6 +165,14 @@ fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<
         }
     }
     Err(Error::Linear { reason: format!("the iteration for {count} modes does not converge") })
+}
+
+/// Checks that there is memory for the basis and its products with the mass.
+fn check_memory(n: usize, n_vectors: usize) -> Result<()> {
+    let numbers = 2 * n * n_vectors;
+    let gigabytes = 8e-9 * numbers as f64;
+    let reserved = Vec::<f64>::new().try_reserve_exact(numbers);
+    reserved.map_err(|_| Error::OutOfMemory { what: "the basis of the modes", gigabytes })
 }
 
 /// The modes of eigenpairs; values up to `zero` are rounding.

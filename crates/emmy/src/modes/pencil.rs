@@ -2,12 +2,12 @@
 
 #![allow(non_snake_case)]
 
-use crate::average::{FollowerRule, Request, Rule};
-use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::average::Request;
+use crate::body::{Assembly, Body};
 use crate::error::Result;
-use crate::quadrature::Quadrature;
 use crate::sparse::reduce::dot;
 use crate::sparse::{BLOCK, BlockCholesky, Pencil};
+use crate::time::classic::Forces;
 
 /// Eigenvalues below this, relative to the largest one, are rounding.
 const ROUNDING: f64 = 1e-14;
@@ -34,24 +34,12 @@ impl Linearised {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
-        // The force at one configuration.
-        let rule = Rule::standard(1, &Quadrature { points: vec![[1.0]], weights: vec![1.0] });
-        let rest = vec![0.0; body.n_dofs()];
-        let step = StepInput {
-            rule: &rule,
-            tangent_factor: 1.0,
-            displacement,
-            rates: &rest,
-            damping: StepDamping::default(),
-        };
-        let mut assembly = body.assembly(1);
-        body.assemble(&step, Request::Tangent, &[0.0], &mut assembly)?;
+        let mut forces = Forces::new(body);
+        forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {
-            let follower = FollowerRule::new(&rule);
-            let mut factors = vec![0.0; body.n_followers() * follower.n_points()];
-            body.follower_values(&follower, time, 0.0, &mut factors);
-            body.add_follower_tangent(&step, &follower, &factors, &mut assembly);
+            forces.add_follower_tangent(displacement, time);
         }
+        let mut assembly = forces.assembly;
         assembly.matrix.symmetrize(body.pattern());
         Ok(Linearised { assembly })
     }

@@ -1,7 +1,7 @@
-"""Eigenvalues of the matrices of the test `scipy_finds_the_same_eigenvalues`.
+"""Eigenvalues of the matrices of the test `scipy_finds_the_same_eigenvalues`, in the folder of the crate:
 
-    EMMY_MATRICES=/tmp/matrices.txt cargo test -p emmy --test suite modes::matrices -- --ignored
-    python modes.py /tmp/matrices.txt
+    EMMY_MATRICES=matrices.txt cargo test -p emmy --test suite modes::matrices -- --ignored
+    python tests/suite/modes.py matrices.txt
 """
 
 import sys

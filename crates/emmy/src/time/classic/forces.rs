@@ -6,6 +6,7 @@ use crate::body::{Assembly, Body, MassSolver, Reaction, StepDamping, StepInput};
 use crate::error::Result;
 use crate::quadrature::gauss;
 use crate::sparse::reduce::dot;
+use crate::time::followers::Followers;
 use crate::time::{Impulses, Memory, State};
 
 /// Evaluates forces at single configurations, with the memory for it.
@@ -14,6 +15,7 @@ pub(crate) struct Forces<'a> {
     pub body: &'a Body,
     rule: Rule,
     pub assembly: Assembly,
+    followers: Followers,
     rest: Vec<f64>,
     internal: Vec<f64>,
 }
@@ -21,9 +23,11 @@ pub(crate) struct Forces<'a> {
 impl<'a> Forces<'a> {
     pub(crate) fn new(body: &'a Body) -> Self {
         let zero = vec![0.0; body.n_dofs()];
+        let rule = configurations(&[(1.0, 1.0)]);
         Forces {
             body,
-            rule: configurations(&[(1.0, 1.0)]),
+            followers: Followers::new(body, &rule),
+            rule,
             assembly: body.assembly(1),
             rest: zero.clone(),
             internal: zero,
@@ -40,14 +44,17 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
-        let step = StepInput {
-            rule: &self.rule,
-            tangent_factor: 1.0,
-            displacement,
-            rates: &self.rest,
-            damping: StepDamping::default(),
-        };
+        let step =
+            StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
+    }
+
+    /// Subtracts the derivative of the follower loads of a time from the K assembled last.
+    pub(crate) fn add_follower_tangent(&mut self, displacement: &[f64], time: f64) {
+        let step =
+            StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
+        self.followers.sample(self.body, time, 0.0);
+        self.followers.add_tangent(self.body, &step, &mut self.assembly);
     }
 
     /// Force of the body on the ground at a displacement, zero without ground; the springs of supports are added to the

@@ -26,12 +26,13 @@ function quantities(run) {
   return [...found].map(([stem, parts]) => ({ stem, parts, ...meaning(run, stem, parts) }));
 }
 
-// What a quantity is, by its name: `owner` and `name` of the quantity.
+// What a quantity is, by its name: `owner` and `name` of the quantity. No probe has a force or a moment.
 function meaning(run, stem, [{ component }]) {
-  const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
-  if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
+  if (run.values.includes(stem)) return { title: stem, name: stem };
   const [, group, name] = stem.match(/^(.+)_(force|moment)$/) ?? [];
   if (group && component === "x") return { title: `Reaction ${name} of ${group}`, name, unit: name === "moment" ? "about the origin" : isStatic(run) ? "" : "mean of a step" };
+  const probe = run.probes.filter((name) => stem === name || stem.startsWith(`${name}_`)).sort((a, b) => b.length - a.length)[0];
+  if (probe !== undefined) return { title: `Probe ${probe}`, owner: probe, name: stem.slice(probe.length + 1) || "position" };
   if (stem.startsWith("max_")) return { title: `Largest ${words(stem.slice(4))}`, name: stem, unit: "over the body" };
   return { title: stem, name: stem };
 }

@@ -1,14 +1,12 @@
 //! The equations of equilibrium, and their linear systems.
 
 use crate::average::Request;
-use crate::body::{Body, StepDamping, StepInput};
+use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::norm;
 use crate::sparse::{BlockCholesky, Gmres, LinearSystem, SparseLu, StageMatrix};
-use crate::time::classic::configurations;
 use crate::time::classic::forces::Forces;
-use crate::time::followers::Followers;
 use crate::time::linear::clear_fixed;
 
 /// Iterations of GMRES before the stiffness is factorised with its follower loads.
@@ -24,7 +22,6 @@ const LARGEST_CORRECTION: f64 = 1e6;
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
     pub(super) forces: Forces<'a>,
-    followers: Followers,
     pub(super) time: f64,
     factor: BlockCholesky,
     gmres: Gmres,
@@ -51,7 +48,6 @@ impl<'a> StaticSystem<'a> {
         let zero = vec![0.0; body.n_dofs()];
         Ok(StaticSystem {
             forces: Forces::new(body),
-            followers: Followers::new(body, &configurations(&[(1.0, 1.0)])),
             time: 0.0,
             factor: BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?,
             gmres: Gmres::default(),
@@ -117,16 +113,7 @@ impl<'a> StaticSystem<'a> {
             return Err(Error::Linear { reason: "the stiffness is not positive definite".into() });
         }
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
-        let rule = configurations(&[(1.0, 1.0)]);
-        let step = StepInput {
-            rule: &rule,
-            tangent_factor: 1.0,
-            displacement,
-            rates: &self.rest,
-            damping: StepDamping::default(),
-        };
-        self.followers.sample(body, self.time, 0.0);
-        self.followers.add_tangent(body, &step, &mut self.forces.assembly);
+        self.forces.add_follower_tangent(displacement, self.time);
         Ok(())
     }
 
