@@ -160,6 +160,14 @@ pub enum Error {
         /// Its kind.
         kind: CellKind,
     },
+    /// A cell that does not have the formulation of its region.
+    #[error("cell {cell}: {reason}")]
+    Formulation {
+        /// Index of the cell.
+        cell: usize,
+        /// Why not, with the remedy.
+        reason: String,
+    },
     /// A node without mass that is free to move.
     #[error(
         "node {node} at {} has no mass: springs and attractions have none; give it a point mass, or hold it in all \

@@ -36,6 +36,7 @@ mod term;
 mod time_function;
 mod viscosity;
 
+pub use crate::element::{Formulation, PressureSpace};
 pub use builder::BodyBuilder;
 pub use field::Field;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};

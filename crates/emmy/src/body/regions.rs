@@ -95,6 +95,8 @@ impl RegionOfCell {
                 if region.link().is_some() != (kind.dimension() == 1) {
                     return Err(Error::WrongMaterial { cell: cell as usize, kind });
                 }
+                let space = region.formulation.pressure_space(kind);
+                space.map_err(|reason| Error::Formulation { cell: cell as usize, reason })?;
             }
         }
         match count.iter().position(|&count| count != 1) {

@@ -1,8 +1,8 @@
 //! Serendipity hexahedron.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, serendipity_gradient, serendipity_shape};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, cube};
 
 /// Serendipity hexahedron on `[-1, 1]^3`, 20 nodes (8 corners, 12 edges), complete to degree 2, 3x3x3 Gauss points.
@@ -37,6 +37,9 @@ pub(super) const INFO: CellInfo = CellInfo {
         [0, 3, 2, 1, 11, 10, 9, 8],
         [4, 5, 6, 7, 12, 13, 14, 15]],
     element: &Hex20,
+    pressures: &[PressureSpace::Linear],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Hex20 {

@@ -1,8 +1,8 @@
 //! Triquadratic hexahedron.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, gradient, quadratic, shape};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, cube};
 
 /// Triquadratic hexahedron on `[-1, 1]^3`, 27 nodes (8 corners, 12 edges, 6 faces, centre), 3x3x3 Gauss points.
@@ -35,6 +35,9 @@ pub(super) const INFO: CellInfo = CellInfo {
         [0, 3, 2, 1, 11, 10, 9, 8, 24],
         [4, 5, 6, 7, 12, 13, 14, 15, 25]],
     element: &Hex27,
+    pressures: &[PressureSpace::Linear],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Hex27 {

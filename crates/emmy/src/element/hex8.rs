@@ -1,8 +1,8 @@
 //! Trilinear hexahedron.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::tensor_product::{CUBE_NODES, gradient, linear, shape};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, cube};
 
 /// Trilinear hexahedron on `[-1, 1]^3`, 8 nodes, 2x2x2 Gauss points.
@@ -32,6 +32,9 @@ pub(super) const INFO: CellInfo = CellInfo {
     facets: facets![Quad4;
         [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]],
     element: &Hex8,
+    pressures: &[PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 3,
 };
 
 impl ReferenceElement<3> for Hex8 {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{CellKind, ReferenceElement};
+use super::{CellKind, PressureSpace, ReferenceElement};
 
 /// A kind of cell, described.
 pub struct CellInfo {
@@ -20,6 +20,13 @@ pub struct CellInfo {
     pub facets: &'static [LocalFacet],
     /// Reference element, in three coordinates.
     pub element: &'static dyn ReferenceElement<3>,
+    /// Functions of the pressure for a projected volume, the default first; empty if a projection would change nothing.
+    pub pressures: &'static [PressureSpace],
+    /// Bulk modulus that a projected volume leaves at the quadrature points, over the shear modulus: it removes modes
+    /// without energy.
+    pub point_share: f64,
+    /// Number of incompatible modes; 0 if there are none for this kind.
+    pub n_modes: usize,
 }
 
 /// Shape of a cell, for any nodes on its edges.

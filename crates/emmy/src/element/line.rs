@@ -32,6 +32,9 @@ pub(super) const LINE2: CellInfo = CellInfo {
     vtk_type: 3,
     facets: &[],
     element: &lifted::LINK,
+    pressures: &[],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<1> for Line2 {

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod conformance;
 mod extrapolation;
+mod formulation;
 mod hex20;
 mod hex27;
 mod hex8;
@@ -25,6 +26,7 @@ mod wedge15;
 mod wedge6;
 
 pub use extrapolation::extrapolation;
+pub use formulation::{Formulation, PressureSpace};
 pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;

@@ -1,8 +1,8 @@
 //! Quadratic pyramid.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::pyramid5::ray;
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, pyramid};
 
 /// Serendipity pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 13 nodes, 3x3x2 points for
@@ -46,6 +46,9 @@ pub(super) const INFO: CellInfo = CellInfo {
         Tri6[2, 3, 4, 7, 12, 11],
         Tri6[3, 0, 4, 8, 9, 12]],
     element: &Pyramid13,
+    pressures: &[PressureSpace::Linear],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 /// Corners of the base, apex, edges of the base, edges to the apex.

@@ -1,7 +1,7 @@
 //! Linear pyramid.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, pyramid};
 
 /// Linear pyramid on the base `[-1, 1]^2` with the apex (0, 0, 1), rational shape functions: 5 nodes, 2x2 points for
@@ -39,6 +39,9 @@ pub(super) const INFO: CellInfo = CellInfo {
     facets: facets![
         Quad4[0, 3, 2, 1], Tri3[0, 1, 4], Tri3[1, 2, 4], Tri3[2, 3, 4], Tri3[3, 0, 4]],
     element: &Pyramid5,
+    pressures: &[PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 const NODES: [[f64; 3]; 5] =

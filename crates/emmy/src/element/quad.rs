@@ -4,12 +4,12 @@
 //! functions of degree p, so with one more shape function a pressure needs degree 3p - 1, 2 or 5. The Gauss rules with
 //! p + 1 points, exact to degree 2p + 1, integrate it exactly, and also products of two shape functions on flat facets.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::lifted;
 use super::tensor_product::{
     SQUARE_NODES, gradient, linear, quadratic, serendipity_gradient, serendipity_shape, shape,
 };
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, square};
 
 /// Bilinear quadrilateral on `[-1, 1]^2`: 4 nodes, 2x2 Gauss points.
@@ -35,6 +35,9 @@ pub(super) const QUAD4: CellInfo = CellInfo {
     vtk_type: 9,
     facets: facets![Line2; [0, 1], [1, 2], [2, 3], [3, 0]],
     element: &lifted::QUAD4,
+    pressures: &[PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 2,
 };
 
 impl ReferenceElement<2> for Quad4 {
@@ -81,6 +84,9 @@ pub(super) const QUAD8: CellInfo = CellInfo {
     vtk_type: 23,
     facets: EDGES,
     element: &lifted::QUAD8,
+    pressures: &[PressureSpace::Linear, PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<2> for Quad8 {
@@ -124,6 +130,9 @@ pub(super) const QUAD9: CellInfo = CellInfo {
     vtk_type: 28,
     facets: EDGES,
     element: &lifted::QUAD9,
+    pressures: &[PressureSpace::Linear, PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<2> for Quad9 {

@@ -1,8 +1,8 @@
 //! Quadratic tetrahedron.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::simplex::{TETRAHEDRON_NODES, quadratic_gradient, quadratic_shape};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, tetrahedron};
 
 /// Quadratic tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1): 4 vertices and 6 edges, 4 points for the internal force,
@@ -32,6 +32,9 @@ pub(super) const INFO: CellInfo = CellInfo {
     facets: facets![Tri6;
         [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 1, 3, 4, 8, 7], [0, 2, 1, 6, 5, 4]],
     element: &Tet10,
+    pressures: &[PressureSpace::Constant],
+    point_share: 2.0 / 3.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Tet10 {

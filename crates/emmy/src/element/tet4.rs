@@ -28,6 +28,9 @@ pub(super) const INFO: CellInfo = CellInfo {
     vtk_type: 10,
     facets: facets![Tri3; [1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]],
     element: &Tet4,
+    pressures: &[],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Tet4 {

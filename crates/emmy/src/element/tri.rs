@@ -1,9 +1,9 @@
 //! Triangles: the facets of tetrahedra.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::lifted;
 use super::simplex::{TRIANGLE_NODES, linear_gradient, linear_shape, quadratic_gradient, quadratic_shape};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, triangle};
 
 /// Linear triangle (0,0), (1,0), (0,1): 3 nodes, 3 quadrature points.
@@ -31,6 +31,9 @@ pub(super) const TRI3: CellInfo = CellInfo {
     vtk_type: 5,
     facets: facets![Line2; [0, 1], [1, 2], [2, 0]],
     element: &lifted::TRI3,
+    pressures: &[],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<2> for Tri3 {
@@ -77,6 +80,9 @@ pub(super) const TRI6: CellInfo = CellInfo {
     vtk_type: 22,
     facets: facets![Line3; [0, 1, 3], [1, 2, 4], [2, 0, 5]],
     element: &lifted::TRI6,
+    pressures: &[PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<2> for Tri6 {

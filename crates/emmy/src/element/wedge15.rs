@@ -1,8 +1,8 @@
 //! Serendipity wedge.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::wedge::{WEDGE_NODES, linear, quadratic};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, wedge};
 
 /// Serendipity wedge on the triangle (0,0), (1,0), (0,1) by `[-1, 1]`: 15 nodes (6 corners, 9 edges), complete to
@@ -41,6 +41,9 @@ pub(super) const INFO: CellInfo = CellInfo {
         Quad8[1, 2, 5, 4, 7, 14, 10, 13],
         Quad8[2, 0, 3, 5, 8, 12, 11, 14]],
     element: &Wedge15,
+    pressures: &[PressureSpace::Linear],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Wedge15 {

@@ -1,8 +1,8 @@
 //! Linear wedge.
 
-use super::ReferenceElement;
 use super::kind::{CellInfo, CellShape, FacetKind, LocalFacet, facets};
 use super::wedge::{WEDGE_NODES, linear};
+use super::{PressureSpace, ReferenceElement};
 use crate::quadrature::{Quadrature, wedge};
 
 /// Linear wedge (prism) on the triangle (0,0), (1,0), (0,1) by `[-1, 1]`: 6 nodes, 3x2 points.
@@ -33,6 +33,9 @@ pub(super) const INFO: CellInfo = CellInfo {
     facets: facets![
         Tri3[0, 2, 1], Tri3[3, 4, 5], Quad4[0, 1, 4, 3], Quad4[1, 2, 5, 4], Quad4[2, 0, 3, 5]],
     element: &Wedge6,
+    pressures: &[PressureSpace::Constant],
+    point_share: 0.0,
+    n_modes: 0,
 };
 
 impl ReferenceElement<3> for Wedge6 {

@@ -1,7 +1,7 @@
 //! Regions of a body.
 
-use crate::body::Viscosity;
 use crate::body::solid::RegionMaterial;
+use crate::body::{Formulation, Viscosity};
 use crate::material::{Link, Material};
 
 /// Part of the body with one material and density.
@@ -15,6 +15,8 @@ pub struct Region {
     pub thickness: f64,
     /// Viscosity; none unless it is set. Links have [`Viscosity::time`] only.
     pub viscosity: Viscosity,
+    /// How its cells represent their strain.
+    pub formulation: Formulation,
     pub(in crate::body) material: RegionMaterial,
 }
 
@@ -38,7 +40,14 @@ impl Region {
     }
 
     fn of(material: RegionMaterial, density: f64) -> Self {
-        Region { group: None, density, thickness: 1.0, viscosity: Viscosity::default(), material }
+        Region {
+            group: None,
+            density,
+            thickness: 1.0,
+            viscosity: Viscosity::default(),
+            formulation: Formulation::Standard,
+            material,
+        }
     }
 
     /// The same region on the cells of a group.
@@ -108,5 +117,19 @@ impl Region {
     /// ```
     pub fn with_viscosity(self, viscosity: Viscosity) -> Self {
         Region { viscosity, ..self }
+    }
+
+    /// The same region with another formulation of its cells.
+    ///
+    /// ```
+    /// use emmy::body::Formulation;
+    /// use emmy::prelude::*;
+    /// let silicone = NeoHookeIsochoric::new(0.3e6, 1.5e9, Volumetric::default())?;
+    /// let mount = Region::new(silicone, 1100.0).with_formulation(Formulation::ProjectedVolume(None));
+    /// let body = Body::builder(mesh::block([0.02; 3], [4; 3])?).region(mount).build()?;
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn with_formulation(self, formulation: Formulation) -> Self {
+        Region { formulation, ..self }
     }
 }
