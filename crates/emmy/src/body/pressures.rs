@@ -114,7 +114,12 @@ impl Body {
                 tables.enumerate().map(move |(index, (forces, responses))| {
                     let cell = kept.start + index / numbers.n_functions;
                     let number = numbers.first + kept.start * numbers.n_functions + index;
-                    Function { number, nodes: &nodes[cell * n_nodes..(cell + 1) * n_nodes], forces, responses }
+                    Function {
+                        number,
+                        nodes: &nodes[cell * n_nodes..(cell + 1) * n_nodes],
+                        forces,
+                        responses,
+                    }
                 })
             })
         })

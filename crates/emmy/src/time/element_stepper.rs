@@ -160,7 +160,8 @@ impl<'a> TimeElementStepper<'a> {
     fn strain_state_at_end(&mut self) -> Result<StrainState> {
         self.position.copy_from_slice(&self.system.displacement);
         let n = self.position.len();
-        for (rates, b) in self.iteration.rates().chunks_exact(n).zip(self.system.coefficients.rule.weights()) {
+        for (rates, b) in self.iteration.rates().chunks_exact(n).zip(self.system.coefficients.rule.weights())
+        {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
         self.system.body.strain_state(&self.position).check_not_inverted()

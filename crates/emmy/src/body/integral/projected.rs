@@ -119,8 +119,15 @@ pub(in crate::body) fn integrate<R: Register>(
         law.average(rule, start, rates, request, average);
         let volume = &mut registers.volume;
         rule.set_volume(projection.law.measure(), start, rates, request, volume);
-        set_point_pressure(cells, projection, point, step.pressures.is_some(), &memory.volume, &mut registers.pressure);
-        rule.add_pressure(&registers.pressure, volume, start, rates, request, average);
+        set_point_pressure(
+            cells,
+            projection,
+            point,
+            step.pressures.is_some(),
+            &memory.volume,
+            &mut registers.pressure,
+        );
+        rule.add_pressure(&registers.pressure, volume, rates, request, average);
         min_det = min_det.min(average.min_det);
         cells.add_average(point, average, &law, (step, request), memory);
         if request == Request::Tangent {
@@ -350,7 +357,7 @@ pub(in crate::body) fn strain_state<R: Register>(
     let mut G = [[[zero; 3]; 3]];
     for point in 0..cells.cells.n_points {
         cells.set_field_gradients(point, nodal, &mut G);
-        let volume = projection.law.measure().of(&green_lagrange(&G[0])) * cells.weight(point);
+        let volume = projection.law.measure().change(&green_lagrange(&G[0])) * cells.weight(point);
         for (psi, sum) in projection.at(cells.batch, point).iter().zip(&mut of_cell) {
             *sum = zero.load(psi, part).mul_add(volume, *sum);
         }

@@ -51,7 +51,6 @@ impl Region {
 const NO_VOLUMETRIC_PART: &str = "its material has no volumetric part of its energy that could be projected; use formulation = \"standard\"";
 
 impl RegionMaterial {
-
     /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
     /// link, which has no volume.
     pub(crate) fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {

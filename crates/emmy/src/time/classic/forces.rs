@@ -147,8 +147,7 @@ impl Forces<'_> {
             let before: Vec<f64> = before.collect();
             let rule: Rule = Rule::standard(1, &gauss(1));
             let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
-            let step =
-                StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
+            let step = StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
             self.body.assemble(&step, Request::Stress, &[0.0], &mut self.assembly)?;
             self.assembly.matrix.copy_force(&mut self.internal);
             let forces = external.iter().zip(&self.internal);

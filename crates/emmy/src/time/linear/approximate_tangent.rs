@@ -251,7 +251,12 @@ impl ApproximateTangent {
 
     /// Adds the stage forces of pressures in the present orientation, times the square of the time scale, with the
     /// forces of unit pressures in K.
-    pub(crate) fn add_pressure_force(&mut self, (body, rule): (&Body, &Rule), pressures: &[f64], r: &mut [f64]) {
+    pub(crate) fn add_pressure_force(
+        &mut self,
+        (body, rule): (&Body, &Rule),
+        pressures: &[f64],
+        r: &mut [f64],
+    ) {
         let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) else { return };
         let n = self.row_sums.len();
         let mut force = std::mem::take(&mut self.pressure_force);
