@@ -62,6 +62,12 @@ pub(super) fn right_cauchy_green<L: Lane>(E: &Sym<L>) -> Sym<L> {
 /// rounding.
 const NO_CORRECTION: f64 = 1e-16;
 
+/// `1 / sum_j b_j d_j^2`, or 0 where the correction is lost in rounding.
+#[inline(always)]
+pub(super) fn slope_correction_scale<L: Lane>(det_1: L, square: L) -> L {
+    square.select_below(det_1 * det_1 * NO_CORRECTION, det_1.splat(0.0), det_1.splat(1.0) / square)
+}
+
 impl Rule {
     /// Rates of the volume along the assumed strain from E_1.
     #[inline(always)]
@@ -165,7 +171,7 @@ impl Rule {
             numerator += path.det_rates[i] * (chord - phi) * self.b[i];
             square += path.det_rates[i] * path.det_rates[i] * self.b[i];
         }
-        let inverse = square.select_below(det_1 * det_1 * NO_CORRECTION, zero, one / square);
+        let inverse = slope_correction_scale(det_1, square);
         let r = numerator * inverse;
         if request == Request::Tangent {
             let end = one / J_2 * 0.5;
