@@ -178,7 +178,7 @@ proptest! {
 
     #[test]
     fn discrete_gradients_agree_with_quadratures_in_small_motions((k, step) in steps(0.5..1.0), exponent in 2..9i32) {
-        // Two consistent averages of U' differ by the square of the change of theta.
+        // Two consistent averages of U' differ by a part of U''' theta'^2; |theta'| <= 3 size and |U'''| <= 3 K.
         let size = 10f64.powi(-exponent);
         let small = |A: &Mat3<f64>| A.map(|row| row.map(|a| a * size));
         let start = small(&step.start);
@@ -190,7 +190,7 @@ proptest! {
             let pairs = entries(&discrete).into_iter().zip(entries(&assumed));
             let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let scale = law.modulus() * size;
-            prop_assert!(error < (0.1 * size + 1e-14) * scale, "{law:?} {k} {:e}", error / scale);
+            prop_assert!(error < (3.0 * size + 1e-14) * scale, "{law:?} {k} {:e}", error / scale);
         }
     }
 }
