@@ -1,5 +1,6 @@
 //! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
 
+use super::internal_nodes::{InternalNodes, ModeGradients};
 use crate::element::{ReferenceElement, element, facet_element, facet_tangents, jacobian};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh};
@@ -11,12 +12,16 @@ use crate::tensor::{Mat3, cross, det};
 pub(crate) struct CellTable {
     /// Indices of the cells in the mesh.
     pub cells: Vec<u32>,
-    /// Nodes, `[cell][n_nodes]`.
+    /// Nodes, `[cell][n_nodes]`: those of the mesh, then the internal ones.
     pub nodes: Vec<u32>,
     /// Number of nodes of a cell.
     pub n_nodes: usize,
-    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes]`.
+    /// Number of internal nodes among them.
+    pub n_modes: usize,
+    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes - n_modes]`.
     pub reference_gradients: Vec<[f64; 3]>,
+    /// Gradients of the incompatible modes by the reference coordinates, `[cell][point][n_modes]`.
+    pub mode_gradients: Vec<[f64; 3]>,
     /// dxi/dX, `[cell][point]` \[1/length\].
     pub inverse_jacobians: Vec<Mat3<f64>>,
     /// Weights times det(dX/dxi) and the thickness of plane cells, `[cell][point]` \[length^3\].
@@ -38,6 +43,8 @@ impl CellTable {
         let mut table = CellTable {
             nodes: reserved(cells.len() * kind.n_nodes())?,
             n_nodes: kind.n_nodes(),
+            n_modes: 0,
+            mode_gradients: Vec::new(),
             inverse_jacobians: reserved(cells.len() * n_points)?,
             weights: reserved(cells.len() * n_points)?,
             reference_gradients: reference.gradients.clone(),
@@ -59,6 +66,33 @@ impl CellTable {
         }
         Ok(table)
     }
+
+    /// The table with the internal nodes of its cells, all of one kind and with the same number of modes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub(super) fn with_modes(self, mesh: &Mesh, kind: CellKind, internal: &InternalNodes) -> Result<Self> {
+        let n_modes = self.cells.first().map_or(0, |&cell| internal.of_cell(cell).len());
+        if n_modes == 0 {
+            return Ok(self);
+        }
+        let quadrature = element(kind).quadrature();
+        let n_nodes = kind.n_nodes() + n_modes;
+        let mut nodes = reserved(self.cells.len() * n_nodes)?;
+        let mut mode_gradients = reserved(self.cells.len() * quadrature.points.len() * n_modes)?;
+        for (&cell, corners) in self.cells.iter().zip(self.nodes.chunks_exact(self.n_nodes)) {
+            nodes.extend_from_slice(corners);
+            nodes.extend(internal.of_cell(cell));
+            let X = positions(mesh, corners);
+            let modes = ModeGradients::new(kind, &X);
+            for (&xi, dN) in quadrature.points.iter().zip(self.reference_gradients.chunks_exact(self.n_nodes))
+            {
+                let jacobian = jacobian(kind, &X, dN);
+                mode_gradients.extend(modes.at(xi, jacobian, det(&jacobian)));
+            }
+        }
+        Ok(CellTable { nodes, n_nodes, n_modes, mode_gradients, ..self })
+    }
 }
 
 /// An empty vector of a capacity, or an error if there is not enough memory.
@@ -76,6 +110,7 @@ pub(super) struct ReferenceTable<const D: usize> {
     pub(super) n_nodes: usize,
     shapes: Vec<f64>,
     gradients: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
     pub(super) weights: Vec<f64>,
 }
 
@@ -88,7 +123,7 @@ impl<const D: usize> ReferenceTable<D> {
             element.shape(xi, &mut shapes[nodes.clone()]);
             element.gradient(xi, &mut gradients[nodes]);
         }
-        ReferenceTable { n_nodes, shapes, gradients, weights: quadrature.weights }
+        ReferenceTable { n_nodes, shapes, gradients, points: quadrature.points, weights: quadrature.weights }
     }
 
     pub(super) fn gradients_at(&self, point: usize) -> &[[f64; D]] {

@@ -151,14 +151,20 @@ impl<R: Register> RegisterCells<'_, R> {
     #[inline(always)]
     pub(super) fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
         let dN = self.cells.reference_gradients_at(point);
+        let modes = self.cells.mode_gradients_at(self.batch, point);
         let inverse = self.inverse_jacobian(point);
         for (gradient, field) in gradients.iter_mut().zip(nodal.chunks_exact(self.cells.n_nodes)) {
-            *gradient = self.field_gradient(field, dN, &inverse);
+            *gradient = self.field_gradient(field, (dN, modes), &inverse);
         }
     }
 
     #[inline(always)]
-    fn field_gradient(&self, field: &[[Packed; 3]], dN: &[[f64; 3]], inverse: &Mat3<R>) -> Mat3<R> {
+    fn field_gradient(
+        &self,
+        field: &[[Packed; 3]],
+        (dN, modes): (&[[f64; 3]], &[[Packed; 3]]),
+        inverse: &Mat3<R>,
+    ) -> Mat3<R> {
         let zero = self.zero;
         let mut H = [[zero; 3]; 3];
         for (u, dN) in field.iter().zip(dN) {
@@ -168,6 +174,15 @@ impl<R: Register> RegisterCells<'_, R> {
                 (0..3).for_each(
                     #[inline(always)]
                     |i| H[i][m] = u[i].mul_add(dN, H[i][m]),
+                );
+            }
+        }
+        for (a, gradient) in field[dN.len()..].iter().zip(modes) {
+            let (a, gradient) = (vector(zero, a, self.part), vector(zero, gradient, self.part));
+            for m in 0..3 {
+                (0..3).for_each(
+                    #[inline(always)]
+                    |i| H[i][m] = a[i].mul_add(gradient[m], H[i][m]),
                 );
             }
         }
@@ -181,6 +196,14 @@ impl<R: Register> RegisterCells<'_, R> {
     /// Gradients of the shape functions at a quadrature point, `dN_A/dxi dxi/dX`.
     #[inline(always)]
     pub(super) fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
+        self.set_corner_gradients(point, gradients);
+        if self.cells.n_modes > 0 {
+            self.add_mode_gradients(point, gradients);
+        }
+    }
+
+    #[inline(always)]
+    fn set_corner_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
         let zero = self.zero;
         let inverse = self.inverse_jacobian(point);
         for (dN, gradient) in self.cells.reference_gradients_at(point).iter().zip(gradients) {
@@ -189,6 +212,21 @@ impl<R: Register> RegisterCells<'_, R> {
                 dot3(dN, [inverse[0][J], inverse[1][J], inverse[2][J]]).store(&mut gradient[J], self.part);
             }
         }
+    }
+
+    /// Adds the gradients of the internal nodes, `G_m`, and subtracts their mean share from those of the corners.
+    #[inline(always)]
+    fn add_mode_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
+        let zero = self.zero;
+        let inverse = self.inverse_jacobian(point);
+        let (corners, internal) = gradients.split_at_mut(self.cells.n_corners());
+        for (mode, gradient) in self.cells.mode_gradients_at(self.batch, point).iter().zip(&mut *internal) {
+            let mode = vector(zero, mode, self.part);
+            for J in 0..3 {
+                dot3(mode, [inverse[0][J], inverse[1][J], inverse[2][J]]).store(&mut gradient[J], self.part);
+            }
+        }
+        share_out(zero, corners, internal, self.part);
     }
 
     #[inline(always)]
@@ -258,7 +296,12 @@ pub(super) fn integrate<R: Register>(
     min_det.store(&mut memory.min_det, part);
     for i in 0..k {
         let stress = &memory.stress[i * n_points..(i + 1) * n_points];
-        set_force(zero, cells.cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
+        let (corners, internal) = memory.force[i * n..(i + 1) * n].split_at_mut(cells.cells.n_corners());
+        set_force(zero, cells.cells, stress, corners, part);
+        if !internal.is_empty() {
+            set_mode_forces(cells, stress, internal);
+            share_out(zero, corners, internal, part);
+        }
     }
 }
 
@@ -357,6 +400,46 @@ fn set_forces<R: Register, const N: usize>(
             #[inline(always)]
             |i| sum[i].store(&mut force[i], part),
         );
+    }
+}
+
+/// Forces of the internal nodes of one stage, `sum_points (w P J^-T) J^T G_m`.
+#[inline(always)]
+fn set_mode_forces<R: Register>(
+    cells: RegisterCells<'_, R>,
+    stress: &[[[Packed; 3]; 3]],
+    force: &mut [[Packed; 3]],
+) {
+    let RegisterCells { cells, batch, part, zero } = cells;
+    for (mode, force) in force.iter_mut().enumerate() {
+        let mut sum = [zero; 3];
+        for (point, stress) in stress.iter().enumerate() {
+            let gradient = vector(zero, &cells.mode_gradients_at(batch, point)[mode], part);
+            for i in 0..3 {
+                sum[i] = sum[i] + dot3(vector(zero, &stress[i], part), gradient);
+            }
+        }
+        (0..3).for_each(
+            #[inline(always)]
+            |i| sum[i].store(&mut force[i], part),
+        );
+    }
+}
+
+/// Subtracts the sum of the vectors of the internal nodes from those of the corners, in equal shares: the displacement
+/// of a mode is relative to the mean over the corners.
+#[inline(always)]
+fn share_out<R: Register>(zero: R, corners: &mut [[Packed; 3]], internal: &[[Packed; 3]], part: usize) {
+    let share = zero.splat(1.0 / corners.len() as f64);
+    for i in 0..3 {
+        let mut sum = zero;
+        for vector in internal {
+            sum = sum + zero.load(&vector[i], part);
+        }
+        let sum = sum * share;
+        for corner in &mut *corners {
+            (zero.load(&corner[i], part) - sum).store(&mut corner[i], part);
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 mod pencil;
 mod rigid;
 
-use pencil::{BodyPencil, Linearised};
+use pencil::{BodyPencil, Linearised, n_eigenvalues};
 
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -128,7 +128,7 @@ pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     let mut linearised = Linearised::at_reference(body)?;
-    let most = MAX_SEARCHED.min(body.n_free_dofs());
+    let most = MAX_SEARCHED.min(n_eigenvalues(body));
     let mut count = RIGID_AND_ONE.min(most);
     loop {
         let modes = if count == 0 { Vec::new() } else { solved(body, &mut linearised, count)? };
@@ -143,7 +143,7 @@ pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
 
 /// The lowest modes of a linearised body, with a shift near the lowest elastic one.
 fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
-    let free = body.n_free_dofs();
+    let free = n_eigenvalues(body);
     if count > free {
         return Err(Error::TooManyModes { count, free });
     }

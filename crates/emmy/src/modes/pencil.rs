@@ -94,7 +94,8 @@ impl<'a> BodyPencil<'a> {
     /// Largest quotient of the diagonals of K and the lumped mass over the free degrees of freedom: close to the largest
     /// eigenvalue.
     fn largest_quotient(&self) -> f64 {
-        let free = self.body.fixed().iter().enumerate().filter(|(_, fixed)| !**fixed);
+        let with_mass = &self.body.fixed()[..self.body.mesh().n_dofs()];
+        let free = with_mass.iter().enumerate().filter(|(_, fixed)| !**fixed);
         let quotient = |(dof, _): (usize, &bool)| {
             let node = dof / 3;
             let position = self.body.pattern().position(node, node)?;
@@ -129,6 +130,7 @@ impl<'a> BodyPencil<'a> {
         let centre = points.iter().map(|X| X[axis]).sum::<f64>() / points.len() as f64;
         let mut u = vec![0.0; self.body.n_dofs()];
         u.iter_mut().skip(axis).step_by(3).zip(points).for_each(|(u, X)| *u = X[axis] - centre);
+        self.body.set_internal_means(&mut u);
         let mut product = u.clone();
         self.linearised.assembly.matrix.multiply(self.body.pattern(), &u, &mut product);
         let stiff = dot(&u, &product);
@@ -142,13 +144,18 @@ impl<'a> BodyPencil<'a> {
     }
 }
 
+/// Number of finite eigenvalues of a body: its free degrees of freedom with mass.
+pub(super) fn n_eigenvalues(body: &Body) -> usize {
+    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
+}
+
 impl Pencil for BodyPencil<'_> {
     fn n(&self) -> usize {
         self.body.n_dofs()
     }
 
     fn dimension(&self) -> usize {
-        self.body.n_free_dofs()
+        n_eigenvalues(self.body)
     }
 
     fn shift(&self) -> f64 {

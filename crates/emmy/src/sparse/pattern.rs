@@ -12,6 +12,8 @@
 pub struct Pattern {
     row_begin: Vec<usize>,
     columns: Vec<u32>,
+    /// First inner row.
+    inner_from: usize,
 }
 
 impl Pattern {
@@ -36,7 +38,37 @@ impl Pattern {
             columns[start..].sort_unstable();
             row_begin.push(columns.len());
         }
-        Pattern { row_begin, columns }
+        Pattern { row_begin, columns, inner_from: n_rows }
+    }
+
+    /// The pattern with the rows from a number on as *inner* rows: each is coupled within one list alone, so that the
+    /// elimination of the inner rows before the others has no fill. The orders of factorisations heed it.
+    pub fn with_inner_from(self, row: usize) -> Self {
+        Pattern { inner_from: row, ..self }
+    }
+
+    /// Number of rows that are not inner ones; they come first.
+    pub(super) fn n_outer(&self) -> usize {
+        self.inner_from
+    }
+
+    /// An order of all rows from one of the outer rows: each inner row comes right before the first of its outer
+    /// neighbours.
+    pub(super) fn with_inner_rows(&self, outer: Vec<u32>) -> Vec<u32> {
+        if self.inner_from == self.n_rows() {
+            return outer;
+        }
+        let mut order = Vec::with_capacity(self.n_rows());
+        let mut seen = vec![false; self.n_rows() - self.inner_from];
+        for row in outer {
+            let columns = self.row(row as usize);
+            let inner = &columns[columns.partition_point(|&column| (column as usize) < self.inner_from)..];
+            let is_new =
+                |&&column: &&u32| !std::mem::replace(&mut seen[column as usize - self.inner_from], true);
+            order.extend(inner.iter().filter(is_new));
+            order.push(row);
+        }
+        order
     }
 
     /// Number of rows.

@@ -230,14 +230,14 @@ fn with_diagonal(matrix: &[f64], value: f64) -> Vec<f64> {
     matrix
 }
 
-/// Largest ratio of a diagonal entry of K to the mass of its node.
+/// Largest ratio of a diagonal entry of K to the mass of its node; internal nodes have none.
 fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
     let ratio = |dof: usize| {
         let node = dof / 3;
         let diagonal = body.pattern().position(node, node).unwrap_or(0);
         stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
     };
-    let free = (0..body.n_dofs()).filter(|&dof| !body.fixed()[dof]);
+    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.fixed()[dof]);
     free.map(ratio).fold(0.0, f64::max)
 }
 
@@ -246,11 +246,11 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
 /// Both are limited by memory. Profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2
 /// ns per coupling of nodes, and a step `12 sqrt(c)` iterations; a step with a factorisation takes 6 solutions at 1.6
 /// ns per entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom, as nested dissection
-/// gives in three dimensions. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
+/// gives in three dimensions; internal nodes add no fill. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
 /// above 600 (r = 4, 500).
 fn iterative_limit(body: &Body) -> f64 {
     let iteration = 2.0e-9 * body.pattern().n_blocks() as f64;
-    let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
+    let solution = 1.6e-9 * 15.0 * (body.mesh().n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 
