@@ -254,7 +254,8 @@ impl Scheme {
             // An equilibrium has no velocity, and no damping.
             (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }) | Scheme::Static)
             | (BodyFeature::Damping, Scheme::TimeElement(_))
-            | (BodyFeature::IncompatibleModes, Scheme::TimeElement(_) | Scheme::Newmark(_) | Scheme::Bathe) => {
+            | (BodyFeature::IncompatibleModes, Scheme::TimeElement(_) | Scheme::Newmark(_) | Scheme::Bathe) =>
+            {
                 return Ok(());
             }
             (BodyFeature::IncompatibleModes, Scheme::CentralDifferences) => {
