@@ -101,7 +101,7 @@ fn released() -> Body {
 #[test]
 fn a_released_body_keeps_its_modes() {
     let body = released();
-    for (scheme, degree) in [(DGM, 1), (assumed_strain(5), 2)] {
+    for (scheme, degree) in [(DGM, 1), (assumed_strain(9), 2)] {
         let state = State::initial(&body, 0.0, &[]).unwrap();
         let mut motion = Motion::starting(&body, at(scheme, degree), strict(), state).unwrap();
         (0..10).for_each(|_| _ = motion.step(0.015).unwrap());
@@ -110,6 +110,10 @@ fn a_released_body_keeps_its_modes() {
         assert!(modes.iter().any(|x| x.abs() > 1e-3));
         for _ in 0..40 {
             let record = motion.step(0.015).unwrap();
+            println!(
+                "{} {:e} {:e} {:e}",
+                record.time, record.total_energy, at_release.total_energy, record.energy_residual
+            );
             assert!((record.total_energy / at_release.total_energy - 1.0).abs() < 1e-12);
             let free = record.total_energy > 0.0 && record.angular_momentum_residual < 1e-12;
             assert!(free, "{record:?}");
