@@ -178,6 +178,30 @@ pub fn mixed_cofactor<L: Lane>(A: &Sym<L>, B: &Sym<L>) -> Sym<L> {
     ]
 }
 
+/// Derivative of the cofactor: the linear map of B to [`mixed_cofactor`] of A and B, as an [`Elasticity`].
+///
+/// ```
+/// use emmy::internals::tensor::{cofactor_derivative, mixed_cofactor};
+/// let A = [1.0, 2.0, 3.0, 0.5, -0.5, 0.25];
+/// let B = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+/// let D = cofactor_derivative(&A);
+/// assert!((0..6).all(|a| 2.0 * D[a][3] == mixed_cofactor(&A, &B)[a])); // 2: the doubled shear
+/// ```
+#[inline(always)]
+pub fn cofactor_derivative<L: Lane>(A: &Sym<L>) -> Elasticity<L> {
+    let zero = A[0].splat(0.0);
+    let [a, b, c, d, e, f] = *A;
+    let half = inlined!(|x: L| x * 0.5);
+    [
+        [zero, c, b, zero, -e, zero],
+        [c, zero, a, zero, zero, -f],
+        [b, a, zero, -d, zero, zero],
+        [zero, zero, -d, -half(c), half(f), half(e)],
+        [-e, zero, zero, half(f), -half(a), half(d)],
+        [zero, -f, zero, half(e), half(d), -half(b)],
+    ]
+}
+
 /// Trace.
 ///
 /// ```

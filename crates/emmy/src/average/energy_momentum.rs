@@ -262,23 +262,7 @@ impl Rule {
             for j in 0..k {
                 let mut Y = [[rates[0][0][0]; 9]; 6];
                 for m in 0..k {
-                    let turned = if self.kind == Kind::EnergyMomentum(StressKind::StrainingRates) {
-                        0.0
-                    } else {
-                        self.a[m * k + j]
-                    };
-                    let mut H = mat3(
-                        #[inline(always)]
-                        |r, c| rates[m][r][c] * turned,
-                    );
-                    if m == j {
-                        let F = with_identity(&average.gradients[j]);
-                        for r in 0..3 {
-                            for c in 0..3 {
-                                H[r][c] += F[r][c];
-                            }
-                        }
-                    }
+                    let H = self.rate_response(rates, &average.gradients, m, j);
                     let part = strain_response(&average.stiffness[i * k + m], &H);
                     for a in 0..6 {
                         for c in 0..9 {
@@ -294,6 +278,35 @@ impl Rule {
                 }
             }
         }
+    }
+
+    /// H_mj of `dE'_m = sym(H_mj^T dF'_j)`, the response of the strain rates.
+    #[inline(always)]
+    pub(super) fn rate_response<L: Lane>(
+        &self,
+        rates: &[Mat3<L>],
+        gradients: &[Mat3<L>],
+        m: usize,
+        j: usize,
+    ) -> Mat3<L> {
+        let turned = if self.kind == Kind::EnergyMomentum(StressKind::StrainingRates) {
+            0.0
+        } else {
+            self.a[m * self.degree() + j]
+        };
+        let mut H = mat3(
+            #[inline(always)]
+            |r, c| rates[m][r][c] * turned,
+        );
+        if m == j {
+            let F = with_identity(&gradients[j]);
+            for r in 0..3 {
+                for c in 0..3 {
+                    H[r][c] += F[r][c];
+                }
+            }
+        }
+        H
     }
 }
 

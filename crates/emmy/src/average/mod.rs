@@ -19,11 +19,13 @@ mod standard;
 mod start_tangent;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub use damping::Damping;
 pub use follower::FollowerRule;
 pub use mean::Mean;
 pub use start_tangent::StartTangent;
+pub use volume::VolumeAverage;
 
 use crate::material::Response;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
@@ -49,6 +51,8 @@ pub struct Rule {
     highest_mode: Vec<f64>,
     kind: Kind,
     points: Vec<TimePoint>,
+    /// Gauss points that integrate det C along an assumed strain exactly, a polynomial of degree 3k.
+    det_points: Vec<TimePoint>,
     /// `[L_1, w l_1 / b_1]` of every point: for k = 1 the path of strains is straight.
     path: Vec<[f64; 2]>,
     mean: Mean,
@@ -251,13 +255,8 @@ impl Rule {
         let b = outer.weights;
         let a = c.iter().flat_map(|&ci| (0..degree).map(move |j| (ci, j)));
         let a: Vec<f64> = a.map(|(ci, j)| lagrange_integral(&c, j, ci)).collect();
-        let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
-            let basis: Vec<f64> = (0..degree).map(|j| lagrange(&c, j, alpha)).collect();
-            let integrals = (0..degree).map(|j| lagrange_integral(&c, j, alpha)).collect();
-            let stage_weights = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
-            TimePoint { alpha, weight, integrals, basis, stage_weights }
-        });
-        let points: Vec<TimePoint> = points.collect();
+        let points = time_points(&c, &b, quadrature);
+        let det_points = time_points(&c, &b, &gauss((3 * degree).div_ceil(2)));
         let path = points.iter().map(|point| [point.integrals[0], point.stage_weights[0]]).collect();
         let mean = match kind {
             Kind::Standard => Mean::of(degree, &points),
@@ -267,7 +266,19 @@ impl Rule {
         let load_quadrature = gauss(degree.div_ceil(2) + 1);
         let smooth_quadrature = gauss(degree + 4);
         let highest_mode = c.iter().map(|&c| legendre(degree - 1, c)).collect();
-        Rule { c, b, a, highest_mode, kind, points, path, mean, load_quadrature, smooth_quadrature }
+        Rule {
+            c,
+            b,
+            a,
+            highest_mode,
+            kind,
+            points,
+            det_points,
+            path,
+            mean,
+            load_quadrature,
+            smooth_quadrature,
+        }
     }
 
     /// Whether the rule has an algorithmic stress: AS and DGM.
@@ -393,4 +404,16 @@ impl Rule {
         }
         G
     }
+}
+
+/// The points of a quadrature in a time element with Gauss points c and weights b.
+fn time_points(c: &[f64], b: &[f64], quadrature: &Quadrature<1>) -> Vec<TimePoint> {
+    let degree = c.len();
+    let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
+        let basis: Vec<f64> = (0..degree).map(|j| lagrange(c, j, alpha)).collect();
+        let integrals = (0..degree).map(|j| lagrange_integral(c, j, alpha)).collect();
+        let stage_weights = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
+        TimePoint { alpha, weight, integrals, basis, stage_weights }
+    });
+    points.collect()
 }

@@ -94,6 +94,9 @@ impl Isochoric for ArrudaBoyce {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        ArrudaBoyce { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, x: L) -> L {
         self.polynomial.value(x)

@@ -6,7 +6,7 @@ use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
-use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, sym_cofactor, sym_det, sym_scaled};
 
@@ -111,6 +111,12 @@ impl Material for CiarletGeymonat {
         let (C_inv, z, S) = self.state(E);
         let alpha = (z + z.splat(1.0)) * self.lambda;
         (S, inverse_dyads(&C_inv, alpha, z.splat(self.mu) - z * (0.5 * self.lambda)))
+    }
+
+    /// `U = lambda/4 (J^2 - 1 - 2 ln J)`; the rest has the bulk modulus 2/3 mu whatever the share.
+    fn split(&self, _: f64) -> Option<(Self, VolumeLaw)> {
+        let law = VolumeLaw::new(VolumeMeasure::Ratio, Volumetric::SimoTaylor, self.lambda)?;
+        Some((CiarletGeymonat { lambda: 0.0, ..*self }, law))
     }
 }
 

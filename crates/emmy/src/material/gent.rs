@@ -72,6 +72,9 @@ impl Isochoric for Gent {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        Gent { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, x: L) -> L {
         (x * (-1.0 / self.jm)).ln_1p() * (-0.5 * self.mu * self.jm)

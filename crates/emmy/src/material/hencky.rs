@@ -72,6 +72,9 @@ impl Separable for Hencky {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        Hencky { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, e: L) -> L {
         e * e * self.mu

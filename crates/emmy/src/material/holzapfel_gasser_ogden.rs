@@ -9,7 +9,7 @@ use super::model::{
     BULK_MODULUS, Bounds, IfAbsent, Model, ModelCells, Modelled, Parameter, VOLUMETRIC, Values,
 };
 use super::volumetric::Volume;
-use super::{Material, Volumetric, compiled_with_this_crate, fulfils, positive};
+use super::{Material, VolumeLaw, Volumetric, compiled_with_this_crate, fulfils, positive};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, SYM_INDEX, Sym, double_dot, sym, sym_add_scaled, sym_scaled};
 
@@ -230,6 +230,11 @@ impl Material for HolzapfelGasserOgden {
             add_dyad(&mut D, curvature, &self.fibre_direction(&of, &inverse, &matrix, fibre));
         }
         (self.stress(E), D)
+    }
+
+    fn split(&self, share: f64) -> Option<(Self, VolumeLaw)> {
+        let (volume, law) = self.volume.split(share * self.mu)?;
+        Some((HolzapfelGasserOgden { volume, ..self.clone() }, law))
     }
 }
 

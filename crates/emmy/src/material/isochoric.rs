@@ -15,6 +15,7 @@
 
 #![allow(non_snake_case)]
 
+use super::VolumeLaw;
 use super::invariants::{add_dyad, add_dyads, commuting_product, inverse_dyads};
 use super::volumetric::Volume;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym, sym_cofactor, sym_det, sym_scaled, trace};
@@ -27,6 +28,8 @@ use crate::tensor::{Elasticity, Lane, Sym, double_dot, sym, sym_cofactor, sym_de
 pub(super) trait Isochoric {
     /// Law of volume.
     fn volume(&self) -> &Volume;
+    /// The same material with another law of volume.
+    fn with_volume(&self, volume: Volume) -> Self;
     /// f.
     fn energy<L: Lane>(&self, x: L) -> L;
     /// First and second derivative of f.
@@ -35,6 +38,13 @@ pub(super) trait Isochoric {
     fn second_modulus(&self) -> f64 {
         0.0
     }
+}
+
+/// [`super::Material::split`], with the shear modulus `2 (f'(0) + c)`.
+pub(super) fn split<M: Isochoric>(material: &M, share: f64) -> Option<(M, VolumeLaw)> {
+    let shear_modulus = 2.0 * (material.derivatives(0.0)[0] + material.second_modulus());
+    let (kept, law) = material.volume().split(share * shear_modulus)?;
+    Some((material.with_volume(kept), law))
 }
 
 /// Mean, distortion and volume of a deformation.

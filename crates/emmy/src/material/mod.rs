@@ -26,6 +26,7 @@ mod polynomial;
 pub(crate) mod response;
 mod saint_venant_kirchhoff;
 mod spectral;
+mod volume_law;
 mod volumetric;
 mod yeoh;
 
@@ -44,6 +45,7 @@ pub use orthotropic::{EngineeringConstants, Orthotropic};
 pub use response::CompiledMaterial;
 pub(crate) use response::Response;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+pub use volume_law::{VolumeLaw, VolumeMeasure};
 pub use volumetric::Volumetric;
 pub use yeoh::Yeoh;
 
@@ -131,6 +133,20 @@ pub trait Material: Clone + Send + Sync + 'static {
     /// Second Piola-Kirchhoff stress and elasticity D = dS/dE \[force/length^2\], which share most of their
     /// computation.
     fn stress_and_elasticity<L: Lane>(&self, strain: &Sym<L>) -> (Sym<L>, Elasticity<L>);
+
+    /// Divides the energy into `W_p(C)`, as a material, and the law `U(theta)` of the volume, for cells that project the
+    /// volume. `None`, the default, if there is no such law, or nothing of it to project.
+    ///
+    /// ```math
+    /// W(C) = W_p(C) + U(theta),      theta = J - 1 or tr E
+    /// ```
+    ///
+    /// `share`: the bulk modulus to be left in W_p over the shear modulus at rest. An energy `mu/2 (tr C - 3) - mu ln J`
+    /// keeps 2/3 by itself and ignores it.
+    fn split(&self, share: f64) -> Option<(Self, VolumeLaw)> {
+        let _ = share;
+        None
+    }
 
     /// Tables of the material's functions, for a region. The default is compiled with the crate that makes the region,
     /// in a few seconds; the materials of this crate override it and are compiled once.
@@ -224,6 +240,9 @@ macro_rules! split_material {
                 E: &crate::tensor::Sym<L>,
             ) -> (crate::tensor::Sym<L>, crate::tensor::Elasticity<L>) {
                 super::$room::stress_and_elasticity(self, E)
+            }
+            fn split(&self, share: f64) -> Option<(Self, super::VolumeLaw)> {
+                super::$room::split(self, share)
             }
             super::compiled_with_this_crate!();
         }

@@ -81,6 +81,9 @@ impl Isochoric for MooneyRivlin {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        MooneyRivlin { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, x: L) -> L {
         x * self.c10

@@ -6,7 +6,7 @@ use super::invariants::{
     commuting_product, inverse_dyads, right_cauchy_green, second_invariant, volume_change,
 };
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
-use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{
     Elasticity, Lane, SYM_INDEX, Sym, double_dot, inlined, mixed_cofactor, sym, sym_cofactor, sym_det,
@@ -190,6 +190,12 @@ impl Material for NeoHooke {
         // D_ijkl = lambda C^-1_ij C^-1_kl + (mu - lambda ln J) (C^-1_ik C^-1_jl + C^-1_il C^-1_jk)
         let factor = ln_J.splat(self.mu) - ln_J * self.lambda;
         (S, inverse_dyads(&C_inv, ln_J.splat(self.lambda), factor))
+    }
+
+    /// `U = lambda/2 (ln J)^2`; the rest has the bulk modulus 2/3 mu whatever the share.
+    fn split(&self, _: f64) -> Option<(Self, VolumeLaw)> {
+        let law = VolumeLaw::new(VolumeMeasure::Ratio, Volumetric::Logarithmic, self.lambda)?;
+        Some((NeoHooke { lambda: 0.0, ..*self }, law))
     }
 }
 

@@ -62,6 +62,9 @@ impl Isochoric for NeoHookeIsochoric {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        NeoHookeIsochoric { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, x: L) -> L {
         x * (0.5 * self.mu)

@@ -94,6 +94,9 @@ impl Separable for Ogden {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        Ogden { volume, ..self.clone() }
+    }
     /// The strains e add up to zero, so their linear terms may be left out and nothing cancels.
     #[inline(always)]
     fn energy<L: Lane>(&self, e: L) -> L {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::Material;
+use super::{Material, VolumeLaw};
 use crate::tensor::{Batch, Elasticity, Lane, Sym, inlined};
 
 /// A material at the points of one lane type: the functions of [`Material`] that the averaging rules call.
@@ -72,16 +72,25 @@ pub struct CompiledMaterial {
     points: Arc<dyn Response<f64>>,
     /// `Arc<dyn Response<Batch<S>>>` of the instruction set S of this machine.
     registers: Arc<dyn Any + Send + Sync>,
+    split: Arc<dyn Fn(f64) -> Option<(CompiledMaterial, VolumeLaw)> + Send + Sync>,
 }
 
 impl CompiledMaterial {
     /// The tables of a material; its functions are compiled with the crate that calls this.
     pub fn new(material: &impl Material) -> Self {
+        let whole = material.clone();
+        let split = move |share| whole.split(share).map(|(points, law)| (points.compiled(), law));
         CompiledMaterial {
             name: type_name_of(material),
             points: Arc::new(material.clone()),
             registers: Arch::new().dispatch(RegisterTable(material.clone())),
+            split: Arc::new(split),
         }
+    }
+
+    /// [`Material::split`].
+    pub fn split(&self, share: f64) -> Option<(CompiledMaterial, VolumeLaw)> {
+        (self.split)(share)
     }
 
     /// The functions for a lane type.

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use super::model::{LAME_OR_ENGINEERING, Model, ModelCells, Modelled, Values};
-use super::{Material, compiled_with_this_crate, lame, stable_lame};
+use super::{Material, VolumeLaw, VolumeMeasure, Volumetric, compiled_with_this_crate, lame, stable_lame};
 use crate::error::Result;
 use crate::tensor::{Elasticity, Lane, Sym, double_dot, inlined, sym_add_scaled, sym_scaled, trace};
 
@@ -112,6 +112,12 @@ impl Material for SaintVenantKirchhoff {
             D[a + 3][a + 3] = constant(self.mu);
         }
         (self.stress(E), D)
+    }
+
+    /// `U = lambda/2 (tr E)^2`; the rest has the bulk modulus 2/3 mu whatever the share.
+    fn split(&self, _: f64) -> Option<(Self, VolumeLaw)> {
+        let law = VolumeLaw::new(VolumeMeasure::Trace, Volumetric::Quadratic, self.lambda)?;
+        Some((SaintVenantKirchhoff { lambda: 0.0, ..*self }, law))
     }
 }
 

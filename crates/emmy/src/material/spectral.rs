@@ -12,6 +12,7 @@
 
 #![allow(non_snake_case)]
 
+use super::VolumeLaw;
 use super::isochoric::Distortion;
 use super::volumetric::Volume;
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, inlined, ln_1p_over, sym, three};
@@ -27,6 +28,8 @@ use crate::tensor::{Elasticity, Lane, Mat3, Sym, inlined, ln_1p_over, sym, three
 pub(super) trait Separable {
     /// Law of volume.
     fn volume(&self) -> &Volume;
+    /// The same material with another law of volume.
+    fn with_volume(&self, volume: Volume) -> Self;
     /// omega.
     fn energy<L: Lane>(&self, e: L) -> L;
     /// omega'.
@@ -35,6 +38,13 @@ pub(super) trait Separable {
     fn curvature<L: Lane>(&self, e: L) -> L;
     /// (omega'(e + difference) - omega'(e)) / difference, or omega''(e) if the difference is zero.
     fn divided_difference<L: Lane>(&self, e: L, difference: L) -> L;
+}
+
+/// [`super::Material::split`], with the shear modulus `omega''(0) / 2`.
+pub(super) fn split<M: Separable>(material: &M, share: f64) -> Option<(M, VolumeLaw)> {
+    let shear_modulus = 0.5 * material.curvature(0.0);
+    let (kept, law) = material.volume().split(share * shear_modulus)?;
+    Some((material.with_volume(kept), law))
 }
 
 /// Principal values of a deformation.

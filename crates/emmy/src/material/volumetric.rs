@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use super::positive;
+use super::{VolumeLaw, VolumeMeasure, positive};
 use crate::error::Result;
 use crate::tensor::{Lane, exp_m1_minus};
 
@@ -83,6 +83,12 @@ impl Volume {
     pub(super) fn new(material: &'static str, bulk_modulus: f64, law: Volumetric) -> Result<Self> {
         positive(material, "bulk_modulus", bulk_modulus)?;
         Ok(Volume { law, bulk_modulus })
+    }
+
+    /// The volume with a part of the bulk modulus, and the law with the rest; `None` if there is no rest.
+    pub(super) fn split(&self, kept: f64) -> Option<(Volume, VolumeLaw)> {
+        let rest = VolumeLaw::new(VolumeMeasure::Ratio, self.law, self.bulk_modulus - kept)?;
+        Some((Volume { law: self.law, bulk_modulus: kept }, rest))
     }
 
     /// W_vol at ln J.

@@ -70,6 +70,9 @@ impl Isochoric for Yeoh {
     fn volume(&self) -> &Volume {
         &self.volume
     }
+    fn with_volume(&self, volume: Volume) -> Self {
+        Yeoh { volume, ..*self }
+    }
     #[inline(always)]
     fn energy<L: Lane>(&self, x: L) -> L {
         self.polynomial.value(x)

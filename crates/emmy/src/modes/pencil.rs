@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::n_modes;
 use crate::average::Request;
 use crate::body::{Assembly, Body};
 use crate::error::Result;
@@ -144,18 +145,13 @@ impl<'a> BodyPencil<'a> {
     }
 }
 
-/// Number of finite eigenvalues of a body: its free degrees of freedom with mass.
-pub(super) fn n_eigenvalues(body: &Body) -> usize {
-    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
-}
-
 impl Pencil for BodyPencil<'_> {
     fn n(&self) -> usize {
         self.body.n_dofs()
     }
 
     fn dimension(&self) -> usize {
-        n_eigenvalues(self.body)
+        n_modes(self.body)
     }
 
     fn shift(&self) -> f64 {

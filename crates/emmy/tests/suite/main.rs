@@ -13,6 +13,7 @@ mod fields;
 mod incompatible;
 mod linear_oscillator;
 mod links;
+mod locking;
 mod long_flight;
 mod manufactured;
 mod materials;

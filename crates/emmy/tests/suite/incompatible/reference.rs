@@ -16,8 +16,14 @@ use crate::shared::plane_patch::plane_patch;
 
 /// Stage forces of a step, `[k][n_nodes][3]`, and their derivatives times a direction.
 fn forces(body: &Body, rule: &Rule, u: &[f64], x: &[f64], direction: &[f64]) -> [Vec<f64>; 2] {
-    let step =
-        StepInput { rule, tangent_factor: 1.0, displacement: u, rates: x, damping: StepDamping::default() };
+    let step = StepInput {
+        rule,
+        tangent_factor: 1.0,
+        displacement: u,
+        rates: x,
+        damping: StepDamping::default(),
+        pressures: None,
+    };
     let (mut force, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
     let mut assembly = body.assembly(rule.degree());
     let no_mass = vec![0.0; rule.degree() * rule.degree()];
