@@ -1,6 +1,5 @@
 //! Geometry tables: gradients of shape functions and weights at the quadrature points, integrals over cells and facets.
 
-use super::internal_nodes::{InternalNodes, ModeGradients};
 use crate::element::{ReferenceElement, element, facet_element, facet_tangents, jacobian};
 use crate::error::{Error, Result};
 use crate::mesh::{CellKind, Facet, Mesh};
@@ -65,33 +64,6 @@ impl CellTable {
             }
         }
         Ok(table)
-    }
-
-    /// The table with the internal nodes of its cells, all of one kind and with the same number of modes.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub(super) fn with_modes(self, mesh: &Mesh, kind: CellKind, internal: &InternalNodes) -> Result<Self> {
-        let n_modes = self.cells.first().map_or(0, |&cell| internal.of_cell(cell).len());
-        if n_modes == 0 {
-            return Ok(self);
-        }
-        let quadrature = element(kind).quadrature();
-        let n_nodes = kind.n_nodes() + n_modes;
-        let mut nodes = reserved(self.cells.len() * n_nodes)?;
-        let mut mode_gradients = reserved(self.cells.len() * quadrature.points.len() * n_modes)?;
-        for (&cell, corners) in self.cells.iter().zip(self.nodes.chunks_exact(self.n_nodes)) {
-            nodes.extend_from_slice(corners);
-            nodes.extend(internal.of_cell(cell));
-            let X = positions(mesh, corners);
-            let modes = ModeGradients::new(kind, &X);
-            for (&xi, dN) in quadrature.points.iter().zip(self.reference_gradients.chunks_exact(self.n_nodes))
-            {
-                let jacobian = jacobian(kind, &X, dN);
-                mode_gradients.extend(modes.at(xi, jacobian, det(&jacobian)));
-            }
-        }
-        Ok(CellTable { nodes, n_nodes, n_modes, mode_gradients, ..self })
     }
 }
 

@@ -14,10 +14,11 @@
 use std::ops::Range;
 
 use super::Region;
-use super::geometry::inverse;
+use super::geometry::{CellTable, inverse, positions, reserved};
 use crate::element::{element, jacobian};
+use crate::error::Result;
 use crate::mesh::{Cell, CellKind, Mesh};
-use crate::tensor::Mat3;
+use crate::tensor::{Mat3, det};
 
 /// The internal nodes of a body, numbered after the nodes of its mesh, cell by cell.
 #[derive(Debug, Clone, Default)]
@@ -118,4 +119,33 @@ impl ModeGradients {
 pub(super) fn mode_displacement(cell: Cell<'_>, node: usize, displacement: &[f64]) -> [f64; 3] {
     let mean = middle(cell, |node| [0, 1, 2].map(|d| displacement[3 * node + d]));
     [0, 1, 2].map(|d| displacement[3 * node + d] - mean[d])
+}
+
+impl CellTable {
+    /// The table with the internal nodes of its cells, all of one kind and with the same number of modes.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`].
+    pub(super) fn with_modes(self, mesh: &Mesh, kind: CellKind, internal: &InternalNodes) -> Result<Self> {
+        let n_modes = self.cells.first().map_or(0, |&cell| internal.of_cell(cell).len());
+        if n_modes == 0 {
+            return Ok(self);
+        }
+        let quadrature = element(kind).quadrature();
+        let n_nodes = kind.n_nodes() + n_modes;
+        let mut nodes = reserved(self.cells.len() * n_nodes)?;
+        let mut mode_gradients = reserved(self.cells.len() * quadrature.points.len() * n_modes)?;
+        for (&cell, corners) in self.cells.iter().zip(self.nodes.chunks_exact(self.n_nodes)) {
+            nodes.extend_from_slice(corners);
+            nodes.extend(internal.of_cell(cell));
+            let X = positions(mesh, corners);
+            let modes = ModeGradients::new(kind, &X);
+            for (&xi, dN) in quadrature.points.iter().zip(self.reference_gradients.chunks_exact(self.n_nodes))
+            {
+                let jacobian = jacobian(kind, &X, dN);
+                mode_gradients.extend(modes.at(xi, jacobian, det(&jacobian)));
+            }
+        }
+        Ok(CellTable { nodes, n_nodes, n_modes, mode_gradients, ..self })
+    }
 }
