@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use emmy::body::{Body, FieldName, Fields, Load, Region, Support};
 use emmy::equilibrium::Equilibrium;
-use emmy::material::NeoHooke;
-use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
-use emmy::modes::modes;
+use emmy::material::{NeoHooke, NeoHookeIsochoric, Volumetric};
+use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder, rectangle};
+use emmy::modes::{modes, modes_about};
 use emmy::motion::{NewtonSettings, State};
 
 use super::with_modes;
@@ -102,6 +102,37 @@ fn stresses_include_the_modes() {
     let (modes, standard) = (axial(true), axial(false));
     println!("{modes} {standard}");
     assert!((modes - 1.0).abs() < 0.01 && (0.6..0.9).contains(&standard), "{modes} {standard}");
+}
+
+/// A square of nearly incompressible rubber between smooth plates, in plane strain, at a stretch: whether its equilibrium
+/// is stable.
+fn is_stable(stretch: f64) -> bool {
+    let (mu, bulk_modulus) = (80.1938, 400_942.0);
+    let material = NeoHookeIsochoric::new(mu, bulk_modulus, Volumetric::Quadratic).unwrap();
+    let body = Body::builder(rectangle([1.0, 1.0], [6, 6]).unwrap())
+        .region(with_modes(material, 1.0))
+        .support(Support::of_components("y-min", [false, true, false]))
+        .support(Support::of_components("y-max", [false, true, false]))
+        .support(Support::of_components("x-min", [true, false, false]))
+        .build()
+        .unwrap();
+    // The lateral stretch q of free sides, P_xx = mu J^(-2/3) (q - tr C/(3 q)) + K (J - 1) J/q = 0 with J = q stretch.
+    let mut q = 1.0 / stretch;
+    for _ in 0..20 {
+        let shear = q - (q * q + stretch * stretch + 1.0) / (3.0 * q);
+        q = (1.0 - mu / (bulk_modulus * stretch) * (q * stretch).powf(-2.0 / 3.0) * shear) / stretch;
+    }
+    let wide = |X: &[f64; 3]| [(q - 1.0) * X[0], (stretch - 1.0) * X[1], 0.0];
+    let displacement = body.mesh().points().iter().flat_map(wide).collect();
+    let state = State::displaced(&body, 0.0, displacement, &[]).unwrap();
+    modes_about(&body, &state, 1).unwrap()[0].angular_frequency > 0.0
+}
+
+/// Cells with modes hourglass under compression; the limit is that of a dense NumPy program of the linearised element, and
+/// close to 0.68 of `formulation-mixed.md`, section 8.
+#[test]
+fn compression_has_a_limit() {
+    assert!(is_stable(0.8) && is_stable(0.70) && !is_stable(0.69) && !is_stable(0.6));
 }
 
 /// Bending frequencies of a free beam, `(4.730/L)^2 sqrt(EI/(rho A))` (Euler and Bernoulli; shear and rotary inertia
