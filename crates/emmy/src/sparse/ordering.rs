@@ -40,8 +40,7 @@ pub fn nested_dissection(pattern: &Pattern) -> Result<Vec<usize>> {
         begin.push(neighbours.len() as i32);
     }
     let order = node_nd(n, &mut begin, &mut neighbours)?;
-    let order = pattern.with_inner_rows(order.into_iter().map(|node| node as u32).collect());
-    Ok(order.into_iter().map(|node| node as usize).collect())
+    Ok(pattern.with_inner_rows(order.into_iter().map(|node| node as usize).collect()))
 }
 
 /// METIS uses one random sequence for the whole process, restarted by each call: sequential calls always give the same

@@ -52,20 +52,38 @@ impl Pattern {
         self.inner_from
     }
 
+    /// Number of outer columns of a row; they come first.
+    pub(super) fn n_outer_columns(&self, row: usize) -> usize {
+        self.row(row).partition_point(|&column| (column as usize) < self.inner_from)
+    }
+
+    /// Number of couplings of outer rows with each other.
+    pub fn n_outer_blocks(&self) -> usize {
+        (0..self.inner_from).map(|row| self.n_outer_columns(row)).sum()
+    }
+
+    /// The pattern of the outer rows.
+    pub(super) fn outer(&self) -> Pattern {
+        let mut row_begin = vec![0];
+        let mut columns = Vec::with_capacity(self.n_outer_blocks());
+        for row in 0..self.inner_from {
+            columns.extend_from_slice(&self.row(row)[..self.n_outer_columns(row)]);
+            row_begin.push(columns.len());
+        }
+        Pattern { row_begin, columns, inner_from: self.inner_from }
+    }
+
     /// An order of all rows from one of the outer rows: each inner row comes right before the first of its outer
     /// neighbours.
-    pub(super) fn with_inner_rows(&self, outer: Vec<u32>) -> Vec<u32> {
-        if self.inner_from == self.n_rows() {
-            return outer;
-        }
+    pub(super) fn with_inner_rows(&self, outer: Vec<usize>) -> Vec<usize> {
         let mut order = Vec::with_capacity(self.n_rows());
         let mut seen = vec![false; self.n_rows() - self.inner_from];
         for row in outer {
-            let columns = self.row(row as usize);
-            let inner = &columns[columns.partition_point(|&column| (column as usize) < self.inner_from)..];
-            let is_new =
-                |&&column: &&u32| !std::mem::replace(&mut seen[column as usize - self.inner_from], true);
-            order.extend(inner.iter().filter(is_new));
+            for &inner in &self.row(row)[self.n_outer_columns(row)..] {
+                if !std::mem::replace(&mut seen[inner as usize - self.inner_from], true) {
+                    order.push(inner as usize);
+                }
+            }
             order.push(row);
         }
         order

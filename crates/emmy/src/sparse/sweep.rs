@@ -119,11 +119,10 @@ fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
     mirror
 }
 
-/// Breadth-first order of the outer rows, from a row far from the middle, component by component; the inner rows before
-/// their neighbours, so that an incomplete factor eliminates them exactly (but at the interfaces of chunks).
+/// Breadth-first order of the rows, from a row far from the middle, component by component.
 fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
-    let n = pattern.n_outer();
-    let mut order = Vec::with_capacity(pattern.n_rows());
+    let n = pattern.n_rows();
+    let mut order = Vec::with_capacity(n);
     let mut seen = vec![false; n];
     for row in 0..n {
         if seen[row] {
@@ -137,10 +136,10 @@ fn cuthill_mckee(pattern: &Pattern) -> Vec<u32> {
         order.truncate(start);
         search(pattern, rim, &mut seen, &mut order);
     }
-    pattern.with_inner_rows(order)
+    order
 }
 
-/// Appends the outer rows reachable from a row, nearest first; among neighbours, rows with few couplings first.
+/// Appends the rows reachable from a row, nearest first; among neighbours, rows with few couplings first.
 fn search(pattern: &Pattern, from: usize, seen: &mut [bool], order: &mut Vec<u32>) {
     let mut next = order.len();
     seen[from] = true;
@@ -148,7 +147,7 @@ fn search(pattern: &Pattern, from: usize, seen: &mut [bool], order: &mut Vec<u32
     while next < order.len() {
         let first = order.len();
         for &row in pattern.row(order[next] as usize) {
-            if seen.get(row as usize) == Some(&false) {
+            if !seen[row as usize] {
                 seen[row as usize] = true;
                 order.push(row);
             }
