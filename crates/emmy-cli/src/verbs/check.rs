@@ -105,6 +105,10 @@ impl Report {
         let free = body.n_free_dofs();
         let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
         self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
+        let of_cells = all - body.mesh().n_dofs();
+        if of_cells > 0 {
+            self.line("", &format!("{of_cells} of them in the incompatible modes of cells, without mass"));
+        }
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
         for region in body.regions() {

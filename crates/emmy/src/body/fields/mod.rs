@@ -82,7 +82,7 @@ impl Fields {
         let mesh = body.mesh.clone();
         let regions = body.made_of.clone();
         let region_of_cell = body.region_of_cell.clone();
-        let recovery = Recovery::new(&mesh);
+        let recovery = Recovery::new(&mesh, body.internal.clone());
         let density = density(&mesh, &regions, &region_of_cell, &recovery);
         Fields { mesh, regions, region_of_cell, recovery, density }
     }
@@ -100,7 +100,8 @@ impl Fields {
         }
     }
 
-    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
+    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are those
+    /// of the nodes and cells of the mesh.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
         let is_of_state = |name: &FieldName| name.info().formula.is_of_state();
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);

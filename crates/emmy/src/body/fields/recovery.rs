@@ -1,8 +1,11 @@
 //! Displacement gradients at the quadrature points and, recovered from them, at the nodes.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::body::geometry::{ReferenceTable, inverse, positions};
+use crate::body::internal_nodes::{InternalNodes, ModeGradients, mode_displacement};
 use crate::element::{element, extrapolation, jacobian};
 use crate::mesh::{CellKind, Mesh};
 use crate::tensor::{Mat3, det};
@@ -12,6 +15,7 @@ use crate::tensor::{Mat3, det};
 pub(super) struct Recovery {
     /// By kind, of those that the mesh has.
     kinds: [Option<KindTable>; CellKind::ALL.len()],
+    internal: Arc<InternalNodes>,
 }
 
 #[derive(Debug)]
@@ -55,7 +59,7 @@ const RUN: usize = 256;
 const WAVE: usize = 64 * RUN;
 
 impl Recovery {
-    pub(super) fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh, internal: Arc<InternalNodes>) -> Self {
         let mut kinds: [Option<KindTable>; CellKind::ALL.len()] = Default::default();
         for kind in mesh.cells().map(|cell| cell.kind) {
             kinds[kind as usize].get_or_insert_with(|| KindTable {
@@ -63,7 +67,7 @@ impl Recovery {
                 extrapolation: extrapolation(kind),
             });
         }
-        Recovery { kinds }
+        Recovery { kinds, internal }
     }
 
     fn table(&self, kind: CellKind) -> &KindTable {
@@ -90,8 +94,10 @@ impl Recovery {
         displacement: &[f64],
         points: &mut Vec<(Mat3<f64>, f64)>,
     ) {
+        let internal = self.internal.of_cell(cell as u32);
         let cell = mesh.cell(cell);
         let X = positions(mesh, cell.nodes);
+        let modes = (!internal.is_empty()).then(|| ModeGradients::new(cell.kind, &X));
         let table = &self.table(cell.kind).reference;
         points.clear();
         for (point, weight) in table.weights.iter().enumerate() {
@@ -102,6 +108,11 @@ impl Recovery {
             for (&node, dN) in cell.nodes.iter().zip(dN) {
                 let u = &displacement[3 * node as usize..3 * node as usize + 3];
                 (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += u[i] * dN[m]));
+            }
+            let gradients = modes.iter().flat_map(|modes| modes.at(table.points[point], J, det));
+            for (node, dN) in internal.clone().zip(gradients) {
+                let a = mode_displacement(cell, node as usize, displacement);
+                (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += a[i] * dN[m]));
             }
             let inverse = inverse(&J, det);
             let entry = |i: usize, j: usize| (0..3).map(|m| H[i][m] * inverse[m][j]).sum::<f64>();

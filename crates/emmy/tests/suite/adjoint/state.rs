@@ -79,7 +79,9 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
     let hencky = Hencky::from_engineering(40.0, 0.3).unwrap();
     let plate = SaintVenantKirchhoff::new(30.0, 15.0).unwrap();
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
+    let with_modes = Region::new(hencky, 1.0).with_formulation(Formulation::IncompatibleModes);
     let bodies = [
+        ("incompatible modes", block(), with_modes),
         ("Ogden", block(), Region::new(ogden, 1.0)),
         ("Hencky", block(), Region::new(hencky, 1.0)),
         ("plate", mesh::rectangle([4.0, 3.0], [4, 3]).unwrap(), Region::new(plate, 1.0).with_thickness(0.3)),
