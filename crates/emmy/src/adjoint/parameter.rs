@@ -137,7 +137,7 @@ impl Residual {
     fn product(&mut self, body: &Body, step: &StepData<'_>, mu: &[f64]) -> Result<f64> {
         let StepData { rule, inverse, size: h, displacement, velocity, rates, .. } = *step;
         let damping = StepDamping::default();
-        let input = StepInput { rule, tangent_factor: 0.0, displacement, rates, damping };
+        let input = StepInput { damping, ..StepInput::undamped(rule, displacement, rates) };
         body.assemble(&input, Request::Stress, &[], &mut self.assembly)?;
         self.assembly.matrix.copy_force(&mut self.force);
         body.stage_loads(rule, step.time, h, &mut self.averages, &mut self.load);

@@ -1,7 +1,7 @@
 //! The adjoint of one step.
 
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::body::{Assembly, Body, StepInput};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::norm;
@@ -62,6 +62,8 @@ pub(super) struct AdjointStep<'a> {
     correction: Vec<f64>,
     combined: Vec<f64>,
     sum: Vec<f64>,
+    /// Pressures of cells with a projected volume, `[function][n]`.
+    pressures: Vec<f64>,
     product: Vec<f64>,
     /// Iterations of the last system, and of the first one after the stiffness was refactorised; `None`: there is no
     /// stiffness.
@@ -110,6 +112,7 @@ impl<'a> AdjointStep<'a> {
             correction: vec![0.0; k * n],
             combined: vec![0.0; k * n],
             sum: vec![0.0; n],
+            pressures: vec![0.0; body.n_pressures() * coefficients.rule.n_pressures()],
             product: vec![0.0; n],
             iterations: None,
             is_direct: false,
@@ -181,7 +184,9 @@ impl<'a> AdjointStep<'a> {
     fn solve_iteratively(&mut self, step: &StepData<'_>) -> Result<bool> {
         let is_new = self.iterations.is_none_or(|[last, first]| last > first + SLOWER);
         if is_new {
-            self.approximate_tangent.refactorize(self.body, step.displacement, step.rates, step.size)?;
+            self.body.copy_pressures(&self.assembly, &mut self.pressures);
+            let StepData { displacement, rates, size, .. } = *step;
+            self.approximate_tangent.refactorize(self.body, displacement, rates, &self.pressures, size)?;
         } else {
             self.approximate_tangent.rescale(self.body, step.size)?;
         }
@@ -254,13 +259,8 @@ pub(super) fn combine(rule: &Rule, m: &[f64], x: &[f64], y: &mut [f64]) {
 }
 
 fn input<'a>(step: &StepData<'a>) -> StepInput<'a> {
-    StepInput {
-        rule: step.rule,
-        tangent_factor: step.size * step.size,
-        displacement: step.displacement,
-        rates: step.rates,
-        damping: StepDamping::default(),
-    }
+    let tangent_factor = step.size * step.size;
+    StepInput { tangent_factor, ..StepInput::undamped(step.rule, step.displacement, step.rates) }
 }
 
 fn transposed(m: &[f64], k: usize) -> Vec<f64> {

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
+use super::pressures;
 use super::regions::{self, RegionOfCell};
 use super::supports::{Constraints, supported_groups};
 use super::{Body, GroundSpring, Load, PointTerms, Region, Support, nodal, term};
@@ -130,22 +131,23 @@ impl Body {
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
+        pressures::number(&mut terms, &parts);
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass)?);
         }
-        let (mut vectors, mut fields, mut pressures) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut vectors, mut fields, mut followers) = (Vec::new(), Vec::new(), Vec::new());
         for (index, load) in loads.iter().enumerate() {
             vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
-            pressures.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
+            followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, supports.iter())?;
         nodal::check_masses(&mesh, &lumped_mass, &constraints.fixed)?;
         let body = Body {
             loads: Arc::new(vectors),
             fields: Arc::new(fields),
-            pressures: Arc::new(pressures),
+            pressures: Arc::new(followers),
             release: None,
             drag,
             viscous_time: term::viscous_time(&terms),

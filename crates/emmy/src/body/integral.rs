@@ -1,18 +1,22 @@
 //! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into
 //! the functions that are dispatched by instruction set.
 
+pub(super) mod projected;
+
 use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
+use super::pressures::PressureResults;
 use super::step::StepInput;
-use crate::average::{Average, Damping, Request};
+use crate::average::{Average, Damping, Request, Rule};
 use crate::material::Response;
 use crate::tensor::{
     Batch, LANES, Mat3, Packed, Register, Tangent, det_of_identity_plus, dot3, green_lagrange, inlined, mat3,
     three,
 };
+use projected::{VolumeMemory, VolumeRegisters};
 
 /// Working memory of an assembly, one for each part.
 #[derive(Debug)]
@@ -20,6 +24,8 @@ pub(crate) struct Scratch {
     batch: BatchMemory,
     /// [`PointMemory`] of single cells, and of the registers that the machine has.
     points: [Box<dyn Any + Send + Sync>; 2],
+    /// Results of the cells with pressures, of each term.
+    pub pressures: Vec<PressureResults>,
 }
 
 /// Fields and results of a batch.
@@ -37,6 +43,8 @@ pub(crate) struct BatchMemory {
     pub stiffness: Vec<[Packed; 9]>,
     /// Smallest determinant that the rule met.
     pub min_det: Packed,
+    /// Pressures of projected volumes.
+    pub volume: VolumeMemory,
 }
 
 /// Working memory at a quadrature point.
@@ -45,6 +53,8 @@ pub(crate) struct PointMemory<R> {
     average: Average<R>,
     /// Displacement gradient at the start of the step, then the rates of the deformation gradient, `[1 + k]`.
     gradients: Vec<Mat3<R>>,
+    /// Made for the first cells with a projected volume.
+    volume: Option<VolumeRegisters<R>>,
 }
 
 /// Makes the memory of a degree for the registers of an instruction set.
@@ -57,13 +67,13 @@ impl WithSimd for NewPointMemory {
         let degree = self.0;
         let zero = Batch::new(simd, 0.0);
         let gradients = vec![[[zero; 3]; 3]; 1 + degree];
-        Box::new(PointMemory { average: Average::new(degree, zero), gradients })
+        Box::new(PointMemory { average: Average::new(degree, zero), gradients, volume: None })
     }
 }
 
 impl Scratch {
     /// Memory for time elements of a degree and cells with up to so many nodes and quadrature points.
-    pub(crate) fn new(degree: usize, n_nodes: usize, n_points: usize) -> Self {
+    pub(crate) fn new(degree: usize, n_nodes: usize, n_points: usize, n_pressure_terms: usize) -> Self {
         let zero = Packed([0.0; LANES]);
         let batch = BatchMemory {
             nodal: vec![[zero; 3]; (degree + 1) * n_nodes],
@@ -72,9 +82,10 @@ impl Scratch {
             force: vec![[zero; 3]; degree * n_nodes],
             stiffness: vec![[zero; 9]; degree * degree * n_nodes * n_nodes],
             min_det: zero,
+            volume: VolumeMemory::default(),
         };
         let points = [Arch::Scalar, Arch::new()].map(|arch| arch.dispatch(NewPointMemory(degree)));
-        Scratch { batch, points }
+        Scratch { batch, points, pressures: vec![PressureResults::default(); n_pressure_terms] }
     }
 
     /// The memory for the registers of a lane type.
@@ -82,9 +93,12 @@ impl Scratch {
     /// # Panics
     /// For registers that the machine does not have.
     #[inline(always)]
-    pub(crate) fn of<R: Register>(&mut self) -> (&mut BatchMemory, &mut PointMemory<R>) {
+    pub(crate) fn of<R: Register>(
+        &mut self,
+    ) -> (&mut BatchMemory, &mut PointMemory<R>, &mut [PressureResults]) {
         let points = self.points.iter_mut().find_map(|points| points.downcast_mut());
-        (&mut self.batch, points.expect("the instruction set of a machine does not change"))
+        let points = points.expect("the instruction set of a machine does not change");
+        (&mut self.batch, points, &mut self.pressures)
     }
 }
 
@@ -207,58 +221,97 @@ impl<R: Register> RegisterCells<'_, R> {
     }
 }
 
+/// Material and damping of the cells of a register.
+#[derive(Clone, Copy)]
+pub(super) struct CellLaw<'a, R> {
+    pub material: &'a dyn Response<R>,
+    pub damping: Option<&'a Damping>,
+}
+
+impl<R: Register> CellLaw<'_, R> {
+    /// Stage averages of the stress at a point.
+    #[inline(always)]
+    fn average(
+        &self,
+        rule: &Rule,
+        start: &Mat3<R>,
+        rates: &[Mat3<R>],
+        request: Request,
+        average: &mut Average<R>,
+    ) {
+        rule.average(self.material, start, rates, request, average);
+        if let Some(damping) = self.damping {
+            rule.add_damping(damping, start, rates, request, average);
+        }
+    }
+}
+
 /// Stage forces (and derivatives) of the cells of a register, from the nodal fields in their memory.
 #[inline(always)]
 pub(super) fn integrate<R: Register>(
     cells: RegisterCells<'_, R>,
     n_fields: usize,
-    (material, damping): (&dyn Response<R>, Option<&Damping>),
+    law: CellLaw<'_, R>,
     (step, request): (&StepInput<'_>, Request),
     (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
 ) {
     let n = cells.cells.n_nodes;
-    let k = step.rule.degree();
-    let n_points = cells.cells.n_points;
-    let zero = cells.zero;
-    let part = cells.part;
-    let PointMemory { average, gradients } = point_memory;
-    let mut min_det = zero.splat(f64::INFINITY);
-    for point in 0..n_points {
+    let PointMemory { average, gradients, .. } = point_memory;
+    let mut min_det = cells.zero.splat(f64::INFINITY);
+    for point in 0..cells.cells.n_points {
         cells.set_field_gradients(point, &memory.nodal[..n_fields * n], &mut gradients[..n_fields]);
-        let start = &gradients[0];
-        let rates = &gradients[1..n_fields];
-        step.rule.average(material, start, rates, request, average);
-        if let Some(damping) = damping {
-            step.rule.add_damping(damping, start, rates, request, average);
-        }
+        law.average(step.rule, &gradients[0], &gradients[1..n_fields], request, average);
         min_det = min_det.min(average.min_det);
-        let inverse = cells.inverse_jacobian(point);
-        let weight = cells.weight(point);
-        for i in 0..k {
-            let P = &average.stress[i];
+        cells.add_average(point, average, &law, (step, request), memory);
+    }
+    min_det.store(&mut memory.min_det, cells.part);
+    set_forces_of_stages(cells, step.rule.degree(), memory);
+}
+
+/// Stage forces from the stresses at all points.
+#[inline(always)]
+fn set_forces_of_stages<R: Register>(cells: RegisterCells<'_, R>, k: usize, memory: &mut BatchMemory) {
+    let n = cells.cells.n_nodes;
+    let n_points = cells.cells.n_points;
+    for i in 0..k {
+        let stress = &memory.stress[i * n_points..(i + 1) * n_points];
+        set_force(cells.zero, cells.cells, stress, &mut memory.force[i * n..(i + 1) * n], cells.part);
+    }
+}
+
+impl<R: Register> RegisterCells<'_, R> {
+    /// Keeps the stage averages of the stress at a point, and adds their derivatives to the cells' stiffness.
+    #[inline(always)]
+    fn add_average(
+        &self,
+        point: usize,
+        average: &Average<R>,
+        law: &CellLaw<'_, R>,
+        (step, request): (&StepInput<'_>, Request),
+        memory: &mut BatchMemory,
+    ) {
+        let n = self.cells.n_nodes;
+        let n_points = self.cells.n_points;
+        let inverse = self.inverse_jacobian(point);
+        let weight = self.weight(point);
+        for (i, P) in average.stress.iter().enumerate() {
             let stress = &mut memory.stress[i * n_points + point];
             for r in 0..3 {
                 for m in 0..3 {
-                    (dot3(P[r], inverse[m]) * weight).store(&mut stress[r][m], part);
+                    (dot3(P[r], inverse[m]) * weight).store(&mut stress[r][m], self.part);
                 }
             }
         }
         if request == Request::Tangent {
             let factor = weight * step.tangent_factor;
-            cells.set_shape_gradients(point, &mut memory.gradients[..n]);
+            self.set_shape_gradients(point, &mut memory.gradients[..n]);
             let blocks = memory.stiffness.chunks_exact_mut(n * n);
             for (tangent, stiffness) in average.tangent.iter().zip(blocks) {
                 let gradients = &memory.gradients[..n];
-                let is_first = point == 0;
-                let skips = step.rule.is_symmetric(damping.is_some());
-                add_stiffness(tangent, gradients, factor, (is_first, skips), stiffness, part);
+                let skips = step.rule.is_symmetric(law.damping.is_some());
+                add_stiffness(tangent, gradients, factor, (point == 0, skips), stiffness, self.part);
             }
         }
-    }
-    min_det.store(&mut memory.min_det, part);
-    for i in 0..k {
-        let stress = &memory.stress[i * n_points..(i + 1) * n_points];
-        set_force(zero, cells.cells, stress, &mut memory.force[i * n..(i + 1) * n], part);
     }
 }
 
@@ -289,7 +342,7 @@ pub(super) fn dissipated<R: Register>(
     step: &StepInput<'_>,
     (memory, point_memory): (&BatchMemory, &mut PointMemory<R>),
 ) -> R {
-    let PointMemory { average, gradients } = point_memory;
+    let PointMemory { average, gradients, .. } = point_memory;
     let mut energy = cells.zero;
     for point in 0..cells.cells.n_points {
         cells.set_field_gradients(point, &memory.nodal, gradients);

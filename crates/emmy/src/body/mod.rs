@@ -22,6 +22,8 @@ mod mass;
 pub(crate) mod models;
 mod nodal;
 mod pressure;
+pub(crate) mod pressures;
+mod projection;
 mod proportional;
 mod reactions;
 mod regions;

@@ -155,7 +155,7 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
-                let mut term = region.material.term(CellTable::new(mesh, kind, cells, section)?)?;
+                let mut term = region.term(mesh, kind, CellTable::new(mesh, kind, cells, section)?)?;
                 term.set_viscosity(&region.viscosity);
                 terms.push(Box::new(term));
             }

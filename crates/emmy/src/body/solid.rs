@@ -1,5 +1,6 @@
 //! Cells of one kind and one material (for links, one law): the assembly shared by all schemes, materials and elements.
 
+mod pressures;
 mod region_material;
 mod scatter;
 mod start_gradient;
@@ -12,7 +13,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::batches::CellBatches;
 use super::geometry::CellTable;
-use super::integral::{self, BatchMemory, PointMemory, RegisterCells, Scratch};
+use super::integral::{self, BatchMemory, CellLaw, PointMemory, RegisterCells, Scratch, projected};
+use super::pressures::{PressureCells, PressureNumbers};
+use super::projection::Projection;
 use super::step::StepInput;
 use super::term::{StrainState, Term};
 use super::viscosity::Viscosity;
@@ -29,6 +32,9 @@ pub(super) struct SolidTerm {
     /// Elasticity at rest, if there is one material.
     at_rest: Elasticity<f64>,
     viscosity: Viscosity,
+    /// Projection of the volume; `None`: the whole energy is that of the material at the points.
+    projection: Option<Projection>,
+    pressures: PressureNumbers,
     cells: CellBatches,
     /// Position in the pattern of every pair of nodes, `[cell][A][B]`.
     positions: Vec<u32>,
@@ -89,6 +95,11 @@ impl SolidTerm {
         SolidTerm::with_materials(Materials::Solid(material), table)
     }
 
+    /// The same term with the energy of a projected volume beside that of its material.
+    pub(super) fn with_projection(self, projection: Projection) -> Self {
+        SolidTerm { projection: Some(projection), ..self }
+    }
+
     /// The term of a table of links, with the energy of each.
     ///
     /// # Errors
@@ -100,8 +111,16 @@ impl SolidTerm {
     fn with_materials(materials: Materials, table: CellTable) -> Result<Self> {
         let cells = CellBatches::new(table)?;
         let at_rest = if cells.cells.is_empty() { [[0.0; 6]; 6] } else { materials.at_rest(0) };
-        let viscosity = Viscosity::default();
-        Ok(SolidTerm { materials, at_rest, viscosity, cells, positions: Vec::new(), parts: Vec::new() })
+        Ok(SolidTerm {
+            materials,
+            at_rest,
+            viscosity: Viscosity::default(),
+            projection: None,
+            pressures: PressureNumbers::default(),
+            cells,
+            positions: Vec::new(),
+            parts: Vec::new(),
+        })
     }
 
     /// Whether a step has terms in the strain rates.
@@ -147,11 +166,17 @@ impl SolidTerm {
         (memory, point_memory): (&mut BatchMemory, &mut PointMemory<R>),
     ) -> Result<()> {
         let n_fields = integral::gather(&self.cells, batch, step, self.damps(step), &mut memory.nodal);
+        self.gather_pressures(batch, step, memory);
         for (cells, cell) in self.registers(zero, batch) {
-            let material = self.materials.response(cell);
             let damping = self.damping(cell, step);
-            let law = (material, damping.as_ref());
-            integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory));
+            let law = CellLaw { material: self.materials.response(cell), damping: damping.as_ref() };
+            match &self.projection {
+                None => integral::integrate(cells, n_fields, law, (step, request), (memory, point_memory)),
+                Some(projection) => {
+                    let law = (law, projection);
+                    projected::integrate(cells, n_fields, law, (step, request), (memory, point_memory));
+                }
+            }
         }
         if !self.materials.is_links() {
             let mut dets = memory.min_det.0.into_iter().zip(self.cells.cells_of(batch));
@@ -183,7 +208,11 @@ impl SolidTerm {
                 |node| displacement.as_chunks().0[node],
             );
             for (cells, cell) in self.registers(zero, batch) {
-                let (energy, det) = integral::strain_state(cells, self.materials.response(cell), nodal);
+                let material = self.materials.response(cell);
+                let (energy, det) = match &self.projection {
+                    None => integral::strain_state(cells, material, nodal),
+                    Some(projection) => projected::strain_state(cells, material, projection, nodal),
+                };
                 energy.store(&mut energies, cells.part);
                 if !self.materials.is_links() {
                     det.store(&mut dets, cells.part);
@@ -244,7 +273,7 @@ struct PartAssembly<'a> {
     term: &'a SolidTerm,
     step: &'a StepInput<'a>,
     request: Request,
-    batches: &'a [u32],
+    part: usize,
     scratch: &'a mut Scratch,
     sink: &'a mut RowPart,
 }
@@ -253,14 +282,15 @@ impl WithSimd for PartAssembly<'_> {
     type Output = Result<()>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<()> {
-        let PartAssembly { term, step, request, batches, scratch, sink } = self;
-        let (memory, point_memory) = scratch.of::<Batch<S>>();
-        for batch in batches.iter().map(|batch| *batch as usize) {
+        let PartAssembly { term, step, request, part, scratch, sink } = self;
+        let (memory, point_memory, results) = scratch.of::<Batch<S>>();
+        for batch in term.parts[part].iter().map(|batch| *batch as usize) {
             if request == Request::Tangent {
                 term.touch(batch, sink);
             }
             term.integrate((Batch::new(simd, 0.0), batch), (step, request), (memory, point_memory))?;
             term.scatter(batch, step, request, memory, sink);
+            term.keep_pressures((batch, part), step, request, memory, results);
         }
         Ok(())
     }
@@ -292,7 +322,8 @@ impl WithSimd for Dissipated<'_> {
     type Output = f64;
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        self.term.dissipated_in(Batch::new(simd, 0.0), self.step, self.scratch.of())
+        let (memory, point_memory, _) = self.scratch.of();
+        self.term.dissipated_in(Batch::new(simd, 0.0), self.step, (memory, point_memory))
     }
 }
 
@@ -303,6 +334,16 @@ impl Term for SolidTerm {
 
     fn n_points(&self) -> usize {
         self.cells.n_points
+    }
+
+    fn pressure_cells(&self) -> Option<PressureCells<'_>> {
+        self.projection.as_ref()?;
+        let CellBatches { nodes, n_nodes, .. } = &self.cells;
+        Some(PressureCells { nodes, n_nodes: *n_nodes, numbers: &self.pressures })
+    }
+
+    fn number_pressures(&mut self, term: usize, first: usize, parts: &[Range<usize>]) {
+        self.pressures = self.numbered(term, first, parts);
     }
 
     fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]) {
@@ -333,8 +374,7 @@ impl Term for SolidTerm {
         scratch: &mut Scratch,
         sink: &mut RowPart,
     ) -> Result<()> {
-        let batches = &self.parts[part];
-        self.materials.arch().dispatch(PartAssembly { term: self, step, request, batches, scratch, sink })
+        self.materials.arch().dispatch(PartAssembly { term: self, step, request, part, scratch, sink })
     }
 
     fn set_viscosity(&mut self, viscosity: &Viscosity) {

@@ -15,12 +15,21 @@ pub struct StepInput<'a> {
     pub rates: &'a [f64],
     /// Damping of the strain rates.
     pub damping: StepDamping,
+    /// Pressures of cells with a projected volume, `[function][l]`; `None`: those of the deformation.
+    pub pressures: Option<&'a [f64]>,
 }
 
 impl<'a> StepInput<'a> {
     /// A step for its forces alone, without derivatives and damping.
     pub(crate) fn undamped(rule: &'a Rule, displacement: &'a [f64], rates: &'a [f64]) -> Self {
-        StepInput { rule, tangent_factor: 0.0, displacement, rates, damping: StepDamping::default() }
+        StepInput {
+            rule,
+            tangent_factor: 0.0,
+            displacement,
+            rates,
+            damping: StepDamping::default(),
+            pressures: None,
+        }
     }
 }
 

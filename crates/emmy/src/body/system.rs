@@ -9,6 +9,7 @@ use super::drive::Drive;
 use super::field_load::FieldLoad;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
+use super::pressures::PressureResults;
 use super::supports::SupportedGroup;
 use super::{Region, RegionSummary, Scratch, StepDamping, StepInput, Term, Viscosity};
 use crate::average::Request;
@@ -131,7 +132,9 @@ impl Body {
         let n_nodes = self.mesh.cells().map(|cell| cell.nodes.len()).max().unwrap_or(0);
         let terms = self.terms.iter().chain(self.ground.iter());
         let n_points = terms.map(|term| term.n_points()).max().unwrap_or(0);
-        let part = || Part { scratch: Scratch::new(degree, n_nodes, n_points), outcome: Ok(()) };
+        let n_pressure_terms = self.terms.iter().filter(|term| term.pressure_cells().is_some()).count();
+        let scratch = || Scratch::new(degree, n_nodes, n_points, n_pressure_terms);
+        let part = || Part { scratch: scratch(), outcome: Ok(()) };
         Assembly {
             matrix: StageMatrix::new(&self.pattern, &self.parts, degree),
             parts: self.parts.iter().map(|_| part()).collect(),
@@ -254,6 +257,13 @@ pub struct Assembly {
     /// Forces and matrix.
     pub matrix: StageMatrix,
     parts: Vec<Part>,
+}
+
+impl Assembly {
+    /// Results of the cells of a term with pressures, part by part.
+    pub(super) fn pressure_results(&self, term: usize) -> impl Iterator<Item = &PressureResults> {
+        self.parts.iter().map(move |part| &part.scratch.pressures[term])
+    }
 }
 
 #[derive(Debug)]

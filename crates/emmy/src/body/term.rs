@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::integral::Scratch;
+use super::pressures::PressureCells;
 use super::step::StepInput;
 use super::viscosity::Viscosity;
 use crate::average::Request;
@@ -53,11 +54,19 @@ pub(crate) trait Term: fmt::Debug + Send + Sync {
     /// length)`.
     fn couplings(&self) -> (&[u32], usize);
 
+    /// Nodes and pressures of cells with a projected volume; `None` for other terms.
+    fn pressure_cells(&self) -> Option<PressureCells<'_>> {
+        None
+    }
+
     /// Number of quadrature points of a coupling.
     fn n_points(&self) -> usize;
 
     /// Looks up the positions of the couplings in the pattern, and the couplings that touch the rows of each part.
     fn attach(&mut self, pattern: &Pattern, parts: &[Range<usize>]);
+
+    /// Numbers the pressures of the term: `term` among those with pressures, from the function `first` on.
+    fn number_pressures(&mut self, _term: usize, _first: usize, _parts: &[Range<usize>]) {}
 
     /// Adds stage forces (and derivatives) to the rows of a part.
     ///

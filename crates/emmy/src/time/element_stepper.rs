@@ -54,12 +54,13 @@ impl<'a> TimeElementStepper<'a> {
         let n = body.n_dofs();
         let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
+        let n_pressures = system.n_pressures();
         Ok(TimeElementStepper {
-            iteration: Iteration::new(&system.coefficients, n, settings),
+            iteration: Iteration::new(&system, settings),
             system,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
-            residual: vec![0.0; k * n],
+            residual: vec![0.0; k * n + n_pressures],
             averages: vec![0.0; k],
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
@@ -73,7 +74,7 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Rates x_j of the last step, `[k][n_nodes][3]` \[length\].
     pub fn rates(&self) -> &[f64] {
-        &self.iteration.rates
+        self.iteration.rates()
     }
 
     /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
@@ -108,15 +109,15 @@ impl<'a> TimeElementStepper<'a> {
         let has_supports = body.fixed().contains(&true);
         let mut impulses = Impulses::default();
         if has_supports {
-            self.system.full_residual(&self.iteration.rates, &mut self.residual)?;
+            self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
         } else {
-            self.system.evaluate_followers(&self.iteration.rates);
+            self.system.evaluate_followers(self.iteration.rates());
         }
         let is_braked = self.system.is_braked();
         if is_braked {
-            impulses.dissipated = self.system.dissipated(&self.iteration.rates);
+            impulses.dissipated = self.system.dissipated(self.iteration.rates());
         }
-        let rates = &self.iteration.rates;
+        let rates = self.iteration.rates();
         if body.has_ground() {
             self.system.ground_force(rates, &mut self.ground)?;
         }
@@ -159,7 +160,8 @@ impl<'a> TimeElementStepper<'a> {
     fn strain_state_at_end(&mut self) -> Result<StrainState> {
         self.position.copy_from_slice(&self.system.displacement);
         let n = self.position.len();
-        for (rates, b) in self.iteration.rates.chunks_exact(n).zip(self.system.coefficients.rule.weights()) {
+        for (rates, b) in self.iteration.rates().chunks_exact(n).zip(self.system.coefficients.rule.weights())
+        {
             self.position.iter_mut().zip(rates).for_each(|(u, x)| *u += b * x);
         }
         self.system.body.strain_state(&self.position).check_not_inverted()
@@ -171,7 +173,7 @@ impl<'a> TimeElementStepper<'a> {
         let weights = self.system.coefficients.rule.weights();
         state.displacement_low.resize(n, 0.0);
         for dof in 0..n {
-            let rates = self.iteration.rates[dof..].iter().step_by(n);
+            let rates = self.iteration.rates()[dof..].iter().step_by(n);
             state.displace(dof, rates.zip(weights).map(|(x, b)| b * x).sum());
         }
     }
@@ -212,8 +214,8 @@ impl<'a> TimeElementStepper<'a> {
     ) -> Result<bool> {
         self.start(state, step_size);
         self.iteration.begin(&mut self.system, state, step_size);
-        self.iteration.set_rates(given, &self.system);
-        if !correct(&mut self.system, &mut self.iteration.rates)? {
+        self.iteration.set_rates(given, &mut self.system)?;
+        if !correct(&mut self.system, &mut self.iteration.unknowns)? {
             return Ok(false);
         }
         self.update(state, step_size, &mut Impulses::default());
@@ -239,13 +241,13 @@ impl<'a> TimeElementStepper<'a> {
     fn update_velocity(&mut self, state: &mut State, h: f64) -> f64 {
         let n = state.velocity.len();
         self.position.copy_from_slice(&state.velocity);
-        for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
+        for (j, rates) in self.iteration.rates().chunks_exact(n).enumerate() {
             let beta = self.end_weight(j);
             let terms = rates.iter().zip(&self.position);
             state.velocity.iter_mut().zip(terms).for_each(|(v, (x, v_1))| *v += beta * (x / h - v_1));
         }
         let dissipated =
-            self.system.complete_end_velocity(&self.iteration.rates, &self.position, &mut state.velocity);
+            self.system.complete_end_velocity(self.iteration.rates(), &self.position, &mut state.velocity);
         self.system.body.mass_product(&state.velocity, &mut state.momentum);
         dissipated
     }
@@ -253,7 +255,7 @@ impl<'a> TimeElementStepper<'a> {
     /// `p_2 = p_1 + sum_j beta_j (M x_j/h - p_1)`.
     fn update_momentum(&mut self, state: &mut State, h: f64) {
         let n = state.momentum.len();
-        for (j, rates) in self.iteration.rates.chunks_exact(n).enumerate() {
+        for (j, rates) in self.iteration.rates().chunks_exact(n).enumerate() {
             let beta = self.end_weight(j);
             self.system.body.mass_product(rates, &mut self.position);
             let terms = self.position.iter().zip(&self.momentum);
@@ -289,7 +291,7 @@ impl<'a> TimeElementStepper<'a> {
         self.end_velocity.copy_from_slice(velocity);
         for j in 0..self.averages.len() {
             let beta = self.end_weight(j);
-            let rates = &self.iteration.rates[j * n..(j + 1) * n];
+            let rates = &self.iteration.rates()[j * n..(j + 1) * n];
             body.driven_dofs()
                 .for_each(|dof| self.end_velocity[dof] += beta * (rates[dof] / h - velocity[dof]));
         }
@@ -325,7 +327,7 @@ impl Stepper for TimeElementStepper<'_> {
     }
 
     fn rates(&self) -> &[f64] {
-        &self.iteration.rates
+        self.iteration.rates()
     }
 
     fn reactions(&self) -> &[Reaction] {

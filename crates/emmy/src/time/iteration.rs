@@ -13,8 +13,11 @@ use crate::sparse::reduce::dot;
 pub(super) struct Iteration {
     settings: NewtonSettings,
     newton: Newton,
-    /// The unknowns x_i, `[k][n_nodes][3]`.
-    pub rates: Vec<f64>,
+    /// The unknowns: rates x_i, `[k][n_nodes][3]`, then the pressures of the step, `[function][n]`.
+    pub unknowns: Vec<f64>,
+    n_rates: usize,
+    /// Pressures of the last step; empty before the first one.
+    pressures: Vec<f64>,
     prediction: Prediction,
     /// Residual at a starting point, if there is a choice, and residual of the rigid motion.
     residual: Vec<f64>,
@@ -48,21 +51,45 @@ const ATTEMPTS: [(Guess, bool); 8] = [
 ];
 
 impl Iteration {
-    /// Memory for the stages of n degrees of freedom.
-    pub(super) fn new(coefficients: &StageCoefficients, n: usize, settings: NewtonSettings) -> Self {
-        let k = coefficients.rule.degree();
+    /// Memory for the equations of a system.
+    pub(super) fn new(system: &StageSystem<'_>, settings: NewtonSettings) -> Self {
+        let k = system.coefficients.rule.degree();
+        let n = system.body.n_dofs();
+        let n_unknowns = k * n + system.n_pressures();
         Iteration {
             settings,
             newton: Newton::default(),
-            rates: vec![0.0; k * n],
+            unknowns: vec![0.0; n_unknowns],
+            n_rates: k * n,
+            pressures: Vec::with_capacity(system.n_pressures()),
             prediction: Prediction::new(k, n),
-            residual: vec![0.0; k * n],
+            residual: vec![0.0; n_unknowns],
         }
+    }
+
+    /// The rates x_i, `[k][n_nodes][3]`.
+    pub(super) fn rates(&self) -> &[f64] {
+        &self.unknowns[..self.n_rates]
+    }
+
+    fn rates_mut(&mut self) -> &mut [f64] {
+        &mut self.unknowns[..self.n_rates]
+    }
+
+    /// Sets the pressures to those of the last step, or of the configuration at the start of the step.
+    fn set_pressures(&mut self, system: &mut StageSystem<'_>) -> Result<()> {
+        let pressures = &mut self.unknowns[self.n_rates..];
+        if self.pressures.is_empty() {
+            return system.set_pressures_at_start(pressures);
+        }
+        pressures.copy_from_slice(&self.pressures);
+        Ok(())
     }
 
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
+        memory.keep("pressures", &self.pressures);
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
         memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
         memory.keep_number("newton.excess", excess as f64);
@@ -75,6 +102,8 @@ impl Iteration {
     /// [`Error::Memory`].
     pub(super) fn restore(&mut self, memory: &Memory) -> Result<()> {
         self.prediction.restore(memory)?;
+        self.pressures.clear();
+        self.pressures.extend_from_slice(memory.list("pressures")?);
         self.newton.restore(NewtonMemory {
             fresh: memory.option("newton.fresh")?.map(|corrections| corrections as usize),
             excess: memory.number("newton.excess")? as usize,
@@ -93,17 +122,21 @@ impl Iteration {
     pub(super) fn begin(&mut self, system: &mut StageSystem<'_>, state: &State, step_size: f64) {
         if system.body.n_followers() > 0 {
             self.set_straight(state, step_size);
-            system.drive(&mut self.rates);
-            system.evaluate_followers(&self.rates);
+            system.drive(self.rates_mut());
+            system.evaluate_followers(self.rates());
         }
         self.prediction.start(system, state);
         system.turn(self.prediction.rotation());
     }
 
-    /// Sets the rates of the step.
-    pub(super) fn set_rates(&mut self, given: &[f64], system: &StageSystem<'_>) {
-        self.rates.copy_from_slice(given);
-        system.drive(&mut self.rates);
+    /// Sets the rates of the step, and the pressures of its start.
+    ///
+    /// # Errors
+    /// [`Error::Inverted`].
+    pub(super) fn set_rates(&mut self, given: &[f64], system: &mut StageSystem<'_>) -> Result<()> {
+        self.rates_mut().copy_from_slice(given);
+        system.drive(self.rates_mut());
+        system.set_pressures_at_start(&mut self.unknowns[self.n_rates..])
     }
 
     /// Solves the equations of a step from the first starting point with a solution; given rates come first.
@@ -120,13 +153,15 @@ impl Iteration {
         self.begin(system, state, step_size);
         let (mut failure, mut cause) = (None, None);
         for (guess, line_search) in ATTEMPTS {
+            self.set_pressures(system)?;
             if !self.predict(guess, system, state, step_size, given) {
                 continue;
             }
-            match self.newton.solve(system, &mut self.rates, &self.settings, line_search) {
+            match self.newton.solve(system, &mut self.unknowns, &self.settings, line_search) {
                 Ok(mut outcome) if outcome.converged => {
                     if outcome.at_rounding_floor {
-                        self.prediction.balance(system, &mut self.rates, &mut self.residual);
+                        let (rates, residual) = (&mut self.unknowns[..self.n_rates], &mut self.residual);
+                        self.prediction.balance(system, rates, &mut residual[..self.n_rates]);
                         outcome.rounding = self.rounding(system, state)?;
                     }
                     if outcome.rounding <= LARGEST_ROUNDING {
@@ -149,16 +184,18 @@ impl Iteration {
 
     /// Change of energy and momenta by the residual of the step, relative to them.
     fn rounding(&mut self, system: &mut StageSystem<'_>, state: &State) -> Result<f64> {
-        system.residual(&self.rates, &mut self.residual)?;
-        let [work, impulse, moment] = self.prediction.imbalance(system, &self.rates, &self.residual);
+        system.residual(&self.unknowns, &mut self.residual)?;
+        let rates = &self.unknowns[..self.n_rates];
+        let residual = &self.residual[..self.n_rates];
+        let [work, impulse, moment] = self.prediction.imbalance(system, rates, residual);
         let kinetic = 0.5 * dot(&state.momentum, &state.velocity);
-        let moved = system.mean_kinetic_energy(&self.rates);
+        let moved = system.mean_kinetic_energy(rates);
         let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
         if energy == 0.0 {
             return Ok(0.0);
         }
         let of_momenta = self.prediction.momentum_scales(energy);
-        let work = work + system.rounding_energy(&self.rates);
+        let work = work + system.rounding_energy(self.rates());
         let parts = [work / energy, impulse / of_momenta[0], moment / of_momenta[1]];
         Ok(parts.into_iter().filter(|part| part.is_finite()).fold(0.0, f64::max))
     }
@@ -190,35 +227,38 @@ impl Iteration {
 
     /// Keeps the rates of a step for the prediction of the next one.
     pub(super) fn remember(&mut self, coefficients: &StageCoefficients, step_size: f64) {
-        self.prediction.remember(coefficients, &self.rates, step_size);
+        self.prediction.remember(coefficients, &self.unknowns[..self.n_rates], step_size);
+        self.pressures.clear();
+        self.pressures.extend_from_slice(&self.unknowns[self.n_rates..]);
     }
 
     /// Predicts the rates by the carry of the last deviation with the smaller residual; for k = 1 they are equal.
     fn predict_better(&mut self, system: &mut StageSystem<'_>, step_size: f64) {
         if system.coefficients.rule.degree() == 1 {
-            return self.prediction.predict(
-                Carry::Repeated,
-                &system.coefficients,
-                step_size,
-                &mut self.rates,
-            );
+            return self.carry(Carry::Repeated, system, step_size);
         }
         let mut sizes = [f64::INFINITY; 2];
         for (carry, size) in [Carry::Repeated, Carry::Continued].into_iter().zip(&mut sizes) {
-            self.prediction.predict(carry, &system.coefficients, step_size, &mut self.rates);
-            system.drive(&mut self.rates);
-            if let Ok(sizes) = system.residual(&self.rates, &mut self.residual) {
+            self.carry(carry, system, step_size);
+            system.drive(self.rates_mut());
+            if let Ok(sizes) = system.residual(&self.unknowns, &mut self.residual) {
                 *size = sizes.residual;
             }
         }
         if sizes[0] <= sizes[1] {
-            self.prediction.predict(Carry::Repeated, &system.coefficients, step_size, &mut self.rates);
+            self.carry(Carry::Repeated, system, step_size);
         }
+    }
+
+    /// Predicts the rates by a carry of the last deviation.
+    fn carry(&mut self, carry: Carry, system: &StageSystem<'_>, step_size: f64) {
+        let rates = &mut self.unknowns[..self.n_rates];
+        self.prediction.predict(carry, &system.coefficients, step_size, rates);
     }
 
     /// Sets the rates to h v.
     fn set_straight(&mut self, state: &State, step_size: f64) {
-        for rates in self.rates.chunks_exact_mut(state.velocity.len()) {
+        for rates in self.rates_mut().chunks_exact_mut(state.velocity.len()) {
             rates.iter_mut().zip(&state.velocity).for_each(|(x, v)| *x = step_size * v);
         }
     }
@@ -234,17 +274,15 @@ impl Iteration {
     ) -> bool {
         match guess {
             Guess::Given => match given {
-                Some(given) => self.rates.copy_from_slice(given),
+                Some(given) => self.rates_mut().copy_from_slice(given),
                 None => return false,
             },
             Guess::Continued => self.predict_better(system, step_size),
-            Guess::Rigid => {
-                self.prediction.predict(Carry::Nothing, &system.coefficients, step_size, &mut self.rates);
-            }
+            Guess::Rigid => self.carry(Carry::Nothing, system, step_size),
             Guess::Velocity => self.set_straight(state, step_size),
-            Guess::Rest => self.rates.fill(0.0),
+            Guess::Rest => self.rates_mut().fill(0.0),
         }
-        system.drive(&mut self.rates);
+        system.drive(self.rates_mut());
         true
     }
 }

@@ -12,6 +12,7 @@ mod equilibrium;
 mod fields;
 mod linear_oscillator;
 mod links;
+mod locking;
 mod long_flight;
 mod manufactured;
 mod materials;

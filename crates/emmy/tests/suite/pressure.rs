@@ -217,6 +217,7 @@ fn tangent_is_consistent() {
                 displacement: &displacement,
                 rates: &rates,
                 damping: StepDamping::default(),
+                pressures: None,
             };
             let mut force = vec![0.0; k * n];
             body.stage_followers(&step, &follower, &factors, &mut force);
@@ -229,6 +230,7 @@ fn tangent_is_consistent() {
             displacement: &displacement,
             rates: &rates,
             damping: StepDamping::default(),
+            pressures: None,
         };
         let mut assembly = body.assembly(k);
         body.assemble(&step, Request::Tangent, &vec![0.0; k * k], &mut assembly).unwrap();

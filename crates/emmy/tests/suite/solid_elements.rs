@@ -63,6 +63,7 @@ fn internal_force(body: &Body, displacement: &[f64]) -> Vec<f64> {
         displacement,
         rates: &rates,
         damping: StepDamping::default(),
+        pressures: None,
     };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Request::Stress, &[0.0], &mut assembly).unwrap();
@@ -131,6 +132,7 @@ fn stiffness(kind: CellKind) -> Vec<Vec<f64>> {
         displacement: &zeros,
         rates: &zeros,
         damping: StepDamping::default(),
+        pressures: None,
     };
     let mut assembly = body.assembly(1);
     body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();

@@ -1,9 +1,11 @@
 //! Material of a region: of solid cells, or of links.
 
 use super::SolidTerm;
-use crate::body::CellTable;
-use crate::error::Result;
+use crate::body::projection::Projection;
+use crate::body::{CellTable, Region};
+use crate::error::{Error, Result};
 use crate::material::{CompiledMaterial, Link};
+use crate::mesh::{CellKind, Mesh};
 use crate::tensor::Sym;
 
 /// Material of a region.
@@ -15,15 +17,28 @@ pub(crate) enum RegionMaterial {
     Link(Link),
 }
 
-impl RegionMaterial {
-    /// The term of a table of cells.
+impl Region {
+    /// The term of a table of its cells of a kind.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfMemory`].
-    pub(crate) fn term(&self, mut table: CellTable) -> Result<SolidTerm> {
-        match self {
-            RegionMaterial::Solid(material) => SolidTerm::new(material.clone(), table),
-            RegionMaterial::Link(link) => {
+    /// [`Error::OutOfMemory`], [`Error::Formulation`] if there is nothing to project.
+    pub(in crate::body) fn term(
+        &self,
+        mesh: &Mesh,
+        kind: CellKind,
+        mut table: CellTable,
+    ) -> Result<SolidTerm> {
+        let no_formulation = |reason| Error::Formulation { cell: table.cells[0] as usize, reason };
+        let space = self.formulation.pressure_space(kind).map_err(no_formulation)?;
+        match (&self.material, space) {
+            (RegionMaterial::Solid(material), None) => SolidTerm::new(material.clone(), table),
+            (RegionMaterial::Solid(material), Some(space)) => {
+                let split = material.split(kind.info().point_share);
+                let (points, law) = split.ok_or_else(|| no_formulation(NO_VOLUMETRIC_PART.to_string()))?;
+                let projection = Projection::new(mesh, kind, space, law, &table);
+                Ok(SolidTerm::new(points, table)?.with_projection(projection))
+            }
+            (RegionMaterial::Link(link), _) => {
                 // The measure of a link is its length; its energy belongs to the whole link.
                 let energies = table.weights.iter().map(|&length| link.with_length(length)).collect();
                 table.weights.fill(1.0);
@@ -31,7 +46,11 @@ impl RegionMaterial {
             }
         }
     }
+}
 
+const NO_VOLUMETRIC_PART: &str = "its material has no volumetric part of its energy that could be projected; use formulation = \"standard\"";
+
+impl RegionMaterial {
     /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
     /// link, which has no volume.
     pub(crate) fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {

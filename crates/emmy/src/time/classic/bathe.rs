@@ -59,7 +59,7 @@ impl<'a> BatheStepper<'a> {
             settings.solver,
         )?;
         Ok(BatheStepper {
-            iteration: Iteration::new(&system.coefficients, n, settings),
+            iteration: Iteration::new(&system, settings),
             system,
             forces,
             acceleration,
@@ -85,7 +85,7 @@ impl<'a> BatheStepper<'a> {
         self.iteration.remember(&self.system.coefficients, part);
         self.split.time = state.time + part;
         self.split.step = state.step;
-        for (dof, x) in self.iteration.rates.iter().enumerate() {
+        for (dof, x) in self.iteration.rates().iter().enumerate() {
             self.increment[dof] = *x;
             self.split.displacement[dof] = state.displacement[dof] + x;
             self.split.velocity[dof] = x / s - state.velocity[dof];
@@ -111,7 +111,7 @@ impl<'a> BatheStepper<'a> {
         let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
         self.iteration.remember(&self.system.coefficients, part);
         let end = &mut self.points[2];
-        let parts = self.split.displacement.iter().zip(&self.iteration.rates);
+        let parts = self.split.displacement.iter().zip(self.iteration.rates());
         end.displacement.iter_mut().zip(parts).for_each(|(u, (split, x))| *u = split + x);
         end.evaluate_for_reactions(&mut self.forces, state.time + h)?;
         Ok(outcome)
@@ -132,7 +132,7 @@ impl<'a> BatheStepper<'a> {
     fn update(&mut self, state: &mut State, h: f64) {
         let body = self.forces.body;
         let [c_1, c_2, c_3] = backward_coefficients(h);
-        for (dof, x) in self.iteration.rates.iter().enumerate() {
+        for (dof, x) in self.iteration.rates().iter().enumerate() {
             let old = state.velocity[dof];
             let split = self.split.velocity[dof];
             let new = c_3 * x - c_1 * self.increment[dof];

@@ -44,9 +44,34 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn assemble(&mut self, displacement: &[f64], request: Request) -> Result<()> {
-        let step =
-            StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
+        self.assemble_with((displacement, &[]), request)
+    }
+
+    /// Sets the force of the body at a displacement with given pressures, `[function]`, and its derivative if wanted.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(crate) fn assemble_with(
+        &mut self,
+        (displacement, pressures): (&[f64], &[f64]),
+        request: Request,
+    ) -> Result<()> {
+        let step = StepInput {
+            tangent_factor: 1.0,
+            pressures: (!pressures.is_empty()).then_some(pressures),
+            ..StepInput::undamped(&self.rule, displacement, &self.rest)
+        };
         self.body.assemble(&step, request, &[0.0], &mut self.assembly)
+    }
+
+    /// Adds the forces of pressures to a force, with the derivatives assembled last.
+    pub(crate) fn add_pressure_force(&self, factor: f64, pressures: &[f64], force: &mut [f64]) {
+        self.body.add_pressure_force(&self.rule, &self.assembly, factor, pressures, force);
+    }
+
+    /// Adds the changes of the pressures with a change of the displacement, with the derivatives assembled last.
+    pub(crate) fn add_pressure_response(&self, change: &[f64], pressures: &mut [f64]) {
+        self.body.add_pressure_response(&self.rule, &self.assembly, change, pressures);
     }
 
     /// Subtracts the derivative of the follower loads of a time from the K assembled last.
@@ -89,8 +114,22 @@ impl<'a> Forces<'a> {
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
+        self.net_with((displacement, &[]), time, external, net)
+    }
+
+    /// [`Forces::net`] with given pressures, `[function]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(crate) fn net_with(
+        &mut self,
+        (displacement, pressures): (&[f64], &[f64]),
+        time: f64,
+        external: &mut [f64],
+        net: &mut [f64],
+    ) -> Result<()> {
         self.external(displacement, time, external);
-        self.assemble(displacement, Request::Stress)?;
+        self.assemble_with((displacement, pressures), Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
         net.iter_mut().zip(forces).for_each(|(net, (external, internal))| *net = external - internal);
@@ -108,13 +147,7 @@ impl Forces<'_> {
             let before: Vec<f64> = before.collect();
             let rule: Rule = Rule::standard(1, &gauss(1));
             let damping = StepDamping { inverse_step_size: 1.0, dissipation: 0.0 };
-            let step = StepInput {
-                rule: &rule,
-                tangent_factor: 0.0,
-                displacement: &before,
-                rates: &state.velocity,
-                damping,
-            };
+            let step = StepInput { damping, ..StepInput::undamped(&rule, &before, &state.velocity) };
             self.body.assemble(&step, Request::Stress, &[0.0], &mut self.assembly)?;
             self.assembly.matrix.copy_force(&mut self.internal);
             let forces = external.iter().zip(&self.internal);

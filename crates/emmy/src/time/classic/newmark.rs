@@ -177,7 +177,7 @@ impl<'a> NewmarkStepper<'a> {
         )?;
         Ok(NewmarkStepper {
             parameters,
-            iteration: Iteration::new(&system.coefficients, n, settings),
+            iteration: Iteration::new(&system, settings),
             system,
             forces,
             acceleration,
@@ -208,7 +208,7 @@ impl<'a> NewmarkStepper<'a> {
 
     /// Forces at the end of the step.
     fn evaluate_end(&mut self, state: &State, h: f64) -> Result<()> {
-        let old = state.displacement.iter().zip(&self.iteration.rates);
+        let old = state.displacement.iter().zip(self.iteration.rates());
         self.end.displacement.iter_mut().zip(old).for_each(|(new, (u, x))| *new = u + x);
         self.end.evaluate_for_reactions(&mut self.forces, state.time + h)
     }
@@ -217,7 +217,7 @@ impl<'a> NewmarkStepper<'a> {
     fn update(&mut self, state: &mut State, h: f64) {
         let NewmarkParameters { beta, gamma, .. } = self.parameters;
         let body = self.forces.body;
-        for (dof, x) in self.iteration.rates.iter().enumerate() {
+        for (dof, x) in self.iteration.rates().iter().enumerate() {
             let v = state.velocity[dof];
             let a = self.acceleration[dof];
             let new = (x - h * v) / (beta * h * h) - (0.5 - beta) / beta * a;
@@ -233,7 +233,7 @@ impl<'a> NewmarkStepper<'a> {
     fn impulses(&mut self, h: f64) -> Impulses {
         let body = self.forces.body;
         let gamma = self.parameters.gamma;
-        let x = &self.iteration.rates;
+        let x = self.iteration.rates();
         self.end.set_reactions(body, &self.inertia);
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);

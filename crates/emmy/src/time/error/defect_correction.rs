@@ -35,7 +35,7 @@ const SLOW_CONTRACTION: f64 = 0.3;
 const MAX_EXTRA_CORRECTIONS: usize = 4;
 
 impl DefectCorrection {
-    /// Corrects rates at least `least` times, and more often if a large residual remains; false if it does not
+    /// Corrects the unknowns at least `least` times, and more often if a large residual remains; false if it does not
     /// converge.
     ///
     /// # Errors
@@ -43,25 +43,25 @@ impl DefectCorrection {
     pub(super) fn solve(
         &mut self,
         system: &mut StageSystem<'_>,
-        rates: &mut [f64],
+        unknowns: &mut [f64],
         least: usize,
     ) -> Result<bool> {
-        self.residual.resize(rates.len(), 0.0);
-        self.correction.resize(rates.len(), 0.0);
+        self.residual.resize(unknowns.len(), 0.0);
+        self.correction.resize(unknowns.len(), 0.0);
         self.at_end.clear();
         self.at_end.resize(2 * system.body.n_dofs(), 0.0);
         let is_old = self.excess.is_none_or(|excess| excess as f64 >= system.refactorization_cost());
         let mut tangent = if is_old { Tangent::Refactorized } else { Tangent::Reused };
         let mut is_fresh = is_old;
-        let mut size = system.residual(rates, &mut self.residual)?.residual;
+        let mut size = system.residual(unknowns, &mut self.residual)?.residual;
         for count in 1..=least + MAX_EXTRA_CORRECTIONS {
             if size == 0.0 {
                 return Ok(true);
             }
-            system.correction(rates, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
-            rates.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
+            system.correction(unknowns, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
+            unknowns.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
             let change = self.change_at_end(&system.coefficients);
-            let sizes = system.residual(rates, &mut self.residual)?;
+            let sizes = system.residual(unknowns, &mut self.residual)?;
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
             let is_rounding = sizes.residual <= floor;
@@ -89,12 +89,13 @@ impl DefectCorrection {
     fn change_at_end(&mut self, coefficients: &StageCoefficients) -> f64 {
         let n = self.at_end.len() / 2;
         let mut weights = [[0.0; 2]; MAX_DEGREE];
-        (0..self.correction.len() / n).for_each(|j| weights[j] = coefficients.end_weights(j));
+        let k = coefficients.rule.degree();
+        (0..k).for_each(|j| weights[j] = coefficients.end_weights(j));
         let mut part: f64 = 0.0;
         for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
             let (mut change, mut all) = (0.0, 0.0);
             for (dof, at_end) in at_end.iter_mut().enumerate() {
-                let terms = self.correction[dof..].iter().step_by(n).zip(&weights);
+                let terms = self.correction[dof..k * n].iter().step_by(n).zip(&weights);
                 let own: f64 = terms.map(|(dx, weights)| weights[which] * dx).sum();
                 *at_end += own;
                 (change, all) = (change + own * own, all + *at_end * *at_end);

@@ -47,6 +47,10 @@ pub(crate) struct ApproximateTangent {
     rates: Vec<f64>,
     /// `sum_m |K_lm|` of each row l.
     row_sums: Vec<f64>,
+    /// Pressures of K, `[function]`.
+    pressures: Vec<f64>,
+    /// Stage forces of pressures.
+    pressure_force: Vec<f64>,
 }
 
 impl ApproximateTangent {
@@ -81,6 +85,8 @@ impl ApproximateTangent {
             displacement: vec![0.0; n],
             rates: vec![0.0; n],
             row_sums: vec![0.0; n],
+            pressures: vec![0.0; body.n_pressures()],
+            pressure_force: vec![0.0; if body.n_pressures() > 0 { n * nodes.len() } else { 0 }],
         })
     }
 
@@ -89,8 +95,9 @@ impl ApproximateTangent {
         self.made_for.is_some()
     }
 
-    /// Takes the stiffness in the middle of a step from a displacement with rates x; at its start, if the middle is
-    /// inverted.
+    /// Takes the stiffness in the middle of a step from a displacement with rates x and pressures, `[function][n]`; at its
+    /// start, if the middle is inverted. The pressures of K are means over the step: those of a predicted configuration would contain the error of
+    /// the prediction times the bulk modulus.
     ///
     /// # Errors
     /// [`crate::Error::Inverted`], [`crate::Error::Linear`].
@@ -99,11 +106,13 @@ impl ApproximateTangent {
         body: &Body,
         displacement: &[f64],
         rates: &[f64],
+        pressures: &[f64],
         time_scale: f64,
     ) -> Result<()> {
         self.made_for = None;
         self.orientation = IDENTITY;
         self.set_midpoint(displacement, rates);
+        set_means(pressures, &mut self.pressures);
         // With the size of w, viscosities have the same weight as in the stage equations.
         self.viscous_rate = 0.5 / (time_scale * self.response_size);
         if self.assemble(body).is_err() {
@@ -119,6 +128,7 @@ impl ApproximateTangent {
     pub(crate) fn keep(&self, memory: &mut Memory) {
         memory.keep("tangent.displacement", &self.displacement);
         memory.keep("tangent.rates", &self.rates);
+        memory.keep("tangent.pressures", &self.pressures);
         memory.keep_number("tangent.viscous_rate", self.viscous_rate);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);
@@ -133,6 +143,7 @@ impl ApproximateTangent {
     pub(crate) fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
         memory.fill("tangent.displacement", &mut self.displacement)?;
         memory.fill("tangent.rates", &mut self.rates)?;
+        memory.fill("tangent.pressures", &mut self.pressures)?;
         self.viscous_rate = memory.number("tangent.viscous_rate")?;
         memory.fill("tangent.orientation", self.orientation.as_flattened_mut())?;
         self.rotation = memory.array("tangent.rotation")?;
@@ -190,11 +201,10 @@ impl ApproximateTangent {
         // dP/dF' is half of dP/dF in the middle; with viscosities it is `K (1 + 2 rate t_v)/2`, if the modes contain
         // them.
         let step = StepInput {
-            rule: &self.rule,
             tangent_factor: 2.0 / (1.0 + 2.0 * self.viscous_rate * body.viscous_time()),
-            displacement: &self.displacement,
-            rates: &self.rates,
             damping: StepDamping { inverse_step_size: self.viscous_rate, dissipation: 0.0 },
+            pressures: (!self.pressures.is_empty()).then_some(&self.pressures),
+            ..StepInput::undamped(&self.rule, &self.displacement, &self.rates)
         };
         body.assemble(&step, Request::Tangent, &[0.0], &mut self.assembly)
     }
@@ -211,18 +221,52 @@ impl ApproximateTangent {
         self.solvers.refactorization_cost()
     }
 
-    /// Solves the linearised stage equations to a relative tolerance; `r`, `z`: `[k][n_nodes][3]`. Returns the number
-    /// of iterations, `None` if a solver missed the tolerance.
-    pub(crate) fn solve(&mut self, r: &[f64], z: &mut [f64], tolerance: f64) -> Option<usize> {
+    /// Solves the linearised stage equations to a relative tolerance. Returns the number of iterations, `None` if a
+    /// solver missed the tolerance.
+    ///
+    /// `r`: negative residual, `[k][n_nodes][3]`, and on input the pressures of the rates less those of the step; `z`:
+    /// corrections of the rates and of these pressures.
+    pub(crate) fn solve(
+        &mut self,
+        (body, rule): (&Body, &Rule),
+        r: &[f64],
+        (z, pressures): (&mut [f64], &mut [f64]),
+        tolerance: f64,
+    ) -> Option<usize> {
         self.turn_back(r);
         z.fill(0.0);
+        if let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) {
+            body.add_kept_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.turned);
+        }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
+        // The derivative by a rate is half of that by the middle of the step, see `assemble`.
+        body.add_kept_pressure_response(rule, &self.assembly, 2.0, z, pressures);
         self.turn_forward(z);
         if iterations.is_none() {
             self.solvers.fall_back_to_direct();
             self.made_for = None;
         }
         iterations
+    }
+
+    /// Adds the stage forces of pressures in the present orientation, times the square of the time scale, with the
+    /// forces of unit pressures in K.
+    pub(crate) fn add_pressure_force(
+        &mut self,
+        (body, rule): (&Body, &Rule),
+        pressures: &[f64],
+        r: &mut [f64],
+    ) {
+        let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) else { return };
+        let n = self.row_sums.len();
+        let mut force = std::mem::take(&mut self.pressure_force);
+        force.fill(0.0);
+        body.add_kept_pressure_force(rule, &self.assembly, s * s, pressures, &mut force);
+        for (stage, R) in force.chunks_exact_mut(n).zip(&self.stage_rotations) {
+            rotate(stage, &product(R, &self.orientation));
+        }
+        r.iter_mut().zip(&force).for_each(|(r, force)| *r += force);
+        self.pressure_force = force;
     }
 
     /// `z = P^-1 r`, a linear map that approximates the inverse of the linearised stage equations.
@@ -286,6 +330,14 @@ impl ApproximateTangent {
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
         let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
         0.125 * f64::EPSILON * f64::EPSILON * sum
+    }
+}
+
+/// Sets the mean pressure of each function; `pressures: [function][n]`.
+fn set_means(pressures: &[f64], means: &mut [f64]) {
+    let n = pressures.len().checked_div(means.len()).unwrap_or(1);
+    for (mean, of_function) in means.iter_mut().zip(pressures.chunks_exact(n)) {
+        *mean = of_function.iter().sum::<f64>() / n as f64;
     }
 }
 

@@ -46,6 +46,8 @@ pub(super) struct StageSystem<'a> {
     approximate_tangent: ApproximateTangent,
     gmres: Gmres,
     negative: Vec<f64>,
+    /// Residual with the pressures eliminated.
+    condensed: Vec<f64>,
     floor: f64,
 }
 
@@ -77,6 +79,7 @@ impl<'a> StageSystem<'a> {
             approximate_tangent: ApproximateTangent::new(body, &coefficients, solver)?,
             gmres: Gmres::default(),
             negative: vec![0.0; k * n],
+            condensed: vec![0.0; if body.n_pressures() > 0 { k * n } else { 0 }],
             floor: 0.0,
             coefficients,
         })
@@ -121,10 +124,39 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), and the norms of
-    /// its three parts over the free ones.
-    pub(super) fn full_residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
-        self.assemble(x, Request::Stress)?;
+    /// Number of pressures of a step.
+    pub(super) fn n_pressures(&self) -> usize {
+        self.body.n_pressures() * self.coefficients.rule.n_pressures()
+    }
+
+    /// The rates among the unknowns, and the pressures after them, `[function][n]`.
+    pub(super) fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
+        unknowns.split_at(self.force.len())
+    }
+
+    /// Sets the pressures to those of the configuration at the start of the step.
+    ///
+    /// # Errors
+    /// [`crate::Error::Inverted`].
+    pub(super) fn set_pressures_at_start(&mut self, pressures: &mut [f64]) -> Result<()> {
+        if pressures.is_empty() {
+            return Ok(());
+        }
+        self.force.fill(0.0);
+        let step = StepInput::undamped(&self.coefficients.rule, &self.displacement, &self.force);
+        self.body.assemble(&step, Request::Stress, &[], &mut self.assembly)?;
+        self.body.copy_pressures(&self.assembly, pressures);
+        Ok(())
+    }
+
+    /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the pressures of
+    /// the step less those of its rates; and the norms of the three parts of the first over the free ones.
+    pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
+        self.assemble(unknowns, Request::Stress)?;
+        let (x, pressures) = self.split(unknowns);
+        let (residual, of_pressures) = residual.split_at_mut(x.len());
+        self.body.copy_pressures(&self.assembly, of_pressures);
+        of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
         self.evaluate_followers(x);
         self.assembly.matrix.copy_force(&mut self.force);
         let n = self.body.n_dofs();
@@ -292,8 +324,10 @@ impl<'a> StageSystem<'a> {
         }
     }
 
-    fn assemble(&mut self, x: &[f64], request: Request) -> Result<()> {
+    fn assemble(&mut self, unknowns: &[f64], request: Request) -> Result<()> {
+        let (x, pressures) = self.split(unknowns);
         let step = step_input(&self.coefficients, self.time_scale, &self.displacement, x);
+        let step = StepInput { pressures: (!pressures.is_empty()).then_some(pressures), ..step };
         self.body.assemble(&step, request, &self.dragged_mass, &mut self.assembly)?;
         if request == Request::Tangent {
             self.followers.add_tangent(self.body, &step, &mut self.assembly);
@@ -333,5 +367,9 @@ fn step_input<'a>(
 ) -> StepInput<'a> {
     let dissipation = coefficients.dissipation.as_ref().map_or(0.0, |dissipation| dissipation.excess);
     let damping = StepDamping { inverse_step_size: 1.0 / s, dissipation };
-    StepInput { rule: &coefficients.rule, tangent_factor: s * s, displacement, rates, damping }
+    StepInput {
+        tangent_factor: s * s,
+        damping,
+        ..StepInput::undamped(&coefficients.rule, displacement, rates)
+    }
 }

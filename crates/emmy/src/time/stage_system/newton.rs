@@ -14,25 +14,33 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 const FLOOR: f64 = 0.25;
 
 impl StageSystem<'_> {
-    /// Computes and factorises the approximate tangent at the rates x.
-    fn refactorize(&mut self, x: &[f64]) -> Result<()> {
-        self.approximate_tangent.refactorize(self.body, &self.displacement, x, self.time_scale)
+    /// Computes and factorises the approximate tangent at some unknowns.
+    fn refactorize(&mut self, unknowns: &[f64]) -> Result<()> {
+        let (x, pressures) = self.split(unknowns);
+        self.approximate_tangent.refactorize(self.body, &self.displacement, x, pressures, self.time_scale)
     }
 
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
-    fn solve_approximately(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+    fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(&mut self.negative);
             clear_fixed(self.body, &mut self.negative);
         }
-        let iterations = self.approximate_tangent.solve(&self.negative, dx, tolerance);
+        let parts = correction.split_at_mut(self.negative.len());
+        let system = (self.body, &self.coefficients.rule);
+        let iterations = self.approximate_tangent.solve(system, &self.negative, parts, tolerance);
         iterations.ok_or_else(|| Error::Linear {
             reason: format!("conjugate gradients did not reach {tolerance:e}"),
         })
     }
 
     /// Solves with the exact tangent.
-    fn solve_exactly(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<usize> {
+    fn solve_exactly(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
+        let (dx, pressures) = correction.split_at_mut(self.negative.len());
+        let rule = &self.coefficients.rule;
+        let s = self.time_scale;
+        self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
+        clear_fixed(self.body, &mut self.negative);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
@@ -43,11 +51,25 @@ impl StageSystem<'_> {
         };
         let solution = self.gmres.solve(&mut system, &self.negative, dx, tolerance, MAX_LINEAR_ITERATIONS);
         if solution.relative_residual <= tolerance {
+            self.body.add_pressure_response(rule, &self.assembly, dx, pressures);
             return Ok(solution.iterations);
         }
         Err(Error::Linear {
             reason: format!("GMRES did not reach {tolerance:e} in {MAX_LINEAR_ITERATIONS} iterations"),
         })
+    }
+
+    /// Norm of the residual with the pressures eliminated by the approximate tangent.
+    fn condensed_norm(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
+        if of_pressures.is_empty() {
+            return norm(residual);
+        }
+        let system = (self.body, &self.coefficients.rule);
+        self.condensed.fill(0.0);
+        self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
+        self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - *sum);
+        clear_fixed(self.body, &mut self.condensed);
+        norm(&self.condensed)
     }
 
     /// Sets the rounding floor, once per step.
@@ -65,9 +87,10 @@ impl StageSystem<'_> {
 impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let parts = self.full_residual(x, residual)?;
-        clear_fixed(self.body, residual);
+        let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
+        clear_fixed(self.body, of_rates);
         Ok(Sizes {
-            residual: norm(residual),
+            residual: self.condensed_norm(of_rates, of_pressures),
             scale: parts.into_iter().fold(0.0, f64::max),
             floor: self.floor,
         })
@@ -81,7 +104,10 @@ impl System for StageSystem<'_> {
         tangent: Tangent,
         dx: &mut [f64],
     ) -> Result<usize> {
-        self.negative.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
+        let (of_rates, of_pressures) = self.split(residual);
+        self.negative.iter_mut().zip(of_rates).for_each(|(b, r)| *b = -r);
+        let pressures = &mut dx[of_rates.len()..];
+        pressures.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
         if tangent == Tangent::Refactorized || !self.approximate_tangent.is_made() {
             self.refactorize(x)?;
         }

@@ -50,14 +50,19 @@ impl<'a> StaticStepper<'a> {
         body.check_held()?;
         state.velocity.fill(0.0);
         state.momentum.fill(0.0);
+        let system = StaticSystem::new(body)?;
         Ok(StaticStepper {
             newton: Newton::default(),
             settings: NewtonSettings { exact_tangent: true, ..settings },
-            system: StaticSystem::new(body)?,
-            unknowns: vec![0.0; body.n_dofs()],
+            unknowns: vec![0.0; system.n_unknowns()],
+            system,
             end: TimePoint::new(body),
             energy: body.strain_energy(&state.displacement),
         })
+    }
+
+    fn displacement(&self) -> &[f64] {
+        &self.unknowns[..self.end.displacement.len()]
     }
 
     /// Solves for the equilibrium at the end of a step.
@@ -82,14 +87,15 @@ impl<'a> StaticStepper<'a> {
 
     /// Checks that the equilibrium belongs to the path that leads to it.
     fn check_path(&mut self, state: &State) -> Result<()> {
-        let mut moved = self.unknowns.clone();
+        let mut moved = self.displacement().to_vec();
         moved.iter_mut().zip(&state.displacement).for_each(|(u, old)| *u -= old);
         let distance = norm(&moved);
         if distance <= NO_DISTANCE * self.system.size {
             return Ok(());
         }
         // At a limit of the loads the stiffness is singular.
-        let back = self.system.linear_step(&self.unknowns).map_or(f64::INFINITY, |step| norm(&step));
+        let displacement = &self.unknowns[..moved.len()];
+        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| norm(&step));
         let forth = self.system.predicted.unwrap_or(0.0);
         if distance <= (FARTHEST * forth).min(FARTHEST_BACK * back) {
             return Ok(());
@@ -101,7 +107,7 @@ impl<'a> StaticStepper<'a> {
 
     /// The error of an iteration that did not converge.
     fn failure(&self, state: &State, failed: Outcome) -> Error {
-        let node = largest_node(self.newton.residual());
+        let node = largest_node(&self.newton.residual()[..self.end.displacement.len()]);
         Error::NotBalanced {
             fraction: self.system.time,
             iterations: failed.iterations,
@@ -116,13 +122,13 @@ impl<'a> StaticStepper<'a> {
 impl Stepper for StaticStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
         let newton = self.solve(state, step_size)?;
-        self.end.displacement.copy_from_slice(&self.unknowns);
+        self.end.displacement.copy_from_slice(&self.unknowns[..state.displacement.len()]);
         self.end.evaluate(&mut self.system.forces, self.system.time)?;
         let body = self.system.forces.body;
-        let strain_state = body.strain_state(&self.unknowns);
+        let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.
         self.end.set_reactions(body, &self.system.rest);
-        state.displacement.copy_from_slice(&self.unknowns);
+        state.displacement.copy_from_slice(&self.end.displacement);
         state.displacement_low.fill(0.0);
         let mut impulses = Impulses { work: strain_state.strain_energy - self.energy, ..Impulses::default() };
         self.energy = strain_state.strain_energy;

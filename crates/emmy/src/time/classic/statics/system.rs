@@ -18,7 +18,8 @@ const FLOOR: f64 = 0.25;
 /// A correction beyond this multiple of the size of the body shows a stiffness that is singular but for rounding.
 const LARGEST_CORRECTION: f64 = 1e6;
 
-/// The equations of equilibrium at a time.
+/// The equations of equilibrium at a time. The unknowns are the displacement, then the pressures of cells with a
+/// projected volume, `[function]`.
 #[derive(Debug)]
 pub(super) struct StaticSystem<'a> {
     pub(super) forces: Forces<'a>,
@@ -38,6 +39,8 @@ pub(super) struct StaticSystem<'a> {
     /// Largest extent of the mesh.
     pub(super) size: f64,
     floor: f64,
+    /// Whether there is a tangent in the step.
+    is_linearised: bool,
     external: Vec<f64>,
     right: Vec<f64>,
     pub(super) rest: Vec<f64>,
@@ -53,25 +56,39 @@ impl<'a> StaticSystem<'a> {
             gmres: Gmres::default(),
             lu: None,
             must_be_definite: true,
-            first: zero.clone(),
+            first: vec![0.0; zero.len() + body.n_pressures()],
             shift: zero.clone(),
             predicted: None,
             size: body.mesh().extent().into_iter().fold(0.0, f64::max),
             floor: 0.0,
+            is_linearised: false,
             external: zero.clone(),
             right: zero.clone(),
             rest: zero,
         })
     }
 
+    /// Number of unknowns.
+    pub(super) fn n_unknowns(&self) -> usize {
+        self.rest.len() + self.forces.body.n_pressures()
+    }
+
+    /// Displacement and pressures among the unknowns.
+    fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], &'x [f64]) {
+        unknowns.split_at(self.rest.len())
+    }
+
     /// First unknowns of a step that starts in equilibrium at a displacement: with moving supports, the solution of the
     /// equations linearised there.
     pub(super) fn predict(&mut self, displacement: &[f64], unknowns: &mut [f64]) -> Result<()> {
-        (self.floor, self.predicted) = (0.0, None);
-        unknowns.copy_from_slice(displacement);
+        (self.floor, self.predicted, self.is_linearised) = (0.0, None, false);
         let body = self.forces.body;
+        let n = displacement.len();
+        unknowns[..n].copy_from_slice(displacement);
+        self.forces.assemble(displacement, Request::Stress)?;
+        body.copy_pressures(&self.forces.assembly, &mut unknowns[n..]);
         let mut first = std::mem::take(&mut self.first);
-        let outcome = self.residual(displacement, &mut first);
+        let outcome = self.residual(unknowns, &mut first);
         self.first = first;
         outcome?;
         if !body.is_driven() {
@@ -80,13 +97,24 @@ impl<'a> StaticSystem<'a> {
         self.shift.copy_from_slice(displacement);
         body.set_driven_displacement(self.time, &mut self.shift);
         self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
-        self.factorize(displacement)?;
+        self.factorize(unknowns)?;
         let step = self.linear_step(displacement)?;
         self.predicted = Some(norm(&step));
-        unknowns.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
+        let (u, pressures) = unknowns.split_at_mut(n);
+        u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
+        self.forces.add_pressure_response(&step, pressures);
         // Exactly there, not but for rounding.
-        body.set_driven_displacement(self.time, unknowns);
+        body.set_driven_displacement(self.time, u);
         Ok(())
+    }
+
+    /// Sets the right side of a correction: the negative residual, without the pressures after the first tangent.
+    fn condense(&mut self, residual: &[f64], of_pressures: &[f64]) {
+        self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
+        if self.is_linearised {
+            self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
+            clear_fixed(self.forces.body, &mut self.right);
+        }
     }
 
     /// The step from the start that the equations give, linearised with the tangent that was set last, near x.
@@ -97,14 +125,17 @@ impl<'a> StaticSystem<'a> {
         clear_fixed(body, &mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
-        self.solve(x, &residual, PREDICTION, &mut step)?;
+        self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
+        self.solve(x, PREDICTION, &mut step)?;
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
     }
 
-    /// Sets the exact tangent at a displacement, and factorises it without the follower loads.
-    fn factorize(&mut self, displacement: &[f64]) -> Result<()> {
-        self.forces.assemble(displacement, Request::Tangent)?;
+    /// Sets the exact tangent, and factorises it without the follower loads.
+    fn factorize(&mut self, unknowns: &[f64]) -> Result<()> {
+        let (displacement, pressures) = self.split(unknowns);
+        self.forces.assemble_with((displacement, pressures), Request::Tangent)?;
+        self.is_linearised = true;
         let body = self.forces.body;
         self.lu = None;
         let matrix = &self.forces.assembly.matrix;
@@ -117,12 +148,11 @@ impl<'a> StaticSystem<'a> {
         Ok(())
     }
 
-    /// Solves `K dx = -R` with the tangent that was set last.
+    /// Solves `K dx = b` for the right side with the tangent that was set last.
     ///
     /// # Errors
     /// [`Error::Singular`], [`Error::Linear`], [`Error::OutOfMemory`].
-    fn solve(&mut self, x: &[f64], residual: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
+    fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
         let mut iterations = self.iterate(tolerance, dx);
         if iterations.is_none() && self.lu.is_none() {
             let body = self.forces.body;
@@ -170,12 +200,18 @@ impl<'a> StaticSystem<'a> {
 const PREDICTION: f64 = 1e-6;
 
 impl System for StaticSystem<'_> {
-    fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        self.forces.net(x, self.time, &mut self.external, residual)?;
+    fn residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<Sizes> {
+        let (x, pressures) = self.split(unknowns);
+        let (residual, of_pressures) = residual.split_at_mut(x.len());
+        self.forces.net_with((x, pressures), self.time, &mut self.external, residual)?;
+        let body = self.forces.body;
+        body.copy_pressures(&self.forces.assembly, of_pressures);
+        of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
         let scale = norm(&self.external).max(norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
-        clear_fixed(self.forces.body, residual);
-        Ok(Sizes { residual: norm(residual), scale, floor: self.floor })
+        clear_fixed(body, residual);
+        self.condense(residual, of_pressures);
+        Ok(Sizes { residual: norm(&self.right), scale, floor: self.floor })
     }
 
     fn correction(
@@ -189,7 +225,12 @@ impl System for StaticSystem<'_> {
         if tangent != Tangent::LastExact {
             self.factorize(x)?;
         }
-        let iterations = self.solve(x, residual, tolerance, dx)?;
+        let (of_displacement, of_pressures) = self.split(residual);
+        self.condense(of_displacement, of_pressures);
+        let (dx, change) = dx.split_at_mut(of_displacement.len());
+        let iterations = self.solve(x, tolerance, dx)?;
+        change.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
+        self.forces.add_pressure_response(dx, change);
         self.predicted.get_or_insert_with(|| norm(dx));
         Ok(iterations)
     }
