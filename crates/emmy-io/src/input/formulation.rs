@@ -31,10 +31,7 @@ const PRESSURES: [(&str, PressureSpace); 2] = [
 /// A projected volume with the default functions of each kind of cell.
 const PROJECTED: Formulation = Formulation::ProjectedVolume(None);
 
-/// Ratio of bulk to shear modulus at rest above which cells with the standard formulation lock; Poisson's ratio is 0.4516.
-const LOCKING_RATIO: f64 = 10.0;
-
-/// The same by Poisson's ratio.
+/// Poisson's ratio at rest above which cells with the standard formulation lock; bulk over shear modulus is 9.67 there.
 const LOCKING_POISSONS_RATIO: f64 = 0.45;
 
 /// Number of linear cells over a thickness below which bending is too stiff.
@@ -180,12 +177,11 @@ impl<'a> RegionCells<'a> {
     fn near_incompressibility(&self) -> Option<String> {
         let [bulk, shear] = self.region().moduli()?;
         let poissons_ratio = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
-        let is_near = bulk > LOCKING_RATIO * shear || poissons_ratio > LOCKING_POISSONS_RATIO;
         let numbers = || {
             let [ratio, poissons_ratio] = [bulk / shear, poissons_ratio].map(short);
             format!("Poisson's ratio {poissons_ratio}, bulk over shear modulus {ratio}")
         };
-        is_near.then(numbers)
+        (poissons_ratio > LOCKING_POISSONS_RATIO).then(numbers)
     }
 
     fn volumetric_locking(&self) -> Option<String> {

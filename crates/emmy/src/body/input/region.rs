@@ -1,12 +1,9 @@
 //! Regions of a body.
 
-use crate::body::solid::RegionMaterial;
+use crate::body::solid::{NO_VOLUMETRIC_PART, RegionMaterial};
 use crate::body::{Formulation, PressureSpace, Viscosity};
 use crate::element::CellKind;
 use crate::material::{Link, Material};
-
-const NO_VOLUMETRIC_PART: &str =
-    "the energy of its material has no volumetric part to project; use formulation = \"standard\"";
 
 /// Part of the body with one material and density.
 #[derive(Debug)]
