@@ -13,6 +13,11 @@
 
 mod path;
 mod pressure;
+mod start;
+#[cfg(test)]
+mod tests;
+
+pub use start::VolumeStart;
 
 use super::{Kind, Request, Rule, StressKind};
 use crate::material::VolumeMeasure;

@@ -4,6 +4,7 @@ mod pressures;
 mod region_material;
 mod scatter;
 mod start_gradient;
+mod start_pressure;
 
 use std::ops::Range;
 
