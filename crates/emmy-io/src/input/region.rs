@@ -39,7 +39,7 @@ pub(super) static REGION: Described = Described::new(|| {
             "",
             "With `projected-volume`: functions of the pressure in each cell",
         )
-        .absent("by the kind of cell, see [cells](#cells)");
+        .absent("by the kind of cell, see [below](#regionformulation)");
     Section { rule: Rule::Region, ..section }
 });
 
