@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+mod fields;
 mod reference;
 
 use std::collections::HashMap;
