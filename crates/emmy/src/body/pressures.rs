@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use super::{Assembly, Body, Term};
 use crate::average::Rule;
+use crate::sparse::reduce::dot;
 
 /// Numbers of the pressures of a term.
 #[derive(Debug, Clone, Default)]
@@ -175,6 +176,12 @@ impl Body {
                 *pressure += stages.map(|(response, x)| product(response, function.nodes, x)).sum::<f64>();
             }
         }
+    }
+
+    /// Trace of the part of a stiffness that comes through the pressures, `sum g . W`.
+    pub(crate) fn pressure_stiffness(&self, assembly: &Assembly) -> f64 {
+        let functions = self.pressure_functions(assembly, 1, 1);
+        functions.map(|function| dot(function.forces, function.responses)).sum()
     }
 
     /// [`Body::add_pressure_force`] with one tangent for all stages, that of a rule with one stage.

@@ -51,6 +51,8 @@ pub(crate) struct ApproximateTangent {
     pressures: Vec<f64>,
     /// Stage forces of pressures.
     pressure_force: Vec<f64>,
+    /// Part of M + s^2 K that is not the stiffness of the projected volumes, by traces.
+    soft_part: f64,
 }
 
 impl ApproximateTangent {
@@ -86,6 +88,7 @@ impl ApproximateTangent {
             rates: vec![0.0; n],
             row_sums: vec![0.0; n],
             pressures: vec![0.0; body.n_pressures()],
+            soft_part: 1.0,
             pressure_force: vec![0.0; if body.n_pressures() > 0 { n * nodes.len() } else { 0 }],
         })
     }
@@ -211,9 +214,29 @@ impl ApproximateTangent {
 
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         self.made_for = None;
-        self.solvers.set(body, &self.assembly.matrix, time_scale)?;
+        self.set_soft_part(body, time_scale);
+        self.solvers.set(body, &self.assembly.matrix, time_scale, self.soft_part)?;
         self.made_for = Some(time_scale);
         Ok(())
+    }
+
+    fn set_soft_part(&mut self, body: &Body, time_scale: f64) {
+        if self.pressures.is_empty() {
+            return;
+        }
+        let diagonal = |node: usize| body.pattern().position(node, node).map_or(0, |position| position);
+        let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
+        let stiffness: f64 = (0..self.row_sums.len() / 3).flat_map(of_node).sum();
+        let mass: f64 = 3.0 * body.lumped_mass().iter().sum::<f64>();
+        let volumes = 2.0 * body.pressure_stiffness(&self.assembly);
+        let square = time_scale * time_scale * self.response_size;
+        self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);
+    }
+
+    /// Part of M + s^2 K that is not the stiffness of the projected volumes. An error of a pressure moves the body by this
+    /// part of what the same force would do elsewhere, and changes the energy of the step by as little.
+    pub(crate) fn soft_part(&self) -> f64 {
+        self.soft_part
     }
 
     /// Cost of a new stiffness, in corrections with the old one.

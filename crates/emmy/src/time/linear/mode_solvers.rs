@@ -73,15 +73,22 @@ impl ModeSolvers {
         costs.fold(0.0, f64::max)
     }
 
-    /// Sets the solvers to a stiffness and a time s.
+    /// Sets the solvers to a stiffness and a time s; `soft_part`: part of M + s^2 K that is not the stiffness of projected
+    /// volumes.
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
-    pub(super) fn set(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
+    pub(super) fn set(
+        &mut self,
+        body: &Body,
+        stiffness: &StageMatrix,
+        time_scale: f64,
+        soft_part: f64,
+    ) -> Result<()> {
         if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
-        self.choose(body, stiffness, time_scale)?;
+        self.choose(body, stiffness, time_scale, soft_part)?;
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let shift = mode.eigenvalue.map(|part| time_scale * time_scale * part);
             solver.factorize(stiffness, body.mass(), body.fixed(), shift)?;
@@ -105,14 +112,20 @@ impl ModeSolvers {
 
     /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only
     /// when the other kind has become clearly cheaper.
-    fn choose(&mut self, body: &Body, stiffness: &StageMatrix, time_scale: f64) -> Result<()> {
+    fn choose(
+        &mut self,
+        body: &Body,
+        stiffness: &StageMatrix,
+        time_scale: f64,
+        soft_part: f64,
+    ) -> Result<()> {
         let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
             return Ok(());
         }
         let scale = time_scale * time_scale * self.largest_modulus();
         let number = scale * stiffness_over_mass(body, stiffness);
-        let limit = iterative_limit(body);
+        let limit = if soft_part < LEAST_SOFT_PART { 0.0 } else { iterative_limit(body) };
         let cheaper = |limit: f64| if number < limit { SolverKind::Iterative } else { SolverKind::Direct };
         if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
             let kind = match choice.kind {
@@ -253,6 +266,10 @@ fn iterative_limit(body: &Body) -> f64 {
     let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
+
+/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below, a stiffness in 16 bits and its
+/// incomplete factor are indefinite.
+const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
 
 /// Factor beyond the limit of the stiffness number at which solvers are replaced.
 const SWITCH_RATIO: f64 = 4.0;

@@ -59,7 +59,8 @@ impl StageSystem<'_> {
         })
     }
 
-    /// Norm of the residual with the pressures eliminated by the approximate tangent.
+    /// Norm of the residual with the pressures eliminated by the approximate tangent, their part in proportion to its
+    /// effect: otherwise, an error of the rates of the second order, times the bulk modulus, would hide the convergence.
     fn condensed_norm(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
         if of_pressures.is_empty() {
             return norm(residual);
@@ -67,7 +68,8 @@ impl StageSystem<'_> {
         let system = (self.body, &self.coefficients.rule);
         self.condensed.fill(0.0);
         self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
-        self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - *sum);
+        let soft_part = self.approximate_tangent.soft_part();
+        self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
         clear_fixed(self.body, &mut self.condensed);
         norm(&self.condensed)
     }
@@ -79,6 +81,7 @@ impl StageSystem<'_> {
             let increment = &x[..self.body.n_dofs()];
             let size =
                 self.approximate_tangent.rounding_size(self.body, displacement, increment, self.time_scale);
+            let size = size * self.approximate_tangent.soft_part();
             self.floor = FLOOR * f64::EPSILON * size * (self.coefficients.rule.degree() as f64).sqrt();
         }
     }
