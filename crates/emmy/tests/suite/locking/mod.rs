@@ -2,7 +2,11 @@
 
 #![allow(non_snake_case)]
 
+mod conservation;
+mod patches;
 mod reference;
+mod rubber;
+mod variety;
 
 use std::collections::HashMap;
 
