@@ -133,13 +133,16 @@ impl ModeSolvers {
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
-        let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
+        // In 16 bits such a stiffness is indefinite.
+        let is_stiff = soft_part < LEAST_SOFT_PART;
+        let is_direct = self.has_fallen_back || is_stiff && self.requested == Solver::Iterative;
+        let requested = if is_direct { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
             return Ok(());
         }
         let scale = time_scale * time_scale * self.largest_modulus();
         let number = scale * stiffness_over_mass(body, stiffness);
-        let limit = if soft_part < LEAST_SOFT_PART { 0.0 } else { iterative_limit(body) };
+        let limit = if is_stiff { 0.0 } else { iterative_limit(body) };
         let cheaper = |limit: f64| if number < limit { SolverKind::Iterative } else { SolverKind::Direct };
         if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
             let kind = match choice.kind {
@@ -310,7 +313,7 @@ fn iterative_limit(body: &Body) -> f64 {
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 
-/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below, a stiffness in 16 bits and its
+/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below it, a stiffness in 16 bits and its
 /// incomplete factor are indefinite.
 const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
 
