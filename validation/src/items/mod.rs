@@ -5,6 +5,7 @@ mod degrees;
 mod free_flight;
 mod inner_points;
 mod large_strain;
+mod locking;
 mod n_body;
 mod quasi_rigid;
 mod study;
@@ -56,7 +57,7 @@ const fn timed(name: &'static str, reproduce: fn(Effort, &Pictures) -> Result<It
 }
 
 /// All items, in the order of the page.
-pub(crate) const ALL: [Entry; 20] = [
+pub(crate) const ALL: [Entry; 24] = [
     entry("table-3", table_3::table_3),
     entry("figure-3", large_strain::figure_3),
     entry("figure-4", quasi_rigid::figure_4),
@@ -77,6 +78,10 @@ pub(crate) const ALL: [Entry; 20] = [
     entry("two-body", n_body::two_body),
     entry("spring-network", n_body::spring_network),
     entry("free-flight", free_flight::free_flight),
+    entry("inf-sup", locking::inf_sup),
+    entry("cook", locking::cook),
+    entry("cantilever", locking::cantilever),
+    entry("silicone", locking::silicone),
 ];
 
 /// Below this relative drift a quantity counts as conserved, above [`LOST`] as not; nothing may lie between.

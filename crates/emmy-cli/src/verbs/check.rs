@@ -47,6 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     period::report(&mut report, &problem);
     report.output(&problem);
+    problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
     }
@@ -120,6 +121,7 @@ impl Report {
         if body.regions().len() > 1 {
             self.region("body", "all regions", &RegionSummary::combined(body.regions()));
         }
+        problem.formulations.lines.iter().for_each(|line| self.line("cells", line));
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
             self.load(load, &resultant);
         }

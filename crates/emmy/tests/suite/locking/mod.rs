@@ -2,7 +2,12 @@
 
 #![allow(non_snake_case)]
 
+mod conservation;
+mod fields;
+mod patches;
 mod reference;
+mod rubber;
+mod variety;
 
 use std::collections::HashMap;
 
