@@ -24,7 +24,6 @@ pub(super) struct ModeSolvers {
     solvers: Vec<Box<dyn ShiftedSolver>>,
     /// Condensation of the internal nodes, if the body has some: the solvers see the nodes of the mesh alone.
     condensation: Option<Condensation>,
-    fixed: Vec<bool>,
     /// The time s of the solvers.
     time_scale: f64,
     /// The requested solver.
@@ -50,7 +49,6 @@ impl ModeSolvers {
             modes_for: None,
             solvers: Vec::new(),
             condensation: None,
-            fixed: Vec::new(),
             time_scale: 0.0,
             requested,
             has_fallen_back: false,
@@ -168,7 +166,6 @@ impl ModeSolvers {
         self.condensation = Condensation::new(body.pattern(), body.mass());
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let fixed = &body.fixed()[..3 * pattern.n_rows()];
-        self.fixed = if self.condensation.is_some() { fixed.to_vec() } else { Vec::new() };
         let order = || -> Result<Vec<usize>> {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
@@ -199,19 +196,13 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            let condensation = self.condensation.as_ref();
-            let iterations = match condensation {
-                Some(condensation) => {
-                    solver.solve(condensation.reduce(&self.fixed, columns, mode.n_columns()), tolerance)
-                }
-                None => solver.solve(columns, tolerance),
-            };
+            let [re, im] = shift(mode, self.time_scale);
+            let square = re * re + im * im;
+            let condensation = (self.condensation.as_mut(), [re / square, -im / square]);
+            let iterations = condensed(condensation, columns, mode.n_columns(), |columns| {
+                solver.solve(columns, tolerance)
+            });
             total = iterations.and_then(|n| total.map(|total| total + n));
-            if let Some(condensation) = condensation {
-                let [re, im] = shift(mode, self.time_scale);
-                let square = re * re + im * im;
-                condensation.expand([re / square, -im / square], columns, mode.n_columns());
-            }
             mode.add_to(&mode.backward, columns, z);
         }
         total
@@ -222,14 +213,9 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            match &self.condensation {
-                Some(condensation) => {
-                    solver.precondition(condensation.reduce(&self.fixed, columns, mode.n_columns()));
-                    let [re, im] = shift(mode, self.time_scale);
-                    condensation.expand([1.0 / re.hypot(im), 0.0], columns, mode.n_columns());
-                }
-                None => solver.precondition(columns),
-            }
+            let [re, im] = shift(mode, self.time_scale);
+            let condensation = (self.condensation.as_mut(), [1.0 / re.hypot(im), 0.0]);
+            condensed(condensation, columns, mode.n_columns(), |columns| solver.precondition(columns));
             mode.add_to(&mode.turned, columns, z);
         }
     }
@@ -274,6 +260,19 @@ impl ModeSolvers {
         let is_ready = memory.flag("solver.is_ready")?;
         self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice))
     }
+}
+
+/// Solves for the columns of all nodes by a solver of the nodes of the mesh; `inverse_shift`: 1/lambda of the solver.
+fn condensed<T>(
+    (condensation, inverse_shift): (Option<&mut Condensation>, [f64; 2]),
+    columns: &mut [f64],
+    n_columns: usize,
+    solve: impl FnOnce(&mut [f64]) -> T,
+) -> T {
+    let Some(condensation) = condensation else { return solve(columns) };
+    let outcome = solve(condensation.reduce(columns, n_columns));
+    condensation.expand(inverse_shift, columns, n_columns);
+    outcome
 }
 
 /// lambda of a mode.
