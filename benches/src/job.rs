@@ -118,6 +118,11 @@ impl Case {
         Case::new("benches/spinning-block.toml").cells(r)
     }
 
+    /// The spinning block with the mesh of a file.
+    pub(crate) fn spinning_block_of(file: &Path) -> Self {
+        Case::new("benches/spinning-block.toml").with("mesh", format!("{{ file = {:?} }}", file.display().to_string()))
+    }
+
     /// The block of E = 1e7 under its load, with cells of edge 1/r.
     pub(crate) fn stiff_block(r: u32) -> Self {
         Case::new("examples/quasi-rigid.toml").cells(r)

@@ -34,7 +34,7 @@ use crate::session::Session;
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
-    /// step (the default), schemes, degrees, stiff, large, threads; or all
+    /// step (the default), schemes, degrees, stiff, locking, large, threads; or all
     items: Vec<String>,
     /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures
     #[arg(long)]

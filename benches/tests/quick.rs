@@ -24,6 +24,7 @@ fn every_item_runs_and_results_do_not_depend_on_threads() {
         "Degrees in time",
         "Error within a time",
         "A stiff body",
+        "Cells against locking",
         "Large meshes",
         "Threads",
     ];

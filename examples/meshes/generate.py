@@ -2,6 +2,7 @@
 
 tuning-fork.msh: quadratic tetrahedra, millimetres; volume "steel", surfaces "handle-end" and "tine-tips".
 two-materials.msh: 20-node hexahedra; volumes "stiff" and "soft" side by side, surfaces "clamp" and "tip".
+rubber-beam-hex20.msh, rubber-beam-hex27.msh: five quadratic hexahedra in a row, with the groups of a built-in box.
 """
 
 import gmsh
@@ -64,10 +65,35 @@ def two_materials():
     gmsh.write("two-materials.msh")
 
 
+def rubber_beam(name, incomplete):
+    """A beam of 10 x 100 x 10, its cells twice as long as those of `rubber-beam.toml`."""
+    gmsh.clear()
+    occ = gmsh.model.occ
+    occ.addRectangle(0, 0, 0, 10, 100)
+    occ.synchronize()
+    for _, curve in gmsh.model.getEntities(1):
+        box = gmsh.model.getBoundingBox(1, curve)
+        gmsh.model.mesh.setTransfiniteCurve(curve, 6 if box[4] - box[1] > 50 else 2)
+    gmsh.model.mesh.setTransfiniteSurface(1)
+    gmsh.model.mesh.setRecombine(2, 1)
+    occ.extrude([(2, 1)], 0, 0, 10, numElements=[1], recombine=True)
+    occ.synchronize()
+    gmsh.model.addPhysicalGroup(3, [1], name="body")
+    gmsh.model.addPhysicalGroup(2, surfaces_at(1, 0), name="y-min")
+    gmsh.model.addPhysicalGroup(2, surfaces_at(1, 100), name="y-max")
+    gmsh.model.mesh.generate(3)
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
+    gmsh.model.mesh.setOrder(2)
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    gmsh.write(name)
+
+
 if __name__ == "__main__":
     gmsh.initialize()
     gmsh.option.setNumber("General.Verbosity", 2)
     gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
     tuning_fork()
     two_materials()
+    rubber_beam("rubber-beam-hex20.msh", 1)
+    rubber_beam("rubber-beam-hex27.msh", 0)
     gmsh.finalize()

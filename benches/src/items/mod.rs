@@ -3,6 +3,7 @@
 mod comparison;
 mod degrees;
 mod large;
+mod locking;
 mod schemes;
 mod step;
 mod stiff;
@@ -35,11 +36,12 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 6] = [
+pub(crate) const ALL: [Item; 7] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
     Item { name: "stiff", measure: stiff::measure },
+    Item { name: "locking", measure: locking::measure },
     Item { name: "large", measure: large::measure },
     Item { name: "threads", measure: threads::measure },
 ];

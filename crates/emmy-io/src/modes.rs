@@ -92,10 +92,14 @@ fn write_frames(
     let mut write = |step: usize, numbers: Vec<f64>| {
         frames.write(step, step as f64, &[FieldValues { name: FieldName::Displacement, numbers }])
     };
+    // The internal nodes of cells are not drawn.
+    let n = body.mesh().n_dofs();
+    let displacement = &displacement[..n];
     write(0, displacement.to_vec())?;
     for (index, mode) in modes.iter().enumerate() {
-        let scale = AMPLITUDE * diagonal / largest(&mode.shape);
-        let added = displacement.iter().zip(&mode.shape).map(|(u, v)| u + scale * v);
+        let shape = &mode.shape[..n];
+        let scale = AMPLITUDE * diagonal / largest(shape);
+        let added = displacement.iter().zip(shape).map(|(u, v)| u + scale * v);
         write(index + 1, added.collect())?;
     }
     frames.finish()?;

@@ -87,8 +87,14 @@ impl Step {
     fn measure(&self, bencher: Bencher<'_, '_>, rule: &Rule, request: Request) {
         let mut assembly = self.body.assembly(1);
         let Step { body, displacement, rates } = self;
-        let step =
-            StepInput { rule, tangent_factor: 1e-4, displacement, rates, damping: StepDamping::default() };
+        let step = StepInput {
+            rule,
+            tangent_factor: 1e-4,
+            displacement,
+            rates,
+            damping: StepDamping::default(),
+            pressures: None,
+        };
         let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
         counted.bench_local(|| body.assemble(&step, request, &[2.0], &mut assembly).unwrap());
     }

@@ -28,6 +28,11 @@ pub mod material {
     pub use crate::material::response::Response;
 }
 
+/// Quality of some of the cells.
+pub mod mesh {
+    pub use crate::mesh::quality::quality_of;
+}
+
 /// Resolution of time functions by the steps.
 pub mod motion {
     pub use crate::motion::resolution::{Resolution, Unresolved};

@@ -47,6 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     period::report(&mut report, &problem);
     report.output(&problem);
+    problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
     }
@@ -105,6 +106,10 @@ impl Report {
         let free = body.n_free_dofs();
         let given = if body.is_driven() { "fixed or driven" } else { "fixed" };
         self.line("dofs", &format!("{all} degrees of freedom, {} {given}, {free} free", all - free));
+        let of_cells = all - body.mesh().n_dofs();
+        if of_cells > 0 {
+            self.line("", &format!("{of_cells} of them in the incompatible modes of cells, without mass"));
+        }
         self.parts(body);
         let name = |region: &RegionSummary| region.group.clone().unwrap_or_else(|| "all cells".to_string());
         for region in body.regions() {
@@ -116,6 +121,7 @@ impl Report {
         if body.regions().len() > 1 {
             self.region("body", "all regions", &RegionSummary::combined(body.regions()));
         }
+        problem.formulations.lines.iter().for_each(|line| self.line("cells", line));
         for (load, resultant) in problem.loads.iter().zip(body.load_resultants()) {
             self.load(load, &resultant);
         }

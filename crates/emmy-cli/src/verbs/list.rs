@@ -5,8 +5,7 @@ use clap::{Args, ValueEnum};
 use emmy::body::FieldName;
 use emmy::internals::sparse::SOLVERS;
 use emmy::internals::time::{ESTIMATORS, SCHEMES};
-use emmy::mesh::CellKind;
-use emmy_io::input::{materials, meshes};
+use emmy_io::input::{elements, materials, meshes};
 use emmy_io::properties::{MeasuredMaterial, measured};
 use emmy_io::units::{SYSTEMS, UnitSystem};
 use serde_json::json;
@@ -73,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Schemes => described(SCHEMES.map(|row| (row.form, row.description))),
         What::Estimators => described(ESTIMATORS.map(|(name, _, description)| (name, description))),
         What::Materials => materials(),
-        What::Elements => described(CellKind::ALL.map(|kind| (kind.name(), kind.info().description))),
+        What::Elements => elements(),
         What::Meshes => meshes(),
         What::Solvers => described(SOLVERS.map(|(name, _, description)| (name, description))),
         What::Fields => FieldName::ALL.map(|field| (field.name(), emmy_io::units::described(field))).into(),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::body::RegionSummary;
-use emmy::modes::{Mode, modes, modes_about};
+use emmy::modes::{Mode, modes, modes_about, n_modes};
 use emmy_io::input::{self, Overrides, Problem, Start, StartError};
 
 use super::with_threads;
@@ -76,7 +76,7 @@ impl Arguments {
 /// The displacement about which the body vibrates, and its modes.
 fn computed(problem: &Problem, count: Option<u32>) -> Result<(Vec<f64>, Vec<Mode>), Failure> {
     let body = &problem.body;
-    let count = count.map_or(DEFAULT_COUNT.min(body.n_free_dofs().max(1)), |count| count as usize);
+    let count = count.map_or(DEFAULT_COUNT.min(n_modes(body).max(1)), |count| count as usize);
     let Some(equilibrium) = problem.equilibrium()? else {
         let modes = modes(body, count).map_err(failure)?;
         return Ok((vec![0.0; body.n_dofs()], modes));

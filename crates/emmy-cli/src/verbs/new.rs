@@ -37,7 +37,7 @@ macro_rules! template {
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 11] = [
+pub(super) const TEMPLATES: [Template; 13] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -49,6 +49,8 @@ pub(super) const TEMPLATES: [Template; 11] = [
     template!("spring-network"),
     template!("driven-beam"),
     template!("balloon"),
+    template!("rubber-mount"),
+    template!("rubber-beam"),
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.

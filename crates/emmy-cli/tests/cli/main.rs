@@ -6,6 +6,7 @@ mod converge;
 mod endings;
 mod equilibrium;
 mod examples;
+mod formulations;
 mod hostile;
 mod killed_frames;
 mod links;

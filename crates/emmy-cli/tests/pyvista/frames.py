@@ -216,7 +216,12 @@ def scripts_of_the_book(emmy, directory):
     assert float(balance.split()[-3]) < 1e-9, balance
     printed("bracket.md", "bracket_stress.py")
     printed("bracket.md", "bracket_stress.py", "steel-bracket")
-    for picture in ["bracket.png", "steel-bracket.png"]:
+    mount = root / "examples/rubber-mount.toml"
+    subprocess.run([emmy, "run", mount, "--quiet"], cwd=directory, check=True)
+    locked = ["--until", "2e-3", "--output", "locked", "--set", "region.0.formulation=standard"]
+    subprocess.run([emmy, "run", mount, "--quiet", *locked], cwd=directory, check=True)
+    printed("which-element.md", "rubber_mount.py")
+    for picture in ["bracket.png", "steel-bracket.png", "rubber-mount.png"]:
         assert (directory / picture).stat().st_size > 1000
 
 

@@ -117,7 +117,8 @@ pub(super) fn check_regions(mesh: &Mesh, regions: &[Placed<Region>]) -> Result<(
     }
 }
 
-fn cells(mesh: &Mesh, region: &Placed<Region>, n_regions: usize) -> Result<Vec<usize>, Fault> {
+/// Cells of a region.
+pub(super) fn cells(mesh: &Mesh, region: &Placed<Region>, n_regions: usize) -> Result<Vec<usize>, Fault> {
     match &region.group {
         Some((name, _)) => {
             Ok(mesh.groups().cells(name).into_iter().flatten().map(|&cell| cell as usize).collect())

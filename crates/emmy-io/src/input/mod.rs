@@ -13,6 +13,7 @@ mod equilibrium;
 mod excerpt;
 mod expression;
 mod fault;
+mod formulation;
 mod groups;
 mod history;
 mod initial;
@@ -42,6 +43,7 @@ mod write;
 
 pub use excerpt::Excerpt;
 pub use fault::{Fault, InputError, Place};
+pub use formulation::{Formulations, elements};
 pub use material::materials;
 pub(crate) use measured::resolved;
 pub use problem::{Overrides, Problem, read};

@@ -9,6 +9,7 @@ use emmy::time::Scheme;
 
 use super::description::{Described, Kind, Section};
 use super::fault::{Fault, Faults, InputError};
+use super::formulation::Formulations;
 use super::groups::Members;
 use super::history::Context;
 use super::quantities::{Quantities, Requested};
@@ -120,6 +121,8 @@ pub struct Problem {
     pub quantities: Quantities,
     /// Limits that end a run early.
     pub limits: Limits,
+    /// Formulations of the cells, for `emmy check`.
+    pub formulations: Formulations,
     /// Remarks from the mesh reader, and on keys without effect.
     pub notes: Vec<String>,
     /// The source files: the input, the files of the mesh, the files of histories.
@@ -269,6 +272,7 @@ impl Parts {
         groups::check_nodes(&mesh, self.nodal.groups(), &mut self.faults);
         self.faults.finish()?;
         groups::check_regions(&mesh, &self.regions)?;
+        let formulations = Formulations::new(&mesh, &self.regions, &self.time)?;
         support::check_together(&mesh, &self.supports, &self.time)?;
         self.nodal.check_damping(&self.regions, &self.time)?;
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
@@ -321,6 +325,7 @@ impl Parts {
             output: self.output,
             quantities,
             limits: self.limits,
+            formulations,
             notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
             files,
             resolved,

@@ -11,7 +11,7 @@ use emmy::internals::time::SCHEMES;
 use emmy::mesh::CellKind;
 
 use super::description::{self, Key, Kind, Rule, Section};
-use super::material;
+use super::{formulation, material};
 use crate::history::{ColumnInfo, every_column};
 use crate::properties::{MeasuredMaterial, measured};
 use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, written};
@@ -62,7 +62,7 @@ fn chosen(section: &Section) -> &'static str {
     match section.rule {
         Rule::AtLeastOne(_) => "at least one of these",
         Rule::ExactlyOne(_) | Rule::OneSet(_) => "exactly one of these",
-        Rule::Free | Rule::Density => "",
+        Rule::Free | Rule::Region => "",
     }
 }
 
@@ -154,9 +154,12 @@ fn cells() -> String {
         let gmsh = gmsh.map(|id| id.to_string()).unwrap_or_default();
         let vtk = crate::vtk::cell_type(kind);
         let description = kind.info().description.to_string();
-        vec![code(kind.name()), description, gmsh, abaqus.join(", "), vtk.to_string(), points.to_string()]
+        let numbers = [gmsh, abaqus.join(", "), vtk.to_string(), points.to_string()];
+        let formulations = formulation::described(kind).unwrap_or_default();
+        [code(kind.name()), description].into_iter().chain(numbers).chain([formulations]).collect()
     };
-    table(&["cell", "description", "Gmsh", "Abaqus", "VTK", "points"], CellKind::ALL.map(row))
+    let head = ["cell", "description", "Gmsh", "Abaqus", "VTK", "points", "against locking"];
+    table(&head, CellKind::ALL.map(row))
 }
 
 fn schemes() -> String {

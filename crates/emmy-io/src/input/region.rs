@@ -5,8 +5,8 @@ use emmy::internals::material::ModelCells;
 
 use super::description::{Described, Kind, POSITIVE, Rule, Section};
 use super::fault::{Fault, Place};
-use super::material;
 use super::table::{Item, Table};
+use super::{formulation, material};
 
 /// `[[region]]`.
 pub(super) static REGION: Described = Described::new(|| {
@@ -24,8 +24,23 @@ pub(super) static REGION: Described = Described::new(|| {
         .absent("1")
         .must("material", Kind::Table(&material::MATERIAL), "", "Exactly one model with its parameters")
         .may("viscosity", Kind::Table(&VISCOSITY), "", "Viscosity of Kelvin and Voigt")
-        .absent("none");
-    Section { rule: Rule::Density, ..section }
+        .absent("none")
+        .may(
+            "formulation",
+            Kind::Word(formulation::formulations()),
+            "",
+            "Formulation of the cells: `projected-volume` for rubber and other materials that hardly change their volume, \
+             `incompatible-modes` for bending of hex8 and quad4",
+        )
+        .absent("`\"standard\"`")
+        .may(
+            "pressure",
+            Kind::Word(formulation::pressures()),
+            "",
+            "With `projected-volume`: functions of the pressure in each cell",
+        )
+        .absent("by the kind of cell, see [below](#regionformulation)");
+    Section { rule: Rule::Region, ..section }
 });
 
 static VISCOSITY: Described = Described::new(|| {
@@ -81,6 +96,7 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
         Some(item) => region.with_viscosity(viscosity(item, material)?),
         None => region,
     };
+    let region = region.with_formulation(formulation::read(&table)?);
     Placed::new(&table, region)
 }
 

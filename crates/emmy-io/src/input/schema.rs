@@ -3,6 +3,7 @@
 //! It is generated from the descriptions of the tables. The reader is stricter: it knows the mesh, and rules that
 //! involve several tables.
 
+use emmy::body::Formulation;
 use emmy::internals::material::{Bounds, IfAbsent, ModelCells};
 use serde_json::{Map, Value, json};
 
@@ -80,12 +81,20 @@ fn rules(section: &Section) -> Map<String, Value> {
         Rule::AtLeastOne(keys) => {
             json!({ "anyOf": keys.iter().map(|key| required(&[key])).collect::<Vec<_>>() })
         }
-        Rule::Density => {
+        Rule::Region => {
             let massless = emmy::internals::body::MODELS.iter().map(|model| &model.model);
             let massless = massless.filter(|model| model.cells == ModelCells::MasslessLinks);
             let massless: Vec<Value> = massless.map(|model| required(&[model.name])).collect();
             let without_mass = json!({ "properties": { "material": { "anyOf": massless } } });
-            json!({ "anyOf": [required(&["density"]), without_mass] })
+            let projected = Formulation::ProjectedVolume(None).name();
+            let projected = json!({
+                "properties": { "formulation": { "const": projected } },
+                "required": ["formulation"]
+            });
+            json!({
+                "anyOf": [required(&["density"]), without_mass],
+                "dependencies": { "pressure": projected }
+            })
         }
     };
     rules.as_object().cloned().unwrap_or_default()

@@ -19,18 +19,20 @@ mod standard;
 mod start_tangent;
 #[cfg(test)]
 mod tests;
+mod time_point;
 mod volume;
 
 pub use damping::Damping;
 pub use follower::FollowerRule;
 pub use mean::Mean;
 pub use start_tangent::StartTangent;
-pub use volume::VolumeAverage;
+pub use volume::{VolumeAverage, VolumeStart};
 
 use crate::material::Response;
 use crate::polynomial::{lagrange, lagrange_integral, lagrange_rate, legendre};
 use crate::quadrature::{Quadrature, gauss, lobatto};
 use crate::tensor::{Elasticity, Lane, Mat3, Sym, Tangent, add_scaled};
+use time_point::{TimePoint, time_points};
 
 /// An averaging rule: the quadrature that makes a scheme out of a time element.
 ///
@@ -148,21 +150,6 @@ enum StressKind {
     DiscreteGradient,
     /// As [`StressKind::AssumedStrain`], see [`Rule::straining_rates`].
     StrainingRates,
-}
-
-/// A quadrature point inside the step with everything a rule needs there.
-#[derive(Debug, Clone)]
-struct TimePoint {
-    /// Point alpha.
-    alpha: f64,
-    /// Weight w.
-    weight: f64,
-    /// L_j(alpha), the integrals of the basis.
-    integrals: Vec<f64>,
-    /// l_j(alpha).
-    basis: Vec<f64>,
-    /// w l_i(alpha) / b_i, the weights of the point in the stage averages.
-    stage_weights: Vec<f64>,
 }
 
 /// Wanted results of [`Rule::average`].
@@ -404,16 +391,4 @@ impl Rule {
         }
         G
     }
-}
-
-/// The points of a quadrature in a time element with Gauss points c and weights b.
-fn time_points(c: &[f64], b: &[f64], quadrature: &Quadrature<1>) -> Vec<TimePoint> {
-    let degree = c.len();
-    let points = quadrature.points.iter().zip(&quadrature.weights).map(|(&[alpha], &weight)| {
-        let basis: Vec<f64> = (0..degree).map(|j| lagrange(c, j, alpha)).collect();
-        let integrals = (0..degree).map(|j| lagrange_integral(c, j, alpha)).collect();
-        let stage_weights = (0..degree).map(|i| weight * basis[i] / b[i]).collect();
-        TimePoint { alpha, weight, integrals, basis, stage_weights }
-    });
-    points.collect()
 }

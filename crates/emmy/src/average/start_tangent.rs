@@ -12,8 +12,8 @@ pub struct StartTangent {
     /// Derivatives dP_i/dF_1 at fixed rates, `[k]`.
     pub tangent: Vec<Tangent<f64>>,
     /// Derivatives dS_i/dE_1 at fixed strain rates, `[k]`.
-    stiffness: Vec<Elasticity<f64>>,
-    average: Average<f64>,
+    pub(super) stiffness: Vec<Elasticity<f64>>,
+    pub(super) average: Average<f64>,
 }
 
 impl StartTangent {
@@ -47,12 +47,12 @@ impl Rule {
             Kind::EnergyMomentum(StressKind::AssumedStrain | StressKind::StrainingRates) => {
                 self.average(material, start, rates, Request::Tangent, &mut result.average);
                 self.assumed_strain_start_stiffness(material, &green_lagrange(start), result);
-                self.energy_momentum_start_tangent(start, rates, result);
+                self.energy_momentum_start_tangent(start, rates, true, result);
             }
             Kind::EnergyMomentum(StressKind::DiscreteGradient) => {
                 self.average(material, start, rates, Request::Tangent, &mut result.average);
                 self.discrete_gradient_start_stiffness(material, start, rates, result);
-                self.energy_momentum_start_tangent(start, rates, result);
+                self.energy_momentum_start_tangent(start, rates, true, result);
             }
         }
     }
@@ -135,10 +135,12 @@ impl Rule {
         }
     }
 
-    fn energy_momentum_start_tangent(
+    /// The derivatives of `P_i = F(c_i) S_i` from those of S_i, set or added.
+    pub(super) fn energy_momentum_start_tangent(
         &self,
         start: &Mat3<f64>,
         rates: &[Mat3<f64>],
+        is_first: bool,
         result: &mut StartTangent,
     ) {
         let k = self.degree();
@@ -151,8 +153,10 @@ impl Rule {
                 let entries = Y.as_flattened_mut().iter_mut().zip(part.as_flattened());
                 entries.for_each(|(sum, entry)| *sum += entry);
             }
-            result.tangent[i] = first_from_second(&average.gradients[i], &Y);
-            add_geometric(&mut result.tangent[i], 1.0, &average.stresses[i]);
+            let mut A = first_from_second(&average.gradients[i], &Y);
+            add_geometric(&mut A, 1.0, &average.stresses[i]);
+            let entries = result.tangent[i].as_flattened_mut().iter_mut().zip(A.as_flattened());
+            entries.for_each(|(sum, A)| *sum = if is_first { *A } else { *sum + *A });
         }
     }
 }

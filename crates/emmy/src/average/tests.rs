@@ -10,9 +10,9 @@ use crate::tensor::{Mat3, add_scaled, green_lagrange};
 
 /// A step at a point: displacement gradient at the start and rates of the deformation gradient.
 #[derive(Debug, Clone)]
-struct Step {
-    start: Mat3<f64>,
-    rates: Vec<Mat3<f64>>,
+pub(super) struct Step {
+    pub start: Mat3<f64>,
+    pub rates: Vec<Mat3<f64>>,
 }
 
 fn tensor(size: f64) -> impl Strategy<Value = Mat3<f64>> {
@@ -20,7 +20,7 @@ fn tensor(size: f64) -> impl Strategy<Value = Mat3<f64>> {
 }
 
 /// A rotated, strained start, and rates that rotate and strain the point further.
-fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
+pub(super) fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
     let rates = prop::collection::vec(tensor(size), k);
     (tensor(1.0), tensor(0.15), rates).prop_map(|(axis, strain, rates)| {
         let R = rotation([axis[0][1], axis[1][2], axis[2][0]].map(|w| 2.0 * w));
@@ -29,14 +29,14 @@ fn step(k: usize, size: f64) -> impl Strategy<Value = Step> {
     })
 }
 
-const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(super) const IDENTITY: Mat3<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
+pub(super) fn product(A: &Mat3<f64>, B: &Mat3<f64>) -> Mat3<f64> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| A[i][k] * B[k][j]).sum()))
 }
 
 /// Rodrigues' rotation by a rotation vector.
-fn rotation(w: [f64; 3]) -> Mat3<f64> {
+pub(super) fn rotation(w: [f64; 3]) -> Mat3<f64> {
     let angle = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt().max(1e-30);
     let n = w.map(|x| x / angle);
     let N = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];

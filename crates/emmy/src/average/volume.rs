@@ -13,6 +13,11 @@
 
 mod path;
 mod pressure;
+mod start;
+#[cfg(test)]
+mod tests;
+
+pub use start::VolumeStart;
 
 use super::{Kind, Request, Rule, StressKind};
 use crate::material::VolumeMeasure;
@@ -58,6 +63,23 @@ impl<L: Lane> VolumeAverage<L> {
             gradients: vec![[[zero; 3]; 3]; n],
             strain_rates: vec![[zero; 6]; k],
             path: Path::new(k, zero),
+        }
+    }
+
+    /// Keeps what [`Rule::add_pressure`] takes with [`Request::Stress`]: displacement gradients and B_l. `[n_pressures]`
+    #[inline(always)]
+    pub(crate) fn keep_unit_stresses(&self, kept: &mut [(Mat3<L>, Sym<L>)]) {
+        for (kept, parts) in kept.iter_mut().zip(self.gradients.iter().zip(&self.direction)) {
+            *kept = (*parts.0, *parts.1);
+        }
+    }
+
+    /// Takes what [`VolumeAverage::keep_unit_stresses`] kept.
+    #[inline(always)]
+    pub(crate) fn take_unit_stresses(&mut self, kept: &[(Mat3<L>, Sym<L>)]) {
+        for (l, (gradient, direction)) in kept.iter().enumerate() {
+            self.gradients[l] = *gradient;
+            self.direction[l] = *direction;
         }
     }
 

@@ -9,14 +9,19 @@ use crate::tensor::{LANES, Packed};
 pub(super) struct CellBatches {
     /// Indices of the cells in the mesh.
     pub cells: Vec<u32>,
-    /// Nodes, `[cell][n_nodes]`.
+    /// Nodes, `[cell][n_nodes]`: those of the mesh, then the internal ones.
     pub nodes: Vec<u32>,
     /// Number of nodes of a cell.
     pub n_nodes: usize,
+    /// Number of internal nodes among them.
+    pub n_modes: usize,
     /// Number of quadrature points of a cell.
     pub n_points: usize,
-    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes]`: the same for all cells.
+    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes - n_modes]`: the same for all
+    /// cells.
     reference_gradients: Vec<[f64; 3]>,
+    /// Gradients of the incompatible modes by the reference coordinates, `[batch][point][n_modes]`.
+    mode_gradients: Vec<[Packed; 3]>,
     /// `[batch][point]`.
     geometry: Vec<PointGeometry>,
 }
@@ -37,9 +42,10 @@ impl CellBatches {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(super) fn new(table: CellTable) -> Result<Self> {
-        let n_points = table.reference_gradients.len() / table.n_nodes;
+        let n_points = table.reference_gradients.len() / (table.n_nodes - table.n_modes);
         let n_batches = table.cells.len().div_ceil(LANES);
         let mut geometry = reserved(n_batches * n_points)?;
+        let mut mode_gradients = reserved(n_batches * n_points * table.n_modes)?;
         let last = table.cells.len().saturating_sub(1);
         for batch in 0..n_batches {
             for point in 0..n_points {
@@ -50,14 +56,20 @@ impl CellBatches {
                         .map(|i| [0, 1, 2].map(|j| pack(&|at| table.inverse_jacobians[at][i][j]))),
                     weight: pack(&|at| table.weights[at]),
                 });
+                for m in 0..table.n_modes {
+                    let gradient = |at: usize| table.mode_gradients[at * table.n_modes + m];
+                    mode_gradients.push([0, 1, 2].map(|i| pack(&|at| gradient(at)[i])));
+                }
             }
         }
         Ok(CellBatches {
             cells: table.cells,
             nodes: table.nodes,
             n_nodes: table.n_nodes,
+            n_modes: table.n_modes,
             n_points,
             reference_gradients: table.reference_gradients,
+            mode_gradients,
             geometry,
         })
     }
@@ -79,10 +91,24 @@ impl CellBatches {
         &self.nodes[cell * self.n_nodes..(cell + 1) * self.n_nodes]
     }
 
-    /// Reference gradients at a point, `[n_nodes]`.
+    /// Number of nodes of a cell that are nodes of the mesh.
+    #[inline(always)]
+    pub(super) fn n_corners(&self) -> usize {
+        self.n_nodes - self.n_modes
+    }
+
+    /// Reference gradients at a point, `[n_nodes - n_modes]`.
     #[inline(always)]
     pub(super) fn reference_gradients_at(&self, point: usize) -> &[[f64; 3]] {
-        &self.reference_gradients[point * self.n_nodes..(point + 1) * self.n_nodes]
+        let n = self.n_corners();
+        &self.reference_gradients[point * n..(point + 1) * n]
+    }
+
+    /// Reference gradients of the modes of a batch at a point, `[n_modes]`.
+    #[inline(always)]
+    pub(super) fn mode_gradients_at(&self, batch: usize, point: usize) -> &[[Packed; 3]] {
+        let first = (batch * self.n_points + point) * self.n_modes;
+        &self.mode_gradients[first..first + self.n_modes]
     }
 
     /// Geometry of a batch, `[point]`.
@@ -91,7 +117,8 @@ impl CellBatches {
         &self.geometry[batch * self.n_points..(batch + 1) * self.n_points]
     }
 
-    /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of a node.
+    /// Copies a field to the nodes of a batch, `nodal: [n_nodes][3]`; `value`: of a node. At internal nodes it is the
+    /// field less its mean over the corners.
     #[inline(always)]
     pub(super) fn gather(&self, batch: usize, nodal: &mut [[Packed; 3]], value: impl Fn(usize) -> [f64; 3]) {
         let last = self.cells.len() - 1;
@@ -103,6 +130,17 @@ impl CellBatches {
                     nodal[i].0[lane] = value[i];
                 }
             }
+        }
+        if self.n_modes > 0 {
+            self.subtract_means(nodal);
+        }
+    }
+
+    fn subtract_means(&self, nodal: &mut [[Packed; 3]]) {
+        let (corners, modes) = nodal.split_at_mut(self.n_corners());
+        for (lane, i) in (0..LANES).flat_map(|lane| (0..3).map(move |i| (lane, i))) {
+            let mean = corners.iter().map(|corner| corner[i].0[lane]).sum::<f64>() / corners.len() as f64;
+            modes.iter_mut().for_each(|mode| mode[i].0[lane] -= mean);
         }
     }
 }

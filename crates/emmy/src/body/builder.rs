@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 use std::sync::{Arc, OnceLock};
 
 use super::field_load::FieldLoad;
+use super::internal_nodes::InternalNodes;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::pressures;
@@ -120,13 +121,15 @@ impl Body {
         let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
         let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
-        let mut terms = regions::terms(&mesh, &regions, &of_cell)?;
+        let internal = InternalNodes::new(&mesh, &regions, of_cell.indices());
+        let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal)?;
         let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass)?;
         let couplings = terms.iter().flat_map(|term| {
             let (nodes, length) = term.couplings();
             nodes.chunks_exact(length)
         });
-        let pattern = Pattern::new(mesh.n_nodes(), couplings);
+        // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
+        let pattern = Pattern::new(internal.n_all(), couplings).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
@@ -142,9 +145,11 @@ impl Body {
             fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
-        let constraints = Constraints::new(&mesh, supports.iter())?;
+        let constraints = Constraints::new(&mesh, &internal, supports.iter())?;
         nodal::check_masses(&mesh, &lumped_mass, &constraints.fixed)?;
+        lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
+            internal: Arc::new(internal),
             loads: Arc::new(vectors),
             fields: Arc::new(fields),
             pressures: Arc::new(followers),
@@ -178,7 +183,7 @@ impl Body {
         for &time in times.iter().rev() {
             let holds = |support: &Support| support.until.is_none_or(|until| until > time);
             let held = supports.iter().filter(|support| holds(support));
-            let Constraints { fixed, drives } = Constraints::new(&self.mesh, held)?;
+            let Constraints { fixed, drives } = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
             nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
             release = Some((time, Box::new(Body { fixed, drives, supported, release, ..self.clone() })));

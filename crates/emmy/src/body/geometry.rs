@@ -11,12 +11,16 @@ use crate::tensor::{Mat3, cross, det};
 pub(crate) struct CellTable {
     /// Indices of the cells in the mesh.
     pub cells: Vec<u32>,
-    /// Nodes, `[cell][n_nodes]`.
+    /// Nodes, `[cell][n_nodes]`: those of the mesh, then the internal ones.
     pub nodes: Vec<u32>,
     /// Number of nodes of a cell.
     pub n_nodes: usize,
-    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes]`.
+    /// Number of internal nodes among them.
+    pub n_modes: usize,
+    /// Gradients of the shape functions by the reference coordinates, `[point][n_nodes - n_modes]`.
     pub reference_gradients: Vec<[f64; 3]>,
+    /// Gradients of the incompatible modes by the reference coordinates, `[cell][point][n_modes]`.
+    pub mode_gradients: Vec<[f64; 3]>,
     /// dxi/dX, `[cell][point]` \[1/length\].
     pub inverse_jacobians: Vec<Mat3<f64>>,
     /// Weights times det(dX/dxi) and the thickness of plane cells, `[cell][point]` \[length^3\].
@@ -38,6 +42,8 @@ impl CellTable {
         let mut table = CellTable {
             nodes: reserved(cells.len() * kind.n_nodes())?,
             n_nodes: kind.n_nodes(),
+            n_modes: 0,
+            mode_gradients: Vec::new(),
             inverse_jacobians: reserved(cells.len() * n_points)?,
             weights: reserved(cells.len() * n_points)?,
             reference_gradients: reference.gradients.clone(),
@@ -76,6 +82,7 @@ pub(super) struct ReferenceTable<const D: usize> {
     pub(super) n_nodes: usize,
     shapes: Vec<f64>,
     gradients: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
     pub(super) weights: Vec<f64>,
 }
 
@@ -88,7 +95,7 @@ impl<const D: usize> ReferenceTable<D> {
             element.shape(xi, &mut shapes[nodes.clone()]);
             element.gradient(xi, &mut gradients[nodes]);
         }
-        ReferenceTable { n_nodes, shapes, gradients, weights: quadrature.weights }
+        ReferenceTable { n_nodes, shapes, gradients, points: quadrature.points, weights: quadrature.weights }
     }
 
     pub(super) fn gradients_at(&self, point: usize) -> &[[f64; D]] {

@@ -1,6 +1,7 @@
 //! Integrals over a batch of cells: stage forces, their derivatives, the stored energy. Everything here is inlined into
 //! the functions that are dispatched by instruction set.
 
+mod modes;
 pub(super) mod projected;
 
 use std::any::Any;
@@ -165,14 +166,20 @@ impl<R: Register> RegisterCells<'_, R> {
     #[inline(always)]
     pub(super) fn set_field_gradients(&self, point: usize, nodal: &[[Packed; 3]], gradients: &mut [Mat3<R>]) {
         let dN = self.cells.reference_gradients_at(point);
+        let modes = self.cells.mode_gradients_at(self.batch, point);
         let inverse = self.inverse_jacobian(point);
         for (gradient, field) in gradients.iter_mut().zip(nodal.chunks_exact(self.cells.n_nodes)) {
-            *gradient = self.field_gradient(field, dN, &inverse);
+            *gradient = self.field_gradient(field, (dN, modes), &inverse);
         }
     }
 
     #[inline(always)]
-    fn field_gradient(&self, field: &[[Packed; 3]], dN: &[[f64; 3]], inverse: &Mat3<R>) -> Mat3<R> {
+    fn field_gradient(
+        &self,
+        field: &[[Packed; 3]],
+        (dN, modes): (&[[f64; 3]], &[[Packed; 3]]),
+        inverse: &Mat3<R>,
+    ) -> Mat3<R> {
         let zero = self.zero;
         let mut H = [[zero; 3]; 3];
         for (u, dN) in field.iter().zip(dN) {
@@ -182,6 +189,15 @@ impl<R: Register> RegisterCells<'_, R> {
                 (0..3).for_each(
                     #[inline(always)]
                     |i| H[i][m] = u[i].mul_add(dN, H[i][m]),
+                );
+            }
+        }
+        for (a, gradient) in field[dN.len()..].iter().zip(modes) {
+            let (a, gradient) = (vector(zero, a, self.part), vector(zero, gradient, self.part));
+            for m in 0..3 {
+                (0..3).for_each(
+                    #[inline(always)]
+                    |i| H[i][m] = a[i].mul_add(gradient[m], H[i][m]),
                 );
             }
         }
@@ -195,6 +211,14 @@ impl<R: Register> RegisterCells<'_, R> {
     /// Gradients of the shape functions at a quadrature point, `dN_A/dxi dxi/dX`.
     #[inline(always)]
     pub(super) fn set_shape_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
+        self.set_corner_gradients(point, gradients);
+        if self.cells.n_modes > 0 {
+            self.add_mode_gradients(point, gradients);
+        }
+    }
+
+    #[inline(always)]
+    fn set_corner_gradients(&self, point: usize, gradients: &mut [[Packed; 3]]) {
         let zero = self.zero;
         let inverse = self.inverse_jacobian(point);
         for (dN, gradient) in self.cells.reference_gradients_at(point).iter().zip(gradients) {
@@ -275,7 +299,11 @@ fn set_forces_of_stages<R: Register>(cells: RegisterCells<'_, R>, k: usize, memo
     let n_points = cells.cells.n_points;
     for i in 0..k {
         let stress = &memory.stress[i * n_points..(i + 1) * n_points];
-        set_force(cells.zero, cells.cells, stress, &mut memory.force[i * n..(i + 1) * n], cells.part);
+        let (corners, internal) = memory.force[i * n..(i + 1) * n].split_at_mut(cells.cells.n_corners());
+        set_force(cells.zero, cells.cells, stress, corners, cells.part);
+        if !internal.is_empty() {
+            modes::set_forces(cells, stress, corners, internal);
+        }
     }
 }
 

@@ -51,7 +51,7 @@ impl Body {
     /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
     pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
         let mut moment = [0.0; 3];
-        let nodes = self.mesh().points().iter().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
+        let nodes = self.points().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
         for ((X, u), v) in nodes {
             let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
             let arm_cross_v = cross(q, [v[0], v[1], v[2]]);

@@ -6,8 +6,8 @@ use super::Body;
 use crate::error::Result;
 use crate::sparse::BlockCholesky;
 
-/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom, with v_c given for the fixed
-/// ones.
+/// Velocity from momentum: `M_ff v_f = p_f - M_fc v_c` for the free degrees of freedom with mass, with v_c given for the
+/// fixed ones. Nodes without mass get the velocity 0.
 #[derive(Debug)]
 pub(crate) struct MassSolver {
     /// Factorisations with the directions that share them (directions with the same fixed nodes).
@@ -22,8 +22,9 @@ impl MassSolver {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(crate) fn new(body: &Body) -> Result<Self> {
-        let fixed =
-            |axis: usize| -> Vec<bool> { body.fixed().iter().skip(axis).step_by(3).copied().collect() };
+        // Nodes without mass have no velocity that follows from a momentum.
+        let is_given = |dof: usize| body.fixed()[dof] || body.internal_dofs().contains(&dof);
+        let fixed = |axis: usize| -> Vec<bool> { (axis..body.n_dofs()).step_by(3).map(is_given).collect() };
         let mut factors: Vec<(Vec<usize>, BlockCholesky)> = Vec::new();
         for axis in 0..3 {
             if let Some((axes, _)) = factors.iter_mut().find(|(axes, _)| fixed(axes[0]) == fixed(axis)) {

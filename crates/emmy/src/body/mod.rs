@@ -15,6 +15,7 @@ mod geometry;
 mod held;
 mod input;
 mod integral;
+mod internal_nodes;
 pub(crate) mod invariants;
 mod load_vector;
 mod loads;

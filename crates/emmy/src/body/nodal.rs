@@ -205,6 +205,8 @@ fn ground_attraction(
     let table = CellTable {
         cells: vec![0; nodes.len()],
         n_nodes: 1,
+        n_modes: 0,
+        mode_gradients: Vec::new(),
         reference_gradients: vec![[1.0, 0.0, 0.0]],
         inverse_jacobians: gradients,
         weights: vec![1.0; nodes.len()],

@@ -59,7 +59,7 @@ impl Projection {
 }
 
 /// Shape functions at the quadrature points of a kind, `[point][n_nodes]`.
-fn shapes(kind: CellKind) -> Vec<Vec<f64>> {
+pub(crate) fn shapes(kind: CellKind) -> Vec<Vec<f64>> {
     let shapes = |xi: &[f64; 3]| {
         let mut shapes = vec![0.0; kind.n_nodes()];
         element(kind).shape(*xi, &mut shapes);
@@ -76,7 +76,7 @@ fn points(mesh: &Mesh, table: &CellTable, cell: usize, shapes: &[Vec<f64>]) -> V
 }
 
 /// The first of the functions 1, X, Y, Z, made orthonormal in the order given, `[point][function]`.
-fn orthonormal(points: &[[f64; 3]], weights: &[f64], n: usize) -> Vec<f64> {
+pub(crate) fn orthonormal(points: &[[f64; 3]], weights: &[f64], n: usize) -> Vec<f64> {
     let volume: f64 = weights.iter().sum();
     let centre = [0, 1, 2].map(|d| points.iter().zip(weights).map(|(X, w)| w * X[d]).sum::<f64>() / volume);
     let mut functions: Vec<Vec<f64>> = Vec::new();

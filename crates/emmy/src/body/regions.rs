@@ -1,6 +1,7 @@
 //! Regions: their cells, terms, masses and summaries.
 
 use super::geometry::{CellTable, for_each_volume_point};
+use super::internal_nodes::InternalNodes;
 use super::term::Term;
 use super::{Region, Viscosity};
 use crate::error::{Error, Result};
@@ -121,6 +122,10 @@ impl RegionOfCell {
             .collect()
     }
 
+    pub(super) fn indices(&self) -> &[u32] {
+        &self.0
+    }
+
     pub(super) fn into_indices(self) -> Vec<u32> {
         self.0
     }
@@ -146,7 +151,12 @@ impl Region {
 }
 
 /// One term for each region and kind of cell.
-pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Result<Vec<Box<dyn Term>>> {
+pub(super) fn terms(
+    mesh: &Mesh,
+    regions: &[Region],
+    of_cell: &RegionOfCell,
+    internal: &InternalNodes,
+) -> Result<Vec<Box<dyn Term>>> {
     let mut terms: Vec<Box<dyn Term>> = Vec::new();
     for (region, of_region) in regions.iter().zip(of_cell.cells_by_region(regions.len())) {
         for kind in CellKind::ALL {
@@ -155,7 +165,8 @@ pub(super) fn terms(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> 
             if !cells.is_empty() {
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
-                let mut term = region.term(mesh, kind, CellTable::new(mesh, kind, cells, section)?)?;
+                let table = CellTable::new(mesh, kind, cells, section)?.with_modes(mesh, kind, internal)?;
+                let mut term = region.term(mesh, kind, table)?;
                 term.set_viscosity(&region.viscosity);
                 terms.push(Box::new(term));
             }

@@ -4,10 +4,11 @@ mod pressures;
 mod region_material;
 mod scatter;
 mod start_gradient;
+mod start_pressure;
 
 use std::ops::Range;
 
-pub(super) use region_material::RegionMaterial;
+pub(super) use region_material::{NO_VOLUMETRIC_PART, RegionMaterial};
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -28,6 +28,7 @@ impl Body {
                 velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
             }
         }
+        self.set_internal_means(&mut velocity);
         let momentum = self.momentum_of(time, &mut velocity);
         Ok((momentum, velocity))
     }

@@ -1,6 +1,7 @@
 //! Degrees of freedom under supports: free, at rest, or driven.
 
 use super::drive::Drive;
+use super::internal_nodes::InternalNodes;
 use super::{GroundSpring, Rotation, Support};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -21,8 +22,12 @@ impl Constraints {
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
     /// degree of freedom disagree.
-    pub(super) fn new<'a>(mesh: &Mesh, supports: impl Iterator<Item = &'a Support> + Clone) -> Result<Self> {
-        let mut constraints = Constraints { fixed: vec![false; mesh.n_dofs()], drives: Vec::new() };
+    pub(super) fn new<'a>(
+        mesh: &Mesh,
+        internal: &InternalNodes,
+        supports: impl Iterator<Item = &'a Support> + Clone,
+    ) -> Result<Self> {
+        let mut constraints = Constraints { fixed: vec![false; internal.dofs().end], drives: Vec::new() };
         for support in supports.clone() {
             if let Some(time) = support.until.filter(|time| !time.is_finite()) {
                 return Err(Error::NotFinite { what: "time of a release".into(), value: time });
@@ -32,7 +37,7 @@ impl Constraints {
         for support in supports.filter(|support| support.is_driven()) {
             constraints.drive(mesh, support)?;
         }
-        constraints.fix_planes(mesh);
+        constraints.fix_planes(mesh, internal);
         Ok(constraints)
     }
 
@@ -45,9 +50,12 @@ impl Constraints {
     }
 
     /// Plane strain: nodes of plane cells stay in the plane.
-    fn fix_planes(&mut self, mesh: &Mesh) {
+    fn fix_planes(&mut self, mesh: &Mesh, internal: &InternalNodes) {
         for cell in mesh.cells().filter(|cell| cell.kind.dimension() == 2) {
             cell.nodes.iter().for_each(|&node| self.fixed[3 * node as usize + 2] = true);
+        }
+        for (node, _) in internal.with_cells(mesh).filter(|(_, cell)| cell.kind.dimension() == 2) {
+            self.fixed[3 * node + 2] = true;
         }
     }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::drive::Drive;
 use super::field_load::FieldLoad;
+use super::internal_nodes::InternalNodes;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
 use super::pressures::PressureResults;
@@ -29,6 +30,7 @@ use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
 #[derive(Debug, Clone)]
 pub struct Body {
     pub(super) mesh: Arc<Mesh>,
+    pub(super) internal: Arc<InternalNodes>,
     pub(super) regions: Vec<RegionSummary>,
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
@@ -66,9 +68,58 @@ impl Body {
         &self.mesh
     }
 
-    /// Number of degrees of freedom, fixed ones included.
+    /// Number of degrees of freedom, fixed ones included: three for each node of the mesh, then three for each
+    /// incompatible mode, which is held as a node without mass inside its cell. Vectors `[n_nodes][3]` of a state, a
+    /// force or a mode of vibration have this length; the nodes of the mesh come first.
+    ///
+    /// ```
+    /// use emmy::body::Formulation;
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 1.0).with_formulation(Formulation::IncompatibleModes);
+    /// let body = Body::builder(mesh::block([1.0; 3], [2, 1, 1])?).region(rubber).build()?;
+    /// assert_eq!(body.n_dofs(), 3 * (12 + 2 * 3));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
     pub fn n_dofs(&self) -> usize {
-        self.mesh.n_dofs()
+        self.internal.dofs().end
+    }
+
+    /// The degrees of freedom of incompatible modes: at the end, without mass.
+    pub(crate) fn internal_dofs(&self) -> Range<usize> {
+        self.internal.dofs()
+    }
+
+    /// Reference position of every node: those of the mesh, then the internal ones.
+    pub(crate) fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
+        self.mesh.points().iter().chain(self.internal.points())
+    }
+
+    /// Reference position of a node.
+    pub(crate) fn point(&self, node: usize) -> [f64; 3] {
+        let n = self.mesh.n_nodes();
+        if node < n { self.mesh.points()[node] } else { self.internal.points()[node - n] }
+    }
+
+    /// Sets a nodal field, `[n_nodes][3]`, without modes: at internal nodes the mean over the corners of their cells.
+    pub(crate) fn set_internal_means(&self, field: &mut [f64]) {
+        self.internal.set_means(&self.mesh, field);
+    }
+
+    /// Sets a velocity at the nodes without mass to the end of the polynomial of its rates, `sum_j weights_j x_j / h` with
+    /// the basis at the end of the step as weights; `rates: [k][n_nodes][3]`. No momentum determines it, and nothing but
+    /// predictions and estimates of errors depends on it.
+    pub(crate) fn set_internal_velocity(
+        &self,
+        weights: &[f64],
+        rates: &[f64],
+        step_size: f64,
+        velocity: &mut [f64],
+    ) {
+        let n = self.n_dofs();
+        for dof in self.internal_dofs() {
+            let rates = rates[dof..].iter().step_by(n);
+            velocity[dof] = rates.zip(weights).map(|(x, b)| b * x).sum::<f64>() / step_size;
+        }
     }
 
     /// Number of degrees of freedom that are neither fixed nor driven.
@@ -129,9 +180,9 @@ impl Body {
     /// Memory for the assembly with time elements of a degree.
     #[doc(hidden)]
     pub fn assembly(&self, degree: usize) -> Assembly {
-        let n_nodes = self.mesh.cells().map(|cell| cell.nodes.len()).max().unwrap_or(0);
-        let terms = self.terms.iter().chain(self.ground.iter());
-        let n_points = terms.map(|term| term.n_points()).max().unwrap_or(0);
+        let terms = || self.terms.iter().chain(self.ground.iter());
+        let n_nodes = terms().map(|term| term.couplings().1).max().unwrap_or(0);
+        let n_points = terms().map(|term| term.n_points()).max().unwrap_or(0);
         let n_pressure_terms = self.terms.iter().filter(|term| term.pressure_cells().is_some()).count();
         let scratch = || Scratch::new(degree, n_nodes, n_points, n_pressure_terms);
         let part = || Part { scratch: scratch(), outcome: Ok(()) };

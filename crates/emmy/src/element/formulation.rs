@@ -71,6 +71,14 @@ impl Formulation {
         }
     }
 
+    /// Number of incompatible modes in cells of a kind.
+    pub const fn n_modes(self, kind: CellKind) -> usize {
+        match self {
+            Formulation::Standard | Formulation::ProjectedVolume(_) => 0,
+            Formulation::IncompatibleModes => kind.info().n_modes,
+        }
+    }
+
     /// The functions of the pressure in cells of a kind, `None` for a formulation without them.
     ///
     /// # Errors
@@ -135,5 +143,10 @@ mod tests {
         }
         assert!(Formulation::IncompatibleModes.pressure_space(CellKind::Hex20).is_err());
         assert_eq!(Formulation::IncompatibleModes.pressure_space(CellKind::Quad4), Ok(None));
+        assert_eq!(
+            [CellKind::Quad4, CellKind::Hex8].map(|kind| Formulation::IncompatibleModes.n_modes(kind)),
+            [2, 3]
+        );
+        assert_eq!(Formulation::Standard.n_modes(CellKind::Hex8), 0);
     }
 }

@@ -215,9 +215,11 @@ fn stress_of<L: Lane>(material: &impl Isochoric, of: &Distortion<L>, slope: L, i
             M[a] += g * g * direction[a] * (2.0 * c);
         }
     }
-    let pressure = material.volume().pressure(of.ln_J);
-    for i in 0..3 {
-        M[i] += pressure;
+    if !material.volume().is_zero() {
+        let pressure = material.volume().pressure(of.ln_J);
+        for i in 0..3 {
+            M[i] += pressure;
+        }
     }
     commuting_product(inverse, &M)
 }

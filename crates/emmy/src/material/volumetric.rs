@@ -91,6 +91,12 @@ impl Volume {
         Some((Volume { law: self.law, bulk_modulus: kept }, rest))
     }
 
+    /// Whether there is no energy, as at the points of a cell with a projected volume.
+    #[inline(always)]
+    pub(super) fn is_zero(&self) -> bool {
+        self.bulk_modulus == 0.0
+    }
+
     /// W_vol at ln J.
     #[inline(always)]
     pub(super) fn energy<L: Lane>(&self, ln_J: L) -> L {

@@ -4,7 +4,7 @@ mod boundary;
 mod builder;
 mod connectivity;
 mod groups;
-mod quality;
+pub(crate) mod quality;
 mod shapes;
 
 pub use builder::MeshBuilder;

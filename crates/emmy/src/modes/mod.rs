@@ -111,6 +111,20 @@ pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec
     solved(body, &mut Linearised::at(body, &equilibrium.displacement, Some(equilibrium.time))?, count)
 }
 
+/// Number of modes of a body: its free degrees of freedom with mass, so that the incompatible modes of cells do not count.
+///
+/// ```
+/// use emmy::modes::n_modes;
+/// use emmy::prelude::*;
+/// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).support(Support::fixed("z-min")).build()?;
+/// assert_eq!(n_modes(&body), 12);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn n_modes(body: &Body) -> usize {
+    body.fixed()[..body.mesh().n_dofs()].iter().filter(|fixed| !**fixed).count()
+}
+
 /// The lowest elastic mode about the reference configuration, and the number of rigid ones; `None` if the 56 lowest
 /// modes are rigid or unstable.
 ///
@@ -128,7 +142,7 @@ pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
     let mut linearised = Linearised::at_reference(body)?;
-    let most = MAX_SEARCHED.min(body.n_free_dofs());
+    let most = MAX_SEARCHED.min(n_modes(body));
     let mut count = RIGID_AND_ONE.min(most);
     loop {
         let modes = if count == 0 { Vec::new() } else { solved(body, &mut linearised, count)? };
@@ -143,7 +157,7 @@ pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
 
 /// The lowest modes of a linearised body, with a shift near the lowest elastic one.
 fn solved(body: &Body, linearised: &mut Linearised, count: usize) -> Result<Vec<Mode>> {
-    let free = body.n_free_dofs();
+    let free = n_modes(body);
     if count > free {
         return Err(Error::TooManyModes { count, free });
     }

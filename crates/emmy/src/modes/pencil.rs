@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case)]
 
+use super::n_modes;
 use crate::average::Request;
 use crate::body::{Assembly, Body};
 use crate::error::Result;
@@ -94,7 +95,8 @@ impl<'a> BodyPencil<'a> {
     /// Largest quotient of the diagonals of K and the lumped mass over the free degrees of freedom: close to the largest
     /// eigenvalue.
     fn largest_quotient(&self) -> f64 {
-        let free = self.body.fixed().iter().enumerate().filter(|(_, fixed)| !**fixed);
+        let with_mass = &self.body.fixed()[..self.body.mesh().n_dofs()];
+        let free = with_mass.iter().enumerate().filter(|(_, fixed)| !**fixed);
         let quotient = |(dof, _): (usize, &bool)| {
             let node = dof / 3;
             let position = self.body.pattern().position(node, node)?;
@@ -129,6 +131,7 @@ impl<'a> BodyPencil<'a> {
         let centre = points.iter().map(|X| X[axis]).sum::<f64>() / points.len() as f64;
         let mut u = vec![0.0; self.body.n_dofs()];
         u.iter_mut().skip(axis).step_by(3).zip(points).for_each(|(u, X)| *u = X[axis] - centre);
+        self.body.set_internal_means(&mut u);
         let mut product = u.clone();
         self.linearised.assembly.matrix.multiply(self.body.pattern(), &u, &mut product);
         let stiff = dot(&u, &product);
@@ -148,7 +151,7 @@ impl Pencil for BodyPencil<'_> {
     }
 
     fn dimension(&self) -> usize {
-        self.body.n_free_dofs()
+        n_modes(self.body)
     }
 
     fn shift(&self) -> f64 {

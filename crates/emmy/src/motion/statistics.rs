@@ -67,8 +67,8 @@ pub struct LargestDisplacement {
 
 impl LargestDisplacement {
     fn update(&mut self, body: &Body, state: &State) {
-        let squares =
-            state.displacement.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
+        let of_mesh = &state.displacement[..body.mesh().n_dofs()];
+        let squares = of_mesh.as_chunks().0.iter().map(|[x, y, z]: &[f64; 3]| x * x + y * y + z * z);
         let (node, square) =
             squares.enumerate().fold((0, 0.0), |most, own| if own.1 > most.1 { own } else { most });
         if square.sqrt() > self.value {

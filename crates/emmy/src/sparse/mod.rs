@@ -6,6 +6,7 @@
 mod block_cholesky;
 mod blocks;
 mod cholesky;
+mod condensation;
 mod conjugate_gradients;
 mod dense;
 mod eigen;
@@ -26,6 +27,7 @@ mod triangular;
 
 pub use block_cholesky::BlockCholesky;
 pub use cholesky::Cholesky;
+pub(crate) use condensation::Condensation;
 pub(crate) use conjugate_gradients::{Approximate, ConjugateGradients};
 pub use dense::{Eigenpairs, eigenpairs, eliminate, inverse, null_space};
 pub(crate) use eigen::{BLOCK, Eigenmodes, Pencil, smallest};

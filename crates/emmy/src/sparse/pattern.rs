@@ -12,6 +12,8 @@
 pub struct Pattern {
     row_begin: Vec<usize>,
     columns: Vec<u32>,
+    /// First inner row.
+    inner_from: usize,
 }
 
 impl Pattern {
@@ -36,7 +38,55 @@ impl Pattern {
             columns[start..].sort_unstable();
             row_begin.push(columns.len());
         }
-        Pattern { row_begin, columns }
+        Pattern { row_begin, columns, inner_from: n_rows }
+    }
+
+    /// The pattern with the rows from a number on as *inner* rows: each is coupled within one list alone, so that the
+    /// elimination of the inner rows before the others has no fill. The orders of factorisations heed it.
+    pub fn with_inner_from(self, row: usize) -> Self {
+        Pattern { inner_from: row, ..self }
+    }
+
+    /// Number of rows that are not inner ones; they come first.
+    pub(super) fn n_outer(&self) -> usize {
+        self.inner_from
+    }
+
+    /// Number of outer columns of a row; they come first.
+    pub(super) fn n_outer_columns(&self, row: usize) -> usize {
+        self.row(row).partition_point(|&column| (column as usize) < self.inner_from)
+    }
+
+    /// Number of couplings of outer rows with each other.
+    pub fn n_outer_blocks(&self) -> usize {
+        (0..self.inner_from).map(|row| self.n_outer_columns(row)).sum()
+    }
+
+    /// The pattern of the outer rows.
+    pub(super) fn outer(&self) -> Pattern {
+        let mut row_begin = vec![0];
+        let mut columns = Vec::with_capacity(self.n_outer_blocks());
+        for row in 0..self.inner_from {
+            columns.extend_from_slice(&self.row(row)[..self.n_outer_columns(row)]);
+            row_begin.push(columns.len());
+        }
+        Pattern { row_begin, columns, inner_from: self.inner_from }
+    }
+
+    /// An order of all rows from one of the outer rows: each inner row comes right before the first of its outer
+    /// neighbours.
+    pub(super) fn with_inner_rows(&self, outer: Vec<usize>) -> Vec<usize> {
+        let mut order = Vec::with_capacity(self.n_rows());
+        let mut seen = vec![false; self.n_rows() - self.inner_from];
+        for row in outer {
+            for &inner in &self.row(row)[self.n_outer_columns(row)..] {
+                if !std::mem::replace(&mut seen[inner as usize - self.inner_from], true) {
+                    order.push(inner as usize);
+                }
+            }
+            order.push(row);
+        }
+        order
     }
 
     /// Number of rows.

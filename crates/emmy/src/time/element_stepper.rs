@@ -30,6 +30,8 @@ pub struct TimeElementStepper<'a> {
     mass_solver: Option<MassSolver>,
     /// Momentum at the start of the step.
     momentum: Vec<f64>,
+    /// The basis of the rates at the end of the step.
+    end_basis: Vec<f64>,
     residual: Vec<f64>,
     averages: Vec<f64>,
     position: Vec<f64>,
@@ -57,6 +59,7 @@ impl<'a> TimeElementStepper<'a> {
         let n_pressures = system.n_pressures();
         Ok(TimeElementStepper {
             iteration: Iteration::new(&system, settings),
+            end_basis: (0..k).map(|j| system.coefficients.rule.basis(j, 1.0)).collect(),
             system,
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
@@ -235,6 +238,8 @@ impl<'a> TimeElementStepper<'a> {
         } else {
             impulses.dissipated += self.update_velocity(state, h);
         }
+        let body = self.system.body;
+        body.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
     }
 
     /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`, and the correction of a dissipative scheme.

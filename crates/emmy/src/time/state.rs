@@ -40,16 +40,21 @@ impl State {
         State::displaced(body, time, vec![0.0; body.n_dofs()], fields)
     }
 
-    /// The body at a displacement `[n_nodes][3]` with an initial velocity field.
+    /// The body at a displacement `[n_nodes][3]` with an initial velocity field. A displacement of the nodes of the mesh
+    /// alone has incompatible modes of zero.
     ///
     /// # Errors
     /// As [`State::initial`]; [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
     pub fn displaced(
         body: &Body,
         time: f64,
-        displacement: Vec<f64>,
+        mut displacement: Vec<f64>,
         fields: &[InitialVelocity],
     ) -> Result<Self> {
+        if displacement.len() == body.mesh().n_dofs() {
+            displacement.resize(body.n_dofs(), 0.0);
+            body.set_internal_means(&mut displacement);
+        }
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
         let displacement_low = vec![0.0; body.n_dofs()];
@@ -88,7 +93,7 @@ impl State {
 
     /// Current position of a node.
     pub fn position(&self, body: &Body, node: usize) -> [f64; 3] {
-        [0, 1, 2].map(|i| body.mesh().points()[node][i] + self.displacement[3 * node + i])
+        [0, 1, 2].map(|i| body.point(node)[i] + self.displacement[3 * node + i])
     }
 
     /// Displacement of the first node of a free body, zero for any other body: strains and forces do not depend on it.
@@ -123,9 +128,10 @@ impl State {
         let origin = self.origin(body);
         let mut total = [0.0; 3];
         let mut moment = [0.0; 3];
-        for (node, p) in self.momentum.as_chunks::<3>().0.iter().enumerate() {
+        // Internal nodes have no momentum.
+        let nodes = body.mesh().points().iter().zip(self.momentum.as_chunks::<3>().0).enumerate();
+        for (node, (X, p)) in nodes {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
-            let X = body.mesh().points()[node];
             let at = 3 * node;
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
             add(&mut moment, cross(q, *p));

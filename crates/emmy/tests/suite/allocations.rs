@@ -1,10 +1,12 @@
 //! A step allocates no memory after the first ones.
 
 use allocation_counter::measure;
-use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity};
+use emmy::body::{
+    Body, Formulation, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity,
+};
 use emmy::internals::time::LocalError;
 use emmy::material::NeoHooke;
-use emmy::motion::{Motion, NewtonSettings, State};
+use emmy::motion::{Motion, NewtonSettings, Solver, State};
 use emmy::time::{Estimator, Scheme};
 
 use crate::shared::schemes::{DGM, at, element};
@@ -32,6 +34,25 @@ fn a_step_with_supports_that_move_allocates_nothing() {
         assert_eq!((1..100).map(&mut step).last(), Some(99));
         let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
         assert_eq!(counts.count_total, 0, "degree {degree}");
+    }
+}
+
+#[test]
+fn a_step_with_incompatible_modes_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let rubber = rubber.with_formulation(Formulation::IncompatibleModes);
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = pool.install(|| Body::builder(mesh).region(rubber).build().unwrap());
+    let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
+    for solver in [Solver::Direct, Solver::Iterative] {
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&spin)).unwrap();
+        let settings = NewtonSettings { solver, ..NewtonSettings::default() };
+        let mut motion = Motion::starting(&body, at(DGM, 2), settings, state).unwrap();
+        let mut step = |_: usize| motion.step(0.01).map(|record| record.step).unwrap();
+        assert_eq!((1..100).map(&mut step).last(), Some(99));
+        let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
+        assert_eq!(counts.count_total, 0, "{solver:?}");
     }
 }
 

@@ -68,6 +68,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "solid",
             "input",
             "models",
+            "internal_nodes",
             "regions",
             "nodal",
             "drive",

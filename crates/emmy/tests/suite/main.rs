@@ -10,6 +10,7 @@ mod damping;
 mod driven_supports;
 mod equilibrium;
 mod fields;
+mod incompatible;
 mod linear_oscillator;
 mod links;
 mod locking;

@@ -1,6 +1,8 @@
 //! A motion resumed from a snapshot equals the motion itself, bit for bit; failed steps are cut and grow back.
 
-use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity};
+use emmy::body::{
+    Body, Formulation, InitialVelocity, Load, LoadKind, Region, Support, TimeFunction, Viscosity,
+};
 use emmy::material::{NeoHooke, SaintVenantKirchhoff};
 use emmy::motion::Solver;
 use emmy::motion::{EventKind, MarchError, Motion, NewtonSettings, Phase, Record, Snapshot, State, StepPlan};
@@ -210,6 +212,27 @@ fn a_released_body_under_pressure_resumes_bit_for_bit() {
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (scheme, degree, solver) in families() {
         assert_same(&body, (scheme, degree), settings(solver), &InitialVelocity::default(), &plan);
+    }
+}
+
+/// The modes of cells are part of the state: in free flight, and released with a velocity of their own.
+#[test]
+fn incompatible_modes_resume_bit_for_bit() {
+    let released = Support { group: "y-max".into(), fix: [true; 3], until: Some(0.12), ..Default::default() };
+    let block = || mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
+    let with_modes = || rubber().with_formulation(Formulation::IncompatibleModes);
+    let bodies = [
+        (Body::builder(block()).region(with_modes()).load(force()).build().unwrap(), spin()),
+        (
+            Body::builder(block()).region(with_modes()).support(released).load(pressure()).build().unwrap(),
+            InitialVelocity::default(),
+        ),
+    ];
+    let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
+    for (body, start) in &bodies {
+        for (scheme, degree, solver) in families() {
+            assert_same(body, (scheme, degree), settings(solver), start, &plan);
+        }
     }
 }
 

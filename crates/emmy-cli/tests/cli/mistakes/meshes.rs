@@ -38,7 +38,7 @@ fn vtu(name: &str, text: &str) -> Mistake {
     file(name, "part.vtu", text)
 }
 
-const NETWORK: &str = "network = { points = [[0, 0, 0], [0, 1, 0]], links = [[0, 1]] }";
+pub(super) const NETWORK: &str = "network = { points = [[0, 0, 0], [0, 1, 0]], links = [[0, 1]] }";
 
 pub(super) fn all() -> Vec<Mistake> {
     [built_ins(), formats(), contents()].into_iter().flatten().collect()

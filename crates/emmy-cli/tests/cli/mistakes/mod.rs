@@ -3,6 +3,7 @@
 mod equilibrium;
 mod files;
 mod flags;
+mod formulations;
 mod keys;
 mod materials;
 mod meshes;
@@ -115,6 +116,7 @@ fn all() -> Vec<Mistake> {
         types::all(),
         ranges::all(),
         materials::all(),
+        formulations::all(),
         names::all(),
         meshes::all(),
         supports_and_loads::all(),

@@ -85,8 +85,8 @@ pub(super) enum Rule {
     OneSet(&'static [&'static [Parameter]]),
     /// At least one of these must be given.
     AtLeastOne(Vec<&'static str>),
-    /// `density` must be given unless the material has no mass.
-    Density,
+    /// `density` must be given unless the material has no mass; `pressure` belongs to a projected volume.
+    Region,
 }
 
 /// Largest number of materials in a message about the tables of a key.
@@ -192,7 +192,7 @@ impl Section {
         match &self.rule {
             Rule::ExactlyOne(sets) => sets.iter().filter_map(|keys| keys.first().copied()).collect(),
             Rule::AtLeastOne(keys) => keys.clone(),
-            Rule::Free | Rule::Density | Rule::OneSet(_) => Vec::new(),
+            Rule::Free | Rule::Region | Rule::OneSet(_) => Vec::new(),
         }
     }
 

@@ -90,9 +90,19 @@ pub(super) fn note(element_type: &str, kind: CellKind) -> Option<String> {
         "R" => format!("{kind} and integrated fully"),
         "RH" => format!("{kind} without its pressure and integrated fully"),
         "H" => format!("{kind} without its pressure"),
+        _ if suffix.contains('H') => format!("plain {kind} without its pressure"),
         _ => format!("plain {kind}"),
     };
-    Some(format!("{element_type} is read as {how}"))
+    let advice = match kind.info() {
+        info if suffix.contains('I') && info.n_modes > 0 => {
+            "; its modes are those of formulation = \"incompatible-modes\""
+        }
+        info if suffix.contains('H') && !info.pressures.is_empty() => {
+            "; formulation = \"projected-volume\" has one"
+        }
+        _ => "",
+    };
+    Some(format!("{element_type} is read as {how}{advice}"))
 }
 
 /// Number of the face in [`CellKind::facets`] of a face of Abaqus, `S1` being 1.

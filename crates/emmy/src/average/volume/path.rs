@@ -58,9 +58,11 @@ pub(super) fn right_cauchy_green<L: Lane>(E: &Sym<L>) -> Sym<L> {
     sym_add_scaled(&[one, one, one, zero, zero, zero], one.splat(2.0), E)
 }
 
-/// Below this square of the change of det C, over its own square, the correction of the discrete gradient is lost in
-/// rounding.
-const NO_CORRECTION: f64 = 1e-16;
+/// `1 / sum_j b_j d_j^2`, or 0 where the correction of the order d^2 is lost in rounding.
+#[inline(always)]
+pub(super) fn slope_correction_scale<L: Lane>(det_1: L, square: L) -> L {
+    square.select_below(det_1 * det_1 * 1e-16, det_1.splat(0.0), det_1.splat(1.0) / square)
+}
 
 impl Rule {
     /// Rates of the volume along the assumed strain from E_1.
@@ -108,7 +110,9 @@ impl Rule {
         let k = self.degree();
         let path = &mut volume.path;
         path.cofactors.fill([zero; 6]);
-        path.strains.fill([zero; 6]);
+        if request == Request::Tangent {
+            path.strains.fill([zero; 6]);
+        }
         for point in &self.det_points {
             let mut E = *E_1;
             for (&L_j, rate) in point.integrals.iter().zip(&volume.strain_rates) {
@@ -165,7 +169,7 @@ impl Rule {
             numerator += path.det_rates[i] * (chord - phi) * self.b[i];
             square += path.det_rates[i] * path.det_rates[i] * self.b[i];
         }
-        let inverse = square.select_below(det_1 * det_1 * NO_CORRECTION, zero, one / square);
+        let inverse = slope_correction_scale(det_1, square);
         let r = numerator * inverse;
         if request == Request::Tangent {
             let end = one / J_2 * 0.5;

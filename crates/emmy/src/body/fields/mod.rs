@@ -2,6 +2,7 @@
 
 mod name;
 mod point;
+mod projected;
 mod recovery;
 mod selection;
 
@@ -16,7 +17,8 @@ use crate::mesh::Mesh;
 pub use name::{FieldName, Place};
 use name::{Formula, Needs};
 use point::{PointState, axial_force};
-use recovery::Recovery;
+use projected::Projections;
+use recovery::{GradientSum, Recovery};
 pub use selection::Selection;
 
 /// The fields of a body, computed from a displacement and a velocity for any scheme.
@@ -29,6 +31,10 @@ pub use selection::Selection;
 /// ```math
 /// G_A = sum_c V_c sum_q X_Aq G_cq / sum_c V_c,      S_A = S(E(G_A)),      sigma_A = F_A S_A F_A^T / det F_A,   F_A = I + G_A
 /// ```
+///
+/// Cells with a projected volume have stresses and energies of this volume. At a node F_A then has the determinant
+/// `1 + theta_A`, the mean of the projected volumes of the cells around it: this removes the chequerboard of the
+/// pressures of single cells.
 ///
 /// So all fields at a node belong to one strain, energies are positive if the material's are, a rigid rotation rotates
 /// the stresses and changes nothing else, and homogeneous deformations are exact. Where regions meet, the values of
@@ -82,7 +88,8 @@ impl Fields {
         let mesh = body.mesh.clone();
         let regions = body.made_of.clone();
         let region_of_cell = body.region_of_cell.clone();
-        let recovery = Recovery::new(&mesh);
+        let projections = Projections::new(&mesh, &regions, &region_of_cell);
+        let recovery = Recovery::new(&mesh, body.internal.clone(), projections);
         let density = density(&mesh, &regions, &region_of_cell, &recovery);
         Fields { mesh, regions, region_of_cell, recovery, density }
     }
@@ -100,7 +107,8 @@ impl Fields {
         }
     }
 
-    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`.
+    /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are those
+    /// of the nodes and cells of the mesh.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
         let is_of_state = |name: &FieldName| name.info().formula.is_of_state();
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
@@ -162,6 +170,15 @@ impl Fields {
         self.recovery.measure(&self.mesh, cell) * self.region(cell).section(self.mesh.cell(cell).kind)
     }
 
+    /// The state at a node by the sum over the cells of a region.
+    fn nodal_state(&self, region: u32, sum: &GradientSum) -> PointState {
+        let material = &self.regions[region as usize];
+        match self.recovery.projections.measure(region) {
+            Some(measure) => PointState::with_volume(material, measure, &sum.mean(), sum.mean_volume()),
+            None => PointState::new(material, &sum.mean()),
+        }
+    }
+
     /// The state at every node, `[n_nodes]`.
     fn nodal_states(&self, displacement: &[f64]) -> Vec<PointState> {
         let n_nodes = self.mesh.n_nodes();
@@ -171,7 +188,7 @@ impl Fields {
             let cells: Vec<u32> = self.cells_of(index as u32).collect();
             let weigh = |kind| region.section(kind);
             let nodes = self.recovery.add_gradients(&self.mesh, &cells, weigh, displacement, &mut sums);
-            let state = |&node: &u32| PointState::new(region, &sums[node as usize].mean());
+            let state = |&node: &u32| self.nodal_state(index as u32, &sums[node as usize]);
             let states: Vec<PointState> = nodes.par_iter().with_min_len(64).map(state).collect();
             for (&node, state) in nodes.iter().zip(&states) {
                 let total = &mut totals[node as usize];
@@ -201,8 +218,14 @@ impl Fields {
         let mut sum = PointState::default();
         let mut volume = 0.0;
         self.recovery.points(&self.mesh, cell, displacement, &mut points);
-        for (G, weight) in &points {
-            sum.add(*weight, &PointState::new(region, G));
+        let projected = self.recovery.projections.of_cell(&self.mesh, cell);
+        let theta = projected.map(|kind| (kind, kind.volume(&self.mesh, cell, &points)));
+        for (point, (G, weight)) in points.iter().enumerate() {
+            let state = match &theta {
+                Some((kind, volume)) => PointState::of_projection(kind, G, volume.at_point(point)),
+                None => PointState::new(region, G),
+            };
+            sum.add(*weight, &state);
             volume += weight;
         }
         sum.over(volume)

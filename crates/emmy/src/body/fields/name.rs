@@ -211,6 +211,16 @@ fields! {
         needs: Needs::Volume,
         formula: Formula::Number(|state| von_mises(&state.cauchy)),
     }
+    /// Minus a third of the trace of the mean Cauchy stress of a cell, positive in compression \[force/length^2\].
+    CellPressure {
+        name: "cell_pressure",
+        description: "minus a third of the trace of cell_cauchy_stress, positive in compression",
+        dimension: "stress",
+        place: Place::Cells,
+        components: ONE,
+        needs: Needs::Solids,
+        formula: Formula::Number(|state| -(state.cauchy[0] + state.cauchy[1] + state.cauchy[2]) / 3.0),
+    }
     /// Mean energy density of a cell; times its volume, the stored energy of the cell.
     CellStrainEnergyDensity {
         name: "cell_strain_energy_density",

@@ -1,7 +1,8 @@
 //! Stress, strain and energy at a point.
 
+use super::projected::ProjectedKind;
 use crate::body::Region;
-use crate::material::{Link, Material};
+use crate::material::{Link, Material, VolumeMeasure};
 use crate::mesh::Mesh;
 use crate::tensor::{Mat3, Sym, det_of_identity_plus, eigen, green_lagrange, identity_plus_times_sym, sym};
 
@@ -25,12 +26,55 @@ impl PointState {
         let J = det_of_identity_plus(G);
         let strain = green_lagrange(G);
         let response = region.material.response(&strain).filter(|_| J > 0.0);
-        let Some((energy, second)) = response else {
-            return PointState { volume_ratio: J, ..PointState::undefined() };
-        };
+        match response {
+            Some((energy, second)) => PointState::of_response(G, J, strain, (energy, second)),
+            None => PointState { volume_ratio: J, ..PointState::undefined() },
+        }
+    }
+
+    fn of_response(G: &Mat3<f64>, J: f64, strain: Sym<f64>, (energy, second): (f64, Sym<f64>)) -> Self {
         let P = identity_plus_times_sym(G, &second);
         let cauchy = sym(|i, j| (P[i][j] + (0..3).map(|k| P[i][k] * G[j][k]).sum::<f64>()) / J);
         PointState { energy, second, cauchy, strain, volume_ratio: J }
+    }
+
+    /// The state at a quadrature point of a cell with a projected volume, by theta and the pressure there.
+    ///
+    /// ```math
+    /// W = W_p(E) + U(theta),      S = S_p(E) + pbar dtheta/dE
+    /// ```
+    pub(super) fn of_projection(kind: &ProjectedKind, G: &Mat3<f64>, (theta, pressure): (f64, f64)) -> Self {
+        let J = det_of_identity_plus(G);
+        if J.is_nan() || J <= 0.0 {
+            return PointState { volume_ratio: J, ..PointState::undefined() };
+        }
+        let strain = green_lagrange(G);
+        let material = kind.points.response::<f64>();
+        let mut second = [0.0; 6];
+        material.stress(&strain, &mut second);
+        let direction = kind.law.measure().direction(&strain);
+        second.iter_mut().zip(direction).for_each(|(S, B)| *S += pressure * B);
+        let energy = material.strain_energy(&strain) + kind.law.energy(theta);
+        PointState::of_response(G, J, strain, (energy, second))
+    }
+
+    /// The state of a region's material at a displacement gradient with another volume theta.
+    ///
+    /// ```math
+    /// F' = s F,   s^3 = (1 + theta)/J,      W = W(F'),      sigma = sigma(F')
+    /// ```
+    ///
+    /// If theta is tr E, the trace of E is replaced.
+    pub(super) fn with_volume(region: &Region, measure: VolumeMeasure, G: &Mat3<f64>, theta: f64) -> Self {
+        let J = det_of_identity_plus(G);
+        let strain = green_lagrange(G);
+        let (stretched, scale) = with_volume(measure, &strain, theta);
+        let is_defined = J > 0.0 && scale.is_finite() && scale > 0.0;
+        let Some((energy, second)) = region.material.response(&stretched).filter(|_| is_defined) else {
+            return PointState { volume_ratio: J, ..PointState::undefined() };
+        };
+        let second = second.map(|component| component / scale);
+        PointState::of_response(G, J, strain, (energy, second))
     }
 
     /// The state of a link: for a bar, stresses along its axis with an unchanged cross section; springs and
@@ -95,6 +139,22 @@ impl PointState {
         }
         stretches.sort_by(|a, b| b.total_cmp(a));
         stretches
+    }
+}
+
+/// A strain with another volume, and the factor s of its deformation gradient: `C' = s^2 C`; without cancellation at small
+/// strain.
+fn with_volume(measure: VolumeMeasure, strain: &Sym<f64>, theta: f64) -> (Sym<f64>, f64) {
+    let diagonal = |component: usize| if component < 3 { 1.0 } else { 0.0 };
+    let change = measure.change(strain);
+    let component = |value: &dyn Fn(usize) -> f64| [0, 1, 2, 3, 4, 5].map(value);
+    match measure {
+        VolumeMeasure::Ratio => {
+            let excess = ((theta.ln_1p() - change.ln_1p()) / 3.0).exp_m1();
+            let square = excess * (2.0 + excess);
+            (component(&|c| strain[c] + square * (strain[c] + 0.5 * diagonal(c))), 1.0 + excess)
+        }
+        VolumeMeasure::Trace => (component(&|c| strain[c] + (theta - change) / 3.0 * diagonal(c)), 1.0),
     }
 }
 

@@ -1,8 +1,12 @@
 //! Displacement gradients at the quadrature points and, recovered from them, at the nodes.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
+use super::projected::Projections;
 use crate::body::geometry::{ReferenceTable, inverse, positions};
+use crate::body::internal_nodes::{InternalNodes, ModeGradients, mode_displacement};
 use crate::element::{element, extrapolation, jacobian};
 use crate::mesh::{CellKind, Mesh};
 use crate::tensor::{Mat3, det};
@@ -12,6 +16,8 @@ use crate::tensor::{Mat3, det};
 pub(super) struct Recovery {
     /// By kind, of those that the mesh has.
     kinds: [Option<KindTable>; CellKind::ALL.len()],
+    internal: Arc<InternalNodes>,
+    pub(super) projections: Projections,
 }
 
 #[derive(Debug)]
@@ -26,9 +32,16 @@ struct KindTable {
 pub(super) struct GradientSum {
     weight: f64,
     sum: Mat3<f64>,
+    /// Projected volumes theta; 0 in cells without.
+    volume: f64,
 }
 
 impl GradientSum {
+    /// Mean of the projected volumes theta.
+    pub(super) fn mean_volume(&self) -> f64 {
+        self.volume / self.weight
+    }
+
     pub(super) fn mean(&self) -> Mat3<f64> {
         self.sum.map(|row| row.map(|component| component / self.weight))
     }
@@ -36,6 +49,7 @@ impl GradientSum {
     /// Adds another sum.
     pub(super) fn add(&mut self, other: &GradientSum) {
         self.weight += other.weight;
+        self.volume += other.volume;
         (0..3).for_each(|i| (0..3).for_each(|j| self.sum[i][j] += other.sum[i][j]));
     }
 
@@ -55,7 +69,7 @@ const RUN: usize = 256;
 const WAVE: usize = 64 * RUN;
 
 impl Recovery {
-    pub(super) fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh, internal: Arc<InternalNodes>, projections: Projections) -> Self {
         let mut kinds: [Option<KindTable>; CellKind::ALL.len()] = Default::default();
         for kind in mesh.cells().map(|cell| cell.kind) {
             kinds[kind as usize].get_or_insert_with(|| KindTable {
@@ -63,7 +77,7 @@ impl Recovery {
                 extrapolation: extrapolation(kind),
             });
         }
-        Recovery { kinds }
+        Recovery { kinds, internal, projections }
     }
 
     fn table(&self, kind: CellKind) -> &KindTable {
@@ -90,8 +104,10 @@ impl Recovery {
         displacement: &[f64],
         points: &mut Vec<(Mat3<f64>, f64)>,
     ) {
+        let internal = self.internal.of_cell(cell as u32);
         let cell = mesh.cell(cell);
         let X = positions(mesh, cell.nodes);
+        let modes = (!internal.is_empty()).then(|| ModeGradients::new(cell.kind, &X));
         let table = &self.table(cell.kind).reference;
         points.clear();
         for (point, weight) in table.weights.iter().enumerate() {
@@ -102,6 +118,11 @@ impl Recovery {
             for (&node, dN) in cell.nodes.iter().zip(dN) {
                 let u = &displacement[3 * node as usize..3 * node as usize + 3];
                 (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += u[i] * dN[m]));
+            }
+            let gradients = modes.iter().flat_map(|modes| modes.at(table.points[point], J, det));
+            for (node, dN) in internal.clone().zip(gradients) {
+                let a = mode_displacement(cell, node as usize, displacement);
+                (0..3).for_each(|i| (0..3).for_each(|m| H[i][m] += a[i] * dN[m]));
             }
             let inverse = inverse(&J, det);
             let entry = |i: usize, j: usize| (0..3).map(|m| H[i][m] * inverse[m][j]).sum::<f64>();
@@ -150,13 +171,16 @@ impl Recovery {
             let kind = mesh.cell(cell as usize).kind;
             self.points(mesh, cell as usize, displacement, &mut points);
             let weight = section(kind) * points.iter().map(|(_, weight)| weight).sum::<f64>();
-            for row in self.table(kind).extrapolation.chunks_exact(points.len()) {
+            let projected = self.projections.of_cell(mesh, cell as usize);
+            let volume = projected.map(|projected| projected.volume(mesh, cell as usize, &points));
+            for (node, row) in self.table(kind).extrapolation.chunks_exact(points.len()).enumerate() {
                 let mut sum = [[0.0; 3]; 3];
                 for (x, (G, _)) in row.iter().zip(&points) {
                     let x = weight * x;
                     (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += x * G[i][j]));
                 }
-                recovered.push(GradientSum { weight, sum });
+                let volume = volume.as_ref().map_or(0.0, |volume| weight * volume.at_node(node));
+                recovered.push(GradientSum { weight, sum, volume });
             }
         }
         recovered

@@ -114,8 +114,8 @@ impl Fields {
         let mut totals = vec![(0.0, PointState::default()); n];
         let mut sums = sums(n);
         let mut slots = selection.slots.iter();
-        for (region, cells) in &selection.around {
-            let region = &self.regions[*region as usize];
+        for (index, cells) in &selection.around {
+            let region = &self.regions[*index as usize];
             let weigh = |kind| region.section(kind);
             let recovered = |run: &[u32]| self.recovery.run(&self.mesh, run, weigh, displacement);
             let runs: Vec<Vec<GradientSum>> = cells.par_chunks(RUN).map(recovered).collect();
@@ -125,11 +125,11 @@ impl Fields {
                 }
             }
             for (sum, total) in sums.iter_mut().zip(&mut totals) {
-                let mean = sum.mean();
+                let own = *sum;
                 let weight = sum.take();
                 if weight > 0.0 {
                     total.0 += weight;
-                    total.1.add(weight, &PointState::new(region, &mean));
+                    total.1.add(weight, &self.nodal_state(*index, &own));
                 }
             }
         }

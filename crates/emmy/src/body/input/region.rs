@@ -1,7 +1,8 @@
 //! Regions of a body.
 
-use crate::body::solid::RegionMaterial;
-use crate::body::{Formulation, Viscosity};
+use crate::body::solid::{NO_VOLUMETRIC_PART, RegionMaterial};
+use crate::body::{Formulation, PressureSpace, Viscosity};
+use crate::element::CellKind;
 use crate::material::{Link, Material};
 
 /// Part of the body with one material and density.
@@ -80,17 +81,60 @@ impl Region {
     /// ```
     #[allow(non_snake_case)]
     pub fn youngs_modulus(&self) -> Option<f64> {
-        let material = match &self.material {
-            RegionMaterial::Solid(material) => material.response::<f64>(),
-            RegionMaterial::Link(link) => return link.youngs_modulus(),
-        };
+        if let Some(link) = self.link() {
+            return link.youngs_modulus();
+        }
+        let [K, mu] = self.moduli()?;
+        Some(9.0 * K * mu / (3.0 * K + mu))
+    }
+
+    /// Bulk and shear modulus at small strain \[force/length^2\], as in [`Region::youngs_modulus`]; `None` for links.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHookeIsochoric::new(0.3, 150.0, Volumetric::default())?, 1e-9);
+    /// let [bulk, shear] = rubber.moduli().unwrap();
+    /// assert!((bulk - 150.0).abs() < 1e-12 && (shear - 0.3).abs() < 1e-14);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    #[allow(non_snake_case)]
+    pub fn moduli(&self) -> Option<[f64; 2]> {
+        let RegionMaterial::Solid(material) = &self.material else { return None };
         let mut D = [[0.0; 6]; 6];
-        material.stress_and_elasticity(&[0.0; 6], &mut [0.0; 6], &mut D);
+        material.response::<f64>().stress_and_elasticity(&[0.0; 6], &mut [0.0; 6], &mut D);
         let iijj: f64 = D[..3].iter().flat_map(|row| &row[..3]).sum();
         let ijij = (0..6).map(|a| D[a][a] * if a < 3 { 1.0 } else { 2.0 }).sum::<f64>();
-        let K = iijj / 9.0;
-        let mu = (ijij - iijj / 3.0) / 10.0;
-        Some(9.0 * K * mu / (3.0 * K + mu))
+        Some([iijj / 9.0, (ijij - iijj / 3.0) / 10.0])
+    }
+
+    /// The functions of the pressure in its cells of a kind with a formulation; `None` for a formulation without them.
+    ///
+    /// # Errors
+    /// The reason why the kind or the material does not have the formulation, with the remedy.
+    ///
+    /// ```
+    /// use emmy::body::{Formulation, PressureSpace};
+    /// use emmy::mesh::CellKind;
+    /// use emmy::prelude::*;
+    /// let steel = Region::new(NeoHooke::from_engineering(2.1e5, 0.3)?, 7.85e-9);
+    /// let space = steel.pressure_space(Formulation::ProjectedVolume(None), CellKind::Hex8);
+    /// assert_eq!(space, Ok(Some(PressureSpace::Constant)));
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn pressure_space(
+        &self,
+        formulation: Formulation,
+        kind: CellKind,
+    ) -> Result<Option<PressureSpace>, String> {
+        let space = formulation.pressure_space(kind)?;
+        match (space, &self.material) {
+            (Some(_), RegionMaterial::Solid(material))
+                if material.split(kind.info().point_share).is_none() =>
+            {
+                Err(NO_VOLUMETRIC_PART.to_string())
+            }
+            _ => Ok(space),
+        }
     }
 
     /// The same region with another thickness of its plane cells.

@@ -4,7 +4,7 @@ use super::{BatchMemory, CellLaw, PointMemory, RegisterCells, set_forces_of_stag
 use crate::average::{Request, Rule, VolumeAverage};
 use crate::body::projection::Projection;
 use crate::body::step::StepInput;
-use crate::tensor::{LANES, Mat3, Packed, Register, dot3, green_lagrange};
+use crate::tensor::{LANES, Mat3, Packed, Register, Sym, dot3, green_lagrange};
 
 /// Results of a batch that only projected volumes have; `n`: number of pressures of a function in a step.
 #[derive(Debug, Default)]
@@ -57,6 +57,8 @@ pub(super) struct VolumeRegisters<R> {
     volume: VolumeAverage<R>,
     /// Displacement gradient and rates at every point, `[point][n_fields]`.
     gradients: Vec<Mat3<R>>,
+    /// Displacement gradients and stresses of unit pressures at every point, `[point][n]`.
+    unit_stresses: Vec<(Mat3<R>, Sym<R>)>,
     /// Volumes of the cell, `[function][1 + n]`: at the start, then as in [`VolumeAverage::change`].
     of_cell: Vec<R>,
     /// The same at a point, `[1 + n]`.
@@ -75,6 +77,7 @@ impl<R: Register> VolumeRegisters<R> {
         VolumeRegisters {
             volume: VolumeAverage::new(rule, zero),
             gradients: vec![[[zero; 3]; 3]; n_points * (1 + k)],
+            unit_stresses: vec![([[zero; 3]; 3], [zero; 6]); n_points * n],
             of_cell: vec![zero; n_functions * (1 + n)],
             of_point: vec![zero; 1 + n],
             pressure: vec![zero; n],
@@ -87,6 +90,7 @@ impl<R: Register> VolumeRegisters<R> {
     fn fits(&self, rule: &Rule, n_points: usize, n_functions: usize) -> bool {
         self.pressure.len() == rule.n_pressures()
             && self.gradients.len() >= n_points * (1 + rule.degree())
+            && self.unit_stresses.len() >= n_points * rule.n_pressures()
             && self.of_cell.len() == n_functions * self.of_point.len()
     }
 }
@@ -118,7 +122,12 @@ pub(in crate::body) fn integrate<R: Register>(
         let average = &mut point_memory.average;
         law.average(rule, start, rates, request, average);
         let volume = &mut registers.volume;
-        rule.set_volume(projection.law.measure(), start, rates, request, volume);
+        if request == Request::Tangent {
+            rule.set_volume(projection.law.measure(), start, rates, request, volume);
+        } else {
+            let n = registers.pressure.len();
+            volume.take_unit_stresses(&registers.unit_stresses[point * n..(point + 1) * n]);
+        }
         set_point_pressure(
             cells,
             projection,
@@ -155,13 +164,14 @@ fn set_volumes<R: Register>(
     registers: &mut VolumeRegisters<R>,
 ) {
     let n = cells.cells.n_nodes;
-    let VolumeRegisters { volume, gradients, of_cell, .. } = registers;
+    let VolumeRegisters { volume, gradients, unit_stresses, of_cell, .. } = registers;
     of_cell.fill(cells.zero);
     let n_volumes = 1 + volume.change.len();
     for point in 0..cells.cells.n_points {
         let fields = &mut gradients[point * n_fields..(point + 1) * n_fields];
         cells.set_field_gradients(point, &memory.nodal[..n_fields * n], fields);
         step.rule.set_volume(projection.law.measure(), &fields[0], &fields[1..], Request::Stress, volume);
+        volume.keep_unit_stresses(&mut unit_stresses[point * (n_volumes - 1)..]);
         let weight = cells.weight(point);
         for (psi, sums) in projection.at(cells.batch, point).iter().zip(of_cell.chunks_exact_mut(n_volumes)) {
             let psi = cells.zero.load(psi, cells.part) * weight;

@@ -48,7 +48,9 @@ impl Region {
     }
 }
 
-const NO_VOLUMETRIC_PART: &str = "its material has no volumetric part of its energy that could be projected; use formulation = \"standard\"";
+/// Reason why a material has no projected volume.
+pub(crate) const NO_VOLUMETRIC_PART: &str =
+    "the energy of its material has no volumetric part to project; use formulation = \"standard\"";
 
 impl RegionMaterial {
     /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a

@@ -4,20 +4,21 @@
 use rayon::prelude::*;
 
 use super::SolidTerm;
+use super::start_pressure::VolumeMemory;
 use crate::average::StartTangent;
 use crate::body::StepInput;
 use crate::body::integral::{self, RegisterCells};
 use crate::tensor::{LANES, Mat3, Packed};
 
 /// Working memory for a batch of cells.
-struct CellMemory {
+pub(super) struct CellMemory {
     /// Displacement and rates, then the adjoint vectors, `[1 + 2 k][n_nodes][3]`.
-    nodal: Vec<[Packed; 3]>,
+    pub(super) nodal: Vec<[Packed; 3]>,
     /// Gradients of those fields at a point, `[1 + 2 k]`.
-    gradients: Vec<Mat3<f64>>,
+    pub(super) gradients: Vec<Mat3<f64>>,
     /// Gradients of the shape functions at a point, `[n_nodes][3]`.
     shape_gradients: Vec<[Packed; 3]>,
-    start_tangent: StartTangent,
+    pub(super) start_tangent: StartTangent,
 }
 
 impl CellMemory {
@@ -46,15 +47,21 @@ impl SolidTerm {
         let mut of_cells = vec![[0.0; 3]; self.cells.nodes.len()];
         let batches = of_cells.par_chunks_mut(n * LANES).enumerate();
         batches.for_each_init(
-            || CellMemory::new(k, n),
-            |memory, (batch, sums)| {
+            || {
+                let volume = |projection| VolumeMemory::new(step.rule, projection);
+                (CellMemory::new(k, n), self.projection.as_ref().map(volume))
+            },
+            |(memory, volume), (batch, sums)| {
                 self.gather_fields(batch, step, adjoint, memory);
                 for (part, (cell, sums)) in
                     self.cells.cells_of(batch).zip(sums.chunks_exact_mut(n)).enumerate()
                 {
                     let cells = RegisterCells { cells: &self.cells, batch, part, zero: 0.0 };
+                    if let (Some(volume), Some(projection)) = (&mut *volume, &self.projection) {
+                        volume.set_cell(cells, projection, step, memory);
+                    }
                     (0..self.cells.n_points).for_each(|point| {
-                        self.add_point((cells, cell, point), step, memory, sums);
+                        self.add_point((cells, cell, point), step, (memory, volume), sums);
                     });
                 }
             },
@@ -79,22 +86,27 @@ impl SolidTerm {
         &self,
         (cells, cell, point): (RegisterCells<'_, f64>, usize, usize),
         step: &StepInput<'_>,
-        memory: &mut CellMemory,
+        (memory, volume): (&mut CellMemory, &mut Option<VolumeMemory>),
         sums: &mut [[f64; 3]],
     ) {
         let CellMemory { nodal, gradients, shape_gradients, start_tangent } = memory;
         cells.set_field_gradients(point, nodal, gradients);
         cells.set_shape_gradients(point, shape_gradients);
-        let (fields, adjoints) = gradients.split_at(1 + step.rule.degree());
+        let fields = &gradients[..1 + step.rule.degree()];
         step.rule.start_tangent(self.materials.response(cell), &fields[0], &fields[1..], start_tangent);
         let mut T = [0.0; 9];
+        if let (Some(volume), Some(projection)) = (volume, &self.projection) {
+            volume.add_point((cells, point), projection, step, memory, &mut T);
+        }
+        let CellMemory { gradients, shape_gradients, start_tangent, .. } = memory;
+        let adjoints = &gradients[1 + step.rule.degree()..];
         let weight = cells.weight(point);
         for (tangent, mu) in start_tangent.tangent.iter().zip(adjoints) {
             for (row, mu) in tangent.iter().zip(mu.as_flattened()) {
                 T.iter_mut().zip(row).for_each(|(sum, entry)| *sum += weight * mu * entry);
             }
         }
-        for (sum, dN) in sums.iter_mut().zip(shape_gradients) {
+        for (sum, dN) in sums.iter_mut().zip(&*shape_gradients) {
             (0..3).for_each(|i| sum[i] += (0..3).map(|J| T[3 * i + J] * dN[J].0[cells.part]).sum::<f64>());
         }
     }

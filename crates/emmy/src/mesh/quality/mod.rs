@@ -61,17 +61,35 @@ pub struct Quality {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn quality(mesh: &Mesh) -> Quality {
+    let cells: Vec<usize> = (0..mesh.n_cells()).collect();
+    quality_of(mesh, &cells)
+}
+
+/// Quality of some cells, at least one.
+///
+/// ```
+/// use emmy::internals::mesh::quality_of;
+/// let mesh = emmy::mesh::l_block(1.0)?;
+/// assert_eq!(quality_of(&mesh, &[7, 8]).aspect_ratio, emmy::mesh::Worst { value: 1.0, cell: 7 });
+/// # Ok::<(), emmy::Error>(())
+/// ```
+pub fn quality_of(mesh: &Mesh, cells: &[usize]) -> Quality {
     let samples = samples();
-    let measures: Vec<Measures> =
-        mesh.cells().map(|cell| samples[&cell.kind].measures(&positions(mesh, cell))).collect();
-    let smallest = |measure: fn(&Measures) -> f64| worst(measures.iter().map(measure), |a, b| a < b);
-    let largest = |measure: fn(&Measures) -> f64| worst(measures.iter().map(measure), |a, b| a > b);
+    let cell_of = |index: usize| mesh.cell(cells[index]);
+    let measure = |cell: Cell| samples[&cell.kind].measures(&positions(mesh, cell));
+    let measures: Vec<Measures> = (0..cells.len()).map(|index| measure(cell_of(index))).collect();
+    let own = |worst: Worst| Worst { cell: cells[worst.cell], ..worst };
+    let smallest = |measure: fn(&Measures) -> f64| own(worst(measures.iter().map(measure), |a, b| a < b));
+    let largest = |measure: fn(&Measures) -> f64| own(worst(measures.iter().map(measure), |a, b| a > b));
     Quality {
         jacobian_ratio: smallest(|measures| measures.jacobian_ratio),
         scaled_jacobian: smallest(|measures| measures.scaled_jacobian),
         aspect_ratio: largest(|measures| measures.aspect_ratio),
         volume: measures.iter().map(|measures| measures.volume).sum(),
-        inverted: (0..measures.len()).filter(|&cell| measures[cell].is_inverted()).collect(),
+        inverted: (0..cells.len())
+            .filter(|&index| measures[index].is_inverted())
+            .map(|index| cells[index])
+            .collect(),
     }
 }
 

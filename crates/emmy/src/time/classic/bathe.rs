@@ -90,6 +90,8 @@ impl<'a> BatheStepper<'a> {
             self.split.displacement[dof] = state.displacement[dof] + x;
             self.split.velocity[dof] = x / s - state.velocity[dof];
         }
+        let body = self.forces.body;
+        body.set_internal_velocity(&[1.0], self.iteration.rates(), part, &mut self.split.velocity);
         self.points[1].displacement.copy_from_slice(&self.split.displacement);
         self.points[1].evaluate_for_reactions(&mut self.forces, self.split.time)?;
         Ok(outcome)
@@ -140,6 +142,8 @@ impl<'a> BatheStepper<'a> {
             self.acceleration[dof] = c_1 * old + c_2 * split + c_3 * new;
             self.increment[dof] += x;
         }
+        self.acceleration[body.internal_dofs()].fill(0.0);
+        body.set_internal_velocity(&[1.0], &self.increment, h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.points[2].displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);

@@ -224,6 +224,8 @@ impl<'a> NewmarkStepper<'a> {
             state.velocity[dof] = v + h * ((1.0 - gamma) * a + gamma * new);
             self.acceleration[dof] = new;
         }
+        self.acceleration[body.internal_dofs()].fill(0.0);
+        body.set_internal_velocity(&[1.0], self.iteration.rates(), h, &mut state.velocity);
         state.displacement.copy_from_slice(&self.end.displacement);
         body.mass_product(&state.velocity, &mut state.momentum);
         body.mass_product(&self.acceleration, &mut self.inertia);

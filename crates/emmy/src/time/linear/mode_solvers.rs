@@ -6,8 +6,8 @@ use super::decoupling::{Mode, modes};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
-    Direct, DirectPair, Iterative, ShiftedSolver, Solver, SolverChoice, SolverKind, StageMatrix, SweepOrder,
-    inverse,
+    Condensation, Direct, DirectPair, Iterative, ShiftedSolver, Solver, SolverChoice, SolverKind,
+    StageMatrix, SweepOrder, inverse,
 };
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
@@ -22,6 +22,11 @@ pub(super) struct ModeSolvers {
     /// The time s of the present modes, if they depend on it.
     modes_for: Option<f64>,
     solvers: Vec<Box<dyn ShiftedSolver>>,
+    /// Condensation of the internal nodes, if the body has some: the solvers see the nodes of the mesh alone.
+    condensation: Option<Condensation>,
+    fixed: Vec<bool>,
+    /// The time s of the solvers.
+    time_scale: f64,
     /// The requested solver.
     requested: Solver,
     /// Whether conjugate gradients failed with [`Solver::Auto`].
@@ -44,6 +49,9 @@ impl ModeSolvers {
             response: coefficients.response.clone(),
             modes_for: None,
             solvers: Vec::new(),
+            condensation: None,
+            fixed: Vec::new(),
+            time_scale: 0.0,
             requested,
             has_fallen_back: false,
             choice: None,
@@ -89,9 +97,15 @@ impl ModeSolvers {
             self.set_modes(body, time_scale)?;
         }
         self.choose(body, stiffness, time_scale, soft_part)?;
+        self.time_scale = time_scale;
+        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.fixed());
+        if let Some(condensation) = &mut self.condensation {
+            condensation.condense(body.pattern(), stiffness, fixed)?;
+            (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
+            fixed = &fixed[..3 * condensation.pattern.n_rows()];
+        }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let shift = mode.eigenvalue.map(|part| time_scale * time_scale * part);
-            solver.factorize(stiffness, body.mass(), body.fixed(), shift)?;
+            solver.factorize(stiffness, mass, fixed, shift(mode, time_scale))?;
         }
         Ok(())
     }
@@ -148,8 +162,13 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        let pattern = body.pattern();
-        let fixed = body.fixed();
+        self.condensation = Condensation::new(body.pattern(), body.mass());
+        let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
+        let fixed = &body.fixed()[..3 * pattern.n_rows()];
+        self.fixed = if self.condensation.is_some() { fixed.to_vec() } else { Vec::new() };
+        let order = || -> Result<Vec<usize>> {
+            Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
+        };
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let needs_sweep = has_pairs || choice.kind == SolverKind::Iterative;
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
@@ -162,9 +181,9 @@ impl ModeSolvers {
                     Box::new(Iterative::<2>::new(fixed, sweep.clone()))
                 }
                 (Some(sweep), SolverKind::Direct, 2) => {
-                    Box::new(DirectPair::new(pattern, fixed, body.node_order()?, sweep.clone())?)
+                    Box::new(DirectPair::new(pattern, fixed, &order()?, sweep.clone())?)
                 }
-                _ => Box::new(Direct::new(pattern, fixed, body.node_order()?)?),
+                _ => Box::new(Direct::new(pattern, fixed, &order()?)?),
             });
         }
         Ok(())
@@ -177,7 +196,19 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            total = solver.solve(columns, tolerance).and_then(|n| total.map(|total| total + n));
+            let condensation = self.condensation.as_ref();
+            let iterations = match condensation {
+                Some(condensation) => {
+                    solver.solve(condensation.reduce(&self.fixed, columns, mode.n_columns()), tolerance)
+                }
+                None => solver.solve(columns, tolerance),
+            };
+            total = iterations.and_then(|n| total.map(|total| total + n));
+            if let Some(condensation) = condensation {
+                let [re, im] = shift(mode, self.time_scale);
+                let square = re * re + im * im;
+                condensation.expand([re / square, -im / square], columns, mode.n_columns());
+            }
             mode.add_to(&mode.backward, columns, z);
         }
         total
@@ -188,7 +219,14 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            solver.precondition(columns);
+            match &self.condensation {
+                Some(condensation) => {
+                    solver.precondition(condensation.reduce(&self.fixed, columns, mode.n_columns()));
+                    let [re, im] = shift(mode, self.time_scale);
+                    condensation.expand([1.0 / re.hypot(im), 0.0], columns, mode.n_columns());
+                }
+                None => solver.precondition(columns),
+            }
             mode.add_to(&mode.turned, columns, z);
         }
     }
@@ -235,6 +273,11 @@ impl ModeSolvers {
     }
 }
 
+/// lambda of a mode.
+fn shift(mode: &Mode, time_scale: f64) -> [f64; 2] {
+    mode.eigenvalue.map(|part| time_scale * time_scale * part)
+}
+
 /// A square matrix with a number added to its diagonal.
 fn with_diagonal(matrix: &[f64], value: f64) -> Vec<f64> {
     let mut matrix = matrix.to_vec();
@@ -243,14 +286,14 @@ fn with_diagonal(matrix: &[f64], value: f64) -> Vec<f64> {
     matrix
 }
 
-/// Largest ratio of a diagonal entry of K to the mass of its node.
+/// Largest ratio of a diagonal entry of K to the mass of its node; internal nodes have none.
 fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
     let ratio = |dof: usize| {
         let node = dof / 3;
         let diagonal = body.pattern().position(node, node).unwrap_or(0);
         stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
     };
-    let free = (0..body.n_dofs()).filter(|&dof| !body.fixed()[dof]);
+    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.fixed()[dof]);
     free.map(ratio).fold(0.0, f64::max)
 }
 
@@ -259,11 +302,11 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
 /// Both are limited by memory. Profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2
 /// ns per coupling of nodes, and a step `12 sqrt(c)` iterations; a step with a factorisation takes 6 solutions at 1.6
 /// ns per entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom, as nested dissection
-/// gives in three dimensions. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
+/// gives in three dimensions; internal nodes are condensed. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
 /// above 600 (r = 4, 500).
 fn iterative_limit(body: &Body) -> f64 {
-    let iteration = 2.0e-9 * body.pattern().n_blocks() as f64;
-    let solution = 1.6e-9 * 15.0 * (body.n_dofs() as f64).powf(4.0 / 3.0);
+    let iteration = 2.0e-9 * body.pattern().n_outer_blocks() as f64;
+    let solution = 1.6e-9 * 15.0 * (body.mesh().n_dofs() as f64).powf(4.0 / 3.0);
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 

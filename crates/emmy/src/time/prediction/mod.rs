@@ -189,7 +189,7 @@ impl Prediction {
 
     /// Sets y and M y.
     fn set_arm(&mut self, body: &Body, displacement: &[f64], mass: f64) {
-        let points = body.mesh().points().iter().zip(displacement.chunks_exact(3));
+        let points = body.points().zip(displacement.chunks_exact(3));
         for ((X, u), y) in points.zip(self.arm.chunks_exact_mut(3)) {
             (0..3).for_each(|d| y[d] = X[d] + u[d]);
         }

@@ -133,6 +133,8 @@ pub enum BodyFeature {
     PrescribedMotion,
     /// Viscosity or drag.
     Damping,
+    /// Cells with incompatible modes, which have no mass.
+    IncompatibleModes,
 }
 
 impl Scheme {
@@ -251,7 +253,14 @@ impl Scheme {
         let reason = match (feature, self) {
             // An equilibrium has no velocity, and no damping.
             (_, Scheme::TimeElement(TimeElement { spectral_radius: None, .. }) | Scheme::Static)
-            | (BodyFeature::Damping, Scheme::TimeElement(_)) => return Ok(()),
+            | (BodyFeature::Damping, Scheme::TimeElement(_))
+            | (BodyFeature::IncompatibleModes, Scheme::TimeElement(_) | Scheme::Newmark(_) | Scheme::Bathe) =>
+            {
+                return Ok(());
+            }
+            (BodyFeature::IncompatibleModes, Scheme::CentralDifferences) => {
+                "incompatible modes have no mass; take an implicit scheme, such as AS(5) or DGM"
+            }
             (BodyFeature::PrescribedMotion, Scheme::TimeElement(_)) => {
                 "a prescribed motion needs a scheme without dissipation"
             }
@@ -271,6 +280,9 @@ impl Scheme {
         }
         if body.is_viscous() || body.drag() > 0.0 {
             self.check_feature(BodyFeature::Damping)?;
+        }
+        if !body.internal_dofs().is_empty() {
+            self.check_feature(BodyFeature::IncompatibleModes)?;
         }
         Ok(())
     }

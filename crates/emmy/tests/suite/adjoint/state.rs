@@ -1,9 +1,9 @@
 //! Gradients by the initial state: differences of motions, formulae, symmetries.
 
 use emmy::adjoint::{Goal, Parameter};
-use emmy::body::{Body, GroundSpring, InitialVelocity, PointTerms, Region};
-use emmy::material::{Hencky, Link, Ogden, SaintVenantKirchhoff, Volumetric};
-use emmy::mesh;
+use emmy::body::{Body, Formulation, GroundSpring, InitialVelocity, PointTerms, Region};
+use emmy::material::{Hencky, Link, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, Volumetric};
+use emmy::mesh::{self, CellKind};
 use emmy::motion::{Phase, State, StepPlan};
 use emmy::time::Scheme;
 
@@ -79,7 +79,9 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
     let hencky = Hencky::from_engineering(40.0, 0.3).unwrap();
     let plate = SaintVenantKirchhoff::new(30.0, 15.0).unwrap();
     let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
+    let with_modes = Region::new(hencky, 1.0).with_formulation(Formulation::IncompatibleModes);
     let bodies = [
+        ("incompatible modes", block(), with_modes),
         ("Ogden", block(), Region::new(ogden, 1.0)),
         ("Hencky", block(), Region::new(hencky, 1.0)),
         ("plate", mesh::rectangle([4.0, 3.0], [4, 3]).unwrap(), Region::new(plate, 1.0).with_thickness(0.3)),
@@ -91,6 +93,30 @@ fn gradients_of_other_materials_and_cells_are_differences_of_motions() {
             let error = error_by_differences(&body, (scheme, k), &start, &equal(0.45, 0.15), &goal);
             println!("{name}, {scheme}, k = {k}: {error:.1e}");
             assert!(error < 1e-9, "{name}, {scheme}, k = {k}: {error:e}");
+        }
+    }
+}
+
+/// A projected volume couples the points of a cell, also through the pressures at the start of a step.
+#[test]
+fn gradients_with_projected_volumes_are_differences_of_motions() {
+    let isochoric = || NeoHookeIsochoric::new(15.0, 150.0, Volumetric::Miehe).unwrap();
+    let trace = SaintVenantKirchhoff::new(60.0, 15.0).unwrap();
+    let projected = |region: Region| region.with_formulation(Formulation::ProjectedVolume(None));
+    let quadratic = crate::locking::mapped(CellKind::Hex20, [1, 1, 1], |x| x).build().unwrap();
+    let block = || mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap();
+    let bodies = [
+        ("constant", block(), projected(Region::new(isochoric(), 1.0))),
+        ("trace", block(), projected(Region::new(trace, 1.0))),
+        ("linear", quadratic, projected(Region::new(isochoric(), 1.0))),
+    ];
+    for (name, mesh, region) in bodies {
+        let body = Body::builder(mesh).region(region).build().unwrap();
+        let (start, goal) = (disturbed(&body, 0.02, 0.5), scattered_goal(&body));
+        for (scheme, k) in [(fe(2), 1), (assumed_strain(3), 1), (assumed_strain(3), 2), (DGM, 1), (DGM, 3)] {
+            let error = error_by_differences(&body, (scheme, k), &start, &equal(0.3, 0.1), &goal);
+            println!("{name}, {scheme}, k = {k}: {error:.1e}");
+            assert!(error < 1e-8, "{name}, {scheme}, k = {k}: {error:e}");
         }
     }
 }

@@ -3,6 +3,7 @@
 #![allow(non_snake_case)]
 
 mod conservation;
+mod fields;
 mod patches;
 mod reference;
 mod rubber;

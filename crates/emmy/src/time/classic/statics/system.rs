@@ -190,7 +190,7 @@ impl<'a> StaticSystem<'a> {
         let node = free()
             .find(|&dof| stiffness(dof) <= f64::EPSILON * largest)
             .map_or_else(|| largest_node(dx), |dof| dof / 3);
-        let X = body.mesh().points()[node];
+        let X = body.point(node);
         let position = [0, 1, 2].map(|d| X[d] + x[3 * node + d]);
         Error::Singular { fraction: self.time, node, position }
     }
