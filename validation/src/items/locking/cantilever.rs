@@ -40,9 +40,10 @@ impl Verdict {
 }
 
 /// Elements with their verdicts.
-const ELEMENTS: [(Element, [Verdict; 4]); 17] = [
+const ELEMENTS: [(Element, [Verdict; 4]); 18] = [
     (Element::standard("hex8", Hex8), [Locks; 4]),
     (Element::projected("hex8, constant", Hex8, Constant), [Soft, Locks, Soft, Stiff]),
+    (Element::modes("hex8, modes", Hex8), [Right, Locks, Stiff, Locks]),
     (Element::standard("hex20", Hex20), [Right, Stiff, Right, Locks]),
     (Element::projected("hex20, linear", Hex20, Linear), [Right, Stiff, Right, Stiff]),
     (Element::standard("hex27", Hex27), [Right; 4]),
