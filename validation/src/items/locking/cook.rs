@@ -12,9 +12,10 @@ use crate::items::Effort;
 use crate::picture::{Pictures, Series};
 
 /// Element choices with the results of an independent implementation on 4 x 4, 8 x 8 and 16 x 16 squares.
-const ELEMENTS: [(Element, [f64; 3]); 7] = [
+const ELEMENTS: [(Element, [f64; 3]); 8] = [
     (Element::standard("quad4", Quad4), [2.163, 2.219, 2.381]),
     (Element::projected("quad4, constant", Quad4, Constant), [6.020, 6.619, 6.814]),
+    (Element::modes("quad4, modes", Quad4), [6.303, 6.672, 6.820]),
     (Element::projected("quad8, linear", Quad8, Linear), [6.618, 6.812, 6.880]),
     (Element::standard("quad9", Quad9), [5.917, 6.519, 6.758]),
     (Element::projected("quad9, linear", Quad9, Linear), [6.873, 6.903, 6.920]),

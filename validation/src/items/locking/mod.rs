@@ -29,6 +29,10 @@ impl Element {
         Element { label, kind, formulation: Formulation::Standard }
     }
 
+    const fn modes(label: &'static str, kind: CellKind) -> Self {
+        Element { label, kind, formulation: Formulation::IncompatibleModes }
+    }
+
     const fn projected(label: &'static str, kind: CellKind, space: PressureSpace) -> Self {
         Element { label, kind, formulation: Formulation::ProjectedVolume(Some(space)) }
     }
