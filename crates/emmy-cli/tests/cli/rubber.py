@@ -1,4 +1,4 @@
-"""Rubber mount and beam by FElupe: the numbers that `examples.rs` compares with. Needs `pip install felupe`.
+"""Rubber mount and beam by FElupe and NumPy: the numbers that `examples.rs` compares with. Needs `pip install felupe`.
 
 FElupe's `ThreeFieldVariation` on trilinear hexahedra has one pressure and one volume ratio in each cell, as
 formulation = "projected-volume" has.
@@ -50,7 +50,34 @@ def beam(projected, n):
     return fields[0].values[mesh.points.sum(axis=1).argmax()][2]
 
 
+def beam_with_modes(length=10.0, n=10, bulk=2500.0, load=3.74975e-3):
+    """Deflection of a row of cubes with incompatible modes, clamped at one end, at small strain (NumPy)."""
+    corners = np.array([[a, b, c] for b in (0, 1) for a in (0, 1) for c in (0, 1)]) * 2.0 - 1.0
+    lame = bulk - 2 / 3 * SHEAR
+    matrix = np.zeros((33, 33))
+    for point in corners / np.sqrt(3.0):
+        factors = 1 + corners * point
+        gradients = [corners[:, i] * np.delete(factors, i, axis=1).prod(axis=1) / 8 for i in range(3)]
+        # The modes are xi_m^2/2.
+        gradients = np.vstack([np.transpose(gradients), np.diag(point)]) * 2 / length
+        strains = np.einsum("Aj,ik->Akij", gradients, np.eye(3)).reshape(33, 3, 3)
+        strains = (strains + strains.transpose(0, 2, 1)) / 2
+        traces = np.einsum("aii->a", strains)
+        energy = 2 * SHEAR * np.einsum("aij,bij->ab", strains, strains) + lame * np.outer(traces, traces)
+        matrix += energy * (length / 2) ** 3
+    cell, inner = slice(0, 24), slice(24, 33)
+    matrix = matrix[cell, cell] - matrix[cell, inner] @ np.linalg.solve(matrix[inner, inner], matrix[inner, cell])
+    stiffness = np.zeros((12 * (n + 1), 12 * (n + 1)))
+    for i in range(n):
+        own = slice(12 * i, 12 * i + 24)
+        stiffness[own, own] += matrix
+    force = np.zeros(12 * (n + 1))
+    force[-10::3] = load / 4
+    return np.linalg.solve(stiffness[12:, 12:], force[12:])[-1]
+
+
 for projected in (True, False):
     print(f"mount, projected {projected}: {mount(projected):.6f} N")
+print(f"beam with incompatible modes, at small strain: {beam_with_modes():.6f} mm")
 for projected, n in ((False, 1), (True, 1), (True, 2), (True, 4), (True, 6)):
     print(f"beam, projected {projected}, {n} over the thickness: {beam(projected, n):.8f} mm", flush=True)
