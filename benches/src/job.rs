@@ -120,7 +120,8 @@ impl Case {
 
     /// The spinning block with the mesh of a file.
     pub(crate) fn spinning_block_of(file: &Path) -> Self {
-        Case::new("benches/spinning-block.toml").with("mesh", format!("{{ file = {:?} }}", file.display().to_string()))
+        Case::new("benches/spinning-block.toml")
+            .with("mesh", format!("{{ file = {:?} }}", file.display().to_string()))
     }
 
     /// The block of E = 1e7 under its load, with cells of edge 1/r.

@@ -34,7 +34,17 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let mut report = Report::new("Cells against locking", NOTE);
     let mut table = Table::new(
         4,
-        &["cells", "formulation", "K/mu", "scheme", "dofs", "CPU s a step", "standard, K/mu = 2", "ratio", "Newton"],
+        &[
+            "cells",
+            "formulation",
+            "K/mu",
+            "scheme",
+            "dofs",
+            "CPU s a step",
+            "standard, K/mu = 2",
+            "ratio",
+            "Newton",
+        ],
     );
     for (kind, formulation, r) in KINDS {
         let r = session.choose(1, r);
@@ -47,7 +57,8 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
             let over = runs[0].ratio(&runs[1], step_seconds);
             table.push(row(kind, formulation, ratio, scheme, &runs, over));
             if kind == CellKind::Hex8 && formulation == "projected-volume" && scheme != "FE(1)" {
-                let statement = format!("{scheme}, hex8: a step at K/mu = 1e4 over one of standard cells at 2");
+                let statement =
+                    format!("{scheme}, hex8: a step at K/mu = 1e4 over one of standard cells at 2");
                 report.goals.push(Goal::new(statement, Limit::AtMost(2.0), over));
             }
         }
@@ -62,20 +73,16 @@ const NOTE: &str = "The L-shaped block of isochoric neo-Hooke rubber in free fli
 fn case(file: &Path, scheme: &str, formulation: &str, ratio: f64) -> Case {
     let bulk = 500.0 * ratio;
     Case::spinning_block_of(file)
-        .with("region.material", format!("{{ neo-hooke-isochoric = {{ mu = 500.0, bulk_modulus = {bulk:?} }} }}"))
+        .with(
+            "region.material",
+            format!("{{ neo-hooke-isochoric = {{ mu = 500.0, bulk_modulus = {bulk:?} }} }}"),
+        )
         .with("region.formulation", formulation)
         .with("initial.gradient", "[[0.2, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, 0.0, -0.1]]")
         .scheme(scheme, 1)
 }
 
-fn row(
-    kind: CellKind,
-    formulation: &str,
-    ratio: f64,
-    scheme: &str,
-    runs: &[Runs],
-    over: f64,
-) -> Vec<String> {
+fn row(kind: CellKind, formulation: &str, ratio: f64, scheme: &str, runs: &[Runs], over: f64) -> Vec<String> {
     vec![
         kind.to_string(),
         formulation.to_string(),
@@ -102,7 +109,9 @@ fn vtu(kind: CellKind, r: u32) -> Result<String, String> {
     );
     let failed = |error: std::fmt::Error| error.to_string();
     points.iter().try_for_each(|[x, y, z]| writeln!(text, "{x:?} {y:?} {z:?}")).map_err(failed)?;
-    text.push_str("</DataArray></Points>\n<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n");
+    text.push_str(
+        "</DataArray></Points>\n<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n",
+    );
     let words = |numbers: &[usize]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     cells.iter().try_for_each(|nodes| writeln!(text, "{}", words(nodes))).map_err(failed)?;
     let n = kind.n_nodes();
@@ -123,9 +132,9 @@ type Points = Vec<[f64; 3]>;
 /// Points and cells of a kind in the place of hex8 cells; six tetrahedra in each.
 fn refined(block: &Mesh, kind: CellKind) -> (Points, Vec<Vec<usize>>) {
     let (mut points, mut numbers, mut cells) = (Points::new(), HashMap::new(), Vec::new());
-    let mut number = |X: [f64; 3]| {
-        *numbers.entry(X.map(|x| (1e6 * x).round() as i64)).or_insert_with(|| {
-            points.push(X);
+    let mut number = |place: [f64; 3]| {
+        *numbers.entry(place.map(|x| (1e6 * x).round() as i64)).or_insert_with(|| {
+            points.push(place);
             points.len() - 1
         })
     };
@@ -136,9 +145,8 @@ fn refined(block: &Mesh, kind: CellKind) -> (Points, Vec<Vec<usize>>) {
         let inside = |t: [f64; 3]| [0, 1, 2].map(|d| low[d] + t[d] * (high[d] - low[d]));
         if kind == CellKind::Tet10 {
             for corners in tetrahedra() {
-                let place = |xi: &[f64; 3]| {
-                    [0, 1, 2].map(|d| (0..3).map(|k| xi[k] * corners[k + 1][d]).sum::<f64>())
-                };
+                let place =
+                    |xi: &[f64; 3]| [0, 1, 2].map(|d| (0..3).map(|k| xi[k] * corners[k + 1][d]).sum::<f64>());
                 cells.push(reference.iter().map(|xi| number(inside(place(xi)))).collect());
             }
         } else {

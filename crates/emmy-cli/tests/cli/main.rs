@@ -1,6 +1,7 @@
 //! The binary from outside: verbs, files, exit codes, messages.
 
 mod adaptive;
+mod cell_modes;
 mod compare;
 mod converge;
 mod endings;

@@ -155,7 +155,8 @@ impl<'a> RegionCells<'a> {
         for (kind, cells) in &self.cells {
             let space = self.region().pressure_space(own, *kind).map_err(|reason| {
                 let message = format!("formulation = \"{}\", cell {}: {reason}", own.name(), cells[0]);
-                Fault::at(&self.placed.place, message, format!("has {} {kind}", cells.len()))
+                let help = "a formulation holds for all cells of a region: leave it out, or make another region for these cells";
+                Fault::at(&self.placed.place, message, format!("has {} {kind}", cells.len())).help(help)
             })?;
             let n = cells.len();
             parts.push(space.map_or(format!("{n} {kind}"), |space| format!("{n} {kind} ({space} pressure)")));

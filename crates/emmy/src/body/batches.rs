@@ -138,9 +138,15 @@ impl CellBatches {
 
     fn subtract_means(&self, nodal: &mut [[Packed; 3]]) {
         let (corners, modes) = nodal.split_at_mut(self.n_corners());
-        for (lane, i) in (0..LANES).flat_map(|lane| (0..3).map(move |i| (lane, i))) {
-            let mean = corners.iter().map(|corner| corner[i].0[lane]).sum::<f64>() / corners.len() as f64;
-            modes.iter_mut().for_each(|mode| mode[i].0[lane] -= mean);
+        let share = 1.0 / corners.len() as f64;
+        for i in 0..3 {
+            let mut mean = [0.0; LANES];
+            for corner in &*corners {
+                mean.iter_mut().zip(&corner[i].0).for_each(|(mean, value)| *mean += share * value);
+            }
+            for mode in &mut *modes {
+                mode[i].0.iter_mut().zip(&mean).for_each(|(mode, mean)| *mode -= mean);
+            }
         }
     }
 }

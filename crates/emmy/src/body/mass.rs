@@ -72,8 +72,9 @@ impl Body {
         p.par_chunks_mut(3 * ROWS).enumerate().for_each(|(task, p)| {
             for (row, p) in (ROWS * task..).zip(p.chunks_exact_mut(3)) {
                 let mut sum = [0.0; 3];
-                let range = self.pattern().range(row);
-                for (mass, &column) in self.mass()[range].iter().zip(self.pattern().row(row)) {
+                // Nodes without mass come last.
+                let columns = &self.pattern().row(row)[..self.pattern().n_outer_columns(row)];
+                for (mass, &column) in self.mass()[self.pattern().range(row)].iter().zip(columns) {
                     let v = &v[3 * column as usize..3 * column as usize + 3];
                     (0..3).for_each(|i| sum[i] += mass * v[i]);
                 }

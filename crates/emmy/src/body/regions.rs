@@ -166,7 +166,7 @@ pub(super) fn terms(
                 // The term of a link asks for its length.
                 let section = if region.link().is_some() { 1.0 } else { region.section(kind) };
                 let table = CellTable::new(mesh, kind, cells, section)?.with_modes(mesh, kind, internal)?;
-                let mut term = region.term(mesh, kind, table)?;
+                let mut term = region.material.term(region.formulation, mesh, kind, table)?;
                 term.set_viscosity(&region.viscosity);
                 terms.push(Box::new(term));
             }

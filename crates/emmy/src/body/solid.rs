@@ -8,7 +8,7 @@ mod start_pressure;
 
 use std::ops::Range;
 
-pub(super) use region_material::{NO_VOLUMETRIC_PART, RegionMaterial};
+pub(super) use region_material::RegionMaterial;
 
 use pulp::{Arch, Simd, WithSimd};
 

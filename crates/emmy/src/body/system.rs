@@ -105,6 +105,13 @@ impl Body {
         self.internal.set_means(&self.mesh, field);
     }
 
+    /// Fits a field of the nodes of the mesh, perhaps with other internal nodes, to the body, without modes.
+    pub(crate) fn fit_without_modes(&self, field: &mut Vec<f64>) {
+        field.resize(self.mesh.n_dofs(), 0.0);
+        field.resize(self.n_dofs(), 0.0);
+        self.set_internal_means(field);
+    }
+
     /// Sets a velocity at the nodes without mass to the end of the polynomial of its rates, `sum_j weights_j x_j / h` with
     /// the basis at the end of the step as weights; `rates: [k][n_nodes][3]`. No momentum determines it, and nothing but
     /// predictions and estimates of errors depends on it.

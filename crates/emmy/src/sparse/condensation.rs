@@ -24,8 +24,10 @@ pub(crate) struct Condensation {
     groups: Vec<Group>,
     /// C and `K_ii^-1` of each group, by rows `[i][3 n_outer + 3 n_inner]`.
     numbers: Vec<f64>,
-    /// `K_ii` and `K_io` of a group.
+    /// `K_ii` and `K_io` of a group, or a vector.
     work: [Vec<f64>; 2],
+    /// Inner unknowns of a group, `[2][m]`.
+    found: Vec<f64>,
 }
 
 /// Inner rows that are coupled with each other and the same outer rows.
@@ -55,7 +57,7 @@ impl Condensation {
         let outer = pattern.outer();
         let blocks = (0..outer.n_rows()).flat_map(|row| pattern.range(row).take(outer.range(row).len()));
         let mass = blocks.map(|block| mass[block]).collect();
-        let (mut groups, mut n_numbers, mut largest): (Vec<Group>, _, _) = (Vec::new(), 0, [0; 2]);
+        let (mut groups, mut n_numbers, mut largest): (Vec<Group>, _, _) = (Vec::new(), 0, [0; 3]);
         let mut row = pattern.n_outer();
         while row < pattern.n_rows() {
             let columns = pattern.row(row);
@@ -70,7 +72,7 @@ impl Condensation {
             };
             let (m, n) = group.size();
             n_numbers += m * (n + m);
-            largest = [largest[0].max(m * m), largest[1].max(m * n)];
+            largest = [largest[0].max(m * m), largest[1].max(m * n).max(n + m), largest[2].max(m)];
             row = group.inner.end;
             groups.push(group);
         }
@@ -80,7 +82,8 @@ impl Condensation {
             mass,
             groups,
             numbers: vec![0.0; n_numbers],
-            work: largest.map(|size| vec![0.0; size]),
+            work: [0, 1].map(|which| vec![0.0; largest[which]]),
+            found: vec![0.0; 2 * largest[2]],
         })
     }
 
@@ -126,25 +129,24 @@ impl Condensation {
         Ok(())
     }
 
-    /// Reduces right-hand sides in place to the outer rows, which come first; `columns: [n_rows][3][n_columns]`.
-    pub(crate) fn reduce<'c>(
-        &self,
-        fixed: &[bool],
-        columns: &'c mut [f64],
-        n_columns: usize,
-    ) -> &'c mut [f64] {
+    /// Reduces right-hand sides, zero at fixed components, in place to the outer rows, which come first; `columns:
+    /// [n_rows][3][n_columns]`.
+    pub(crate) fn reduce<'c>(&mut self, columns: &'c mut [f64], n_columns: usize) -> &'c mut [f64] {
         let n_outer = self.pattern.n_rows();
         let (outer, inner) = columns.split_at_mut(3 * n_columns * n_outer);
         for group in &self.groups {
             let (m, n) = group.size();
+            let own = &self.numbers[group.first..group.first + m * (n + m)];
             let right = &inner[3 * n_columns * (group.inner.start - n_outer)..];
-            let rows = self.numbers[group.first..].chunks_exact(n + m).zip(right.chunks_exact(n_columns));
-            for (own, right) in rows.take(m) {
-                for (b, C) in own[..n].iter().enumerate() {
-                    let dof = 3 * group.outer[b / 3] as usize + b % 3;
-                    if !fixed[dof] {
-                        (0..n_columns).for_each(|c| outer[dof * n_columns + c] -= C * right[c]);
-                    }
+            for c in 0..n_columns {
+                let sum = &mut self.work[1][..n];
+                sum.fill(0.0);
+                for (own, right) in own.chunks_exact(n + m).zip(right.chunks_exact(n_columns)) {
+                    sum.iter_mut().zip(&own[..n]).for_each(|(sum, C)| *sum += C * right[c]);
+                }
+                for (&row, sum) in group.outer.iter().zip(sum.as_chunks::<3>().0) {
+                    let outer = &mut outer[3 * row as usize * n_columns..][..3 * n_columns];
+                    (0..3).for_each(|a| outer[a * n_columns + c] -= sum[a]);
                 }
             }
         }
@@ -152,38 +154,42 @@ impl Condensation {
     }
 
     /// Sets the inner unknowns from their right-hand sides and the outer unknowns; `inverse_shift`: 1/lambda.
-    pub(crate) fn expand(&self, inverse_shift: [f64; 2], columns: &mut [f64], n_columns: usize) {
+    pub(crate) fn expand(&mut self, inverse_shift: [f64; 2], columns: &mut [f64], n_columns: usize) {
         let n_outer = self.pattern.n_rows();
         let (outer, inner) = columns.split_at_mut(3 * n_columns * n_outer);
+        let [re, im] = inverse_shift;
         for group in &self.groups {
             let (m, n) = group.size();
             let own = &self.numbers[group.first..group.first + m * (n + m)];
             let x = &mut inner[3 * n_columns * (group.inner.start - n_outer)..][..m * n_columns];
             for c in 0..n_columns {
-                let mut right = [0.0; MAX_INNER];
-                (0..m).for_each(|i| right[i] = x[i * n_columns + c]);
-                for (i, own) in own.chunks_exact(n + m).enumerate() {
-                    x[i * n_columns + c] = own[n..].iter().zip(&right).map(|(k, b)| k * b).sum();
+                // C and K_ii^-1 stand side by side: one product of a row with -x_o and b_i.
+                let all = &mut self.work[1][..n + m];
+                for (all, &row) in all.as_chunks_mut::<3>().0.iter_mut().zip(&group.outer) {
+                    let outer = &outer[3 * row as usize * n_columns..][..3 * n_columns];
+                    *all = [0, 1, 2].map(|a| -outer[a * n_columns + c]);
+                }
+                // (b_1 + i b_2)/lambda
+                for (b, x) in all[n..].iter_mut().zip(x.chunks_exact(n_columns)) {
+                    let (own, other) = (x[c], x[n_columns - 1 - c]);
+                    *b = re * own
+                        + match (n_columns, c) {
+                            (1, _) => 0.0,
+                            (_, 0) => -im * other,
+                            _ => im * other,
+                        };
+                }
+                let found = &mut self.found[c * m..(c + 1) * m];
+                for (found, own) in found.iter_mut().zip(own.chunks_exact(n + m)) {
+                    *found = own.iter().zip(&*all).map(|(k, x)| k * x).sum();
                 }
             }
-            let [re, im] = inverse_shift;
-            for (own, x) in own.chunks_exact(n + m).zip(x.chunks_exact_mut(n_columns)) {
-                let [first, last] = [x[0], x[n_columns - 1]];
-                x[0] = re * first - if n_columns == 2 { im * last } else { 0.0 };
-                if n_columns == 2 {
-                    x[1] = re * last + im * first;
-                }
-                for (b, C) in own[..n].iter().enumerate() {
-                    let at = (3 * group.outer[b / 3] as usize + b % 3) * n_columns;
-                    (0..n_columns).for_each(|c| x[c] -= C * outer[at + c]);
-                }
+            for (at, x) in x.iter_mut().enumerate() {
+                *x = self.found[at % n_columns * m + at / n_columns];
             }
         }
     }
 }
-
-/// Most scalar inner rows of a group.
-const MAX_INNER: usize = 9;
 
 impl Group {
     /// Copies `K_ii` and `K_io`; fixed rows and columns are those of the unit matrix.
@@ -259,7 +265,7 @@ mod tests {
         let mut complete = right.clone();
         assert!(eliminate(&mut dense(&pattern, &stiffness, &mass, 15), &mut complete, 1));
         let mut found = right;
-        let outer = condensation.reduce(&fixed, &mut found, 1);
+        let outer = condensation.reduce(&mut found, 1);
         let mut matrix = dense(&condensation.pattern, &condensation.stiffness, &condensation.mass, 9);
         assert!(eliminate(&mut matrix, outer, 1));
         condensation.expand([1.0 / lambda, 0.0], &mut found, 1);

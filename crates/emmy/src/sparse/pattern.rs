@@ -53,8 +53,11 @@ impl Pattern {
     }
 
     /// Number of outer columns of a row; they come first.
-    pub(super) fn n_outer_columns(&self, row: usize) -> usize {
-        self.row(row).partition_point(|&column| (column as usize) < self.inner_from)
+    pub(crate) fn n_outer_columns(&self, row: usize) -> usize {
+        match self.inner_from == self.n_rows() {
+            true => self.row(row).len(),
+            false => self.row(row).partition_point(|&column| (column as usize) < self.inner_from),
+        }
     }
 
     /// Number of couplings of outer rows with each other.

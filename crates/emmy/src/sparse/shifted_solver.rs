@@ -46,6 +46,9 @@ pub(crate) struct Iterative<const C: usize> {
     krylov: ConjugateGradients<f32, C>,
 }
 
+/// Relative residual that no further iteration improves.
+const ROUNDING: f64 = 1e-14;
+
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 400;
 
@@ -228,7 +231,7 @@ impl ShiftedSolver for DirectPair {
         let matrix = &self.matrix;
         let inverse = &mut self.inverse;
         let iterations = (tolerance.ln() / self.contraction.ln()).ceil() as usize;
-        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, 0.0, iterations);
+        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, ROUNDING, iterations);
         scatter(&self.sweep, &self.krylov.solution, 1.0, x);
         outcome.relative_residual.is_finite().then_some(outcome.iterations)
     }

@@ -12,7 +12,8 @@ pub enum Solver {
     Auto,
     /// Sparse Cholesky factorisation.
     Direct,
-    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor.
+    /// Conjugate gradients, preconditioned by an incomplete Cholesky factor; stiff projected volumes are factorised in any
+    /// case.
     Iterative,
 }
 

@@ -52,8 +52,7 @@ impl State {
         fields: &[InitialVelocity],
     ) -> Result<Self> {
         if displacement.len() == body.mesh().n_dofs() {
-            displacement.resize(body.n_dofs(), 0.0);
-            body.set_internal_means(&mut displacement);
+            body.fit_without_modes(&mut displacement);
         }
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
@@ -70,11 +69,16 @@ impl State {
     }
 
     /// The same displacement and velocity as the start of a motion of another body with the same mesh, from a time on:
-    /// momentum `p = M v` of that body, velocity zero where it is fixed.
+    /// momentum `p = M v` of that body, velocity zero where it is fixed. Other incompatible modes start from zero.
     ///
     /// # Errors
     /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
-    pub fn transferred(self, body: &Body, time: f64) -> Result<Self> {
+    pub fn transferred(mut self, body: &Body, time: f64) -> Result<Self> {
+        if self.displacement.len() != body.n_dofs() {
+            for field in [&mut self.displacement, &mut self.velocity, &mut self.displacement_low] {
+                body.fit_without_modes(field);
+            }
+        }
         body.check_start(time, &self.displacement)?;
         let mut velocity = self.velocity;
         let momentum = body.momentum_of(time, &mut velocity);

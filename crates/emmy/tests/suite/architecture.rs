@@ -41,6 +41,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "cholesky",
             "block_cholesky",
             "stages",
+            "condensation",
             "lu",
             "sweep",
             "kernel",

@@ -90,6 +90,11 @@ impl Validator {
                     |key: &Value| entries.is_none_or(|entries| entries.contains_key(key.as_str().unwrap()));
                 wanted.as_array().unwrap().iter().all(is_there)
             }
+            "dependencies" => {
+                let is_there = |key: &String| entries.is_some_and(|entries| entries.contains_key(key));
+                let mut wanted = wanted.as_object().unwrap().iter();
+                wanted.all(|(key, schema)| !is_there(key) || self.fits(schema, value))
+            }
             "oneOf" => schemas() == 1,
             "anyOf" => schemas() > 0,
             "not" => !self.fits(wanted, value),

@@ -3,7 +3,6 @@
 use crate::body::Region;
 use crate::body::geometry::positions;
 use crate::body::projection::{orthonormal, shapes};
-use crate::body::solid::RegionMaterial;
 use crate::material::{CompiledMaterial, VolumeLaw, VolumeMeasure};
 use crate::mesh::{CellKind, Mesh};
 use crate::tensor::{Mat3, green_lagrange};
@@ -67,9 +66,7 @@ impl Projections {
 
 impl ProjectedKind {
     fn new(region: &Region, kind: CellKind) -> Option<Self> {
-        let RegionMaterial::Solid(material) = &region.material else { return None };
-        let space = region.pressure_space(region.formulation, kind).ok()??;
-        let (points, law) = material.split(kind.info().point_share)?;
+        let (space, points, law) = region.material.split(region.formulation, kind).ok()??;
         let n_functions = space.n_functions(kind.dimension());
         Some(ProjectedKind { points, law, n_functions, shapes: shapes(kind) })
     }

@@ -1,6 +1,6 @@
 //! Regions of a body.
 
-use crate::body::solid::{NO_VOLUMETRIC_PART, RegionMaterial};
+use crate::body::solid::RegionMaterial;
 use crate::body::{Formulation, PressureSpace, Viscosity};
 use crate::element::CellKind;
 use crate::material::{Link, Material};
@@ -126,15 +126,8 @@ impl Region {
         formulation: Formulation,
         kind: CellKind,
     ) -> Result<Option<PressureSpace>, String> {
-        let space = formulation.pressure_space(kind)?;
-        match (space, &self.material) {
-            (Some(_), RegionMaterial::Solid(material))
-                if material.split(kind.info().point_share).is_none() =>
-            {
-                Err(NO_VOLUMETRIC_PART.to_string())
-            }
-            _ => Ok(space),
-        }
+        let split = self.material.split(formulation, kind)?;
+        Ok(split.map(|(space, ..)| space))
     }
 
     /// The same region with another thickness of its plane cells.

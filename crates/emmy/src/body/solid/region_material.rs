@@ -1,12 +1,16 @@
 //! Material of a region: of solid cells, or of links.
 
 use super::SolidTerm;
+use crate::body::CellTable;
 use crate::body::projection::Projection;
-use crate::body::{CellTable, Region};
+use crate::element::{Formulation, PressureSpace};
 use crate::error::{Error, Result};
-use crate::material::{CompiledMaterial, Link};
+use crate::material::{CompiledMaterial, Link, VolumeLaw};
 use crate::mesh::{CellKind, Mesh};
 use crate::tensor::Sym;
+
+const NO_VOLUMETRIC_PART: &str =
+    "the energy of its material has no volumetric part to project; use formulation = \"standard\"";
 
 /// Material of a region.
 #[derive(Debug)]
@@ -17,24 +21,44 @@ pub(crate) enum RegionMaterial {
     Link(Link),
 }
 
-impl Region {
-    /// The term of a table of its cells of a kind.
+/// A projected volume: the functions of its pressure, the material at the points and the law of the volume.
+pub(crate) type SplitMaterial = (PressureSpace, CompiledMaterial, VolumeLaw);
+
+impl RegionMaterial {
+    /// The material in cells of a kind that project their volume; `None` for a formulation without a projection.
+    ///
+    /// # Errors
+    /// The reason why the kind or the material does not have the formulation, with the remedy.
+    pub(crate) fn split(
+        &self,
+        formulation: Formulation,
+        kind: CellKind,
+    ) -> Result<Option<SplitMaterial>, String> {
+        match (self, formulation.pressure_space(kind)?) {
+            (RegionMaterial::Solid(material), Some(space)) => {
+                let (points, law) = material.split(kind.info().point_share).ok_or(NO_VOLUMETRIC_PART)?;
+                Ok(Some((space, points, law)))
+            }
+            (RegionMaterial::Solid(_) | RegionMaterial::Link(_), _) => Ok(None),
+        }
+    }
+
+    /// The term of a table of cells of a kind.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Formulation`] if there is nothing to project.
     pub(in crate::body) fn term(
         &self,
+        formulation: Formulation,
         mesh: &Mesh,
         kind: CellKind,
         mut table: CellTable,
     ) -> Result<SolidTerm> {
-        let no_formulation = |reason| Error::Formulation { cell: table.cells[0] as usize, reason };
-        let space = self.formulation.pressure_space(kind).map_err(no_formulation)?;
-        match (&self.material, space) {
+        let split = self.split(formulation, kind);
+        let split = split.map_err(|reason| Error::Formulation { cell: table.cells[0] as usize, reason })?;
+        match (self, split) {
             (RegionMaterial::Solid(material), None) => SolidTerm::new(material.clone(), table),
-            (RegionMaterial::Solid(material), Some(space)) => {
-                let split = material.split(kind.info().point_share);
-                let (points, law) = split.ok_or_else(|| no_formulation(NO_VOLUMETRIC_PART.to_string()))?;
+            (RegionMaterial::Solid(_), Some((space, points, law))) => {
                 let projection = Projection::new(mesh, kind, space, law, &table);
                 Ok(SolidTerm::new(points, table)?.with_projection(projection))
             }
@@ -46,13 +70,7 @@ impl Region {
             }
         }
     }
-}
 
-/// Reason why a material has no projected volume.
-pub(crate) const NO_VOLUMETRIC_PART: &str =
-    "the energy of its material has no volumetric part to project; use formulation = \"standard\"";
-
-impl RegionMaterial {
     /// Stored energy per reference volume and second Piola-Kirchhoff stress at a Green-Lagrange strain; `None` for a
     /// link, which has no volume.
     pub(crate) fn response(&self, strain: &Sym<f64>) -> Option<(f64, Sym<f64>)> {

@@ -24,7 +24,6 @@ pub(super) struct ModeSolvers {
     solvers: Vec<Box<dyn ShiftedSolver>>,
     /// Condensation of the internal nodes, if the body has some: the solvers see the nodes of the mesh alone.
     condensation: Option<Condensation>,
-    fixed: Vec<bool>,
     /// The time s of the solvers.
     time_scale: f64,
     /// The requested solver.
@@ -50,7 +49,6 @@ impl ModeSolvers {
             modes_for: None,
             solvers: Vec::new(),
             condensation: None,
-            fixed: Vec::new(),
             time_scale: 0.0,
             requested,
             has_fallen_back: false,
@@ -133,13 +131,16 @@ impl ModeSolvers {
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
-        let requested = if self.has_fallen_back { Solver::Direct } else { self.requested };
+        // In 16 bits such a stiffness is indefinite.
+        let is_stiff = soft_part < LEAST_SOFT_PART;
+        let is_direct = self.has_fallen_back || is_stiff && self.requested == Solver::Iterative;
+        let requested = if is_direct { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
             return Ok(());
         }
         let scale = time_scale * time_scale * self.largest_modulus();
         let number = scale * stiffness_over_mass(body, stiffness);
-        let limit = if soft_part < LEAST_SOFT_PART { 0.0 } else { iterative_limit(body) };
+        let limit = if is_stiff { 0.0 } else { iterative_limit(body) };
         let cheaper = |limit: f64| if number < limit { SolverKind::Iterative } else { SolverKind::Direct };
         if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
             let kind = match choice.kind {
@@ -165,7 +166,6 @@ impl ModeSolvers {
         self.condensation = Condensation::new(body.pattern(), body.mass());
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let fixed = &body.fixed()[..3 * pattern.n_rows()];
-        self.fixed = if self.condensation.is_some() { fixed.to_vec() } else { Vec::new() };
         let order = || -> Result<Vec<usize>> {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
@@ -196,19 +196,13 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            let condensation = self.condensation.as_ref();
-            let iterations = match condensation {
-                Some(condensation) => {
-                    solver.solve(condensation.reduce(&self.fixed, columns, mode.n_columns()), tolerance)
-                }
-                None => solver.solve(columns, tolerance),
-            };
+            let [re, im] = shift(mode, self.time_scale);
+            let square = re * re + im * im;
+            let condensation = (self.condensation.as_mut(), [re / square, -im / square]);
+            let iterations = condensed(condensation, columns, mode.n_columns(), |columns| {
+                solver.solve(columns, tolerance)
+            });
             total = iterations.and_then(|n| total.map(|total| total + n));
-            if let Some(condensation) = condensation {
-                let [re, im] = shift(mode, self.time_scale);
-                let square = re * re + im * im;
-                condensation.expand([re / square, -im / square], columns, mode.n_columns());
-            }
             mode.add_to(&mode.backward, columns, z);
         }
         total
@@ -219,14 +213,9 @@ impl ModeSolvers {
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
             let columns = &mut self.columns[..self.n_dofs * mode.n_columns()];
             mode.restrict(r, columns);
-            match &self.condensation {
-                Some(condensation) => {
-                    solver.precondition(condensation.reduce(&self.fixed, columns, mode.n_columns()));
-                    let [re, im] = shift(mode, self.time_scale);
-                    condensation.expand([1.0 / re.hypot(im), 0.0], columns, mode.n_columns());
-                }
-                None => solver.precondition(columns),
-            }
+            let [re, im] = shift(mode, self.time_scale);
+            let condensation = (self.condensation.as_mut(), [1.0 / re.hypot(im), 0.0]);
+            condensed(condensation, columns, mode.n_columns(), |columns| solver.precondition(columns));
             mode.add_to(&mode.turned, columns, z);
         }
     }
@@ -273,6 +262,19 @@ impl ModeSolvers {
     }
 }
 
+/// Solves for the columns of all nodes by a solver of the nodes of the mesh; `inverse_shift`: 1/lambda of the solver.
+fn condensed<T>(
+    (condensation, inverse_shift): (Option<&mut Condensation>, [f64; 2]),
+    columns: &mut [f64],
+    n_columns: usize,
+    solve: impl FnOnce(&mut [f64]) -> T,
+) -> T {
+    let Some(condensation) = condensation else { return solve(columns) };
+    let outcome = solve(condensation.reduce(columns, n_columns));
+    condensation.expand(inverse_shift, columns, n_columns);
+    outcome
+}
+
 /// lambda of a mode.
 fn shift(mode: &Mode, time_scale: f64) -> [f64; 2] {
     mode.eigenvalue.map(|part| time_scale * time_scale * part)
@@ -310,7 +312,7 @@ fn iterative_limit(body: &Body) -> f64 {
     (6.0 * solution / (12.0 * iteration)).powi(2)
 }
 
-/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below, a stiffness in 16 bits and its
+/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below it, a stiffness in 16 bits and its
 /// incomplete factor are indefinite.
 const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
 

@@ -121,6 +121,26 @@ fn a_released_body_keeps_its_modes() {
     }
 }
 
+/// A motion may go on with cells of another formulation.
+#[test]
+fn states_are_transferred_to_cells_with_modes_and_back() {
+    let standard =
+        Body::builder(distorted_pair(CellKind::Hex8)).region(Region::new(isochoric(), 1.0)).build();
+    let (standard, with_modes) = (standard.unwrap(), pair());
+    let mut state = State::initial(&standard, 0.0, &[spin()]).unwrap();
+    for body in [&standard, &with_modes, &standard] {
+        let kinetic =
+            |state: &State| state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v).sum::<f64>();
+        let before = kinetic(&state);
+        state = state.transferred(body, 0.0).unwrap();
+        assert_eq!(state.displacement.len(), body.n_dofs());
+        assert!((kinetic(&state) / before - 1.0).abs() < 1e-14);
+        let mut motion = Motion::starting(body, at(DGM, 1), strict(), state).unwrap();
+        (0..5).for_each(|_| _ = motion.step(0.05).unwrap());
+        state = motion.state().clone();
+    }
+}
+
 #[test]
 fn both_solvers_find_the_same_motion() {
     let body = released();
