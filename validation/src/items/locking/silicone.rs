@@ -88,7 +88,7 @@ pub(in crate::items) fn item(effort: Effort, pictures: &Pictures) -> Result<Item
             "largest change of H {energy:.1e}, of L {momentum:.1e}; strain energy up to {:.0} % of H",
             100.0 * flight.strained
         ),
-        energy < 1e-10 && momentum < 1e-10,
+        energy < 1e-11 && momentum < 1e-11,
     );
     let soft = fly(10.0 * SHEAR, 200).map_err(text)?;
     let [stiff, soft] = [&flight, &soft].map(|flight| flight.iterations as f64 / flight.steps as f64);
