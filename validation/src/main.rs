@@ -1,5 +1,5 @@
 //! The paper, reproduced: Table III and the figures of Section 5 of Betsch and Steinmann (2001), each with its claims,
-//! checked by numbers; also the schemes of other codes, higher degrees, and long flights.
+//! checked by numbers; also the schemes of other codes, higher degrees, long flights, and elements that do not lock.
 //!
 //!     cargo run --release -p emmy-validation -- [--quick] [--only NAME,...] [--output FOLDER]
 //!

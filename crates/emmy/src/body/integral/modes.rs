@@ -34,7 +34,7 @@ pub(super) fn set_forces<R: Register>(
         for (point, stress) in stress.iter().enumerate() {
             let gradient = vector(zero, &cells.mode_gradients_at(batch, point)[mode], part);
             for i in 0..3 {
-                sum[i] = sum[i] + dot3(vector(zero, &stress[i], part), gradient);
+                sum[i] += dot3(vector(zero, &stress[i], part), gradient);
             }
         }
         (0..3).for_each(
@@ -53,7 +53,7 @@ fn share_out<R: Register>(zero: R, corners: &mut [[Packed; 3]], internal: &[[Pac
     for i in 0..3 {
         let mut sum = zero;
         for vector in internal {
-            sum = sum + zero.load(&vector[i], part);
+            sum += zero.load(&vector[i], part);
         }
         let sum = sum * share;
         for corner in &mut *corners {

@@ -171,7 +171,7 @@ fn a_thick_tube_is_inflated() {
 fn a_bonded_mount_has_the_stiffness_of_the_literature() {
     let (shape, strain) = (20.0, 1e-6);
     for ratio in [1e4, 5e4] {
-        let r = shape * (12.0 / ratio as f64).sqrt();
+        let r = shape * (12.0f64 / ratio).sqrt();
         let expected = ratio * (1.0 - r.tanh() / r);
         let stiffness = |kind, cells: [usize; 3], formulation| {
             // Smaller cells at the free side.
