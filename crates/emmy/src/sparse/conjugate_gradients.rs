@@ -29,6 +29,9 @@ pub(crate) struct ConjugateGradients<T, const C: usize> {
     partial: Vec<[f64; 2]>,
 }
 
+/// Relative residual that no further iteration improves.
+const ROUNDING: f64 = 1e-14;
+
 impl<T: Real, const C: usize> ConjugateGradients<T, C> {
     /// Memory for systems of a size.
     pub(crate) fn new(n_rows: usize) -> Self {
@@ -43,14 +46,15 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         }
     }
 
-    /// Solves from zero until the residual is `tolerance` times the right-hand side, or the iterations are used up.
+    /// Solves from zero until the residual is `tolerance` times the right-hand side after at least `least` iterations, or
+    /// the iterations are used up.
     pub(crate) fn solve(
         &mut self,
         sweep: &SweepOrder,
         matrix: &ShiftedMatrix<impl Entry<Number = T>, C>,
         inverse: &mut impl Approximate<T, C>,
         tolerance: f64,
-        max_iterations: usize,
+        (least, max_iterations): (usize, usize),
     ) -> Solution {
         self.solution.fill([[T::default(); C]; 4]);
         // After an overflow the previous solution is not finite, and zero times it would not be zero.
@@ -61,7 +65,11 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             return outcome;
         }
         let mut rho = [1.0, 0.0];
-        while outcome.iterations < max_iterations && outcome.relative_residual > tolerance {
+        let is_left = |outcome: &Solution| {
+            let wanted = if outcome.iterations < least { ROUNDING.min(tolerance) } else { tolerance };
+            outcome.relative_residual > wanted
+        };
+        while outcome.iterations < max_iterations && is_left(&outcome) {
             self.preconditioned.copy_from_slice(&self.rhs);
             inverse.solve(sweep, &mut self.preconditioned);
             let new = self.rhs_product();
@@ -182,7 +190,7 @@ mod tests {
             })
             .collect();
         matrix.multiply(&sweep, &x, &mut solver.rhs, &mut vec![[0.0; 2]; sweep.n_rows().div_ceil(CHUNK)]);
-        let outcome = solver.solve(&sweep, &matrix, &mut factor, tolerance, 200);
+        let outcome = solver.solve(&sweep, &matrix, &mut factor, tolerance, (0, 200));
         assert!(outcome.relative_residual <= tolerance);
         let errors = x.iter().flatten().flatten().zip(solver.solution.iter().flatten().flatten());
         (errors.map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max), outcome.iterations)
@@ -205,7 +213,7 @@ mod tests {
         let sweep = SweepOrder::new(&pattern);
         let mut solver = ConjugateGradients::<f32, 1>::new(8);
         let matrix = ShiftedMatrix::<bf16, 1>::new(&sweep, &[false; 24]);
-        let outcome = solver.solve(&sweep, &matrix, &mut IncompleteCholesky::new(&sweep), 1e-3, 10);
+        let outcome = solver.solve(&sweep, &matrix, &mut IncompleteCholesky::new(&sweep), 1e-3, (0, 10));
         assert_eq!(outcome.iterations, 0);
     }
 }

@@ -46,9 +46,6 @@ pub(crate) struct Iterative<const C: usize> {
     krylov: ConjugateGradients<f32, C>,
 }
 
-/// Relative residual that no further iteration improves.
-const ROUNDING: f64 = 1e-14;
-
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 400;
 
@@ -87,7 +84,8 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
         gather(&self.sweep, x, 1.0 / size, &mut self.krylov.rhs);
         let matrix = &self.matrix;
         let factor = &mut self.factor;
-        let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, MAX_ITERATIONS);
+        let limits = (0, MAX_ITERATIONS);
+        let outcome = self.krylov.solve(&self.sweep, matrix, factor, tolerance, limits);
         scatter(&self.sweep, &self.krylov.solution, size, x);
         (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
     }
@@ -171,7 +169,8 @@ impl ShiftedSolver for Direct {
 /// |e_n| <= tan(phi/4)^n |e_0|
 /// ```
 ///
-/// in the norm of `M + |lambda| K`. The Euclidean norm of the residual would count stiff modes too much.
+/// in the norm of `M + |lambda| K`. For stiff projected volumes, the Euclidean norm of the residual alone would leave the
+/// soft modes.
 #[derive(Debug)]
 pub(crate) struct DirectPair {
     sweep: Arc<SweepOrder>,
@@ -180,6 +179,8 @@ pub(crate) struct DirectPair {
     krylov: ConjugateGradients<f64, 2>,
     /// tan(phi/4).
     contraction: f64,
+    /// Whether K has projected volumes.
+    is_mixed: bool,
 }
 
 /// A factorisation as an approximate inverse, in the order of the sweep.
@@ -190,7 +191,7 @@ struct Reordered {
 }
 
 impl DirectPair {
-    /// Symbolic factorisation; `order[new] = old`.
+    /// Symbolic factorisation; `order[new] = old`; `is_mixed`: whether K has projected volumes.
     ///
     /// # Errors
     /// As [`Direct::new`].
@@ -199,8 +200,10 @@ impl DirectPair {
         fixed: &[bool],
         order: &[usize],
         sweep: Arc<SweepOrder>,
+        is_mixed: bool,
     ) -> Result<Self> {
         Ok(DirectPair {
+            is_mixed,
             matrix: ShiftedMatrix::new(&sweep, fixed),
             inverse: Reordered {
                 direct: Direct::new(pattern, fixed, order)?,
@@ -230,10 +233,11 @@ impl ShiftedSolver for DirectPair {
         gather(&self.sweep, x, 1.0, &mut self.krylov.rhs);
         let matrix = &self.matrix;
         let inverse = &mut self.inverse;
-        let iterations = (tolerance.ln() / self.contraction.ln()).ceil() as usize;
-        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, ROUNDING, iterations);
+        let least = (tolerance.ln() / self.contraction.ln()).ceil() as usize;
+        let limits = (if self.is_mixed { least } else { 0 }, MAX_ITERATIONS);
+        let outcome = self.krylov.solve(&self.sweep, matrix, inverse, tolerance, limits);
         scatter(&self.sweep, &self.krylov.solution, 1.0, x);
-        outcome.relative_residual.is_finite().then_some(outcome.iterations)
+        (outcome.relative_residual <= tolerance).then_some(outcome.iterations)
     }
 
     fn refactorization_cost(&self) -> f64 {

@@ -180,9 +180,13 @@ impl ModeSolvers {
                 (Some(sweep), SolverKind::Iterative, _) => {
                     Box::new(Iterative::<2>::new(fixed, sweep.clone()))
                 }
-                (Some(sweep), SolverKind::Direct, 2) => {
-                    Box::new(DirectPair::new(pattern, fixed, &order()?, sweep.clone())?)
-                }
+                (Some(sweep), SolverKind::Direct, 2) => Box::new(DirectPair::new(
+                    pattern,
+                    fixed,
+                    &order()?,
+                    sweep.clone(),
+                    body.n_pressures() > 0,
+                )?),
                 _ => Box::new(Direct::new(pattern, fixed, &order()?)?),
             });
         }
