@@ -7,10 +7,9 @@ use super::field_load::FieldLoad;
 use super::internal_nodes::InternalNodes;
 use super::load_vector::LoadVector;
 use super::pressure::Pressure;
-use super::pressures;
 use super::regions::{self, RegionOfCell};
 use super::supports::{Constraints, supported_groups};
-use super::{Body, GroundSpring, Load, PointTerms, Region, Support, nodal, term};
+use super::{Body, GroundSpring, Load, PointTerms, Region, Support, elimination, nodal, term};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::sparse::Pattern;
@@ -134,7 +133,7 @@ impl Body {
         let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
         let parts = pattern.divided(n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
-        pressures::number(&mut terms, &parts);
+        elimination::number(&mut terms, &parts);
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass)?);
