@@ -86,12 +86,13 @@ impl Newton {
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             let is_slow = ratio > SLOW || ratio.is_nan();
-            if is_slow && is_fresh {
+            if is_slow && is_fresh && !(ratio < HOPELESS) {
                 self.approximation.fresh = None;
                 return Ok(false);
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
-            if !is_fresh && (is_slow || left > system.refactorization_cost() + FRESH) {
+            // Far from the solution, the tangent of the present iterate is better than that of the previous one.
+            if is_slow || !is_fresh && left > system.refactorization_cost() + FRESH {
                 (tangent, is_fresh) = (Tangent::Refactorized, true);
             }
         }
@@ -137,6 +138,9 @@ impl Newton {
 
 /// A correction with the approximate tangent that leaves a larger part of the residual is slow.
 const SLOW: f64 = 0.3;
+
+/// A correction with a new tangent that leaves a larger part of the residual shows that no such tangent will do.
+const HOPELESS: f64 = 0.9;
 
 /// Largest number of corrections after convergence.
 const MAX_POLISHING: usize = 8;
