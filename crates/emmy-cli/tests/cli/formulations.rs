@@ -56,9 +56,15 @@ fn check_advises_where_linear_hexahedra_are_few_over_a_thickness() {
     let thin = |material, keys| lines(&region(material, keys, "[3, 8, 4]"), "advice");
     let advice = &thin(STEEL, "")[..];
     let [advice] = advice else { panic!("{advice:?}") };
-    assert!(advice.contains("about 3 cells (hex8) over its length along x"), "{advice}");
+    assert!(advice.contains("about 3 cells (hex8) over its thickness along x"), "{advice}");
     assert!(advice.contains("formulation = \"incompatible-modes\""), "{advice}");
-    assert_eq!(thin(RUBBER, "").len(), 2);
+    let rubber = thin(RUBBER, "");
+    assert!(
+        rubber.len() == 2
+            && rubber[1]
+                .ends_with("take hex27 or hex20 (quad9 in a plane) with formulation = \"projected-volume\""),
+        "{rubber:?}"
+    );
     assert!(thin(RUBBER, PROJECTED)[0].contains("take hex27 or hex20"));
     assert!(lines(&region(STEEL, "", "[4, 8, 4]"), "advice").is_empty());
 }
@@ -67,11 +73,17 @@ fn check_advises_where_linear_hexahedra_are_few_over_a_thickness() {
 #[test]
 fn check_sends_tet4_to_tet10() {
     let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../emmy-io/tests/meshes/tet4-41-ascii.msh");
-    let input = format!(
-        "mesh.file = '{mesh}'\nregion = {{ density = 1.0, material.{RUBBER} }}\n\
-         time = {{ scheme = 'DGM', degree = 1, steps = [{{ until = 1.0, size = 0.1 }}] }}\n"
-    );
-    let advice = lines(&input, "advice");
+    let advice = |material| {
+        let input = format!(
+            "mesh.file = '{mesh}'\nregion = {{ density = 1.0, material.{material} }}\n\
+             time = {{ scheme = 'DGM', degree = 1, steps = [{{ until = 1.0, size = 0.1 }}] }}\n"
+        );
+        lines(&input, "advice")
+    };
+    let steel = advice(STEEL);
+    assert_eq!(steel.len(), 1);
+    assert!(steel[0].ends_with("no formulation helps; mesh with tet10"), "{steel:?}");
+    let advice = advice(RUBBER);
     assert_eq!(advice.len(), 1);
     assert!(
         advice[0].contains("the volume of tet4 is constant in a cell, so it locks in any case; use tet10")
@@ -85,6 +97,8 @@ fn check_names_the_limits_of_incompatible_modes() {
     let advice = lines(&region(STEEL, MODES, "[4, 8, 4]"), "advice");
     assert_eq!(advice.len(), 1);
     assert!(advice[0].contains("compressed below about 0.68"), "{advice:?}");
+    let rubber = lines(&region(RUBBER, MODES, "[4, 8, 4]"), "advice");
+    assert!(rubber.len() == 2 && rubber[0].contains("lock in volume near clamps; take hex27"), "{rubber:?}");
     let mut mesh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n".to_string();
     for (node, [x, y, z]) in
         [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1], [2, 0, 1], [2, 1, 1], [1, 1, 1]]

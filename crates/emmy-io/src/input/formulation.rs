@@ -155,7 +155,7 @@ impl<'a> RegionCells<'a> {
         for (kind, cells) in &self.cells {
             let space = self.region().pressure_space(own, *kind).map_err(|reason| {
                 let message = format!("formulation = \"{}\", cell {}: {reason}", own.name(), cells[0]);
-                let help = "a formulation holds for all cells of a region: leave it out, or make another region for these cells";
+                let help = "a formulation holds for all cells of a region: change it, or make another region for these cells";
                 Fault::at(&self.placed.place, message, format!("has {} {kind}", cells.len())).help(help)
             })?;
             let n = cells.len();
@@ -167,9 +167,11 @@ impl<'a> RegionCells<'a> {
 
     fn advice(&self) -> Vec<String> {
         let advice = match self.region().formulation {
-            Formulation::Standard => vec![self.volumetric_locking(), self.bending()],
+            Formulation::Standard => vec![self.volumetric_locking(), self.constant_strain(), self.bending()],
             Formulation::ProjectedVolume(_) => vec![self.projected_bending()],
-            Formulation::IncompatibleModes => vec![Some(self.compression()), self.skewed_cells()],
+            Formulation::IncompatibleModes => {
+                vec![self.modes_near_incompressibility(), Some(self.compression()), self.skewed_cells()]
+            }
         };
         advice.into_iter().flatten().map(|text| format!("region `{}`: {text}", self.name())).collect()
     }
@@ -206,15 +208,40 @@ impl<'a> RegionCells<'a> {
 
     fn bending(&self) -> Option<String> {
         let thickness = self.thickness()?;
-        let limits = match self.near_incompressibility() {
+        let remedies = match self.near_incompressibility() {
             Some(_) => {
-                ", which bends well near incompressibility too but hourglasses under strong compression, \
-                 or hex27 (quad9) with \"projected-volume\""
+                format!("hex27 or hex20 (quad9 in a plane) with formulation = \"{}\"", PROJECTED.name())
             }
-            None => ", quadratic cells, or four cells",
+            None => {
+                let word = Formulation::IncompatibleModes.name();
+                format!("formulation = \"{word}\", quadratic cells, or four cells")
+            }
         };
-        let word = Formulation::IncompatibleModes.name();
-        Some(format!("{thickness}: too stiff in bending; take formulation = \"{word}\"{limits}"))
+        Some(format!("{thickness}: too stiff in bending; take {remedies}"))
+    }
+
+    /// Cells that are too stiff in any formulation; [`RegionCells::volumetric_locking`] names them for rubber.
+    fn constant_strain(&self) -> Option<String> {
+        if self.near_incompressibility().is_some() {
+            return None;
+        }
+        let quadratic = |(kind, better)| {
+            let given = self.cells.contains_key(&kind).then_some(kind)?;
+            Some(format!(
+                "{given} cells are too stiff, above all in bending, and no formulation helps; mesh with {better}"
+            ))
+        };
+        [(CellKind::Tet4, "tet10"), (CellKind::Tri3, "tri6")].into_iter().find_map(quadratic)
+    }
+
+    /// Incompatible modes cure bending, not a constrained volume.
+    fn modes_near_incompressibility(&self) -> Option<String> {
+        let numbers = self.near_incompressibility()?;
+        let word = PROJECTED.name();
+        Some(format!(
+            "{numbers}: incompatible modes lock in volume near clamps; take hex27 or hex20 (quad9 in a plane) with \
+             formulation = \"{word}\""
+        ))
     }
 
     fn projected_bending(&self) -> Option<String> {
@@ -244,7 +271,7 @@ impl<'a> RegionCells<'a> {
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let kinds = kinds.join(" and ");
         let cells = if n == 1.0 { "cell" } else { "cells" };
-        (n < THIN).then(|| format!("about {n} {cells} ({kinds}) over its length along {axis}"))
+        (n < THIN).then(|| format!("about {n} {cells} ({kinds}) over its thickness along {axis}"))
     }
 
     fn compression(&self) -> String {

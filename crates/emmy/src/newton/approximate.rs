@@ -86,7 +86,8 @@ impl Newton {
             forcing = if ratio < 2.0 * tolerance { 0.1 * tolerance } else { 0.5 * ratio };
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             let is_slow = ratio > SLOW || ratio.is_nan();
-            if is_slow && is_fresh && !(ratio < HOPELESS) {
+            let is_useful = system.avoids_exact_tangent() && ratio < HOPELESS;
+            if is_slow && is_fresh && !is_useful {
                 self.approximation.fresh = None;
                 return Ok(false);
             }
@@ -139,7 +140,7 @@ impl Newton {
 /// A correction with the approximate tangent that leaves a larger part of the residual is slow.
 const SLOW: f64 = 0.3;
 
-/// A correction with a new tangent that leaves a larger part of the residual shows that no such tangent will do.
+/// A correction with a new tangent that leaves a larger part of the residual shows that no such tangent is good enough.
 const HOPELESS: f64 = 0.9;
 
 /// Largest number of corrections after convergence.

@@ -33,6 +33,11 @@ pub trait System {
 
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
+
+    /// Whether the exact tangent may be hard to solve with. Then the approximate one is renewed as long as the residual falls.
+    fn avoids_exact_tangent(&self) -> bool {
+        false
+    }
 }
 
 /// Choice of K for a correction.

@@ -129,4 +129,9 @@ impl System for StageSystem<'_> {
     fn refactorization_cost(&self) -> f64 {
         self.approximate_tangent.refactorization_cost()
     }
+
+    /// With pressures, the exact tangent differs from the approximate one by directions that the bulk modulus makes stiff.
+    fn avoids_exact_tangent(&self) -> bool {
+        self.body.n_pressures() > 0
+    }
 }
