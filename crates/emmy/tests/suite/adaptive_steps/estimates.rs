@@ -1,9 +1,7 @@
 //! Estimate over true local error.
 
 use emmy::Error;
-use emmy::body::{
-    Body, Formulation, InitialVelocity, Load, LoadKind, PointMass, PointTerms, Region, Support, TimeFunction,
-};
+use emmy::body::{Body, Load, LoadKind, PointMass, PointTerms, Region, Support, TimeFunction};
 use emmy::internals::time::{ESTIMATORS, LocalError, TimeElementStepper};
 use emmy::material::{Link, NeoHooke};
 use emmy::mesh;
@@ -12,6 +10,7 @@ use emmy::motion::{Motion, NewtonSettings, State};
 use emmy::time::{Estimator, Scheme};
 
 use super::problems::*;
+use crate::shared::blocks::soft_block_with_modes;
 use crate::shared::schemes::{DGM, at, element, fe};
 
 fn of_degree(degree: usize) -> impl Iterator<Item = Estimator> {
@@ -85,21 +84,6 @@ fn driven_block() -> (Body, State) {
     (body, state)
 }
 
-/// The soft block with incompatible modes.
-fn block_with_modes() -> (Body, State) {
-    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
-    let rubber = rubber.with_formulation(Formulation::IncompatibleModes);
-    let body = Body::builder(soft_block_under(&[]).mesh().clone()).region(rubber).build().unwrap();
-    let field = InitialVelocity {
-        angular_velocity: [0.5, 1.0, 0.3],
-        about: [0.5, 0.5, 1.0],
-        gradient: [[0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.1, 0.0, 0.2]],
-        ..Default::default()
-    };
-    let state = State::initial(&body, 0.0, &[field]).unwrap();
-    (body, state)
-}
-
 /// Smallest and largest estimate over true local error in the book, of degrees 1, 2, 3.
 const BOOK: [(&str, &str, [[f64; 2]; 3]); 6] = [
     ("orbit", "differences or the element", [[0.96, 0.99], [0.99, 1.03], [0.97, 1.14]]),
@@ -129,7 +113,7 @@ fn local_errors_are_estimated_where_the_step_resolves_the_motion() {
         ("soft block", soft_block(), 0.01),
         ("soft block under a load", loaded_block(), 0.01),
         ("soft block that is shaken", driven_block(), 0.01),
-        ("soft block with incompatible modes", block_with_modes(), 0.01),
+        ("soft block with incompatible modes", soft_block_with_modes(), 0.01),
     ] {
         for degree in [1, 2, 3] {
             // A higher degree resolves with larger steps; the estimate must not be rounding alone.

@@ -7,7 +7,8 @@ use emmy::mesh::{CellKind, block};
 use emmy::motion::{MarchError, NewtonSettings};
 use emmy::{Error, mesh};
 
-use super::{displacement, equilibrium, mapped, with_faces};
+use super::{displacement, equilibrium, mapped};
+use crate::shared::faces::with_faces;
 
 /// Cook's membrane: R. D. Cook, *Improved two-dimensional finite element*, J. Struct. Div. ASCE 100, 1851-1863 (1974).
 /// Plane stress, E = 1, nu = 1/3, a shear force of 1: the middle of the free end moves up by 23.96, the value to which

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use emmy::body::Body;
 use emmy::equilibrium::Equilibrium;
 use emmy::internals::element::element;
-use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
+use emmy::mesh::{CellKind, MeshBuilder};
 use emmy::motion::{NewtonSettings, State};
 
 /// Position of a point of a block, from its coordinates in `[0, 1]`.
@@ -35,21 +35,6 @@ fn mapped(kind: CellKind, cells: [usize; 3], maps: &[Map<'_>]) -> MeshBuilder {
         }
     }
     builder
-}
-
-/// A group of facets by the places of their nodes.
-type Face<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
-
-fn with_faces(mut builder: MeshBuilder, faces: &[Face<'_>]) -> Mesh {
-    let mesh = builder.clone().build().unwrap();
-    for (name, is_on) in faces {
-        let locals = |cell: u32| 0..mesh.cell(cell as usize).kind.facets().len() as u8;
-        let facets = (0..mesh.n_cells() as u32)
-            .flat_map(|cell| locals(cell).map(move |local| Facet { cell, local }))
-            .filter(|&facet| mesh.facet_nodes(facet).all(|node| is_on(mesh.points()[node as usize])));
-        builder.facet_group(name, facets.collect::<Vec<_>>());
-    }
-    builder.build().unwrap()
 }
 
 /// The equilibrium under the loads at t = 0.

@@ -8,7 +8,8 @@ use emmy::material::{Gent, Hencky, NeoHooke, Ogden, SaintVenantKirchhoff, Yeoh};
 use emmy::mesh::CellKind;
 use emmy::motion::{NewtonSettings, Observer, ObserverResult, Record, View};
 
-use super::{equilibrium, mapped, with_faces};
+use super::{equilibrium, mapped};
+use crate::shared::faces::with_faces;
 
 const KINDS: [CellKind; 7] = [
     CellKind::Tet4,

@@ -128,7 +128,7 @@ fn an_l_block_of_silicone_conserves() {
 }
 
 #[test]
-#[ignore = "minutes; `.ci/run` and `just validate` run it"]
+#[ignore = "half a minute; `.ci/run` and `just validate` run it"]
 fn an_l_block_conserves_at_every_degree() {
     for ratio in [1e3, 1e5] {
         let body = l_block(ratio);

@@ -2,16 +2,14 @@
 
 use emmy::body::{Formulation, PressureSpace};
 use emmy::equilibrium::Equilibrium;
-use emmy::mesh::Facet;
 use emmy::prelude::*;
 
 use super::places;
+use crate::shared::faces::{Face, with_faces};
 use std::collections::HashMap;
 
 /// Position of a point of the unit cube.
 type Map<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
-/// A group of facets by the places of their nodes.
-type Face<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
 
 /// Blocks of cells, joined where their points meet.
 fn joined(kind: CellKind, cells: [usize; 3], maps: &[Map<'_>], faces: &[Face<'_>]) -> Mesh {
@@ -27,15 +25,7 @@ fn joined(kind: CellKind, cells: [usize; 3], maps: &[Map<'_>], faces: &[Face<'_>
             builder.cell(kind, &of_cell).unwrap();
         }
     }
-    let mesh = builder.clone().build().unwrap();
-    for (name, is_on) in faces {
-        let locals = |cell: u32| 0..mesh.cell(cell as usize).kind.facets().len() as u8;
-        let facets = (0..mesh.n_cells() as u32)
-            .flat_map(|cell| locals(cell).map(move |local| Facet { cell, local }))
-            .filter(|&facet| mesh.facet_nodes(facet).all(|node| is_on(mesh.points()[node as usize])));
-        builder.facet_group(name, facets.collect::<Vec<_>>());
-    }
-    builder.build().unwrap()
+    with_faces(builder, faces)
 }
 
 fn rubber(ratio: f64, formulation: Formulation) -> Region {

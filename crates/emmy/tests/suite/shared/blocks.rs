@@ -1,13 +1,22 @@
 //! Blocks of rubber.
 
-use emmy::body::{Body, InitialVelocity, Load, Region};
+use emmy::body::{Body, Formulation, InitialVelocity, Load, Region};
 use emmy::material::NeoHooke;
-use emmy::mesh;
+use emmy::mesh::{self, Mesh};
 use emmy::motion::State;
 
 /// A soft block of two cells that turns and bends.
 pub(crate) fn soft_block() -> (Body, State) {
-    let body = soft_block_under(&[]);
+    launched(soft_block_under(&[]))
+}
+
+/// The soft block with incompatible modes.
+pub(crate) fn soft_block_with_modes() -> (Body, State) {
+    let region = rubber().with_formulation(Formulation::IncompatibleModes);
+    launched(Body::builder(two_cells()).region(region).build().unwrap())
+}
+
+fn launched(body: Body) -> (Body, State) {
     let field = InitialVelocity {
         angular_velocity: [0.5, 1.0, 0.3],
         about: [0.5, 0.5, 1.0],
@@ -20,10 +29,13 @@ pub(crate) fn soft_block() -> (Body, State) {
 
 /// The block alone.
 pub(crate) fn soft_block_under(loads: &[Load]) -> Body {
-    let rubber = Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0);
-    Body::builder(mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap())
-        .region(rubber)
-        .loads(loads)
-        .build()
-        .unwrap()
+    Body::builder(two_cells()).region(rubber()).loads(loads).build().unwrap()
+}
+
+fn two_cells() -> Mesh {
+    mesh::block([1.0, 1.0, 2.0], [1, 1, 2]).unwrap()
+}
+
+fn rubber() -> Region {
+    Region::new(NeoHooke::new(30.0, 15.0).unwrap(), 1.0)
 }

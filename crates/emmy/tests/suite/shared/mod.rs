@@ -1,6 +1,8 @@
 //! Bodies, meshes and observers that several tests share.
 
 pub(crate) mod blocks;
+pub(crate) mod cells;
+pub(crate) mod faces;
 pub(crate) mod flight;
 pub(crate) mod patch;
 pub(crate) mod plane_patch;

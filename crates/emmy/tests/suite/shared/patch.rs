@@ -4,6 +4,8 @@
 
 use std::collections::HashMap;
 
+use super::cells::cells_of_a_brick;
+
 use emmy::internals::element::element;
 use emmy::mesh::{CellKind, Facet, Mesh, MeshBuilder};
 
@@ -83,27 +85,6 @@ impl Draft {
         let key = grid.map(|x| (x * 1e6).round() as i64);
         let builder = &mut self.builder;
         *self.nodes.entry(key).or_insert_with(|| builder.point(position))
-    }
-}
-
-/// Corners of the cells that form a unit cube.
-fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
-    let cube: Vec<[f64; 3]> =
-        element(CellKind::Hex8).nodes().iter().map(|x| x.map(|x| 0.5 * x + 0.5)).collect();
-    let of = |cells: &[&[usize]]| cells.iter().map(|cell| cell.iter().map(|&c| cube[c]).collect()).collect();
-    match kind.linear() {
-        CellKind::Hex8 => vec![cube],
-        CellKind::Wedge6 => of(&[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]]),
-        CellKind::Tet4 => {
-            of(&[&[0, 1, 2, 6], &[0, 2, 3, 6], &[0, 3, 7, 6], &[0, 7, 4, 6], &[0, 4, 5, 6], &[0, 5, 1, 6]])
-        }
-        _ => {
-            let pyramid = |face: &emmy::internals::element::LocalFacet| {
-                // The face is anticlockwise as seen from outside, the base of a pyramid as seen from its apex.
-                face.nodes.iter().rev().map(|&c| cube[c]).chain([[0.5; 3]]).collect()
-            };
-            CellKind::Hex8.facets().iter().map(pyramid).collect()
-        }
     }
 }
 
