@@ -32,6 +32,8 @@ use emmy::material::NeoHooke;
 use emmy::mesh::CellKind;
 use pulp::{Arch, Simd, WithSimd};
 
+#[path = "../tests/suite/shared/cells.rs"]
+mod cells;
 #[path = "../tests/suite/shared/patch.rs"]
 mod patch;
 

@@ -23,6 +23,11 @@ impl<E: Entry> Blocks<E> {
         &mut self.entries[..n]
     }
 
+    /// The entries of a block, by columns.
+    pub(super) fn block(&self, number: usize) -> &[E] {
+        &self.entries[9 * number..9 * number + 9]
+    }
+
     /// `sum A x` over consecutive blocks, from `first` on, one for each column. The last column is added last, or first
     /// if `REVERSED`: a sweep needs the row computed last to come last.
     #[inline(always)]
@@ -109,9 +114,13 @@ pub(super) fn transposed_times<const C: usize>(A: &[[f32; 4]; 3], x: &Row<f32, C
 
 /// `x - y`.
 #[inline(always)]
-pub(super) fn minus<const C: usize>(x: &Row<f32, C>, y: &Row<f32, C>) -> Row<f32, C> {
+pub(super) fn minus<T: Real, const C: usize>(x: &Row<T, C>, y: &Row<T, C>) -> Row<T, C> {
     let mut difference = *x;
-    (0..4).for_each(|a| (0..C).for_each(|c| difference[a][c] -= y[a][c]));
+    for a in 0..4 {
+        for c in 0..C {
+            difference[a][c] -= y[a][c];
+        }
+    }
     difference
 }
 
@@ -165,6 +174,8 @@ mod tests {
     fn products_in_every_instruction_set() {
         products_are_those_of_the_blocks::<f64, 1>();
         products_are_those_of_the_blocks::<f64, 2>();
+        products_are_those_of_the_blocks::<f32, 1>();
+        products_are_those_of_the_blocks::<f32, 2>();
         products_are_those_of_the_blocks::<bf16, 1>();
         products_are_those_of_the_blocks::<bf16, 2>();
     }

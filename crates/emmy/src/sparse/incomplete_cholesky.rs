@@ -9,7 +9,7 @@ use super::blocks::{Blocks, transposed_times};
 use super::conjugate_gradients::Approximate;
 use super::kernel::{Entry, Row};
 use super::shifted::{CHUNK, each_row};
-use super::sweep::SweepOrder;
+use super::sweep::{SweepOrder, side_by_side};
 use super::triangular::{Backward, Forward, Part};
 
 /// Incomplete factor `L L^T` of a symmetric matrix on its own pattern (Meijerink and van der Vorst 1977), in blocks. It
@@ -250,24 +250,6 @@ fn to_half(A: &[f32]) -> [bf16; 9] {
 
 fn transposed(A: &[bf16; 9]) -> [bf16; 9] {
     [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
-}
-
-/// Works on consecutive ranges, each with its own part of a slice; `at(row)`: start of a row in the slice.
-fn side_by_side<T: Send>(
-    slice: &mut [T],
-    ranges: &[Range<usize>],
-    at: &(impl Fn(usize) -> usize + Sync),
-    work: &(impl Fn(&mut [T], Range<usize>) + Sync),
-) {
-    match ranges {
-        [] => {}
-        [rows] => work(slice, rows.clone()),
-        _ => {
-            let (left, right) = ranges.split_at(ranges.len() / 2);
-            let (low, high) = slice.split_at_mut(at(right[0].start) - at(left[0].start));
-            rayon::join(|| side_by_side(low, left, at, work), || side_by_side(high, right, at, work));
-        }
-    }
 }
 
 #[cfg(test)]

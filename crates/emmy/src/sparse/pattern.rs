@@ -41,6 +41,11 @@ impl Pattern {
         Pattern { row_begin, columns, inner_from: n_rows }
     }
 
+    /// The pattern of compressed rows; each has its diagonal, columns are ascending, and the structure is symmetric.
+    pub(super) fn from_rows(row_begin: Vec<usize>, columns: Vec<u32>) -> Self {
+        Pattern { inner_from: row_begin.len() - 1, row_begin, columns }
+    }
+
     /// The pattern with the rows from a number on as *inner* rows: each is coupled within one list alone, so that the
     /// elimination of the inner rows before the others has no fill. The orders of factorisations heed it.
     pub fn with_inner_from(self, row: usize) -> Self {

@@ -13,19 +13,28 @@ use super::{
 };
 use crate::error::Result;
 
+/// The parts of a matrix `M + lambda K` on the free rows of a pattern.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shifted<'a> {
+    /// K, a matrix of one stage.
+    pub stiffness: &'a StageMatrix,
+    /// Mass of each block.
+    pub mass: &'a [f64],
+    /// Fixed components, `[n_rows][3]`.
+    pub fixed: &'a [bool],
+    /// Positions at which K has rigid motions, `[n_rows][3]`.
+    pub positions: &'a [f64],
+    /// lambda.
+    pub shift: [f64; 2],
+}
+
 /// A solver; vectors are `[n_nodes][3][columns]`.
 pub(crate) trait ShiftedSolver: fmt::Debug + Send {
-    /// Sets the stiffness K, a matrix of one stage, the mass of each block, the fixed rows, and lambda.
+    /// Sets the matrix.
     ///
     /// # Errors
     /// [`crate::Error::Linear`] if the matrix is not finite or there is not enough memory.
-    fn factorize(
-        &mut self,
-        stiffness: &StageMatrix,
-        mass: &[f64],
-        fixed: &[bool],
-        shift: [f64; 2],
-    ) -> Result<()>;
+    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()>;
 
     /// Solves in place to a relative tolerance. Returns the number of iterations, or `None` if it missed the tolerance.
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize>;
@@ -47,7 +56,7 @@ pub(crate) struct Iterative<const C: usize> {
 }
 
 /// Iterations before giving up.
-const MAX_ITERATIONS: usize = 400;
+pub(super) const MAX_ITERATIONS: usize = 400;
 
 impl<const C: usize> Iterative<C> {
     /// Memory for a matrix with fixed rows, `[n_rows 3]`.
@@ -62,13 +71,8 @@ impl<const C: usize> Iterative<C> {
 }
 
 impl<const C: usize> ShiftedSolver for Iterative<C> {
-    fn factorize(
-        &mut self,
-        stiffness: &StageMatrix,
-        mass: &[f64],
-        fixed: &[bool],
-        shift: [f64; 2],
-    ) -> Result<()> {
+    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
+        let Shifted { stiffness, mass, fixed, shift, .. } = *system;
         let block = |position: usize| stiffness.block(position);
         self.matrix.set(&self.sweep, shift, mass, block);
         let modulus = shift[0].hypot(shift[1]);
@@ -138,13 +142,8 @@ impl Direct {
 }
 
 impl ShiftedSolver for Direct {
-    fn factorize(
-        &mut self,
-        stiffness: &StageMatrix,
-        mass: &[f64],
-        _: &[bool],
-        shift: [f64; 2],
-    ) -> Result<()> {
+    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
+        let Shifted { stiffness, mass, shift, .. } = *system;
         self.factorize_real(stiffness, mass, shift[0])
     }
 
@@ -217,13 +216,8 @@ impl DirectPair {
 }
 
 impl ShiftedSolver for DirectPair {
-    fn factorize(
-        &mut self,
-        stiffness: &StageMatrix,
-        mass: &[f64],
-        _: &[bool],
-        shift: [f64; 2],
-    ) -> Result<()> {
+    fn factorize(&mut self, system: &Shifted<'_>) -> Result<()> {
+        let Shifted { stiffness, mass, shift, .. } = *system;
         self.matrix.set(&self.sweep, shift, mass, |position| stiffness.block(position));
         self.contraction = (0.25 * shift[1].atan2(shift[0])).tan();
         self.inverse.direct.factorize_real(stiffness, mass, shift[0].hypot(shift[1]))
@@ -265,7 +259,12 @@ fn largest(x: &[f64]) -> f64 {
 const ROWS: usize = 2048;
 
 /// `rows = factor x`, rows in the order of the sweep.
-fn gather<T: Real, const C: usize>(sweep: &SweepOrder, x: &[f64], factor: f64, rows: &mut [Row<T, C>]) {
+pub(super) fn gather<T: Real, const C: usize>(
+    sweep: &SweepOrder,
+    x: &[f64],
+    factor: f64,
+    rows: &mut [Row<T, C>],
+) {
     rows.par_iter_mut().with_min_len(ROWS).zip(&sweep.order).for_each(|(row, &node)| {
         let x = &x[3 * C * node as usize..][..3 * C];
         for a in 0..3 {
@@ -275,7 +274,12 @@ fn gather<T: Real, const C: usize>(sweep: &SweepOrder, x: &[f64], factor: f64, r
 }
 
 /// `x = factor rows`, back in the order of the nodes.
-fn scatter<T: Real, const C: usize>(sweep: &SweepOrder, rows: &[Row<T, C>], factor: f64, x: &mut [f64]) {
+pub(super) fn scatter<T: Real, const C: usize>(
+    sweep: &SweepOrder,
+    rows: &[Row<T, C>],
+    factor: f64,
+    x: &mut [f64],
+) {
     for (row, &node) in rows.iter().zip(&sweep.order) {
         let x = &mut x[3 * C * node as usize..][..3 * C];
         for a in 0..3 {

@@ -15,20 +15,23 @@ pub enum Solver {
     /// Conjugate gradients, preconditioned by an incomplete Cholesky factor; stiff projected volumes are factorised in any
     /// case.
     Iterative,
+    /// Conjugate gradients, preconditioned by multigrid; stiff projected volumes are factorised in any case.
+    Multigrid,
 }
 
 /// All solvers with their names.
-pub const SOLVERS: [(&str, Solver, &str); 3] = [
-    (
-        Solver::Auto.name(),
-        Solver::Auto,
-        "conjugate gradients or Cholesky factorisation, whichever is cheaper in the first step",
-    ),
+pub const SOLVERS: [(&str, Solver, &str); 4] = [
+    (Solver::Auto.name(), Solver::Auto, "the cheapest of the others, by size and stiffness number"),
     (Solver::Direct.name(), Solver::Direct, "sparse Cholesky factorisation, kept over steps"),
     (
         Solver::Iterative.name(),
         Solver::Iterative,
         "conjugate gradients with an incomplete Cholesky factor, kept over steps",
+    ),
+    (
+        Solver::Multigrid.name(),
+        Solver::Multigrid,
+        "conjugate gradients with multigrid by smoothed aggregation, kept over steps",
     ),
 ];
 
@@ -40,20 +43,27 @@ pub enum SolverKind {
     Direct,
     /// Conjugate gradients, preconditioned by an incomplete Cholesky factor.
     Iterative,
+    /// Conjugate gradients, preconditioned by multigrid.
+    Multigrid,
 }
 
 impl SolverKind {
+    /// All kinds.
+    pub(crate) const ALL: [SolverKind; 3] =
+        [SolverKind::Direct, SolverKind::Iterative, SolverKind::Multigrid];
+
     /// Key word, in the input and in checkpoints.
     pub const fn name(self) -> &'static str {
         match self {
             SolverKind::Direct => "direct",
             SolverKind::Iterative => "iterative",
+            SolverKind::Multigrid => "multigrid",
         }
     }
 
     /// The kind of a name; `None` if there is none.
     pub fn named(name: &str) -> Option<SolverKind> {
-        [SolverKind::Direct, SolverKind::Iterative].into_iter().find(|kind| kind.name() == name)
+        SolverKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
@@ -64,6 +74,7 @@ impl Solver {
             Solver::Auto => "auto",
             Solver::Direct => SolverKind::Direct.name(),
             Solver::Iterative => SolverKind::Iterative.name(),
+            Solver::Multigrid => SolverKind::Multigrid.name(),
         }
     }
 
@@ -105,6 +116,7 @@ impl fmt::Display for SolverChoice {
         let name = match self.kind {
             SolverKind::Direct => "Cholesky factorisation",
             SolverKind::Iterative => "conjugate gradients with incomplete Cholesky factors",
+            SolverKind::Multigrid => "conjugate gradients with multigrid",
         };
         write!(f, "{name} (stiffness number {:.2e}", self.stiffness)?;
         match self.limit {

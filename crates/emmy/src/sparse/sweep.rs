@@ -186,6 +186,24 @@ fn divided(
     (order, interiors, interfaces)
 }
 
+/// Works on consecutive ranges, each with its own part of a slice; `at(row)`: start of a row in the slice.
+pub(super) fn side_by_side<T: Send>(
+    slice: &mut [T],
+    ranges: &[Range<usize>],
+    at: &(impl Fn(usize) -> usize + Sync),
+    work: &(impl Fn(&mut [T], Range<usize>) + Sync),
+) {
+    match ranges {
+        [] => {}
+        [rows] => work(slice, rows.clone()),
+        _ => {
+            let (left, right) = ranges.split_at(ranges.len() / 2);
+            let (low, high) = slice.split_at_mut(at(right[0].start) - at(left[0].start));
+            rayon::join(|| side_by_side(low, left, at, work), || side_by_side(high, right, at, work));
+        }
+    }
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;

@@ -1,21 +1,29 @@
 //! The kernels of x86-64 with AVX-512 and with AVX2.
 
-use std::arch::x86_64::{__m128i, __m256, __m256i, __m512};
+use std::arch::x86_64::{__m128, __m128i, __m256, __m256d, __m256i, __m512};
+use std::marker::PhantomData;
 
 use half::bf16;
 use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::{V3, V4};
 
-use super::{Kernel, LOADED, Row, Work};
+use super::{Entry, Kernel, LOADED, Row, Work};
 
-/// Work with the kernel of an instruction set, for vectors of C columns.
-pub(super) struct With<const C: usize, S, W> {
-    pub simd: S,
-    pub work: W,
+/// Work with the kernel of an instruction set, for entries of type E and vectors of C columns.
+pub(super) struct With<const C: usize, E, S, W> {
+    simd: S,
+    work: W,
+    entry: PhantomData<E>,
 }
 
-impl<const C: usize, S: Kernel<bf16, C>, W: Work<bf16, C>> NullaryFnOnce for With<C, S, W> {
+impl<const C: usize, E, S, W> With<C, E, S, W> {
+    pub(super) fn new(simd: S, work: W) -> Self {
+        With { simd, work, entry: PhantomData }
+    }
+}
+
+impl<const C: usize, E: Entry, S: Kernel<E, C>, W: Work<E, C>> NullaryFnOnce for With<C, E, S, W> {
     type Output = W::Output;
     #[inline(always)]
     fn call(self) -> W::Output {
@@ -109,6 +117,59 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
             row[0][c] = sum[0] + sum[3] + sum[6];
             row[1][c] = sum[1] + sum[4] + sum[7];
             row[2][c] = sum[2] + sum[5] + sums[0][c].1 + sums[1][c].1;
+        }
+        row
+    }
+}
+
+/// Entries whose products are computed in double precision, four at a time.
+pub(super) trait Widened: Entry<Number = f64> {
+    /// Four entries.
+    fn four(simd: V3, entries: [Self; 4]) -> __m256d;
+}
+
+impl Widened for f64 {
+    #[inline(always)]
+    fn four(_: V3, entries: [f64; 4]) -> __m256d {
+        cast(entries)
+    }
+}
+
+impl Widened for f32 {
+    #[inline(always)]
+    fn four(simd: V3, entries: [f32; 4]) -> __m256d {
+        simd.avx._mm256_cvtps_pd(cast::<_, __m128>(entries))
+    }
+}
+
+/// A register holds a column of the block.
+impl<const C: usize, E: Widened> Kernel<E, C> for V3 {
+    type Sum = [__m256d; C];
+
+    #[inline(always)]
+    fn zero(self) -> [__m256d; C] {
+        [self.avx._mm256_setzero_pd(); C]
+    }
+
+    #[inline(always)]
+    fn add_product(self, mut sum: [__m256d; C], A: &[E; LOADED], x: &Row<f64, C>) -> [__m256d; C] {
+        let column = [E::four(self, first(A)), E::four(self, first(&A[3..])), E::four(self, first(&A[6..]))];
+        for c in 0..C {
+            sum[c] = self.fma._mm256_fmadd_pd(column[0], self.avx._mm256_set1_pd(x[0][c]), sum[c]);
+            sum[c] = self.fma._mm256_fmadd_pd(column[1], self.avx._mm256_set1_pd(x[1][c]), sum[c]);
+            sum[c] = self.fma._mm256_fmadd_pd(column[2], self.avx._mm256_set1_pd(x[2][c]), sum[c]);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn total(self, sums: [[__m256d; C]; 2]) -> Row<f64, C> {
+        let mut row = [[0.0; C]; 4];
+        for c in 0..C {
+            let sum: [f64; 4] = cast(self.avx._mm256_add_pd(sums[0][c], sums[1][c]));
+            for a in 0..3 {
+                row[a][c] = sum[a];
+            }
         }
         row
     }

@@ -45,6 +45,8 @@ pub(crate) struct ApproximateTangent {
     /// Displacement of K.
     displacement: Vec<f64>,
     rates: Vec<f64>,
+    /// Positions of K.
+    positions: Vec<f64>,
     /// `sum_m |K_lm|` of each row l.
     row_sums: Vec<f64>,
     /// Pressures of K, `[function]`.
@@ -86,6 +88,7 @@ impl ApproximateTangent {
             made_for: None,
             displacement: vec![0.0; n],
             rates: vec![0.0; n],
+            positions: vec![0.0; body.mesh().n_dofs()],
             row_sums: vec![0.0; n],
             pressures: vec![0.0; body.n_pressures()],
             soft_part: 1.0,
@@ -215,9 +218,17 @@ impl ApproximateTangent {
     fn set(&mut self, body: &Body, time_scale: f64) -> Result<()> {
         self.made_for = None;
         self.set_soft_part(body, time_scale);
-        self.solvers.set(body, &self.assembly.matrix, time_scale, self.soft_part)?;
+        self.set_positions(body);
+        self.solvers.set(body, (&self.assembly.matrix, &self.positions), time_scale, self.soft_part)?;
         self.made_for = Some(time_scale);
         Ok(())
+    }
+
+    /// Sets the positions at which the rule of K evaluates the forces.
+    fn set_positions(&mut self, body: &Body) {
+        let points = body.mesh().points().as_flattened();
+        let moved = self.displacement.iter().zip(&self.rates).map(|(u, x)| u + 0.5 * x);
+        self.positions.iter_mut().zip(points).zip(moved).for_each(|((own, X), u)| *own = X + u);
     }
 
     fn set_soft_part(&mut self, body: &Body, time_scale: f64) {
@@ -316,7 +327,7 @@ impl ApproximateTangent {
             rotate(stage, &product(R, &self.orientation));
         }
         // Where the mass dominates, the change of basis would harm the mass terms more than it helps K.
-        if self.turns && self.solvers.is(SolverKind::Direct) {
+        if self.turns && !self.solvers.is(SolverKind::Iterative) {
             self.strain_rates.apply_inverse(stages);
         }
     }

@@ -6,5 +6,8 @@ mod linearised;
 mod mode_solvers;
 mod strain_rates;
 
+#[cfg(test)]
+mod multigrid_tests;
+
 pub(crate) use approximate_tangent::ApproximateTangent;
 pub(super) use linearised::{LinearisedStages, clear_fixed};

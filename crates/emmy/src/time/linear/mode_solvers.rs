@@ -6,8 +6,8 @@ use super::decoupling::{Mode, modes};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
-    Condensation, Direct, DirectPair, Iterative, ShiftedSolver, Solver, SolverChoice, SolverKind,
-    StageMatrix, SweepOrder, inverse,
+    Condensation, Direct, DirectPair, Iterative, Multigrid, Shifted, ShiftedSolver, Solver, SolverChoice,
+    SolverKind, StageMatrix, SweepOrder, inverse,
 };
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
@@ -79,15 +79,15 @@ impl ModeSolvers {
         costs.fold(0.0, f64::max)
     }
 
-    /// Sets the solvers to a stiffness and a time s; `soft_part`: part of M + s^2 K that is not the stiffness of projected
-    /// volumes.
+    /// Sets the solvers to a stiffness and a time s; `positions`: where K has rigid motions, `[n_nodes][3]`; `soft_part`:
+    /// part of M + s^2 K that is not the stiffness of projected volumes.
     ///
     /// # Errors
     /// [`crate::Error::Linear`].
     pub(super) fn set(
         &mut self,
         body: &Body,
-        stiffness: &StageMatrix,
+        (stiffness, positions): (&StageMatrix, &[f64]),
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
@@ -103,7 +103,8 @@ impl ModeSolvers {
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            solver.factorize(stiffness, mass, fixed, shift(mode, time_scale))?;
+            let shift = shift(mode, time_scale);
+            solver.factorize(&Shifted { stiffness, mass, fixed, positions, shift })?;
         }
         Ok(())
     }
@@ -133,7 +134,7 @@ impl ModeSolvers {
     ) -> Result<()> {
         // In 16 bits such a stiffness is indefinite.
         let is_stiff = soft_part < LEAST_SOFT_PART;
-        let is_direct = self.has_fallen_back || is_stiff && self.requested == Solver::Iterative;
+        let is_direct = self.has_fallen_back || is_stiff && self.requested != Solver::Auto;
         let requested = if is_direct { Solver::Direct } else { self.requested };
         if !self.solvers.is_empty() && requested != Solver::Auto {
             return Ok(());
@@ -145,7 +146,7 @@ impl ModeSolvers {
         if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
             let kind = match choice.kind {
                 SolverKind::Iterative => cheaper(limit * SWITCH_RATIO),
-                SolverKind::Direct => cheaper(limit / SWITCH_RATIO),
+                SolverKind::Direct | SolverKind::Multigrid => cheaper(limit / SWITCH_RATIO),
             };
             if kind == choice.kind {
                 return Ok(());
@@ -156,6 +157,7 @@ impl ModeSolvers {
             Solver::Auto => (cheaper(limit), Some(limit)),
             Solver::Direct => (SolverKind::Direct, None),
             Solver::Iterative => (SolverKind::Iterative, None),
+            Solver::Multigrid => (SolverKind::Multigrid, None),
         };
         let choice = SolverChoice { kind, stiffness: number, limit };
         self.choice = Some(choice);
@@ -170,7 +172,7 @@ impl ModeSolvers {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
-        let needs_sweep = has_pairs || choice.kind == SolverKind::Iterative;
+        let needs_sweep = has_pairs || choice.kind != SolverKind::Direct;
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
         for mode in &self.modes {
             self.solvers.push(match (&sweep, choice.kind, mode.n_columns()) {
@@ -179,6 +181,12 @@ impl ModeSolvers {
                 }
                 (Some(sweep), SolverKind::Iterative, _) => {
                     Box::new(Iterative::<2>::new(fixed, sweep.clone()))
+                }
+                (Some(sweep), SolverKind::Multigrid, 1) => {
+                    Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?)
+                }
+                (Some(sweep), SolverKind::Multigrid, _) => {
+                    Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?)
                 }
                 (Some(sweep), SolverKind::Direct, 2) => Box::new(DirectPair::new(
                     pattern,
