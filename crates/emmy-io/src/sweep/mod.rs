@@ -190,7 +190,8 @@ impl Sweep {
             checked.iter().enumerate().filter_map(|(run, own)| Some((run, own.as_ref().err()?)))
         {
             for fault in error.faults() {
-                let place = fault.place().map(|place| (place.text().to_string(), place.span()));
+                // Flags of one key have different values.
+                let place = fault.place().map(|place| (key_of(place.text()).to_string(), place.span().start));
                 let at = *known.entry((fault.to_string(), place)).or_insert(found.len());
                 match found.get_mut(at) {
                     Some((_, count, _)) => *count += 1,
