@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::process::Command;
+use std::process::{Child, Command};
 use std::time::Duration;
 
 use super::resume::start;
@@ -166,7 +166,11 @@ fn a_run_that_fails_is_a_row_with_its_message_and_the_others_go_on() {
         rows[0]
     );
     assert!(rows[1].starts_with("2,10,1.0,completed,5.0") && rows[1].ends_with(','), "{}", rows[1]);
-    assert!(rows[3].starts_with("4,1e9,1.0,failed,") && rows[3].contains("is turned inside out"), "{}", rows[3]);
+    assert!(
+        rows[3].starts_with("4,1e9,1.0,failed,") && rows[3].contains("is turned inside out"),
+        "{}",
+        rows[3]
+    );
     // A failed run stays as it is.
     let resumed = sweep(&place, &[&flags[..], &["--resume"]].concat());
     assert_eq!((resumed.code, place.read("out-sweep/sweep.csv")), (3, text));
@@ -197,16 +201,19 @@ const MANY: [&str; 6] = [
 ];
 
 /// Starts a sweep, and returns once it has some rows.
-fn started(place: &Place, n_rows: usize) -> std::process::Child {
+fn started(place: &Place, n_rows: usize) -> Child {
     let sweep = start(place, &[&["sweep", "box.toml", "--threads", "2"], &MANY[..]].concat());
-    for _ in 0..6000 {
+    let n_lines = || {
         let text = std::fs::read_to_string(place.path("out-sweep/sweep.csv")).unwrap_or_default();
-        if text.lines().count() > n_rows {
-            return sweep;
+        text.lines().count()
+    };
+    for _ in 0..6000 {
+        if n_lines() > n_rows {
+            break;
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    panic!("no rows");
+    sweep
 }
 
 fn even_box() -> Place {
@@ -271,7 +278,11 @@ fn another_sweep_is_not_resumed() {
     let text = place.read("out-sweep/sweep.csv");
     let resume = ["--resume", "--output", "out-sweep"];
     let other = ["--set", "region.density=1,3"];
-    rejected(&place, &[&other[..], &resume].concat(), &["has another input", "region.density=2` there"]);
+    rejected(
+        &place,
+        &[&other[..], &resume].concat(),
+        &["has another input", "`--set region.density=1,2` there"],
+    );
     place.write("box.toml", &BOX.replace("mu = 500.0", "mu = 501.0"));
     rejected(&place, &[&flags[..], &resume].concat(), &["has another input: `data of all runs"]);
     assert_eq!(place.read("out-sweep/sweep.csv"), text);

@@ -1,12 +1,12 @@
 //! `history.csv`: one row for the start and one for each step.
 
-use std::fmt;
-
 mod columns;
 mod file;
 mod header;
 mod measures;
 mod reader;
+
+use std::fmt;
 
 #[cfg(test)]
 pub(crate) use columns::every_column;

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{Sweep, SweepRow};
+use super::{Sweep, SweepRow, key_of, value_of};
 use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::history::{Number, csv_cells, csv_line};
 use crate::message::escaped;
@@ -165,8 +165,11 @@ impl Sweep {
     /// Keys, values and data of all runs, and the input of the first one.
     fn description(&self) -> String {
         let version = env!("CARGO_PKG_VERSION");
-        let flags: String =
-            self.flags.iter().map(|flags| format!("# --set {}\n", one_line(&flags.join(", ")))).collect();
+        let values = |flags: &[String]| flags.iter().map(|flag| value_of(flag)).collect::<Vec<_>>().join(",");
+        let line = |flags: &Vec<String>| {
+            format!("# --set {}\n", one_line(&format!("{}={}", key_of(&flags[0]), values(flags))))
+        };
+        let flags: String = self.flags.iter().map(line).collect();
         format!(
             "{MARK} {version}: the input of the first run of this sweep.\n{flags}# data of all runs: {:016x}\n\n{}",
             self.checksum, self.first

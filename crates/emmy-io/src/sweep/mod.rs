@@ -229,7 +229,7 @@ impl Sweep {
     /// The value of each of these keys in a run, counted from 0.
     pub fn values(&self, run: usize) -> Vec<&str> {
         let values = self.flags_of(run).zip(&self.flags).filter(|(_, flags)| flags.len() > 1);
-        values.map(|(flag, _)| flag.split_once('=').map_or("", |(_, value)| value)).collect()
+        values.map(|(flag, _)| value_of(flag)).collect()
     }
 
     /// A run in words, such as `run 3 (region.density=2, time.degree=1)`.
@@ -295,6 +295,11 @@ struct Checked {
 /// The key of a flag `KEY=VALUE`.
 fn key_of(flag: &str) -> &str {
     flag.split_once('=').map_or(flag, |(key, _)| key).trim()
+}
+
+/// The value of a flag `KEY=VALUE`.
+fn value_of(flag: &str) -> &str {
+    flag.split_once('=').map_or("", |(_, value)| value)
 }
 
 /// Adds the items that a list does not have.
