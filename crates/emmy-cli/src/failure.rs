@@ -6,6 +6,7 @@ use emmy::motion::MarchError;
 use emmy_io::directory::DirectoryError;
 use emmy_io::input::{InputError, StartError};
 use emmy_io::message::shown;
+pub(crate) use emmy_io::message::with_causes;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
 
 use crate::message::message;
@@ -126,14 +127,6 @@ fn show(diagnostic: &dyn Diagnostic) {
     }
 }
 
-/// An error with its causes.
-pub(crate) fn with_causes(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
-        None => error.to_string(),
-    }
-}
-
 impl From<InputError> for Failure {
     fn from(error: InputError) -> Self {
         Failure::Input(error)
@@ -158,6 +151,7 @@ impl From<StartError> for Failure {
                 let help = "[equilibrium] needs supports: `fix`, `move`, `rotate`, `symmetry` or `spring` in [[support]]";
                 Failure::Usage { message: error.to_string(), help: Some(help.to_string()) }
             }
+            StartError::Unstable(error) => Failure::Input(error),
             other => Failure::Usage { message: with_causes(&other), help: None },
         }
     }

@@ -20,16 +20,6 @@ pub(crate) fn without_reader(error: io::Error) -> io::Result<()> {
     if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
 }
 
-/// As [`number`], but rounded down, for limits that must not be exceeded.
-pub(crate) fn number_below(value: f64) -> String {
-    let rounded = number(value);
-    if rounded.parse().is_ok_and(|rounded: f64| rounded <= value) {
-        return rounded;
-    }
-    let last_digit = 10f64.powi(value.abs().log10().floor() as i32 - 5);
-    number(value - last_digit)
-}
-
 /// Rows of cells as lines with aligned columns: the first one to the left, the others to the right.
 pub(crate) fn columns(rows: Vec<Vec<String>>) -> String {
     let n = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -41,17 +31,4 @@ pub(crate) fn columns(rows: Vec<Vec<String>>) -> String {
     };
     let line = |row: &Vec<String>| row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ");
     rows.iter().map(|row| format!("{}\n", line(row).trim_end())).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limits_are_not_rounded_up() {
-        for value in [0.123_456_7, 0.123_456_4, 9.999_999_9e-7, 1.0, 3e5, 2.0 / 3.0, 1e-300 / 3.0] {
-            let shown: f64 = number_below(value).parse().unwrap();
-            assert!(shown <= value && shown > value * (1.0 - 2e-5), "{value:e}: {shown:e}");
-        }
-    }
 }

@@ -4,6 +4,7 @@ use std::io::{IsTerminal, stderr};
 
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use emmy::time::Scheme;
+use emmy_io::message::shown;
 use emmy_io::units::Units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -84,6 +85,60 @@ impl Progress {
         }
         let time = self.units.number(record.time, "time");
         format!("{what}t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
+    }
+}
+
+/// Shows how many of several runs are finished.
+#[derive(Debug)]
+pub(crate) struct RunsProgress {
+    form: Form,
+    n_runs: usize,
+    n_done: usize,
+    n_failed: usize,
+}
+
+const RUNS_STYLE: &str = "{bar:24} {pos}/{len} runs  {msg}  {eta} left";
+
+impl RunsProgress {
+    /// Progress through some runs.
+    pub(crate) fn new(n_runs: usize, quiet: bool) -> Self {
+        let form = match (quiet, stderr().is_terminal()) {
+            (true, _) => Form::Nothing,
+            (false, false) => Form::Lines { shown: 0 },
+            (false, true) => Form::Bar(bar(n_runs, RUNS_STYLE)),
+        };
+        RunsProgress { form, n_runs, n_done: 0, n_failed: 0 }
+    }
+
+    /// Counts a finished run, and shows why it failed.
+    pub(crate) fn add(&mut self, failure: Option<String>) {
+        self.n_done += 1;
+        self.n_failed += usize::from(failure.is_some());
+        let count = if self.n_failed > 0 { format!("{} failed", self.n_failed) } else { String::new() };
+        let tenths = 10 * self.n_done / self.n_runs.max(1);
+        match &mut self.form {
+            Form::Nothing => {}
+            Form::Bar(bar) => {
+                bar.set_message(count);
+                bar.set_position(self.n_done as u64);
+                failure.into_iter().for_each(|failure| bar.println(shown(&failure)));
+            }
+            Form::Lines { shown: before } => {
+                failure.into_iter().for_each(|failure| message!("{}", shown(&failure)));
+                if tenths > *before {
+                    let count = if count.is_empty() { count } else { format!(", {count}") };
+                    message!("run {} of {}{count}", self.n_done, self.n_runs);
+                    *before = tenths;
+                }
+            }
+        }
+    }
+
+    /// Removes the bar.
+    pub(crate) fn end(&self) {
+        if let Form::Bar(bar) = &self.form {
+            bar.finish_and_clear();
+        }
     }
 }
 

@@ -56,6 +56,11 @@ fn listen_to_others() -> std::io::Result<()> {
     Ok(())
 }
 
+/// Whether a signal has asked to stop.
+pub(crate) fn is_asked() -> bool {
+    ASKED.load(Ordering::SeqCst)
+}
+
 /// Ends a march after a signal.
 #[derive(Debug)]
 pub(crate) struct Stop;
@@ -79,6 +84,6 @@ impl Observer for Stop {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let step = view.record.step;
         let time = view.record.time;
-        if ASKED.load(Ordering::SeqCst) { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
+        if is_asked() { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
     }
 }

@@ -18,6 +18,7 @@
 //! | [`drawing`] | deformed configurations of a mesh as `.svg` and `.png` |
 //! | [`comparison`] | charts of several runs side by side |
 //! | [`convergence`] | convergence studies: `convergence.csv`, kept references |
+//! | [`sweep`](mod@sweep) | sweeps over the values of keys: `sweep.csv` |
 //! | [`modes`] | natural modes: `modes.csv`, a frame for each mode |
 //! | [`limits`] | `[limits]` |
 //! | [`sizes`] | estimated sizes of the files of a run |
@@ -49,9 +50,13 @@ mod recording;
 pub mod report;
 pub mod results;
 mod rows;
+mod side_by_side;
 pub mod sizes;
 mod stored;
 pub mod summary;
+pub mod sweep;
 pub mod units;
 pub mod vtk;
 mod whole_file;
+
+pub use sweep::sweep;

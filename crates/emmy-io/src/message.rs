@@ -51,6 +51,14 @@ fn is_escaped(c: char) -> bool {
     c.is_control() && c != '\n' && c != '\t'
 }
 
+/// An error with its causes, each in a line.
+pub fn with_causes(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
+        None => error.to_string(),
+    }
+}
+
 /// A name for XML 1.0, with `_` in place of characters that XML cannot hold: control characters other than tabs and
 /// line ends, U+FFFE and U+FFFF (XML 1.0, production 2, `Char`).
 pub(crate) fn name(text: &str) -> Cow<'_, str> {

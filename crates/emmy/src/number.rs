@@ -30,6 +30,21 @@ pub fn short(value: impl Borrow<f64>) -> String {
     }
 }
 
+/// As [`short`], but rounded down, for limits that must not be exceeded.
+///
+/// ```
+/// use emmy::internals::number::{short, short_below};
+/// assert_eq!((short(2.0 / 3.0), short_below(2.0 / 3.0)), ("0.666667".into(), "0.666666".into()));
+/// ```
+pub fn short_below(value: f64) -> String {
+    let rounded = short(value);
+    if rounded.parse().is_ok_and(|rounded: f64| rounded <= value) {
+        return rounded;
+    }
+    let last_digit = 10f64.powi(value.abs().log10().floor() as i32 - 5);
+    short(value - last_digit)
+}
+
 /// The components of a vector in brackets, each by [`short`].
 pub fn short_vector(vector: impl Borrow<[f64; 3]>) -> String {
     let vector: &[f64; 3] = vector.borrow();
@@ -49,6 +64,14 @@ mod tests {
         let numbers = [0.0, -0.0, 58.49999999999, -1.5, 100.0, 0.3, 999999.0, 0.0001, 0.1 + 0.2];
         let texts = ["0", "0", "58.5", "-1.5", "100", "0.3", "999999", "0.0001", "0.3"];
         assert_eq!(numbers.map(short), texts);
+    }
+
+    #[test]
+    fn limits_are_not_rounded_up() {
+        for value in [0.123_456_7, 0.123_456_4, 9.999_999_9e-7, 1.0, 3e5, 2.0 / 3.0, 1e-300 / 3.0] {
+            let shown: f64 = short_below(value).parse().unwrap();
+            assert!(shown <= value && shown > value * (1.0 - 2e-5), "{value:e}: {shown:e}");
+        }
     }
 
     #[test]

@@ -14,7 +14,7 @@ use emmy_io::input::{Problem, Start};
 use emmy_io::message::shown;
 use emmy_io::units::Units;
 
-use super::{Input, critical_step, period, sizes, unresolved_steps};
+use super::{Input, period, sizes, unresolved_steps};
 use crate::failure::Failure;
 use crate::message::message;
 use crate::print::{self, number, vector};
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let state = problem.check_start()?;
     report.start(&problem, state.as_ref());
     report.time(&problem);
-    if let Some(step) = critical_step(&problem, state.as_ref())? {
+    if let Some(step) = problem.critical_step(state.as_ref())? {
         let step = problem.units.number(step, "time");
         report.line("stability", &format!("critical step {step} at the start"));
     }

@@ -13,19 +13,16 @@ mod resume;
 mod run;
 mod schema;
 mod sizes;
+mod sweep;
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use emmy::internals::motion::Resolution;
-use emmy::internals::time::CentralDifferences;
-use emmy::motion::State;
-use emmy::time::Scheme;
 use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
 use crate::message::message;
-use crate::print::{number, number_below};
 
 /// The verb.
 #[derive(Debug, Subcommand)]
@@ -64,6 +61,11 @@ pub(crate) enum Verb {
     /// share the plan and the state of the input. The error is the L2 norm, over nodes and time, of the distance from a
     /// reference, which is kept in the output directory for the next study.
     Converge(converge::Arguments),
+    /// Run a file with every combination of values of some keys
+    ///
+    /// Runs go side by side, each on one thread; `sweep.csv` has a row for each. A run that fails is a row with its
+    /// message. Rows are written when their runs end, and --resume continues an interrupted sweep.
+    Sweep(sweep::Arguments),
     /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print the JSON schema of the input, for completion and checks in an editor
@@ -87,6 +89,7 @@ impl Verb {
             Verb::Resume(arguments) => resume::run(&arguments),
             Verb::Compare(arguments) => compare::run(&arguments),
             Verb::Converge(arguments) => converge::run(&arguments),
+            Verb::Sweep(arguments) => sweep::run(&arguments),
             Verb::List(arguments) => list::run(&arguments),
             Verb::Schema => schema::run(),
             Verb::Completions(arguments) => completions::run(&arguments),
@@ -144,30 +147,4 @@ fn unresolved_steps(problem: &Problem) -> Option<String> {
             "warning: {count} planned steps do not resolve the loads and supports, first {first}; {advice}"
         )
     })
-}
-
-/// The critical step of an explicit scheme at the start; `None` for other schemes.
-///
-/// # Errors
-/// [`Failure::Usage`] if the plan has larger steps than are stable.
-fn critical_step(problem: &Problem, state: Option<&State>) -> Result<Option<f64>, Failure> {
-    if problem.scheme != Scheme::CentralDifferences {
-        return Ok(None);
-    }
-    // Before an equilibrium is solved for, the undeformed body.
-    let displacement =
-        state.map_or_else(|| vec![0.0; problem.body.n_dofs()], |state| state.displacement.clone());
-    let [critical, limit] = CentralDifferences::critical_steps(&problem.body, &displacement)?;
-    let largest = problem.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
-    if largest <= limit {
-        return Ok(Some(critical));
-    }
-    let message = format!(
-        "`time.steps`: steps of {} are unstable: the critical step of {} is {} here (2/omega_max)",
-        number(largest),
-        problem.scheme,
-        number(critical)
-    );
-    let help = format!("take steps of at most {}, or an implicit scheme such as DGM", number_below(limit));
-    Err(Failure::Usage { message, help: Some(help) })
 }

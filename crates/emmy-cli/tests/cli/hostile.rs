@@ -74,6 +74,8 @@ fn control_characters_are_escaped_in_every_failure() {
         &["check", "box.toml", "--set", "a\u{1b}=1"],
         &["check", "box.toml", "--set", "title=\"\u{1b}"],
         &["converge", "no\u{1b}such.toml", "--sizes", "0.1"],
+        &["sweep", "box.toml", "--set", "time.degree=1,\u{1b}"],
+        &["sweep", "box.toml", "--set", "time.steps.1.size=0.05,1e-12", "--set", "title=\"a\u{9}\u{7}\""],
     ] {
         let outcome = place.emmy(arguments);
         assert_ne!(outcome.code, 0, "{arguments:?}");

@@ -22,6 +22,7 @@ mod results;
 mod resume;
 mod resume_rejections;
 mod run;
+mod sweep;
 mod units;
 mod unwritable;
 mod verbs;

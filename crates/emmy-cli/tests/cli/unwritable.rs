@@ -52,6 +52,8 @@ fn a_folder_in_which_nothing_may_be_made() {
     rejected(&place, &["new", "l-block"], &["cannot write l-block.toml"]);
     let sizes = ["converge", "box.toml", "--sizes", "0.1,0.05", "--output", "study"];
     rejected(&place, &sizes, &["cannot write to study"]);
+    let sweep = ["sweep", "box.toml", "--set", "region.density=1,2", "--output", "study"];
+    rejected(&place, &sweep, &["cannot write to study"]);
     // `check` only reads.
     assert_eq!(place.emmy_without_rights(&["check", "box.toml"]).code, 0);
 }

@@ -73,13 +73,13 @@ fn relevant_input(resolved: &str, mesh: Option<&Path>) -> io::Result<String> {
     Ok(input.to_string())
 }
 
-fn state_sum(state: &State) -> u64 {
+pub(crate) fn state_sum(state: &State) -> u64 {
     let numbers = state.displacement.iter().chain(&state.momentum).chain(&state.velocity);
     checksum(&numbers.flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>())
 }
 
 /// The 64-bit checksum of Fowler, Noll and Vo (FNV-1a).
-fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }

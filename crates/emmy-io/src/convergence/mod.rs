@@ -8,7 +8,8 @@ pub mod kept;
 mod runs;
 mod table;
 
-pub use runs::{members, on_one_thread, reference, start, until};
+pub use crate::side_by_side::on_one_thread;
+pub use runs::{members, reference, start, until};
 pub use table::{Measure, MemberRun, chart, orders, write};
 
 use emmy::Result;

@@ -1,13 +1,13 @@
 //! The runs of a study: the shared start, the reference, and the members in parallel.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use emmy::motion::{ErrorNorm, MarchError, Motion, Observer, Phase, Sampler, Samples, State, StepPlan};
 
 use super::{Measure, MemberRun, Study};
 use crate::input::{Problem, StartError};
+use crate::message::with_causes;
+use crate::side_by_side::{on_one_thread, side_by_side};
 
 /// The state at a time, reached with scheme and plan of the input; steps are counted from there.
 ///
@@ -68,39 +68,20 @@ pub fn members(
 ) -> Vec<MemberRun> {
     let mut order: Vec<usize> = (0..study.sizes.len()).collect();
     order.sort_by(|&a, &b| study.sizes[a].total_cmp(&study.sizes[b]));
-    let next = AtomicUsize::new(0);
-    let rows = Mutex::new(Vec::new());
-    let work = || {
-        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let size = study.sizes[index];
-            let row = on_one_thread(|| member(problem, study, state, samples, size));
-            let row = row.unwrap_or_else(|failure| MemberRun {
-                step_size: size,
-                outcome: Err(failure),
-                wall_seconds: 0.0,
-            });
-            report(&row);
-            rows.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((index, row));
-        }
+    let run = |place: usize| {
+        let size = study.sizes[order[place]];
+        let row = on_one_thread(|| member(problem, study, state, samples, size));
+        let row = row.unwrap_or_else(|failure| MemberRun {
+            step_size: size,
+            outcome: Err(failure),
+            wall_seconds: 0.0,
+        });
+        report(&row);
+        (order[place], row)
     };
-    std::thread::scope(|scope| {
-        for _ in 0..rayon::current_num_threads().min(study.sizes.len()) {
-            scope.spawn(work);
-        }
-    });
-    let mut rows = rows.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut rows = side_by_side(order.len(), run);
     rows.sort_by_key(|(index, _)| *index);
     rows.into_iter().map(|(_, row)| row).collect()
-}
-
-/// Runs a function in a pool of one thread; bodies built there always work on one thread.
-///
-/// # Errors
-/// The message of the system, if it cannot start a thread.
-pub fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, String> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let pool = pool.map_err(|error| format!("cannot start a thread: {error}"))?;
-    Ok(pool.install(work))
 }
 
 fn member(problem: &Problem, study: &Study, state: &State, samples: &Samples, step_size: f64) -> MemberRun {
@@ -122,12 +103,4 @@ fn measure(
     let error = norm.error();
     let relative_error = norm.relative_error();
     Ok(Measure { error, relative_error, newton_iterations: motion.statistics().newton_iterations })
-}
-
-/// An error with its causes.
-fn with_causes(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}\ncause: {}", with_causes(cause)),
-        None => error.to_string(),
-    }
 }

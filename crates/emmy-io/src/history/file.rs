@@ -137,30 +137,21 @@ impl HistoryFile {
         self.rows.sync()
     }
 
-    /// Writes a row with 17 significant digits, so that the same numbers are read back.
+    /// Writes a row.
     ///
     /// # Errors
     /// Errors of the system.
     pub fn write(&mut self, row: &[Number]) -> io::Result<()> {
-        let text = |number: &Number| match number {
-            Number::Whole(value) => value.to_string(),
-            Number::Real(value) => real(*value),
-            Number::Missing => String::new(),
-        };
-        let row = row.iter().map(text).collect::<Vec<_>>().join(",");
+        let row = row.iter().map(Number::to_string).collect::<Vec<_>>().join(",");
         self.rows.write(&row)?;
         self.sum.add(format!("{row}\n").as_bytes());
         Ok(())
     }
 }
 
-fn real(value: f64) -> String {
-    format!("{value:.16e}")
-}
-
 /// A row with another time.
 fn with_time(row: &[u8], time: f64) -> Vec<u8> {
-    let time = real(time).into_bytes();
+    let time = Number::Real(time).to_string().into_bytes();
     let cells = row.split(|&byte| byte == b',').enumerate();
     cells.map(|(i, cell)| if i == 1 { &time[..] } else { cell }).collect::<Vec<_>>().join(&b',')
 }

@@ -1,7 +1,7 @@
 //! The first line of a history. Names of groups may have commas and quotes, which CSV puts between quotes.
 
 /// The line of some names.
-pub(super) fn line(names: &[String]) -> String {
+pub(crate) fn line(names: &[String]) -> String {
     let cell = |name: &String| match name.contains([',', '"']) {
         true => format!("\"{}\"", name.replace('"', "\"\"")),
         false => name.clone(),
@@ -10,7 +10,7 @@ pub(super) fn line(names: &[String]) -> String {
 }
 
 /// The names in a line.
-pub(super) fn names(line: &str) -> Vec<String> {
+pub(crate) fn names(line: &str) -> Vec<String> {
     let mut names = vec![String::new()];
     let mut is_quoted = false;
     let mut characters = line.chars().peekable();

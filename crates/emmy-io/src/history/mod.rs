@@ -6,11 +6,14 @@ mod header;
 mod measures;
 mod reader;
 
+use std::fmt;
+
 #[cfg(test)]
 pub(crate) use columns::every_column;
 pub(crate) use columns::fixed_names;
 pub use columns::{ColumnInfo, HistoryColumns, Row, required};
 pub use file::HistoryFile;
+pub(crate) use header::{line as csv_line, names as csv_cells};
 pub use measures::Extreme;
 pub use reader::{History, HistoryError, Rows};
 
@@ -23,6 +26,28 @@ pub enum Number {
     Real(f64),
     /// Nothing: the quantity is not known in this row.
     Missing,
+}
+
+impl Number {
+    /// As a floating-point number; NaN for a missing one.
+    pub fn value(self) -> f64 {
+        match self {
+            Number::Whole(value) => value as f64,
+            Number::Real(value) => value,
+            Number::Missing => f64::NAN,
+        }
+    }
+}
+
+/// As in a file: with 17 significant digits, so that the same number is read back.
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Number::Whole(value) => write!(f, "{value}"),
+            Number::Real(value) => write!(f, "{value:.16e}"),
+            Number::Missing => Ok(()),
+        }
+    }
 }
 
 #[cfg(test)]

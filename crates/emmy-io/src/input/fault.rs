@@ -42,12 +42,12 @@ impl Place {
     }
 
     /// Bytes of the source.
-    pub(super) fn span(&self) -> Range<usize> {
+    pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
     }
 
     /// Text of the source.
-    pub(super) fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         self.source.inner()
     }
 
@@ -91,7 +91,7 @@ pub struct Fault {
 
 impl Fault {
     /// A fault without a place.
-    pub(super) fn new(message: impl Into<String>) -> Self {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
         Fault { message: message.into(), labels: Vec::new(), help: None }
     }
 
@@ -111,13 +111,13 @@ impl Fault {
     }
 
     /// The same fault with advice.
-    pub(super) fn help(mut self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
     /// The same fault with words before its message.
-    pub(super) fn before(mut self, words: &str) -> Self {
+    pub(crate) fn before(mut self, words: &str) -> Self {
         self.message.insert_str(0, words);
         self
     }
@@ -163,6 +163,11 @@ pub struct InputError {
 }
 
 impl InputError {
+    /// Success without faults.
+    pub(crate) fn unless_empty(faults: Vec<Fault>) -> Result<(), Self> {
+        if faults.is_empty() { Ok(()) } else { Err(InputError { faults }) }
+    }
+
     /// The faults; at least one.
     pub fn faults(&self) -> &[Fault] {
         &self.faults
@@ -214,9 +219,6 @@ impl Faults {
 
     /// Fails if there was any fault.
     pub(super) fn finish(&mut self) -> Result<(), InputError> {
-        match std::mem::take(&mut self.faults) {
-            faults if faults.is_empty() => Ok(()),
-            faults => Err(InputError { faults }),
-        }
+        InputError::unless_empty(std::mem::take(&mut self.faults))
     }
 }

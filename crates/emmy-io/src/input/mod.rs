@@ -49,6 +49,7 @@ pub(crate) use measured::resolved;
 pub use problem::{Overrides, Problem, read};
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 pub use schema::schema;
+pub(crate) use set::alternatives;
 pub use settings::{Limits, Output};
 pub use shape::meshes;
 pub use start::{Start, StartError};

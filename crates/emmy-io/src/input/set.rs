@@ -1,5 +1,7 @@
 //! `--set KEY=VALUE`: values of the command line that replace values of the file.
 
+use std::ops::Range;
+
 use super::fault::{Fault, InputError, Place};
 use super::suggest::listed;
 use super::tree::{self, Entry, Node, Value};
@@ -9,16 +11,68 @@ use super::tree::{self, Entry, Node, Value};
 /// must be TOML. `KEY=` removes the key.
 pub(super) fn apply(tree: &mut Node, flag: &str) -> Result<(), InputError> {
     let start = Place::start_of("--set", flag);
-    let Some((key, _)) = flag.split_once('=') else {
-        let fault = Fault::at(&start.at(0..flag.len()), format!("--set {flag}: there is no `=`"), "no `=`");
-        return Err(fault.help("write --set KEY=VALUE, such as --set time.scheme=DGM").into());
-    };
+    let key = key(&start, flag)?;
     let path = path(&start, key)?;
     if flag[key.len() + 1..].trim().is_empty() {
         return Ok(take_out(tree, "the input", &path)?);
     }
     let value = value(&start, flag, key, path.len())?;
     Ok(assign(tree, "the input", &path, value)?)
+}
+
+/// A flag `KEY=A,B,C` of a sweep as one `KEY=VALUE` for each value. A comma inside brackets or quotes belongs to a value.
+///
+/// # Errors
+/// A key that is not dotted, and an empty value among others.
+pub(crate) fn alternatives(flag: &str) -> Result<Vec<String>, InputError> {
+    let start = Place::start_of("--set", flag);
+    let key = key(&start, flag)?;
+    path(&start, key)?;
+    let offset = key.len() + 1;
+    let values = split(&flag[offset..]);
+    let is_empty = |value: &&Range<usize>| flag[offset..][(*value).clone()].trim().is_empty();
+    if let Some(empty) = values.iter().find(is_empty).filter(|_| values.len() > 1) {
+        let comma = offset + empty.start.saturating_sub(1)..offset + empty.end + 1;
+        let fault = Fault::at(&start.at(comma), format!("--set {flag}: a value is empty"), "no value here");
+        return Err(fault.help("values stand between commas: --set region.density=1,2,3").into());
+    }
+    Ok(values.into_iter().map(|value| format!("{key}={}", flag[offset..][value].trim())).collect())
+}
+
+/// Parts of a text between commas, except those inside brackets and quotes.
+fn split(text: &str) -> Vec<Range<usize>> {
+    let mut parts = Vec::new();
+    let mut start = 0;
+    let mut depth = 0_usize;
+    let mut quote = None;
+    let mut is_escaped = false;
+    for (at, c) in text.char_indices() {
+        // The apostrophe of a word is no quote.
+        let is_begin = || depth > 0 || text[start..at].trim_start().chars().all(|before| before == c);
+        match (quote, c) {
+            (Some(open), _) if c == open && !is_escaped => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') if is_begin() => quote = Some(c),
+            (None, '[' | '{' | '(') => depth += 1,
+            (None, ']' | '}' | ')') => depth = depth.saturating_sub(1),
+            (None, ',') if depth == 0 => {
+                parts.push(start..at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+        is_escaped = c == '\\' && quote == Some('"') && !is_escaped;
+    }
+    parts.push(start..text.len());
+    parts
+}
+
+/// The text before the `=`.
+fn key<'a>(start: &Place, flag: &'a str) -> Result<&'a str, Fault> {
+    flag.split_once('=').map(|(key, _)| key).ok_or_else(|| {
+        let fault = Fault::at(&start.at(0..flag.len()), format!("--set {flag}: there is no `=`"), "no `=`");
+        fault.help("write --set KEY=VALUE, such as --set time.scheme=DGM")
+    })
 }
 
 /// Parts of a dotted key with their places.
@@ -172,6 +226,33 @@ mod tests {
         assert_eq!(set("", "time.degree = 2").unwrap(), "[time]\ndegree = 2\n");
         assert_eq!(set("a = 1\n", "a={ b = [1, 2.0] }").unwrap(), "[a]\nb = [1, 2.0]\n");
         assert_eq!(set("", "a=x=y").unwrap(), "a = \"x=y\"\n");
+    }
+
+    #[test]
+    fn values_of_a_sweep_are_between_commas_outside_of_brackets_and_quotes() {
+        let values = |flag: &str| -> Vec<String> {
+            let flags = alternatives(flag).unwrap();
+            flags.iter().map(|flag| flag.strip_prefix("a=").unwrap().to_string()).collect()
+        };
+        assert_eq!(values("a=1, 2 ,3"), ["1", "2", "3"]);
+        assert_eq!(values("a=[1,2,3],[4,[5,6]]"), ["[1,2,3]", "[4,[5,6]]"]);
+        assert_eq!(values("a={x=1,y=2},3"), ["{x=1,y=2}", "3"]);
+        assert_eq!(values("a=AS(2),Newmark(0.25,0.5)"), ["AS(2)", "Newmark(0.25,0.5)"]);
+        assert_eq!(values(r#"a="x,\"y,","z",'u,v'"#), [r#""x,\"y,""#, r#""z""#, "'u,v'"]);
+        assert_eq!(values(r#"a="""x,y""",["p,q]",2]"#), [r#""""x,y""""#, r#"["p,q]",2]"#]);
+        assert_eq!(values("a=it's,that"), ["it's", "that"]);
+        assert_eq!(values("a="), [""]);
+        // An open bracket is a mistake of the value, which its reader reports.
+        assert_eq!(values("a=[1,2"), ["[1,2"]);
+        for (flag, part) in [
+            ("a", "there is no `=`"),
+            ("=1,2", "not a dotted key"),
+            ("a=1,,2", "1:4: --set a=1,,2: a value is empty"),
+            ("a=1,2,", "1:6: --set a=1,2,: a value is empty"),
+        ] {
+            let error = alternatives(flag).unwrap_err().to_string();
+            assert!(error.contains(part), "{flag}: {error}");
+        }
     }
 
     #[test]

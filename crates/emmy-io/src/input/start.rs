@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use emmy::equilibrium::Equilibrium;
-use emmy::motion::{MarchError, Observer, State};
+use emmy::internals::number::{short, short_below};
+use emmy::internals::time::CentralDifferences;
+use emmy::motion::{MarchError, Motion, Observer, State};
 use emmy::time::Scheme;
 
 use super::Problem;
-use super::fault::{Fault, Place};
+use super::fault::{Fault, InputError, Place};
 use super::table::Table;
 use crate::checkpoint;
 
@@ -34,6 +36,9 @@ pub enum StartError {
     /// The state of another run cannot be taken.
     #[error("`initial.state`: {0}")]
     Run(String),
+    /// Explicit steps are unstable there.
+    #[error(transparent)]
+    Unstable(#[from] InputError),
 }
 
 impl From<emmy::Error> for StartError {
@@ -56,6 +61,50 @@ impl Problem {
             }
             Start::Run(directory) => self.state_of(directory),
         }
+    }
+
+    /// The motion at its start, as the run and the sweep march it: with the reactions of an equilibrium, and with cuts.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    pub fn motion(&self, observers: &mut [&mut dyn Observer]) -> Result<Motion<'_>, StartError> {
+        let state = self.start_state(observers)?;
+        let is_equilibrium = matches!(self.start, Start::Equilibrium { .. });
+        if is_equilibrium {
+            self.critical_step(Some(&state))?;
+        }
+        let mut motion = Motion::starting(&self.body, self.scheme, self.newton, state)?;
+        if is_equilibrium || self.is_static() {
+            motion = motion.with_static_reactions()?;
+        }
+        motion.allow_cuts(self.smallest_step);
+        Ok(motion)
+    }
+
+    /// The critical step of an explicit scheme at a state, or at the undeformed body; `None` for other schemes.
+    ///
+    /// # Errors
+    /// [`InputError`] if the plan has larger steps than are stable.
+    pub fn critical_step(&self, state: Option<&State>) -> Result<Option<f64>, InputError> {
+        if self.scheme != Scheme::CentralDifferences {
+            return Ok(None);
+        }
+        let displacement =
+            state.map_or_else(|| vec![0.0; self.body.n_dofs()], |state| state.displacement.clone());
+        let critical = CentralDifferences::critical_steps(&self.body, &displacement);
+        let [critical, limit] = critical.map_err(|error| Fault::new(error.to_string()))?;
+        let largest = self.plan.phases().iter().map(|phase| phase.size).fold(0.0, f64::max);
+        if largest <= limit {
+            return Ok(Some(critical));
+        }
+        let message = format!(
+            "`time.steps`: steps of {} are unstable: the critical step of {} is {} here (2/omega_max)",
+            short(largest),
+            self.scheme,
+            short(critical)
+        );
+        let help = format!("take steps of at most {}, or an implicit scheme such as DGM", short_below(limit));
+        Err(Fault::new(message).help(help).into())
     }
 
     /// Checks the start; returns its state unless that is an equilibrium, which is not solved for.

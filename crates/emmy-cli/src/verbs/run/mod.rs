@@ -12,7 +12,7 @@ use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
-use super::{Input, critical_step, unresolved_steps, with_threads};
+use super::{Input, unresolved_steps, with_threads};
 use crate::failure::{Failure, with_causes};
 use crate::message::message;
 use crate::print;
@@ -57,16 +57,8 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.input.problem()?;
     check(&problem, &arguments.options)?;
     directory::check_run(&problem)?;
-    critical_step(&problem, problem.check_start()?.as_ref())?;
-    let state = start(&problem, &arguments.options)?;
-    if matches!(problem.start, Start::Equilibrium { .. }) {
-        critical_step(&problem, Some(&state))?;
-    }
-    let mut motion = Motion::starting(&problem.body, problem.scheme, problem.newton, state)?;
-    if matches!(problem.start, Start::Equilibrium { .. }) || problem.is_static() {
-        motion = motion.with_static_reactions()?;
-    }
-    motion.allow_cuts(problem.smallest_step);
+    problem.critical_step(problem.check_start()?.as_ref())?;
+    let mut motion = start(&problem, &arguments.options)?;
     if let Some(warning) = unresolved_steps(&problem) {
         message!("{warning}");
     }
@@ -76,17 +68,17 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The start of the motion, with the progress of its equilibrium.
-fn start(problem: &Problem, options: &RunOptions) -> Result<State, Failure> {
-    let Start::Equilibrium { load_steps } = problem.start else { return Ok(problem.start_state(&mut [])?) };
+fn start<'a>(problem: &'a Problem, options: &RunOptions) -> Result<Motion<'a>, Failure> {
+    let Start::Equilibrium { load_steps } = problem.start else { return Ok(problem.motion(&mut [])?) };
     let mut progress = Progress::of(
         "equilibrium: ",
         &emmy::equilibrium::increments(load_steps)?,
         problem.units,
         options.quiet,
     );
-    let state = problem.start_state(&mut [&mut progress]);
+    let motion = problem.motion(&mut [&mut progress]);
     progress.end();
-    Ok(state?)
+    Ok(motion?)
 }
 
 /// Motion::march, or Motion::march_on.
