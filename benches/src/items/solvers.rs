@@ -2,8 +2,10 @@
 
 use super::side_by_side::Figure;
 use super::{Settings, real, stiff};
+use crate::job::Job;
 use crate::report::{Goal, Limit, Report, Table, number};
 use crate::scratch::Scratch;
+use crate::session::Runs;
 
 /// Kinds of `[solver]`; the first one chooses among the others.
 const KINDS: [&str; 3] = ["auto", "iterative", "direct"];
@@ -28,12 +30,19 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     for work in works {
         for scheme in SCHEMES {
             let case = work.case(&scratch)?.scheme(scheme, 1);
-            let runs = session.cases(&KINDS.map(|kind| case.clone().with("solver.kind", kind)))?;
-            let seconds = runs.iter().map(|runs| number(runs.median(|o| Figure::WithStart.of(o))));
-            let others = runs.iter().map(|other| runs[0].ratio(other, |o| Figure::WithStart.of(o)));
-            let ratio = others.fold(0.0, f64::max);
-            let names = [work.to_string(), scheme.to_string()];
-            table.push(names.into_iter().chain(seconds).chain([number(ratio)]).collect());
+            let jobs = KINDS.map(|kind| Job::case(&case.clone().with("solver.kind", kind)));
+            let jobs = jobs.into_iter().collect::<Result<Vec<_>, _>>()?;
+            let runs = solved(session.attempts(&jobs, is_unsolved))?;
+            let seconds = |runs: &Runs| number(runs.median(|o| Figure::WithStart.of(o)));
+            // A choice that fails is infinitely worse.
+            let over = |other: &Runs| {
+                runs[0].as_ref().map_or(f64::INFINITY, |auto| auto.ratio(other, |o| Figure::WithStart.of(o)))
+            };
+            let ratio = runs.iter().flatten().map(over).fold(0.0, f64::max);
+            let mut row = vec![work.to_string(), scheme.to_string()];
+            row.extend(runs.iter().map(|runs| runs.as_ref().map_or("fails".into(), seconds)));
+            row.push(number(ratio));
+            table.push(row);
             if ratio > largest.0 {
                 largest = (ratio, format!("{work}, {scheme}"));
             }
@@ -43,4 +52,19 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let statement = format!("auto over the best kind, largest of all ({})", largest.1);
     report.goals.push(Goal::new(statement, Limit::AtMost(LIMIT), largest.0));
     Ok(vec![report])
+}
+
+/// Whether a run failed because a kind does not suit the motion, which is a result.
+fn is_unsolved(message: &str) -> bool {
+    message.contains("cannot be solved")
+}
+
+/// The runs of the kinds that suit; an error for any other failure.
+fn solved(attempts: Vec<Result<Runs, String>>) -> Result<Vec<Option<Runs>>, String> {
+    let solved = |attempt: Result<Runs, String>| match attempt {
+        Ok(runs) => Ok(Some(runs)),
+        Err(message) if is_unsolved(&message) => Ok(None),
+        Err(message) => Err(message),
+    };
+    attempts.into_iter().map(solved).collect()
 }
