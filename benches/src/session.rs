@@ -31,7 +31,10 @@ impl Session {
                 let Ok(runs) = attempt else { continue };
                 eprintln!("round {round} of {}, run {} of {}: {job}", self.rounds, index + 1, jobs.len());
                 match job.run(self.core) {
-                    Ok(outcome) => runs.0.push(outcome),
+                    Ok(outcome) => {
+                        eprintln!("    {:.6} CPU s a step", step_seconds(&outcome));
+                        runs.0.push(outcome);
+                    }
                     Err(message) if expected(&message) => *attempt = Err(message),
                     Err(message) => return vec![Err(message)],
                 }
