@@ -32,7 +32,8 @@ impl Session {
                 eprintln!("round {round} of {}, run {} of {}: {job}", self.rounds, index + 1, jobs.len());
                 match job.run(self.core) {
                     Ok(outcome) => {
-                        eprintln!("    {:.6} CPU s a step", step_seconds(&outcome));
+                        let whole = outcome.cpu_seconds_with_start.unwrap_or(outcome.cpu_seconds);
+                        eprintln!("    {:.6} CPU s a step, {whole:.3} in all", step_seconds(&outcome));
                         runs.0.push(outcome);
                     }
                     Err(message) if expected(&message) => *attempt = Err(message),
