@@ -33,6 +33,9 @@ pub(crate) struct Arguments {
     pub state: Option<PathBuf>,
 }
 
+/// Beginning of the message of a run that cannot solve a step.
+pub(crate) const UNSOLVED: &str = "the run failed";
+
 /// Runs the case and returns its figures.
 ///
 /// # Errors
@@ -55,7 +58,7 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     let motion = Motion::starting(body, problem.scheme, problem.newton, state);
     let mut motion = motion.map_err(|error| text(&error))?;
     let mut steps = Steps::default();
-    motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| text(&error))?;
+    motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| format!("{UNSOLVED}: {error}"))?;
     // Before any other work.
     let (peak_megabytes, cpu_seconds_with_start) = (peak_megabytes(), Some(cpu_time().as_secs_f64()));
     if let Some(path) = &arguments.state {

@@ -3,6 +3,7 @@
 use super::side_by_side::Figure;
 use super::{Settings, real, stiff};
 use crate::job::Job;
+use crate::measure::UNSOLVED;
 use crate::report::{Goal, Limit, Report, Table, number};
 use crate::scratch::Scratch;
 use crate::session::Runs;
@@ -56,7 +57,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
 
 /// Whether a run failed because a kind does not suit the motion, which is a result.
 fn is_unsolved(message: &str) -> bool {
-    message.contains("cannot be solved")
+    message.contains(UNSOLVED)
 }
 
 /// The runs of the kinds that suit; an error for any other failure.
