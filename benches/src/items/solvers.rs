@@ -9,7 +9,7 @@ use crate::scratch::Scratch;
 use crate::session::Runs;
 
 /// Kinds of `[solver]`; the first one chooses among the others.
-const KINDS: [&str; 3] = ["auto", "iterative", "direct"];
+const KINDS: [&str; 4] = ["auto", "iterative", "direct", "multigrid"];
 const SCHEMES: [&str; 2] = ["FE(1)", "DGM"];
 /// Limit of the time with the first kind over that with the best one.
 const LIMIT: f64 = 1.3;
