@@ -35,11 +35,10 @@ const AGREEMENT: f64 = 1e-8;
 const ROUGH_AGREEMENT: f64 = 1e-3;
 
 impl Job {
-    /// A script of another program that computes the spinning block.
-    pub(crate) fn script(python: &Path, script: &Path, arguments: &[String], check: Check) -> Self {
-        let script = script.display().to_string();
-        let arguments = std::iter::once(script).chain(arguments.iter().cloned()).collect();
-        Job { program: python.to_path_buf(), arguments, threads: 1, check: Some(check) }
+    /// A script of another program; the energies are checked if it computes the spinning block.
+    pub(crate) fn script(python: &Path, script: &Path, arguments: Vec<String>, check: Option<Check>) -> Self {
+        let arguments = std::iter::once(script.display().to_string()).chain(arguments).collect();
+        Job { program: python.to_path_buf(), arguments, threads: 1, check }
     }
 
     /// A case of Emmy, in a process of this program with its own memory and CPU time.
@@ -125,14 +124,19 @@ impl Case {
     }
 
     /// The block of E = 1e7 under its load, with cells of edge 1/r.
-    pub(crate) fn stiff_block(r: u32) -> Self {
+    pub(crate) fn quasi_rigid_block(r: u32) -> Self {
         Case::new("examples/quasi-rigid.toml").cells(r)
+    }
+
+    /// The bracket of steel, clamped at its foot, with a force on its tip.
+    pub(crate) fn bracket() -> Self {
+        Case::new("examples/steel-bracket.toml")
     }
 
     fn new(input: &str) -> Self {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(input);
         let (set, state) = Default::default();
-        Case(Arguments { input, set, threads: 1, assemblies: 0, factorizations: 0, state })
+        Case(Arguments { input, set, threads: 1, assemblies: 0, state })
     }
 
     fn cells(self, r: u32) -> Self {
@@ -172,12 +176,6 @@ impl Case {
         self
     }
 
-    /// The case with factorisations measured after the run.
-    pub(crate) fn factorizations(mut self, count: usize) -> Self {
-        self.0.factorizations = count;
-        self
-    }
-
     /// The case with a file for its last state.
     pub(crate) fn state(mut self, file: PathBuf) -> Self {
         self.0.state = Some(file);
@@ -199,7 +197,6 @@ impl Case {
         case.set.iter().for_each(|set| flag("set", set.clone()));
         flag("threads", case.threads.to_string());
         flag("assemblies", case.assemblies.to_string());
-        flag("factorizations", case.factorizations.to_string());
         if let Some(file) = &case.state {
             flag("state", file.display().to_string());
         }
@@ -215,7 +212,7 @@ mod tests {
     fn energies_are_known_of_the_unchanged_block_only() {
         assert_eq!(Case::spinning_block(6).known_block(), Some(6));
         assert_eq!(Case::spinning_block(6).scheme("DGM", 1).known_block(), None);
-        assert_eq!(Case::stiff_block(1).known_block(), None);
+        assert_eq!(Case::quasi_rigid_block(1).known_block(), None);
         assert!(energies(6).is_some() && energies(3).is_none());
     }
 

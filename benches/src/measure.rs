@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use emmy::body::Body;
 use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};
-use emmy::internals::sparse::{BlockCholesky, inverse};
+use emmy::internals::sparse::inverse;
 use emmy::motion::{Motion, Observer, Record, State, View};
 use emmy::time::Scheme;
 use emmy_io::input::{self, Overrides, Problem};
@@ -29,13 +28,13 @@ pub(crate) struct Arguments {
     /// Assemblies of residual and tangent to measure after the run, on one thread
     #[arg(long, default_value_t = 0)]
     pub assemblies: usize,
-    /// Sparse Cholesky factorisations to measure after the run
-    #[arg(long, default_value_t = 0)]
-    pub factorizations: usize,
     /// File for all bits of the last state and of every step's energies and momenta
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
 }
+
+/// Beginning of the message of a run that cannot solve a step.
+pub(crate) const UNSOLVED: &str = "the run failed";
 
 /// Runs the case and returns its figures.
 ///
@@ -59,17 +58,17 @@ fn measure_here(arguments: &Arguments) -> Result<Outcome, String> {
     let motion = Motion::starting(body, problem.scheme, problem.newton, state);
     let mut motion = motion.map_err(|error| text(&error))?;
     let mut steps = Steps::default();
-    motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| text(&error))?;
-    // Before any other allocation.
-    let peak_megabytes = peak_megabytes();
+    motion.march(&problem.plan, &mut [&mut steps]).map_err(|error| format!("{UNSOLVED}: {error}"))?;
+    // Before any other work.
+    let (peak_megabytes, cpu_seconds_with_start) = (peak_megabytes(), Some(cpu_time().as_secs_f64()));
     if let Some(path) = &arguments.state {
         save(path, motion.state(), &steps.records).map_err(|error| text(&error))?;
     }
     Ok(Outcome {
         threads: arguments.threads,
         peak_megabytes,
+        cpu_seconds_with_start,
         assembled_cells_per_second: assembly_rate(&problem, motion.state(), arguments.assemblies)?,
-        factorization_seconds: factorization_seconds(body, arguments.factorizations)?,
         ..steps.outcome(&problem)
     })
 }
@@ -93,7 +92,7 @@ impl Steps {
     fn outcome(&self, problem: &Problem) -> Outcome {
         let cpu: Vec<f64> = self.clocks.windows(2).map(|w| (w[1].0 - w[0].0).as_secs_f64()).collect();
         let wall: Vec<f64> = self.clocks.windows(2).map(|w| (w[1].1 - w[0].1).as_secs_f64()).collect();
-        let (later, steps) = (usize::from(cpu.len() > 1), &self.records[1..]);
+        let (later, steps) = (if cpu.len() > 2 { 2 } else { 0 }, &self.records[1..]);
         let average = |count: fn(&Record) -> usize| {
             steps.iter().map(count).sum::<usize>() as f64 / steps.len().max(1) as f64
         };
@@ -140,25 +139,6 @@ fn assembly_rate(problem: &Problem, state: &State, count: usize) -> Result<Optio
     let mut assembly = body.assembly(k);
     let seconds = timed(count, || body.assemble(&step, Request::Tangent, &inverse, &mut assembly))?;
     Ok(Some(body.mesh().n_cells() as f64 / seconds))
-}
-
-/// CPU time of one numerical factorisation on the body's pattern, median of some. The values of the matrix do not
-/// matter, as long as it is positive definite: here it is the mass.
-fn factorization_seconds(body: &Body, count: usize) -> Result<Option<f64>, String> {
-    if count == 0 {
-        return Ok(None);
-    }
-    let factor = BlockCholesky::new(
-        body.pattern(),
-        3,
-        body.fixed(),
-        body.node_order().expect("an order of the nodes"),
-    );
-    let mut factor = factor.map_err(|error| error.to_string())?;
-    let mass = body.mass();
-    // Entries 0, 4, 8 are the diagonal of a 3 x 3 block.
-    let entry = |source: usize| if matches!(source % 9, 0 | 4 | 8) { mass[source / 9] } else { 0.0 };
-    timed(count, || factor.factorize(entry)).map(Some)
 }
 
 /// CPU time of a piece of work, median of some, after one that is not counted.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Figures of a run. Figures that a program does not report are left out of its line.
 ///
-/// The first step is left out of all times per step, because it contains the set-up of a run.
+/// The first two steps are left out of all times per step, because they contain the set-up of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Outcome {
@@ -24,16 +24,16 @@ pub(crate) struct Outcome {
     pub cpu_seconds_per_step_mean: f64,
     /// Wall time of a step, mean \[s\].
     pub wall_seconds_per_step_mean: f64,
-    /// CPU time of all steps, including the first \[s\].
+    /// CPU time of all steps \[s\].
     pub cpu_seconds: f64,
+    /// CPU time of the process up to the last step, or of another program without its imports and its compiler \[s\].
+    pub cpu_seconds_with_start: Option<f64>,
     /// Newton iterations per step.
     pub newton_per_step: f64,
     /// Iterations of the linear solver per step.
     pub linear_per_step: f64,
     /// Cells per second and core in the assembly of residual and tangent.
     pub assembled_cells_per_second: Option<f64>,
-    /// CPU time of one sparse Cholesky factorisation \[s\].
-    pub factorization_seconds: Option<f64>,
     /// Kinetic energy at the end \[energy\].
     pub kinetic_energy: f64,
     /// Strain energy at the end \[energy\].

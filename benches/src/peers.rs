@@ -17,6 +17,10 @@ pub(crate) struct Recorded {
     /// The programs.
     #[serde(rename = "peer")]
     pub peers: Vec<Peer>,
+    /// CPU seconds a step of DOLFINx, and of the whole run, by motion and solver.
+    pub side_by_side: BTreeMap<String, BTreeMap<String, [f64; 2]>>,
+    /// CPU seconds a step of Emmy before algebraic multigrid, by case, for the quasi-rigid block.
+    pub quasi_rigid_before: BTreeMap<String, f64>,
 }
 
 /// Another program with one of its linear solvers.
@@ -66,9 +70,8 @@ impl Peer {
 
     /// The job that computes the block.
     pub(crate) fn job(&self, python: &Path, r: u32) -> Job {
-        let script = folder().join(format!("{}_block.py", self.name));
         let check = Check { r, same_equations: self.same_equations };
-        Job::script(python, &script, &[r.to_string(), self.solver.clone()], check)
+        Job::script(python, &script(&self.name), vec![r.to_string(), self.solver.clone()], Some(check))
     }
 }
 
@@ -96,21 +99,24 @@ impl Interpreters {
 
     /// The interpreter that can import a program's module: the one named, else the environment below `benches/peers`,
     /// else the system's.
-    pub(crate) fn of(&self, peer: &Peer) -> Option<PathBuf> {
-        let own = folder().join("environments").join(&peer.name).join("bin/python");
+    pub(crate) fn of(&self, name: &str) -> Option<PathBuf> {
+        let own = folder().join("environments").join(name).join("bin/python");
         let of_system = [own, "/usr/bin/python3".into(), "python3".into()];
-        let candidates = match self.0.get(&peer.name) {
+        let candidates = match self.0.get(name) {
             Some(path) => vec![path.clone()],
             None => of_system.to_vec(),
         };
-        candidates.into_iter().find(|python| can_import(python, peer.module()))
+        candidates.into_iter().find(|python| can_import(python, module(name)))
     }
 }
 
-impl Peer {
-    fn module(&self) -> &str {
-        if self.name == "kratos" { "KratosMultiphysics" } else { &self.name }
-    }
+fn module(name: &str) -> &str {
+    if name == "kratos" { "KratosMultiphysics" } else { name }
+}
+
+/// Script of a program.
+pub(crate) fn script(name: &str) -> PathBuf {
+    folder().join(format!("{name}_block.py"))
 }
 
 fn can_import(python: &Path, module: &str) -> bool {
@@ -131,7 +137,7 @@ mod tests {
         let recorded = Recorded::read().unwrap();
         assert!(recorded.peers.len() > 5);
         for peer in &recorded.peers {
-            let script = folder().join(format!("{}_block.py", peer.name));
+            let script = script(&peer.name);
             let text = std::fs::read_to_string(&script).unwrap_or_else(|_| panic!("{}", script.display()));
             assert!(text.contains(&format!("\"{}\"", peer.solver)), "{} {}", peer.name, peer.solver);
             assert!(peer.recorded_seconds(2).is_some());

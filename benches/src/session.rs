@@ -20,14 +20,28 @@ impl Session {
     /// # Errors
     /// The message of the first one that fails.
     pub(crate) fn in_turns(&self, jobs: &[Job]) -> Result<Vec<Runs>, String> {
-        let mut runs = vec![Runs(Vec::new()); jobs.len()];
+        self.attempts(jobs, |_| false).into_iter().collect()
+    }
+
+    /// The same; a job whose failure is expected keeps its message, and the others go on.
+    pub(crate) fn attempts(&self, jobs: &[Job], expected: fn(&str) -> bool) -> Vec<Result<Runs, String>> {
+        let mut attempts = vec![Ok(Runs(Vec::new())); jobs.len()];
         for round in 1..=self.rounds {
-            for (index, (job, runs)) in jobs.iter().zip(&mut runs).enumerate() {
+            for (index, (job, attempt)) in jobs.iter().zip(&mut attempts).enumerate() {
+                let Ok(runs) = attempt else { continue };
                 eprintln!("round {round} of {}, run {} of {}: {job}", self.rounds, index + 1, jobs.len());
-                runs.0.push(job.run(self.core)?);
+                match job.run(self.core) {
+                    Ok(outcome) => {
+                        let whole = outcome.cpu_seconds_with_start.unwrap_or(outcome.cpu_seconds);
+                        eprintln!("    {:.6} CPU s a step, {whole:.3} in all", step_seconds(&outcome));
+                        runs.0.push(outcome);
+                    }
+                    Err(message) if expected(&message) => *attempt = Err(message),
+                    Err(message) => return vec![Err(message)],
+                }
             }
         }
-        Ok(runs)
+        attempts
     }
 
     /// Runs cases of Emmy in turns.

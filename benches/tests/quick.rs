@@ -23,9 +23,13 @@ fn every_item_runs_and_results_do_not_depend_on_threads() {
         "Schemes",
         "Degrees in time",
         "Error within a time",
-        "A stiff body",
+        "A stiff block beside DOLFINx",
+        "A quasi-rigid block",
+        "Real cells beside DOLFINx",
+        "Solvers",
         "Cells against locking",
         "Large meshes",
+        "Large stiff meshes",
         "Threads",
     ];
     assert!(headings.iter().all(|heading| page.contains(&format!("## {heading}\n"))), "{page}");

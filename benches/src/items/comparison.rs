@@ -29,7 +29,7 @@ impl Peers {
     pub(super) fn find(settings: &Settings) -> Result<Self, String> {
         let recorded = Recorded::read()?;
         let python =
-            |peer: &Peer| settings.peers.as_ref().and_then(|pythons: &Interpreters| pythons.of(peer));
+            |peer: &Peer| settings.peers.as_ref().and_then(|pythons: &Interpreters| pythons.of(&peer.name));
         let pythons = recorded.peers.iter().map(python).collect();
         Ok(Peers { recorded, pythons })
     }

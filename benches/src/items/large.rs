@@ -1,8 +1,10 @@
 //! `large`: how cost and memory grow with the mesh.
 
-use super::Settings;
+use super::side_by_side::Figure;
+use super::{Settings, stiff};
 use crate::job::Case;
 use crate::report::{Goal, Limit, Report, Table, count, number, number_or_dash};
+use crate::scratch::Scratch;
 use crate::session::{Runs, step_seconds};
 
 /// Step size times r: the same CFL number on all meshes.
@@ -14,28 +16,67 @@ const EXPONENT: f64 = 1.15;
 const MILLION: u32 = 16;
 /// Limit of the memory for 1.5 million degrees of freedom \[MB\].
 const MEMORY: f64 = 24e9 / 1048576.0;
+/// Limit of the memory for a stiff block \[MB\].
+const STIFF_MEMORY: f64 = 8e9 / 1048576.0;
 
-/// Cost of a step over the number of degrees of freedom; or the one mesh of 1.5 million of them.
+/// Cost over the number of degrees of freedom, of a soft and of a stiff block; or the one mesh of 1.5 million of them.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
+    Ok(vec![soft(settings)?, stiff(settings)?])
+}
+
+fn soft(settings: &Settings) -> Result<Report, String> {
     let session = &settings.session;
     let sizes = sizes(settings);
     let case = |&r: &u32| Case::spinning_block(r).steps(STEPS, STEP_SIZE_TIMES_R / f64::from(r));
     let runs = session.cases(&sizes.iter().map(case).collect::<Vec<_>>())?;
     let note = format!(
         "The spinning block by the mid-point rule with h = {STEP_SIZE_TIMES_R}/r, {STEPS} steps, one thread: the same CFL number on \
-         all meshes. CPU seconds a step without the first."
+         all meshes. CPU seconds a step without the first two."
     );
     let mut report = Report::new("Large meshes", note);
     report.tables.push(table(&sizes, &runs));
-    if sizes.len() > 1 {
-        let statement = "exponent of CPU time over degrees of freedom";
-        report.goals.push(Goal::new(statement, Limit::AtMost(EXPONENT), exponent(&runs)));
-    }
-    if let Some(index) = sizes.iter().position(|&r| r == MILLION) {
-        let peak = runs[index].median_of_some(|o| o.peak_megabytes).unwrap_or(f64::NAN);
-        report.goals.push(Goal::new("peak memory in MB", Limit::AtMost(MEMORY.floor()), peak));
-    }
-    Ok(vec![report])
+    report.goals.extend(exponent(&runs, Figure::Step));
+    report.goals.extend(memory(&sizes, &runs, MILLION, MEMORY));
+    Ok(report)
+}
+
+fn stiff(settings: &Settings) -> Result<Report, String> {
+    let session = &settings.session;
+    let sizes = sizes(settings);
+    let works = stiff::works(session, &sizes);
+    let scratch = Scratch::new("large")?;
+    let cases: Result<Vec<Case>, String> =
+        works.iter().map(|work| Ok(work.case(&scratch)?.scheme("DGM", 1))).collect();
+    let runs = session.cases(&cases?)?;
+    let note = format!(
+        "The spinning block with moduli times 1e4 by DGM, h = 0.02, {} steps, one thread. CPU seconds a step without the \
+         first two, and of all steps with the start.",
+        works[0].steps
+    );
+    let mut report = Report::new("Large stiff meshes", note);
+    report.tables.push(table(&sizes, &runs));
+    report.goals.extend(exponent(&runs, Figure::WithStart));
+    report.goals.extend(memory(&sizes, &runs, sizes[sizes.len() - 1], STIFF_MEMORY));
+    Ok(report)
+}
+
+/// The goal for the exponent of a time, if there are several meshes.
+fn exponent(runs: &[Runs], figure: Figure) -> Option<Goal> {
+    let of = match figure {
+        Figure::Step => "of a step",
+        Figure::WithStart => "of all steps with the start",
+    };
+    let statement = format!("exponent of the CPU time {of} over degrees of freedom");
+    let point = |runs: &Runs| ((runs.last().dofs as f64).ln(), runs.median(|o| figure.of(o)).ln());
+    let points: Vec<_> = runs.iter().map(point).collect();
+    (runs.len() > 1).then(|| Goal::new(statement, Limit::AtMost(EXPONENT), slope(&points)))
+}
+
+/// The goal for the memory of the mesh with r cells per unit length, if it is among the sizes.
+fn memory(sizes: &[u32], runs: &[Runs], r: u32, limit: f64) -> Option<Goal> {
+    let index = sizes.iter().position(|&size| size == r)?;
+    let peak = runs[index].median_of_some(|o| o.peak_megabytes).unwrap_or(f64::NAN);
+    Some(Goal::new(format!("peak memory in MB at r = {r}"), Limit::AtMost(limit.floor()), peak))
 }
 
 fn sizes(settings: &Settings) -> Vec<u32> {
@@ -48,7 +89,8 @@ fn sizes(settings: &Settings) -> Vec<u32> {
 }
 
 fn table(sizes: &[u32], runs: &[Runs]) -> Table {
-    let heading = ["r", "dofs", "CPU s a step", "Newton", "linear", "us a dof", "peak MB", "bytes a dof"];
+    let heading =
+        ["r", "dofs", "CPU s a step", "with start", "Newton", "linear", "us a dof", "peak MB", "bytes a dof"];
     let mut table = Table::new(0, &heading);
     for (r, runs) in sizes.iter().zip(runs) {
         let (last, seconds) = (runs.last(), runs.median(step_seconds));
@@ -56,6 +98,7 @@ fn table(sizes: &[u32], runs: &[Runs]) -> Table {
             r.to_string(),
             count(last.dofs),
             number(seconds),
+            number(runs.median(|o| Figure::WithStart.of(o))),
             number(last.newton_per_step),
             number(last.linear_per_step),
             number(1e6 * seconds / last.dofs as f64),
@@ -66,12 +109,7 @@ fn table(sizes: &[u32], runs: &[Runs]) -> Table {
     table
 }
 
-/// Slope of the logarithm of the cost over the logarithm of the degrees of freedom, by least squares.
-fn exponent(runs: &[Runs]) -> f64 {
-    let points = |runs: &Runs| ((runs.last().dofs as f64).ln(), runs.median(step_seconds).ln());
-    slope(&runs.iter().map(points).collect::<Vec<_>>())
-}
-
+/// Slope of a line through points by least squares.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
     let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);

@@ -4,7 +4,10 @@ mod comparison;
 mod degrees;
 mod large;
 mod locking;
+mod real;
 mod schemes;
+mod side_by_side;
+mod solvers;
 mod step;
 mod stiff;
 mod threads;
@@ -20,7 +23,7 @@ pub(crate) struct Settings {
     pub session: Session,
     /// Interpreters of the other programs, if they should run.
     pub peers: Option<Interpreters>,
-    /// Cells per unit length for `step` and `large`, ascending, instead of the defaults.
+    /// Cells per unit length for `step`, `stiff` and `large`, ascending, instead of the defaults.
     pub cells: Option<Vec<u32>>,
     /// Whether `large` uses the mesh of 1.5 million degrees of freedom.
     pub million: bool,
@@ -36,11 +39,13 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 7] = [
+pub(crate) const ALL: [Item; 9] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
     Item { name: "stiff", measure: stiff::measure },
+    Item { name: "real", measure: real::measure },
+    Item { name: "solvers", measure: solvers::measure },
     Item { name: "locking", measure: locking::measure },
     Item { name: "large", measure: large::measure },
     Item { name: "threads", measure: threads::measure },

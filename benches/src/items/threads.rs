@@ -1,39 +1,51 @@
 //! `threads`: the same bits whatever the number of threads.
 
+use emmy::mesh::CellKind;
+
 use super::Settings;
-use crate::job::Case;
 use crate::report::{Goal, Limit, Report, Table, number};
 use crate::scratch::Scratch;
+use crate::work::{Shape, Work};
 
 /// Numbers of threads; times of more threads than the machine has cores mean nothing.
 const THREADS: [usize; 4] = [1, 2, 3, 4];
 
+/// Goal for the speed of two threads where arithmetic bounds the step: the motions here.
+const TWO_THREADS: f64 = 1.7;
+
 /// Bits that differ from the run with one thread, and wall times.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
-    let (r, steps) = session.choose((1, 3), (4, 20));
+    let (r, r_of_hex20, steps) = session.choose((1, 1, 3), (4, 2, 20));
+    let soft = |shape| Work { shape, ..Work::hex8(r, false, steps) };
+    let shapes = [Shape::Block(CellKind::Hex8, r), Shape::Block(CellKind::Hex20, r_of_hex20), Shape::Bracket];
     let scratch = Scratch::new("threads")?;
-    let case = |threads: usize| {
-        let file = scratch.file(&threads.to_string());
-        Case::spinning_block(r).scheme("DGM", 1).steps(steps, 0.02).threads(threads).state(file)
-    };
-    let runs = session.cases(&THREADS.map(case))?;
-    let one = scratch.numbers("1")?;
     let note = format!(
-        "DGM on the spinning block at r = {r}, h = 0.02, {steps} steps: numbers of the last state and of the energies and momenta of \
-         all steps that differ in any bit from those of one thread; wall seconds a step, mean without the first."
+        "DGM, {steps} steps: numbers of the last state and of the energies and momenta of all steps that differ in any bit \
+         from those of one thread; wall seconds a step, mean without the first two."
     );
     let mut report = Report::new("Threads", note);
-    let mut table =
-        Table::new(0, &["threads", "numbers", "that differ", "wall s a step", "one thread / this"]);
+    let heading = ["motion", "threads", "numbers", "that differ", "wall s a step", "one thread / this"];
+    let mut table = Table::new(1, &heading);
     let mut differing = 0;
-    for (threads, runs_of) in THREADS.iter().zip(&runs) {
-        let n = n_differing(&one, &scratch.numbers(&threads.to_string())?);
-        let ratio = runs[0].ratio(runs_of, |o| o.wall_seconds_per_step_mean);
-        let seconds = runs_of.median(|o| o.wall_seconds_per_step_mean);
-        let length = one.len().to_string();
-        table.push(vec![threads.to_string(), length, n.to_string(), number(seconds), number(ratio)]);
-        differing += n;
+    for work in shapes.map(soft) {
+        let case = work.case(&scratch)?.scheme("DGM", 1);
+        let case = |threads: usize| case.clone().threads(threads).state(scratch.file(&threads.to_string()));
+        let runs = session.cases(&THREADS.map(case))?;
+        let one = scratch.numbers("1")?;
+        for (threads, runs_of) in THREADS.iter().zip(&runs) {
+            let n = n_differing(&one, &scratch.numbers(&threads.to_string())?);
+            let ratio = runs[0].ratio(runs_of, |o| o.wall_seconds_per_step_mean);
+            let seconds = runs_of.median(|o| o.wall_seconds_per_step_mean);
+            let numbers = [*threads, one.len(), n].map(|count| count.to_string());
+            let row = [work.to_string()].into_iter().chain(numbers);
+            table.push(row.chain([number(seconds), number(ratio)]).collect());
+            differing += n;
+            if *threads == 2 {
+                let statement = format!("{work}: one thread over two");
+                report.goals.push(Goal::new(statement, Limit::AtLeast(TWO_THREADS), ratio));
+            }
+        }
     }
     let statement = "numbers that depend on the number of threads";
     report.goals.push(Goal::always(statement, Limit::AtMost(0.0), differing as f64));
