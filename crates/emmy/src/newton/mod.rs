@@ -34,9 +34,9 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
-    /// Whether the exact tangent may be hard to solve with. Then the approximate one is renewed as long as the residual falls.
-    fn avoids_exact_tangent(&self) -> bool {
-        false
+    /// How often a solution may renew the approximate tangent before it takes the exact one.
+    fn most_renewals(&self) -> usize {
+        0
     }
 }
 

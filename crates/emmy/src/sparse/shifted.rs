@@ -12,15 +12,14 @@ use super::sweep::SweepOrder;
 /// The matrix `M + lambda K`; K has 3 x 3 blocks, M a number for each coupling.
 #[derive(Debug, Clone)]
 pub(crate) struct ShiftedMatrix<E: Entry, const C: usize> {
-    /// The blocks of `M + |lambda| K`.
+    /// The blocks of `M + lambda K` with one column, the blocks of K with two columns.
     pub(super) blocks: Blocks<E>,
     /// Rounding errors of the blocks of a row, added to its diagonal block: otherwise, the rounding of the neighbours
     /// would give energy to a motion without strain.
     pub(super) remainders: Vec<[[E::Number; 4]; 3]>,
     /// M, with two columns only.
     mass: Vec<E::Number>,
-    /// `lambda / |lambda|`.
-    turn: [E::Number; 2],
+    shift: [E::Number; 2],
     /// Fixed components, whose rows are omitted, `[3 row + component]` in the order of the sweep.
     fixed: Vec<u32>,
 }
@@ -39,7 +38,7 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
             blocks: Blocks::new(sweep.columns.len()),
             remainders: vec![[[zero; 4]; 3]; sweep.n_rows()],
             mass: vec![zero; if C == 2 { sweep.columns.len() } else { 0 }],
-            turn: [zero; 2],
+            shift: [zero; 2],
             fixed: held.collect(),
         }
     }
@@ -52,19 +51,19 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
         mass: &[f64],
         stiffness: impl Fn(usize) -> &'a [f64] + Sync,
     ) {
-        let modulus = shift[0].hypot(shift[1]);
-        self.turn = shift.map(|part| E::Number::of(part / modulus));
+        self.shift = shift.map(E::Number::of);
+        let factor = if C == 2 { 1.0 } else { shift[0] };
         let set_row = |blocks: &mut [E], remainder: &mut [[E::Number; 4]; 3], row: usize| {
             let mut lost = [[0.0; 3]; 3];
             let couplings = &sweep.source[sweep.row_begin[row]..sweep.row_begin[row + 1]];
             for (block, &source) in blocks.chunks_exact_mut(9).zip(couplings) {
                 let values = stiffness(source as usize);
-                let m = mass[source as usize];
+                let m = if C == 2 { 0.0 } else { mass[source as usize] };
                 for (at, stored) in block.iter_mut().enumerate() {
                     // by columns
                     let a = at % 3;
                     let b = at / 3;
-                    let entry = modulus * values[3 * a + b] + if a == b { m } else { 0.0 };
+                    let entry = factor * values[3 * a + b] + if a == b { m } else { 0.0 };
                     *stored = E::of(entry);
                     lost[b][a] += entry - stored.number().wide();
                 }
@@ -129,36 +128,34 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
             let begin = couplings.start;
             let columns = &sweep.columns[couplings.clone()];
             let product = matrix.blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
-            let mut full = times(&matrix.remainders[row], &x[row]);
-            (0..4).for_each(|a| (0..C).for_each(|c| full[a][c] += product[a][c]));
-            y[index] = if C == 1 { full } else { shifted(matrix, &couplings, columns, x, &full) };
+            let mut stiff = times(&matrix.remainders[row], &x[row]);
+            (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));
+            y[index] = if C == 1 { stiff } else { shifted(matrix, &couplings, columns, x, &stiff) };
         }
         matrix.hold(first, y);
         dot(&x[first..first + y.len()], y)
     }
 }
 
-/// A row of `(M + lambda K) x = t (M + |lambda| K) x + (1 - t) M x` with `t = lambda / |lambda|`; `product`: the row of
-/// `(M + |lambda| K) x`.
+/// A row of `M x + lambda (K x)`.
 #[inline(always)]
 fn shifted<E: Entry, const C: usize>(
     matrix: &ShiftedMatrix<E, C>,
     couplings: &Range<usize>,
     columns: &[u32],
     x: &[Row<E::Number, C>],
-    product: &Row<E::Number, C>,
+    stiff: &Row<E::Number, C>,
 ) -> Row<E::Number, C> {
     let mut row = [[E::Number::default(); C]; 4];
     for (&m, &column) in matrix.mass[couplings.clone()].iter().zip(columns) {
         let x = &x[column as usize];
         (0..4).for_each(|a| (0..C).for_each(|c| row[a][c] += m * x[a][c]));
     }
-    let [re, im] = matrix.turn;
+    let [re, im] = matrix.shift;
     for a in 0..3 {
-        let inertia = [row[a][0], row[a][C - 1]];
-        let rest = [product[a][0] - inertia[0], product[a][C - 1] - inertia[1]];
-        row[a][0] += re * rest[0] - im * rest[1];
-        row[a][C - 1] += re * rest[1] + im * rest[0];
+        let [k_re, k_im] = [stiff[a][0], stiff[a][C - 1]];
+        row[a][0] += re * k_re - im * k_im;
+        row[a][C - 1] += re * k_im + im * k_re;
     }
     row
 }

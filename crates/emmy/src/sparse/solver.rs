@@ -106,8 +106,8 @@ pub struct SolverChoice {
     pub kind: SolverKind,
     /// The stiffness number.
     pub stiffness: f64,
-    /// Stiffness number up to which conjugate gradients are chosen; `None` if a solver was requested, or if conjugate
-    /// gradients failed.
+    /// Stiffness number up to which conjugate gradients with an incomplete factor are chosen; `None` if a solver was
+    /// requested.
     pub limit: Option<f64>,
 }
 

@@ -51,6 +51,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "conjugate_gradients",
             "incomplete_cholesky",
             "shifted_solver",
+            "multigrid",
         ],
     ),
     (

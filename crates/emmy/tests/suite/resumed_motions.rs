@@ -84,7 +84,7 @@ fn every_time_element_resumes_bit_for_bit() {
     for degree in 1..=3 {
         let schemes = [fe(degree + 1), assumed_strain(degree + 2), DGM, lobatto(degree + 1)];
         for scheme in schemes {
-            for solver in [Solver::Direct, Solver::Iterative] {
+            for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
                 assert_same(&body, (scheme, degree), settings(solver), &spin(), &plan);
             }
         }
@@ -104,7 +104,7 @@ fn damped_bodies_and_schemes_that_dissipate_go_on_in_every_bit() {
     let free = Body::builder(block()).region(rubber()).load(force()).build().unwrap();
     let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
     for (text, degree) in [("DGM", 1), ("FE(1)", 1), ("AS(3)", 2), ("DGM(0.5)", 1), ("AS(4, 0.2)", 2)] {
-        for solver in [Solver::Direct, Solver::Iterative] {
+        for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
             for body in [&damped, &free] {
                 assert_same(body, (text.parse().unwrap(), degree), settings(solver), &spin(), &plan);
             }
@@ -120,7 +120,7 @@ fn every_classic_stepper_resumes_bit_for_bit() {
         let spin = if supports.is_empty() { spin() } else { InitialVelocity::default() };
         let body = Body::builder(block()).region(rubber()).supports(&supports).load(force()).build().unwrap();
         for scheme in ["Newmark(0.3, 0.6)", "HHT(0.05)", "generalized-alpha(0.8)", "Bathe"] {
-            for solver in [Solver::Direct, Solver::Iterative] {
+            for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
                 let plan = plan(&[(0.2, 0.03), (0.5, 0.07)]);
                 assert_same(&body, (scheme.parse().unwrap(), 1), settings(solver), &spin, &plan);
             }
@@ -156,7 +156,7 @@ fn supports_that_move_and_are_released_go_on_in_every_bit() {
     let body =
         Body::builder(mesh).region(rubber()).support(shaken).support(released).load(force()).build().unwrap();
     for degree in [1, 2] {
-        for solver in [Solver::Direct, Solver::Iterative] {
+        for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
             let plan = plan(&[(0.2, 0.03), (0.4, 0.07)]);
             let rest = InitialVelocity::default();
             assert_same(&body, (DGM, degree), settings(solver), &rest, &plan);

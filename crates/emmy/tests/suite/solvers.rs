@@ -42,12 +42,15 @@ fn all_lead_to_the_same_motion() {
         };
         let (expected_records, expected) = with(Solver::Direct, true);
         let size = expected.iter().fold(0.0, |size: f64, u| size.max(u.abs()));
-        for (solver, exact) in
-            [(Solver::Iterative, true), (Solver::Direct, false), (Solver::Iterative, false)]
-        {
+        for (solver, kind, exact) in [
+            (Solver::Iterative, SolverKind::Iterative, true),
+            (Solver::Multigrid, SolverKind::Multigrid, true),
+            (Solver::Direct, SolverKind::Direct, false),
+            (Solver::Iterative, SolverKind::Iterative, false),
+            (Solver::Multigrid, SolverKind::Multigrid, false),
+        ] {
             let (records, displacement) = with(solver, exact);
-            let wanted = records[0].solver.map(|choice| choice.kind == SolverKind::Iterative);
-            assert_eq!(wanted, Some(solver == Solver::Iterative));
+            assert_eq!(records[0].solver.map(|choice| choice.kind), Some(kind));
             for (u, expected) in displacement.iter().zip(&expected) {
                 assert!((u - expected).abs() < 1e-11 * size, "{scheme:?} {solver:?}: {u} {expected}");
             }
@@ -65,7 +68,7 @@ fn all_lead_to_the_same_motion() {
 
 #[test]
 fn the_number_of_threads_does_not_change_a_bit() {
-    for solver in [Solver::Direct, Solver::Iterative] {
+    for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| soft(("DGM", 2), NewtonSettings { solver, ..Default::default() }).1)

@@ -277,7 +277,7 @@ impl ApproximateTangent {
         body.add_kept_pressure_response(rule, &self.assembly, 2.0, z, pressures);
         self.turn_forward(z);
         if iterations.is_none() {
-            self.solvers.fall_back_to_direct();
+            self.solvers.fall_back();
             self.made_for = None;
         }
         iterations

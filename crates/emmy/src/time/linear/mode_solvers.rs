@@ -28,8 +28,8 @@ pub(super) struct ModeSolvers {
     time_scale: f64,
     /// The requested solver.
     requested: Solver,
-    /// Whether conjugate gradients failed with [`Solver::Auto`].
-    has_fallen_back: bool,
+    /// Kinds that failed with [`Solver::Auto`].
+    failed: Vec<SolverKind>,
     choice: Option<SolverChoice>,
     n_dofs: usize,
     columns: Vec<f64>,
@@ -51,7 +51,7 @@ impl ModeSolvers {
             condensation: None,
             time_scale: 0.0,
             requested,
-            has_fallen_back: false,
+            failed: Vec::new(),
             choice: None,
             n_dofs: n,
             columns: vec![0.0; if k > 1 { 2 * n } else { n }],
@@ -123,8 +123,8 @@ impl ModeSolvers {
         Ok(())
     }
 
-    /// Creates the requested solvers, or with [`Solver::Auto`] the cheaper ones. Existing solvers are replaced only
-    /// when the other kind has become clearly cheaper.
+    /// Creates the requested solvers, or with [`Solver::Auto`] the cheapest ones. Existing solvers are replaced only
+    /// when another kind has become clearly cheaper.
     fn choose(
         &mut self,
         body: &Body,
@@ -132,21 +132,28 @@ impl ModeSolvers {
         time_scale: f64,
         soft_part: f64,
     ) -> Result<()> {
-        // In 16 bits such a stiffness is indefinite.
+        // In 16 bits such a stiffness is indefinite, and sweeps do not smooth its volumes.
         let is_stiff = soft_part < LEAST_SOFT_PART;
-        let is_direct = self.has_fallen_back || is_stiff && self.requested != Solver::Auto;
-        let requested = if is_direct { Solver::Direct } else { self.requested };
+        let requested = match self.requested {
+            Solver::Iterative | Solver::Multigrid if is_stiff => Solver::Direct,
+            requested => requested,
+        };
         if !self.solvers.is_empty() && requested != Solver::Auto {
             return Ok(());
         }
         let scale = time_scale * time_scale * self.largest_modulus();
         let number = scale * stiffness_over_mass(body, stiffness);
-        let limit = if is_stiff { 0.0 } else { iterative_limit(body) };
-        let cheaper = |limit: f64| if number < limit { SolverKind::Iterative } else { SolverKind::Direct };
+        let costs = Costs::of(body);
+        let is_usable = |kind: SolverKind| !self.failed.contains(&kind) && !is_stiff;
+        let has_multigrid = is_usable(SolverKind::Multigrid);
+        let is_large = costs.multigrid < costs.direct && has_multigrid;
+        let large = if is_large { SolverKind::Multigrid } else { SolverKind::Direct };
+        let limit = if is_usable(SolverKind::Iterative) { costs.iterative_limit(large) } else { 0.0 };
+        let cheapest = |limit: f64| if number < limit { SolverKind::Iterative } else { large };
         if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
             let kind = match choice.kind {
-                SolverKind::Iterative => cheaper(limit * SWITCH_RATIO),
-                SolverKind::Direct | SolverKind::Multigrid => cheaper(limit / SWITCH_RATIO),
+                SolverKind::Iterative => cheapest(limit * SWITCH_RATIO),
+                SolverKind::Direct | SolverKind::Multigrid => cheapest(limit / SWITCH_RATIO),
             };
             if kind == choice.kind {
                 return Ok(());
@@ -154,14 +161,22 @@ impl ModeSolvers {
             self.solvers.clear();
         }
         let (kind, limit) = match requested {
-            Solver::Auto => (cheaper(limit), Some(limit)),
+            Solver::Auto => (cheapest(limit), Some(limit)),
             Solver::Direct => (SolverKind::Direct, None),
             Solver::Iterative => (SolverKind::Iterative, None),
             Solver::Multigrid => (SolverKind::Multigrid, None),
         };
         let choice = SolverChoice { kind, stiffness: number, limit };
         self.choice = Some(choice);
-        self.create(body, choice)
+        match self.create(body, choice) {
+            Err(Error::OutOfMemory { .. }) if requested == Solver::Auto && has_multigrid => {
+                self.solvers.clear();
+                let choice = SolverChoice { kind: SolverKind::Multigrid, ..choice };
+                self.choice = Some(choice);
+                self.create(body, choice)
+            }
+            created => created,
+        }
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
@@ -232,17 +247,21 @@ impl ModeSolvers {
         }
     }
 
-    /// Changes to factorisations from the next stiffness on if conjugate gradients failed with [`Solver::Auto`].
-    pub(super) fn fall_back_to_direct(&mut self) {
-        if self.requested == Solver::Auto && self.is(SolverKind::Iterative) {
-            self.has_fallen_back = true;
-            self.solvers.clear();
+    /// Changes to another kind from the next stiffness on if the present one failed with [`Solver::Auto`].
+    pub(super) fn fall_back(&mut self) {
+        if let (Solver::Auto, Some(choice)) = (self.requested, self.choice) {
+            if choice.kind != SolverKind::Direct {
+                self.failed.push(choice.kind);
+                self.solvers.clear();
+            }
         }
     }
 
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep_flag("solver.has_fallen_back", self.has_fallen_back);
+        for (name, kind) in FAILED {
+            memory.keep_flag(name, self.failed.contains(&kind));
+        }
         memory.keep_flag("solver.is_ready", !self.solvers.is_empty());
         memory.keep_flag("solver.is_chosen", self.choice.is_some());
         if let Some(choice) = self.choice {
@@ -257,7 +276,12 @@ impl ModeSolvers {
     /// # Errors
     /// [`crate::Error::Memory`], [`crate::Error::Linear`].
     pub(super) fn restore(&mut self, body: &Body, memory: &Memory) -> Result<()> {
-        self.has_fallen_back = memory.flag("solver.has_fallen_back")?;
+        self.failed.clear();
+        for (name, kind) in FAILED {
+            if memory.flag(name)? {
+                self.failed.push(kind);
+            }
+        }
         self.choice = None;
         if memory.flag("solver.is_chosen")? {
             let name = memory.word("solver.kind")?;
@@ -311,21 +335,43 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
     free.map(ratio).fold(0.0, f64::max)
 }
 
-/// Stiffness number up to which conjugate gradients cost less than factorisations.
-///
-/// Both are limited by memory. Profiles of the block of `benches` at r = 2 and 4 on an AMD EPYC: an iteration takes 2
-/// ns per coupling of nodes, and a step `12 sqrt(c)` iterations; a step with a factorisation takes 6 solutions at 1.6
-/// ns per entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom, as nested dissection
-/// gives in three dimensions; internal nodes are condensed. The measured times of both solvers cross at c = 170 (r = 2, where this gives 180) and
-/// above 600 (r = 4, 500).
-fn iterative_limit(body: &Body) -> f64 {
-    let iteration = 2.0e-9 * body.pattern().n_outer_blocks() as f64;
-    let solution = 1.6e-9 * 15.0 * (body.mesh().n_dofs() as f64).powf(4.0 / 3.0);
-    (6.0 * solution / (12.0 * iteration)).powi(2)
+/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of `benches`
+/// at r = 2 to 8. Internal nodes are condensed.
+struct Costs {
+    /// An iteration of conjugate gradients with an incomplete factor: 2 ns for each coupling of nodes. A step takes 12
+    /// sqrt(c) of them.
+    iteration: f64,
+    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom,
+    /// as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197 thousand.
+    direct: f64,
+    /// Six solutions of six cycles, 40 ns for each coupling, and a tenth of the setup, 900 ns.
+    multigrid: f64,
 }
 
-/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients: below it, a stiffness in 16 bits and its
-/// incomplete factor are indefinite.
+impl Costs {
+    fn of(body: &Body) -> Self {
+        let n_couplings = body.pattern().n_outer_blocks() as f64;
+        let n = body.mesh().n_dofs() as f64;
+        Costs {
+            iteration: 2.0e-9 * n_couplings,
+            direct: 6.0 * 1.6e-9 * 15.0 * n.powf(4.0 / 3.0) + 1.4 * (n / 197e3).powf(1.7),
+            multigrid: (36.0 * 40e-9 + 90e-9) * n_couplings,
+        }
+    }
+
+    /// Stiffness number up to which conjugate gradients with an incomplete factor cost less than another kind. The
+    /// measured times of factorisations and these cross at c = 170 (r = 2) and above 600 (r = 4).
+    fn iterative_limit(&self, other: SolverKind) -> f64 {
+        let other = if other == SolverKind::Multigrid { self.multigrid } else { self.direct };
+        (other / (12.0 * self.iteration)).powi(2)
+    }
+}
+
+/// Names in checkpoints of the kinds that may fail.
+const FAILED: [(&str, SolverKind); 2] =
+    [("solver.failed.iterative", SolverKind::Iterative), ("solver.failed.multigrid", SolverKind::Multigrid)];
+
+/// Smallest part of M + s^2 K beside projected volumes for conjugate gradients without a factorisation.
 const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
 
 /// Factor beyond the limit of the stiffness number at which solvers are replaced.

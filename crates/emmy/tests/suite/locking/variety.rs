@@ -185,7 +185,7 @@ fn a_resumed_motion_is_the_same_in_every_bit() {
     let schemes = [("DGM", 1), ("DGM", 2), ("AS(5)", 2), ("DGM(0.5)", 1), ("FE(2)", 2), ("Bathe", 1)];
     for body in &bodies {
         for (scheme, degree) in schemes {
-            for solver in [Solver::Direct, Solver::Iterative] {
+            for solver in [Solver::Direct, Solver::Iterative, Solver::Multigrid] {
                 let what = format!("{scheme}, k = {degree}, {solver:?}");
                 let scheme = at(scheme.parse().unwrap(), degree);
                 let settings = NewtonSettings { solver, ..NewtonSettings::default() };
