@@ -62,8 +62,9 @@ pub(super) static SOLVER: Described = Described::new(|| {
         "kind",
         Kind::Word(kinds),
         "",
-        "`iterative`: conjugate gradients with an incomplete Cholesky factor; `direct`: sparse Cholesky factorisation; \
-         `auto`: the cheaper of the two; `emmy list solvers` explains them",
+        "`iterative`: conjugate gradients with an incomplete Cholesky factor; `multigrid`: conjugate gradients with \
+         multigrid, for large stiff bodies; `direct`: sparse Cholesky factorisation; `auto`: the cheapest of them; \
+         `emmy list solvers` explains them",
     )
 });
 

@@ -48,7 +48,7 @@ impl Newton {
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
         let mut contraction = 1.0;
-        let mut renewals = 0;
+        let mut refactorizations = 0;
         loop {
             let is_converged = self.judge(run);
             if run.outcome.at_rounding_floor {
@@ -88,11 +88,11 @@ impl Newton {
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             let is_slow = ratio > SLOW || ratio.is_nan();
             if is_slow && is_fresh {
-                if renewals == system.most_renewals() || ratio.is_nan() || ratio >= HOPELESS {
+                if refactorizations == system.most_refactorizations() || ratio.is_nan() || ratio >= HOPELESS {
                     self.approximation.fresh = None;
                     return Ok(false);
                 }
-                renewals += 1;
+                refactorizations += 1;
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
             // Far from the solution, the tangent of the present iterate is better than that of the previous one.

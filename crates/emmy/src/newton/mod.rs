@@ -34,8 +34,8 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
-    /// How often a solution may renew the approximate tangent before it takes the exact one.
-    fn most_renewals(&self) -> usize {
+    /// How often a solution may refactor a slow approximate tangent before it takes the exact one.
+    fn most_refactorizations(&self) -> usize {
         0
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Shifted<'a> {
     pub mass: &'a [f64],
     /// Fixed components, `[n_rows][3]`.
     pub fixed: &'a [bool],
-    /// Positions at which K has rigid motions, `[n_rows][3]`.
+    /// Positions of the nodes in K, for its rigid modes, `[n_rows][3]`.
     pub positions: &'a [f64],
     /// lambda.
     pub shift: [f64; 2],

@@ -3,9 +3,9 @@
 
 #![allow(non_snake_case)]
 
-use crate::shared::cells::stiffness;
 use crate::shared::flight::every_kind_flies;
 use crate::shared::patch::Patch;
+use crate::shared::stiffness::stiffness;
 use emmy::body::{Body, InitialVelocity, Load, LoadKind, Region, TimeFunction};
 use emmy::internals::average::{Request, Rule};
 use emmy::internals::body::{StepDamping, StepInput};

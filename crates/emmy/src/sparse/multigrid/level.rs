@@ -113,7 +113,7 @@ impl<const M: usize> Level<M> {
         self.prolongation.aggregates.len()
     }
 
-    /// Rigid motions of the next level.
+    /// Rigid modes of the next level.
     pub(super) fn coarse_modes(&self) -> &Modes<COARSE> {
         &self.prolongation.coarse_modes
     }

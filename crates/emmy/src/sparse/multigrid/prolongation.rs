@@ -8,13 +8,13 @@ use super::super::Pattern;
 use super::super::reduce::dot;
 use super::aggregates::Aggregates;
 
-/// Components of a coarse node: one for each rigid motion.
+/// Components of a coarse node: one for each rigid mode.
 pub(super) const COARSE: usize = 6;
 
 /// A block of a prolongation: M components of a node by those of an aggregate.
 pub(super) type Block<T, const M: usize> = [[T; COARSE]; M];
 
-/// Rigid motions at the nodes of a level.
+/// Rigid modes at the nodes of a level.
 #[derive(Debug, Default)]
 pub(super) struct Modes<const M: usize> {
     /// Translations and rotations about the origin, `[node][M][6]`.
@@ -23,8 +23,7 @@ pub(super) struct Modes<const M: usize> {
     pub positions: Vec<[f64; 3]>,
 }
 
-/// Smoothed prolongation (Vanek, Mandel and Brezina 1996): the rigid motions of the aggregates, after a step of Jacobi's
-/// method in blocks.
+/// Smoothed prolongation (Vanek, Mandel and Brezina 1996): the rigid modes of the aggregates, after a block Jacobi step.
 ///
 /// ```math
 /// P = (1 - omega D^-1 A) T,    omega = 4/3 / rho(D^-1 A)
@@ -42,9 +41,9 @@ pub(super) struct Prolongation<const M: usize> {
     tentative: Vec<Block<f64, M>>,
     /// D^-1.
     inverse_diagonals: Vec<[[f64; M]; M]>,
-    /// Rigid motions of the aggregates.
+    /// Rigid modes of the aggregates.
     pub coarse_modes: Modes<COARSE>,
-    /// Columns of T that vanish, because an aggregate has fewer motions than six.
+    /// Columns of T that vanish, because an aggregate has fewer than six rigid modes.
     pub is_void: Vec<[bool; COARSE]>,
     work: [Vec<[f64; M]>; 2],
 }
@@ -93,7 +92,7 @@ impl<const M: usize> Prolongation<M> {
         &self.columns[self.begin[node]..self.begin[node + 1]]
     }
 
-    /// Sets P from rigid motions and a matrix; `entry(position)`: its block; `is_held`: components without a motion.
+    /// Sets P from the rigid modes and a matrix; `entry(position)`: its block; `is_held`: fixed components.
     pub(super) fn set(
         &mut self,
         pattern: &Pattern,
@@ -111,7 +110,7 @@ impl<const M: usize> Prolongation<M> {
         self.smooth(pattern, entry, omega);
     }
 
-    /// Orthonormal rigid motions of each aggregate, and their coefficients in those of the level.
+    /// Orthonormal rigid modes of each aggregate, and their coefficients in those of the level.
     fn set_tentative(&mut self, modes: &Modes<M>, is_held: &(impl Fn(usize, usize) -> bool + Sync)) {
         let aggregates = &self.aggregates;
         let mut own: Vec<Block<f64, M>> = Vec::new();
@@ -246,7 +245,7 @@ pub(super) fn add_product<const M: usize>(sum: &mut Block<f64, M>, A: &[[f64; M]
     }
 }
 
-/// Rigid motions with rotations about a point in place of the origin.
+/// Rigid modes with rotations about a point in place of the origin.
 fn about<const M: usize>(modes: &Block<f64, M>, center: &[f64; 3]) -> Block<f64, M> {
     let [x, y, z] = *center;
     modes.map(|row| {
@@ -255,7 +254,7 @@ fn about<const M: usize>(modes: &Block<f64, M>, center: &[f64; 3]) -> Block<f64,
     })
 }
 
-/// Orthonormalises the columns by Gram and Schmidt's method, twice; columns that depend on the previous ones vanish.
+/// Orthonormalises the columns by Gram-Schmidt, twice; columns that depend on the previous ones vanish.
 fn orthonormalize<const M: usize>(blocks: &mut [Block<f64, M>]) -> [bool; COARSE] {
     let mut is_void = [false; COARSE];
     let product = |blocks: &[Block<f64, M>], c: usize, d: usize| {

@@ -1,4 +1,4 @@
-//! Sweeps of Gauss and Seidel through a matrix, and transfers between levels.
+//! Gauss-Seidel sweeps through a matrix, and transfers between levels.
 
 use std::ops::Range;
 
@@ -12,8 +12,8 @@ use super::super::sweep::{SweepOrder, side_by_side};
 /// A vector.
 pub(super) type Vector<const C: usize> = Vec<Row<f64, C>>;
 
-/// Method of Gauss and Seidel in 3 x 3 blocks: forwards before the coarse levels, backwards after them, so that the whole
-/// is symmetric.
+/// Gauss-Seidel sweeps in 3 x 3 blocks: forward before the coarser levels and backward after them, so that the V-cycle is
+/// symmetric.
 #[derive(Debug)]
 pub(super) struct Smoother {
     /// Inverses of the diagonal blocks, by columns.

@@ -79,7 +79,7 @@ impl ModeSolvers {
         costs.fold(0.0, f64::max)
     }
 
-    /// Sets the solvers to a stiffness and a time s; `positions`: where K has rigid motions, `[n_nodes][3]`; `soft_part`:
+    /// Sets the solvers to a stiffness and a time s; `positions`: of the nodes in K, `[n_nodes][3]`; `soft_part`:
     /// part of M + s^2 K that is not the stiffness of projected volumes.
     ///
     /// # Errors
@@ -249,11 +249,10 @@ impl ModeSolvers {
 
     /// Changes to another kind from the next stiffness on if the present one failed with [`Solver::Auto`].
     pub(super) fn fall_back(&mut self) {
-        if let (Solver::Auto, Some(choice)) = (self.requested, self.choice) {
-            if choice.kind != SolverKind::Direct {
-                self.failed.push(choice.kind);
-                self.solvers.clear();
-            }
+        let replaceable = self.choice.filter(|choice| choice.kind != SolverKind::Direct);
+        if let (Solver::Auto, Some(choice)) = (self.requested, replaceable) {
+            self.failed.push(choice.kind);
+            self.solvers.clear();
         }
     }
 

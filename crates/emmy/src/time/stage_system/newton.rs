@@ -133,10 +133,10 @@ impl System for StageSystem<'_> {
         self.approximate_tangent.refactorization_cost()
     }
 
-    /// One renewed K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing. With
+    /// One more K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing. With
     /// pressures the exact tangent differs from K by directions that the bulk modulus makes stiff, and GMRES may not
     /// converge.
-    fn most_renewals(&self) -> usize {
+    fn most_refactorizations(&self) -> usize {
         match (self.body.n_pressures(), self.body.n_dofs()) {
             (0, ..SMALL) => 0,
             (0, SMALL..) => 1,

@@ -10,7 +10,8 @@ use emmy::prelude::*;
 
 use std::collections::HashMap;
 
-use crate::shared::cells::{cells_of_a_brick, stiffness};
+use crate::shared::cells::cells_of_a_brick;
+use crate::shared::stiffness::stiffness;
 
 const H: [[f64; 3]; 3] = [[0.1, 0.05, 0.0], [-0.03, 0.2, 0.0], [0.0, 0.0, -0.15]];
 

@@ -1,10 +1,7 @@
-//! Single cells and bricks of cells.
+//! Bricks of cells.
 
-use emmy::internals::average::{Request, Rule};
-use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::element::{LocalFacet, element};
-use emmy::internals::quadrature::gauss;
-use emmy::prelude::*;
+use emmy::mesh::CellKind;
 
 /// Cells that divide a unit cube (a square, where z = 0), by their corners.
 pub(crate) fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
@@ -27,30 +24,4 @@ pub(crate) fn cells_of_a_brick(kind: CellKind) -> Vec<Vec<[f64; 3]>> {
         CellKind::Tri3 => of(&[&[0, 1, 2], &[0, 2, 3]]),
         other => panic!("{other}"),
     }
-}
-
-/// Stiffness of a single undistorted cell at rest, row by row (up to the factor of the mid-point rule).
-pub(crate) fn stiffness(kind: CellKind, region: Region) -> Vec<Vec<f64>> {
-    let points = element(kind).nodes().to_vec();
-    let nodes: Vec<u32> = (0..points.len() as u32).collect();
-    let mesh = Mesh::from_cells(kind, &points, &[nodes]).unwrap();
-    let body = Body::builder(mesh).region(region).build().unwrap();
-    let (rule, zeros) = (Rule::standard(1, &gauss(1)), vec![0.0; body.n_dofs()]);
-    let step = StepInput {
-        rule: &rule,
-        tangent_factor: 1.0,
-        displacement: &zeros,
-        rates: &zeros,
-        damping: StepDamping::default(),
-        pressures: None,
-    };
-    let mut assembly = body.assembly(1);
-    body.assemble(&step, Request::Tangent, &[0.0], &mut assembly).unwrap();
-    let column = |dof: usize| {
-        let (mut x, mut y) = (zeros.clone(), zeros.clone());
-        x[dof] = 1.0;
-        assembly.matrix.multiply(body.pattern(), &x, &mut y);
-        y
-    };
-    (0..body.n_dofs()).map(column).collect()
 }

@@ -8,4 +8,5 @@ pub(crate) mod patch;
 pub(crate) mod plane_patch;
 pub(crate) mod points;
 pub(crate) mod schemes;
+pub(crate) mod stiffness;
 pub(crate) mod watch;
