@@ -1,6 +1,6 @@
 //! The kernels of x86-64 with AVX-512 and with AVX2.
 
-use std::arch::x86_64::{__m128, __m128i, __m256, __m256d, __m256i, __m512};
+use std::arch::x86_64::{__m128i, __m256, __m256d, __m256i, __m512};
 use std::marker::PhantomData;
 
 use half::bf16;
@@ -125,20 +125,20 @@ impl<const C: usize> Kernel<bf16, C> for V3 {
 /// Entries whose products are computed in double precision, four at a time.
 pub(super) trait Widened: Entry<Number = f64> {
     /// Four entries.
-    fn four(simd: V3, entries: [Self; 4]) -> __m256d;
+    fn four(simd: V3, a: Self, b: Self, c: Self, d: Self) -> __m256d;
 }
 
 impl Widened for f64 {
     #[inline(always)]
-    fn four(_: V3, entries: [f64; 4]) -> __m256d {
-        cast(entries)
+    fn four(simd: V3, a: f64, b: f64, c: f64, d: f64) -> __m256d {
+        simd.avx._mm256_setr_pd(a, b, c, d)
     }
 }
 
 impl Widened for f32 {
     #[inline(always)]
-    fn four(simd: V3, entries: [f32; 4]) -> __m256d {
-        simd.avx._mm256_cvtps_pd(cast::<_, __m128>(entries))
+    fn four(simd: V3, a: f32, b: f32, c: f32, d: f32) -> __m256d {
+        simd.avx._mm256_cvtps_pd(simd.sse._mm_setr_ps(a, b, c, d))
     }
 }
 
@@ -153,7 +153,11 @@ impl<const C: usize, E: Widened> Kernel<E, C> for V3 {
 
     #[inline(always)]
     fn add_product(self, mut sum: [__m256d; C], A: &[E; LOADED], x: &Row<f64, C>) -> [__m256d; C] {
-        let column = [E::four(self, first(A)), E::four(self, first(&A[3..])), E::four(self, first(&A[6..]))];
+        let column = [
+            E::four(self, A[0], A[1], A[2], A[3]),
+            E::four(self, A[3], A[4], A[5], A[6]),
+            E::four(self, A[6], A[7], A[8], A[9]),
+        ];
         for c in 0..C {
             sum[c] = self.fma._mm256_fmadd_pd(column[0], self.avx._mm256_set1_pd(x[0][c]), sum[c]);
             sum[c] = self.fma._mm256_fmadd_pd(column[1], self.avx._mm256_set1_pd(x[1][c]), sum[c]);
