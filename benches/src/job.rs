@@ -143,6 +143,11 @@ impl Case {
         self.with("mesh.l-block.cell_size", 1.0 / f64::from(r))
     }
 
+    /// Its input file.
+    pub(crate) fn input(&self) -> &Path {
+        &self.0.input
+    }
+
     /// The case with another value.
     pub(crate) fn with(mut self, key: &str, value: impl fmt::Display) -> Self {
         self.0.set.push(format!("{key}={value}"));

@@ -2,6 +2,7 @@
 
 mod comparison;
 mod degrees;
+mod ensembles;
 mod large;
 mod locking;
 mod real;
@@ -23,7 +24,7 @@ pub(crate) struct Settings {
     pub session: Session,
     /// Interpreters of the other programs, if they should run.
     pub peers: Option<Interpreters>,
-    /// Cells per unit length for `step`, `stiff` and `large`, ascending, instead of the defaults.
+    /// Cells per unit length for `step`, `stiff`, `quasi-rigid` and `large`, ascending, instead of the defaults.
     pub cells: Option<Vec<u32>>,
     /// Whether `large` uses the mesh of 1.5 million degrees of freedom.
     pub million: bool,
@@ -39,14 +40,16 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 9] = [
+pub(crate) const ALL: [Item; 11] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
     Item { name: "stiff", measure: stiff::measure },
+    Item { name: "quasi-rigid", measure: stiff::measure_quasi_rigid },
     Item { name: "real", measure: real::measure },
     Item { name: "solvers", measure: solvers::measure },
     Item { name: "locking", measure: locking::measure },
     Item { name: "large", measure: large::measure },
+    Item { name: "ensembles", measure: ensembles::measure },
     Item { name: "threads", measure: threads::measure },
 ];

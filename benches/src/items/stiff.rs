@@ -20,10 +20,18 @@ const QUASI_RIGID_AT: u32 = 8;
 /// Steps of the quasi-rigid block, which reach beyond its load.
 const QUASI_RIGID_STEPS: (f64, u32) = (0.2, 8);
 
-/// The stiff spinning block beside DOLFINx, then the quasi-rigid block.
+/// The stiff spinning block beside DOLFINx.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
-    let sizes = settings.cells.clone().unwrap_or(settings.session.choose(vec![1], vec![4, 6, 8]));
-    Ok(vec![spinning(settings, &sizes)?, quasi_rigid(&settings.session, &sizes)?])
+    Ok(vec![spinning(settings, &sizes(settings))?])
+}
+
+/// The quasi-rigid block.
+pub(super) fn measure_quasi_rigid(settings: &Settings) -> Result<Vec<Report>, String> {
+    Ok(vec![quasi_rigid(&settings.session, &sizes(settings))?])
+}
+
+fn sizes(settings: &Settings) -> Vec<u32> {
+    settings.cells.clone().unwrap_or(settings.session.choose(vec![1], vec![4, 6, 8]))
 }
 
 /// The stiff spinning block of some sizes.

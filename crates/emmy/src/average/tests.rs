@@ -131,10 +131,10 @@ proptest! {
         }
         for rule in rules {
             for error in [tangent_error(&rule, &svk, &step), tangent_error(&rule, &rubber, &step)] {
-                prop_assert!(error < DERIVATIVES || !is_well_conditioned(&rule, &step), "{:?} {k} {error:e}", rule.kind);
+                prop_assert!(error < rounding(&rule, &step), "{:?} {k} {error:e}", rule.kind);
             }
             let error = tangent_error(&rule, &spring, &step);
-            prop_assert!(error < DERIVATIVES || !is_well_conditioned_link(&rule, &step), "{:?} {k} {error:e}", rule.kind);
+            prop_assert!(error < rounding_of_link(&rule, &step), "{:?} {k} {error:e}", rule.kind);
         }
     }
 
@@ -152,10 +152,10 @@ proptest! {
                 start_tangent_error(&rule, &svk, &step), start_tangent_error(&rule, &rubber, &step),
                 start_tangent_error(&rule, &yeoh, &step),
             ] {
-                prop_assert!(error < DERIVATIVES || !is_well_conditioned(&rule, &step), "{:?} {k} {error:e}", rule.kind);
+                prop_assert!(error < rounding(&rule, &step), "{:?} {k} {error:e}", rule.kind);
             }
             let error = start_tangent_error(&rule, &spring, &step);
-            prop_assert!(error < DERIVATIVES || !is_well_conditioned_link(&rule, &step), "{:?} {k} {error:e}", rule.kind);
+            prop_assert!(error < rounding_of_link(&rule, &step), "{:?} {k} {error:e}", rule.kind);
         }
     }
 
@@ -216,32 +216,28 @@ fn rest_and_rigid_motion_are_free_of_stress() {
     assert!(average.tangent[0].iter().flatten().all(|t| t.abs() < 1e4));
 }
 
-/// Whether derivatives of the rules have ten digits. The correction of the discrete gradient is a difference of energies
+/// Relative rounding of the derivatives of stresses. The correction of the discrete gradient is a difference of energies
 /// over `|E'|^2 = sum_i b_i E'_i : E'_i`, and its derivative divides by `|E'|` once more.
-fn is_well_conditioned(rule: &Rule, step: &Step) -> bool {
+fn rounding(rule: &Rule, step: &Step) -> f64 {
     let k = rule.degree();
-    let gradients = (0..k).map(|i| Rule::gradient_at(&step.start, &rule.a[i * k..(i + 1) * k], &step.rates));
-    let square = |(gradient, rate): (Mat3<f64>, &Mat3<f64>)| {
+    let square = |i: usize| {
+        let gradient = Rule::gradient_at(&step.start, &rule.a[i * k..(i + 1) * k], &step.rates);
         let F = add_scaled(&gradient, 1.0, &IDENTITY);
         let transposed = [0, 1, 2].map(|r| [0, 1, 2].map(|c| F[c][r]));
-        let E = product(&transposed, rate);
-        let symmetric = |at: usize| 0.5 * (E[at / 3][at % 3] + E[at % 3][at / 3]);
+        let rate = product(&transposed, &step.rates[i]);
+        let symmetric = |at: usize| 0.5 * (rate[at / 3][at % 3] + rate[at % 3][at / 3]);
         (0..9).map(|at| symmetric(at).powi(2)).sum::<f64>()
     };
-    let squares = gradients.zip(&step.rates).map(square);
-    let size = rule.weights().iter().zip(squares).map(|(b, square)| b * square).sum::<f64>().sqrt();
-    size > 0.02
+    let size = (0..k).map(|i| rule.weights()[i] * square(i)).sum::<f64>().sqrt();
+    if size > 0.02 { 1e-10 } else { 1e-10 + 1000.0 * f64::EPSILON / size.powi(3) }
 }
 
-/// As [`is_well_conditioned`] for a link, whose force is a difference of energies over that of the squares of its length.
-fn is_well_conditioned_link(rule: &Rule, step: &Step) -> bool {
+/// As [`rounding`] for a link, whose force is a difference of energies over that of the squares of its length.
+fn rounding_of_link(rule: &Rule, step: &Step) -> f64 {
     let end = Rule::gradient_at(&step.start, &rule.b, &step.rates);
     let [start, end] = [&step.start, &end].map(|G| 1.0 + 2.0 * green_lagrange(G)[..3].iter().sum::<f64>());
-    (end - start).abs() > 0.05 && start.min(end) > 0.5
+    if (end - start).abs() > 0.05 && start.min(end) > 0.5 { 1e-10 } else { 2e-8 }
 }
-
-/// Bound on the relative error of derivatives.
-const DERIVATIVES: f64 = 1e-10;
 
 /// Derivatives of the stresses by entry `(r, c)` of the start, or of the rate j, by dual numbers.
 fn stress_derivatives<M: Material>(

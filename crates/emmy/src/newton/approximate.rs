@@ -48,7 +48,7 @@ impl Newton {
         let mut forcing = if old.fresh.is_none() { FIRST_FORCING } else { old.forcing };
         let mut is_fresh = is_old;
         let mut contraction = 1.0;
-        let mut refactorizations = 0;
+        let mut slow_corrections = 0;
         loop {
             let is_converged = self.judge(run);
             if run.outcome.at_rounding_floor {
@@ -88,11 +88,11 @@ impl Newton {
             forcing = forcing.clamp(TIGHTEST, LOOSEST);
             let is_slow = ratio > SLOW || ratio.is_nan();
             if is_slow && is_fresh {
-                if refactorizations == system.most_refactorizations() || ratio.is_nan() || ratio >= HOPELESS {
+                if ratio.is_nan() || ratio > system.largest_contraction(slow_corrections) {
                     self.approximation.fresh = None;
                     return Ok(false);
                 }
-                refactorizations += 1;
+                slow_corrections += 1;
             }
             let left = (run.round_off() / run.sizes.residual).ln() / ratio.ln();
             // Far from the solution, the tangent of the present iterate is better than that of the previous one.
@@ -142,9 +142,6 @@ impl Newton {
 
 /// A correction with the approximate tangent that leaves a larger part of the residual is slow.
 const SLOW: f64 = 0.3;
-
-/// A correction with a new tangent that leaves a larger part of the residual shows that no such tangent is good enough.
-const HOPELESS: f64 = 0.9;
 
 /// Largest number of corrections after convergence.
 const MAX_POLISHING: usize = 8;

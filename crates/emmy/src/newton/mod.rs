@@ -34,9 +34,11 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
-    /// How often a solution may refactor a slow approximate tangent before it takes the exact one.
-    fn most_refactorizations(&self) -> usize {
-        0
+    /// Part of the residual that a slow correction with a new approximate tangent may leave, after a number of such ones in
+    /// a solution; beyond it, the exact tangent follows.
+    fn largest_contraction(&self, slow_corrections: usize) -> f64 {
+        let _ = slow_corrections;
+        0.0
     }
 }
 

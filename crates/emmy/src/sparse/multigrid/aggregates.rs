@@ -11,6 +11,8 @@ pub(super) struct Aggregates {
     pub begin: Vec<usize>,
     /// Nodes by aggregates, ascending in each.
     pub nodes: Vec<u32>,
+    /// Place of each node in `nodes`.
+    pub place: Vec<u32>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -66,11 +68,13 @@ impl Aggregates {
         (0..count).for_each(|aggregate| begin[aggregate + 1] += begin[aggregate]);
         let mut next = begin.clone();
         let mut nodes = vec![0; of_node.len()];
+        let mut place = vec![0; of_node.len()];
         for (node, &aggregate) in of_node.iter().enumerate() {
-            nodes[next[aggregate as usize]] = node as u32;
-            next[aggregate as usize] += 1;
+            let at = &mut next[aggregate as usize];
+            (nodes[*at], place[node]) = (node as u32, *at as u32);
+            *at += 1;
         }
-        Aggregates { of_node, begin, nodes }
+        Aggregates { of_node, begin, nodes, place }
     }
 
     /// Number of aggregates.

@@ -4,7 +4,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::super::Pattern;
-use super::prolongation::{Block, COARSE, Prolongation};
+use super::prolongation::{Block, COARSE, Nodes, Prolongation, add_product};
 
 /// A coarse matrix with the memory of its computation.
 #[derive(Debug)]
@@ -87,20 +87,15 @@ impl<const M: usize> Galerkin<M> {
         }
     }
 
-    /// Sets the blocks from those of A, `entry(position)`, and P; components that P leaves out have a unit diagonal.
-    pub(super) fn set(
-        &mut self,
-        fine: &Pattern,
-        prolongation: &Prolongation<M>,
-        entry: &(impl Fn(usize) -> [[f64; M]; M] + Sync),
-    ) {
+    /// Sets the blocks from A and P; components that P leaves out have a unit diagonal.
+    pub(super) fn set(&mut self, fine: &impl Nodes<M>, prolongation: &Prolongation<M>) {
         self.blocks.fill([[0.0; COARSE]; COARSE]);
         let Galerkin { pattern, blocks, slabs } = self;
         let nodes = &prolongation.aggregates.nodes;
         for batch in nodes.chunks(NODES * SLABS) {
             let parts = batch.par_chunks(NODES).zip(&mut *slabs);
             parts.for_each(|(nodes, slab)| {
-                Arch::new().dispatch(Add { slab, fine, coarse: pattern, prolongation, entry, nodes });
+                Arch::new().dispatch(Add { slab, fine, coarse: pattern, prolongation, nodes });
             });
             for slab in slabs.iter_mut() {
                 for &(row, begin) in &slab.rows {
@@ -125,26 +120,26 @@ impl<const M: usize> Galerkin<M> {
 }
 
 /// Adds the contribution of some nodes to a slab.
-struct Add<'a, const M: usize, F> {
+struct Add<'a, const M: usize, N> {
     slab: &'a mut Slab<M>,
-    fine: &'a Pattern,
+    fine: &'a N,
     coarse: &'a Pattern,
     prolongation: &'a Prolongation<M>,
-    entry: &'a F,
     nodes: &'a [u32],
 }
 
-impl<const M: usize, F: Fn(usize) -> [[f64; M]; M]> NullaryFnOnce for Add<'_, M, F> {
+impl<const M: usize, N: Nodes<M>> NullaryFnOnce for Add<'_, M, N> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let Add { slab, fine, coarse, prolongation, entry, nodes } = self;
+        let Add { slab, fine, coarse, prolongation, nodes } = self;
+        let pattern = fine.pattern();
         for &node in nodes {
             let node = node as usize;
             slab.columns.clear();
             slab.products.clear();
-            for (position, &other) in fine.range(node).zip(fine.row(node)) {
-                let A = entry(position);
+            for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
+                let A = fine.block(position);
                 let other = other as usize;
                 for block in prolongation.begin[other]..prolongation.begin[other + 1] {
                     let column = prolongation.columns[block];
@@ -154,7 +149,7 @@ impl<const M: usize, F: Fn(usize) -> [[f64; M]; M]> NullaryFnOnce for Add<'_, M,
                         slab.columns.push(column);
                         slab.products.push([[0.0; COARSE]; M]);
                     }
-                    add_widened(&mut slab.products[*index as usize], &A, &prolongation.blocks[block]);
+                    add_product(&mut slab.products[*index as usize], &A, &prolongation.blocks[block]);
                 }
             }
             for block in prolongation.begin[node]..prolongation.begin[node + 1] {
@@ -175,16 +170,6 @@ impl<const M: usize, F: Fn(usize) -> [[f64; M]; M]> NullaryFnOnce for Add<'_, M,
                 }
             }
             slab.columns.iter().for_each(|&column| slab.column_index[column as usize] = NONE);
-        }
-    }
-}
-
-/// `sum += A B`.
-#[inline(always)]
-fn add_widened<const M: usize>(sum: &mut Block<f64, M>, A: &[[f64; M]; M], B: &Block<f32, M>) {
-    for (sum, A) in sum.iter_mut().zip(A) {
-        for (&factor, B) in A.iter().zip(B) {
-            sum.iter_mut().zip(B).for_each(|(sum, &B)| *sum += factor * f64::from(B));
         }
     }
 }

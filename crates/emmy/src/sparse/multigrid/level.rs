@@ -1,11 +1,14 @@
 //! A level of a hierarchy of matrices.
 
+use rayon::prelude::*;
+
 use super::super::Pattern;
 use super::super::blocks::Blocks;
 use super::super::kernel::Entry;
+use super::super::shifted::CHUNK;
 use super::super::sweep::SweepOrder;
 use super::galerkin::Galerkin;
-use super::prolongation::{COARSE, Modes, Prolongation, inverse_of_free};
+use super::prolongation::{Block, COARSE, Nodes, Prolongation, inverse_of_free};
 use super::smoother::{Smoother, Transfer, Vector};
 
 /// A level with nodes of M components: rows of three in the order of a sweep, its smoother, and the way to the next level.
@@ -65,12 +68,41 @@ impl CoarseMatrix {
     /// Sets the blocks.
     pub(super) fn set(&mut self, blocks: &[[[f64; COARSE]; COARSE]]) {
         let own = self.blocks.entries_mut().as_chunks_mut::<9>().0;
-        for (own, &source) in own.iter_mut().zip(&self.sources) {
+        own.par_iter_mut().with_min_len(CHUNK).zip(&self.sources).for_each(|(own, &source)| {
             let source = source as usize;
             let block = &blocks[source / 4];
             let [row, column] = [3 * (source / 2 % 2), 3 * (source % 2)];
             *own = std::array::from_fn(|at| block[row + at % 3][column + at / 3]);
-        }
+        });
+    }
+}
+
+/// A matrix of [`Galerkin`] by nodes, with its rigid modes.
+pub(super) struct Coarse<'a> {
+    pattern: &'a Pattern,
+    pub blocks: &'a [Block<f64, COARSE>],
+    modes: &'a [([f64; 3], Block<f64, COARSE>)],
+}
+
+impl Nodes<COARSE> for Coarse<'_> {
+    fn pattern(&self) -> &Pattern {
+        self.pattern
+    }
+
+    fn block(&self, position: usize) -> Block<f64, COARSE> {
+        self.blocks[position]
+    }
+
+    fn is_held(&self, _: usize, _: usize) -> bool {
+        false
+    }
+
+    fn position(&self, node: usize) -> [f64; 3] {
+        self.modes[node].0
+    }
+
+    fn modes(&self, node: usize) -> Block<f64, COARSE> {
+        self.modes[node].1
     }
 }
 
@@ -113,21 +145,19 @@ impl<const M: usize> Level<M> {
         self.prolongation.aggregates.len()
     }
 
-    /// Rigid modes of the next level.
-    pub(super) fn coarse_modes(&self) -> &Modes<COARSE> {
-        &self.prolongation.coarse_modes
+    /// The next matrix.
+    pub(super) fn coarse(&self) -> Coarse<'_> {
+        Coarse {
+            pattern: &self.galerkin.pattern,
+            blocks: &self.galerkin.blocks,
+            modes: &self.prolongation.coarse_modes,
+        }
     }
 
-    /// Sets the transfers and the next matrix from the blocks of this one, `entry(position)`.
-    pub(super) fn set(
-        &mut self,
-        pattern: &Pattern,
-        modes: &Modes<M>,
-        entry: &(impl Fn(usize) -> [[f64; M]; M] + Sync),
-        is_held: &(impl Fn(usize, usize) -> bool + Sync),
-    ) {
-        self.prolongation.set(pattern, modes, entry, is_held);
-        self.galerkin.set(pattern, &self.prolongation, entry);
+    /// Sets the transfers and the next matrix from the one of this level.
+    pub(super) fn set(&mut self, fine: &impl Nodes<M>) {
+        self.prolongation.set(fine);
+        self.galerkin.set(fine, &self.prolongation);
         let blocks = &self.prolongation.blocks;
         let part = |source: usize, is_transposed: bool| -> [f32; 9] {
             let block = &blocks[source / 2 / (M / 3)];
@@ -146,15 +176,16 @@ impl<const M: usize> Level<M> {
         &mut self,
         sweep: &SweepOrder,
         blocks: &Blocks<E>,
-        rounding: impl Fn(usize) -> [[f64; 4]; 3],
-        is_held: impl Fn(usize, usize) -> bool,
+        rounding: impl Fn(usize) -> [[f64; 4]; 3] + Sync,
+        is_held: impl Fn(usize, usize) -> bool + Sync,
     ) {
-        for (row, own) in self.smoother.inverses.iter_mut().enumerate() {
+        let rows = self.smoother.inverses.par_iter_mut().with_min_len(CHUNK).enumerate();
+        rows.for_each(|(row, own)| {
             let (stored, added) = (blocks.block(sweep.diagonal[row]), rounding(row));
             let block = [0, 1, 2].map(|a| [0, 1, 2].map(|b| stored[3 * b + a].number() + added[b][a]));
             let inverse = inverse_of_free(block, |a| is_held(sweep.order[row] as usize, a));
             *own = [0, 1, 2].map(|b| [inverse[0][b], inverse[1][b], inverse[2][b], 0.0]);
-        }
+        });
     }
 }
 

@@ -8,10 +8,8 @@ mod smoother;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use self::level::{CoarseMatrix, Level, Vectors};
-use self::prolongation::{COARSE, Modes};
+use self::prolongation::{Block, COARSE, Nodes};
 #[cfg(test)]
 use super::StageMatrix;
 use super::blocks::Blocks;
@@ -40,7 +38,6 @@ pub(crate) struct Multigrid<const C: usize> {
 /// level is factorised. A V-cycle smooths by a Gauss-Seidel sweep before and after the coarser levels.
 #[derive(Debug)]
 struct Hierarchy<const C: usize> {
-    modes: Modes<3>,
     first: Level<3>,
     rest: Vec<Level<COARSE>>,
     /// Matrices of `rest`.
@@ -134,10 +131,6 @@ impl<const C: usize> Hierarchy<C> {
         }
         Ok(Hierarchy {
             vectors: orders.iter().map(|order| Vectors::new(order.len())).collect(),
-            modes: Modes {
-                values: vec![[[0.0; COARSE]; 3]; pattern.n_rows()],
-                positions: vec![[0.0; 3]; pattern.n_rows()],
-            },
             last: BlockCholesky::new(&last, COARSE, &vec![false; COARSE * n], &nested_dissection(&last)?)?,
             first,
             rest,
@@ -152,41 +145,18 @@ impl<const C: usize> Hierarchy<C> {
         system: &Shifted<'_>,
         (finest, remainders): (&Blocks<f32>, &Vec<[[f64; 4]; 3]>),
     ) -> Result<()> {
-        self.set_modes(system.positions);
-        let Hierarchy { modes, first, rest, matrices, last, .. } = self;
-        let modulus = system.shift[0].hypot(system.shift[1]);
-        let entry = |position: usize| {
-            let block = system.stiffness.block(position);
-            let m = system.mass[position];
-            [0, 1, 2].map(|a| [0, 1, 2].map(|b| modulus * block[3 * a + b] + if a == b { m } else { 0.0 }))
-        };
-        let is_held = |node: usize, a: usize| system.fixed[3 * node + a];
-        first.set(pattern, modes, &entry, &is_held);
-        first.set_smoother(sweep, finest, |row| remainders[row], is_held);
-        let mut modes = first.coarse_modes();
-        let mut coarse = (&first.galerkin.pattern, &first.galerkin.blocks);
+        let Hierarchy { first, rest, matrices, last, .. } = self;
+        let fine = Finest::new(pattern, system);
+        first.set(&fine);
+        first.set_smoother(sweep, finest, |row| remainders[row], |node, a| fine.is_held(node, a));
+        let mut coarse = first.coarse();
         for (level, matrix) in rest.iter_mut().zip(matrices) {
-            let (pattern, blocks) = coarse;
-            matrix.set(blocks);
-            level.set(pattern, modes, &|position| blocks[position], &|_, _| false);
+            matrix.set(coarse.blocks);
+            level.set(&coarse);
             level.set_smoother(&matrix.sweep, &matrix.blocks, |_| [[0.0; 4]; 3], |_, _| false);
-            modes = level.coarse_modes();
-            coarse = (&level.galerkin.pattern, &level.galerkin.blocks);
+            coarse = level.coarse();
         }
-        last.factorize(|source| coarse.1[source / 36].as_flattened()[source % 36])
-    }
-
-    /// Rigid modes about the middle of the body.
-    fn set_modes(&mut self, positions: &[f64]) {
-        let positions = &positions.as_chunks::<3>().0[..self.modes.positions.len()];
-        let share = 1.0 / positions.len() as f64;
-        let middle = [0, 1, 2].map(|a| positions.iter().map(|x| x[a]).sum::<f64>() * share);
-        let nodes = self.modes.values.par_iter_mut().zip(&mut self.modes.positions).with_min_len(1024);
-        nodes.zip(positions).for_each(|((modes, own), position)| {
-            let [x, y, z] = [0, 1, 2].map(|a| position[a] - middle[a]);
-            *own = [x, y, z];
-            *modes = [[1.0, 0.0, 0.0, 0.0, z, -y], [0.0, 1.0, 0.0, -z, 0.0, x], [0.0, 0.0, 1.0, y, -x, 0.0]];
-        });
+        last.factorize(|source| coarse.blocks[source / 36].as_flattened()[source % 36])
     }
 
     /// `x = P^-1 r` of the first vectors: a V-cycle.
@@ -216,6 +186,50 @@ impl<const C: usize> Hierarchy<C> {
         }
         first.up.add_product(&coarser[0].x, &mut own.x);
         first.smoother.backward(sweep, finest, &own.r, &mut own.x);
+    }
+}
+
+/// `M + |lambda| K` by nodes.
+struct Finest<'a> {
+    pattern: &'a Pattern,
+    system: &'a Shifted<'a>,
+    modulus: f64,
+    /// Mean position, the centre of the rotations.
+    middle: [f64; 3],
+}
+
+impl<'a> Finest<'a> {
+    fn new(pattern: &'a Pattern, system: &'a Shifted<'a>) -> Self {
+        let positions = &system.positions.as_chunks::<3>().0[..pattern.n_rows()];
+        let share = 1.0 / positions.len() as f64;
+        let middle = [0, 1, 2].map(|a| positions.iter().map(|x| x[a]).sum::<f64>() * share);
+        Finest { pattern, system, modulus: system.shift[0].hypot(system.shift[1]), middle }
+    }
+}
+
+impl Nodes<3> for Finest<'_> {
+    fn pattern(&self) -> &Pattern {
+        self.pattern
+    }
+
+    #[inline(always)]
+    fn block(&self, position: usize) -> [[f64; 3]; 3] {
+        let block = self.system.stiffness.block(position);
+        let m = self.system.mass[position];
+        [0, 1, 2].map(|a| [0, 1, 2].map(|b| self.modulus * block[3 * a + b] + if a == b { m } else { 0.0 }))
+    }
+
+    fn is_held(&self, node: usize, component: usize) -> bool {
+        self.system.fixed[3 * node + component]
+    }
+
+    fn position(&self, node: usize) -> [f64; 3] {
+        [0, 1, 2].map(|a| self.system.positions[3 * node + a] - self.middle[a])
+    }
+
+    fn modes(&self, node: usize) -> Block<f64, 3> {
+        let [x, y, z] = self.position(node);
+        [[1.0, 0.0, 0.0, 0.0, z, -y], [0.0, 1.0, 0.0, -z, 0.0, x], [0.0, 0.0, 1.0, y, -x, 0.0]]
     }
 }
 

@@ -14,13 +14,22 @@ pub(super) const COARSE: usize = 6;
 /// A block of a prolongation: M components of a node by those of an aggregate.
 pub(super) type Block<T, const M: usize> = [[T; COARSE]; M];
 
-/// Rigid modes at the nodes of a level.
-#[derive(Debug, Default)]
-pub(super) struct Modes<const M: usize> {
-    /// Translations and rotations about the origin, `[node][M][6]`.
-    pub values: Vec<Block<f64, M>>,
-    /// Positions.
-    pub positions: Vec<[f64; 3]>,
+/// A matrix by nodes of M components, with its rigid modes.
+pub(super) trait Nodes<const M: usize>: Sync {
+    /// Couplings of the nodes.
+    fn pattern(&self) -> &Pattern;
+
+    /// The block at a position of the pattern.
+    fn block(&self, position: usize) -> [[f64; M]; M];
+
+    /// Whether a component of a node is fixed.
+    fn is_held(&self, node: usize, component: usize) -> bool;
+
+    /// Position of a node.
+    fn position(&self, node: usize) -> [f64; 3];
+
+    /// Translations and rotations about the origin, at a node.
+    fn modes(&self, node: usize) -> Block<f64, M>;
 }
 
 /// Smoothed prolongation (Vanek, Mandel and Brezina 1996): the rigid modes of the aggregates, after a block Jacobi step.
@@ -37,12 +46,12 @@ pub(super) struct Prolongation<const M: usize> {
     pub columns: Vec<u32>,
     /// The blocks of P.
     pub blocks: Vec<Block<f32, M>>,
-    /// T of each node, in the column of its aggregate.
-    tentative: Vec<Block<f64, M>>,
+    /// T of each node, in the column of its aggregate; in the order of [`Aggregates::nodes`].
+    tentative: Vec<Block<f32, M>>,
     /// D^-1.
     inverse_diagonals: Vec<[[f64; M]; M]>,
-    /// Rigid modes of the aggregates.
-    pub coarse_modes: Modes<COARSE>,
+    /// Position and rigid modes of each aggregate.
+    pub coarse_modes: Vec<([f64; 3], Block<f64, COARSE>)>,
     /// Columns of T that vanish, because an aggregate has fewer than six rigid modes.
     pub is_void: Vec<[bool; COARSE]>,
     work: [Vec<[f64; M]>; 2],
@@ -75,10 +84,7 @@ impl<const M: usize> Prolongation<M> {
             blocks: vec![[[0.0; COARSE]; M]; columns.len()],
             tentative: vec![[[0.0; COARSE]; M]; n],
             inverse_diagonals: vec![[[0.0; M]; M]; n],
-            coarse_modes: Modes {
-                values: vec![[[0.0; COARSE]; COARSE]; n_coarse],
-                positions: vec![[0.0; 3]; n_coarse],
-            },
+            coarse_modes: vec![([0.0; 3], [[0.0; COARSE]; COARSE]); n_coarse],
             is_void: vec![[false; COARSE]; n_coarse],
             work: [vec![[0.0; M]; n], vec![[0.0; M]; n]],
             aggregates,
@@ -92,64 +98,61 @@ impl<const M: usize> Prolongation<M> {
         &self.columns[self.begin[node]..self.begin[node + 1]]
     }
 
-    /// Sets P from the rigid modes and a matrix; `entry(position)`: its block; `is_held`: fixed components.
-    pub(super) fn set(
-        &mut self,
-        pattern: &Pattern,
-        modes: &Modes<M>,
-        entry: &(impl Fn(usize) -> [[f64; M]; M] + Sync),
-        is_held: &(impl Fn(usize, usize) -> bool + Sync),
-    ) {
-        self.set_tentative(modes, is_held);
+    /// Sets P from a matrix and its rigid modes.
+    pub(super) fn set(&mut self, fine: &impl Nodes<M>) {
+        self.set_tentative(fine);
         let diagonals = self.inverse_diagonals.par_iter_mut().with_min_len(NODES).enumerate();
         diagonals.for_each(|(node, inverse)| {
-            let diagonal = pattern.position(node, node).map_or([[0.0; M]; M], entry);
-            *inverse = inverse_of_free(diagonal, |a| is_held(node, a));
+            let diagonal = fine.pattern().position(node, node).map_or([[0.0; M]; M], |at| fine.block(at));
+            *inverse = inverse_of_free(diagonal, |a| fine.is_held(node, a));
         });
-        let omega = 4.0 / 3.0 / self.largest_eigenvalue(pattern, entry);
-        self.smooth(pattern, entry, omega);
+        let omega = 4.0 / 3.0 / self.largest_eigenvalue(fine);
+        self.smooth(fine, omega);
     }
 
     /// Orthonormal rigid modes of each aggregate, and their coefficients in those of the level.
-    fn set_tentative(&mut self, modes: &Modes<M>, is_held: &(impl Fn(usize, usize) -> bool + Sync)) {
-        let aggregates = &self.aggregates;
-        let mut own: Vec<Block<f64, M>> = Vec::new();
-        for aggregate in 0..aggregates.len() {
+    fn set_tentative(&mut self, fine: &impl Nodes<M>) {
+        let Prolongation { aggregates, tentative, coarse_modes, is_void, .. } = self;
+        let center = |aggregate: usize| {
             let nodes = aggregates.nodes(aggregate);
             let share = 1.0 / nodes.len() as f64;
-            let center = [0, 1, 2]
-                .map(|a| nodes.iter().map(|&node| modes.positions[node as usize][a]).sum::<f64>() * share);
+            [0, 1, 2].map(|a| nodes.iter().map(|&node| fine.position(node as usize)[a]).sum::<f64>() * share)
+        };
+        let set = |own: &mut Vec<Block<f64, M>>, aggregate: usize, tentative: &mut [Block<f32, M>]| {
+            let center = center(aggregate);
             own.clear();
-            own.extend(nodes.iter().map(|&node| {
-                let mut block = about(&modes.values[node as usize], &center);
-                for a in (0..M).filter(|&a| is_held(node as usize, a)) {
+            own.extend(aggregates.nodes(aggregate).iter().map(|&node| {
+                let mut block = about(&fine.modes(node as usize), &center);
+                for a in (0..M).filter(|&a| fine.is_held(node as usize, a)) {
                     block[a] = [0.0; COARSE];
                 }
                 block
             }));
-            let is_void = orthonormalize(&mut own);
-            let mut coarse = [[0.0; COARSE]; COARSE];
-            for (block, &node) in own.iter().zip(nodes) {
-                self.tentative[node as usize] = *block;
-                let values = &modes.values[node as usize];
-                for (own, row) in block.iter().zip(values) {
-                    for (coarse, factor) in coarse.iter_mut().zip(own) {
-                        coarse.iter_mut().zip(row).for_each(|(sum, value)| *sum += factor * value);
+            orthonormalize(own);
+            for (tentative, block) in tentative.iter_mut().zip(&*own) {
+                *tentative = block.map(|row| row.map(|entry| entry as f32));
+            }
+        };
+        each_part(&aggregates.begin, 0..aggregates.len(), tentative, &set);
+        let coarse = coarse_modes.par_iter_mut().zip(is_void).with_min_len(NODES).enumerate();
+        coarse.for_each(|(aggregate, ((position, coarse), is_void))| {
+            *position = center(aggregate);
+            *coarse = [[0.0; COARSE]; COARSE];
+            let own = &tentative[aggregates.begin[aggregate]..aggregates.begin[aggregate + 1]];
+            for (block, &node) in own.iter().zip(aggregates.nodes(aggregate)) {
+                for (own, row) in block.iter().zip(&fine.modes(node as usize)) {
+                    for (coarse, &factor) in coarse.iter_mut().zip(own) {
+                        coarse.iter_mut().zip(row).for_each(|(sum, value)| *sum += f64::from(factor) * value);
                     }
                 }
             }
-            self.coarse_modes.values[aggregate] = coarse;
-            self.coarse_modes.positions[aggregate] = center;
-            self.is_void[aggregate] = is_void;
-        }
+            *is_void = std::array::from_fn(|c| own.iter().flatten().all(|row| row[c] == 0.0));
+        });
     }
 
     /// Largest eigenvalue of D^-1 A, a tenth above its Rayleigh quotient after some power iterations.
-    fn largest_eigenvalue(
-        &mut self,
-        pattern: &Pattern,
-        entry: &(impl Fn(usize) -> [[f64; M]; M] + Sync),
-    ) -> f64 {
+    fn largest_eigenvalue(&mut self, fine: &impl Nodes<M>) -> f64 {
+        let pattern = fine.pattern();
         let inverses = &self.inverse_diagonals;
         let [x, y] = &mut self.work;
         // Equidistributed numbers: every eigenvector has a part in them.
@@ -164,7 +167,7 @@ impl<const M: usize> Prolongation<M> {
             y.par_iter_mut().with_min_len(NODES).enumerate().for_each(|(node, y)| {
                 *y = [0.0; M];
                 for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
-                    let A = entry(position);
+                    let A = fine.block(position);
                     let x = &x[other as usize];
                     for (sum, A) in y.iter_mut().zip(&A) {
                         *sum += A.iter().zip(x).map(|(A, x)| A * x).sum::<f64>();
@@ -183,7 +186,8 @@ impl<const M: usize> Prolongation<M> {
         if largest.is_finite() { 1.1 * largest.max(1.0) } else { 2.0 }
     }
 
-    fn smooth(&mut self, pattern: &Pattern, entry: &(impl Fn(usize) -> [[f64; M]; M] + Sync), omega: f64) {
+    fn smooth(&mut self, fine: &impl Nodes<M>, omega: f64) {
+        let pattern = fine.pattern();
         let Prolongation { aggregates, begin, columns, blocks, tentative, inverse_diagonals, .. } = self;
         let smooth_node = |sums: &mut Vec<Block<f64, M>>, node: usize, blocks: &mut [Block<f32, M>]| {
             let columns = &columns[begin[node]..begin[node + 1]];
@@ -192,17 +196,24 @@ impl<const M: usize> Prolongation<M> {
             for (position, &other) in pattern.range(node).zip(pattern.row(node)) {
                 let aggregate = aggregates.of_node[other as usize];
                 let column = columns.partition_point(|&column| column < aggregate);
-                add_product(&mut sums[column], &entry(position), &tentative[other as usize]);
+                let T = &tentative[aggregates.place[other as usize] as usize];
+                add_product(&mut sums[column], &fine.block(position), T);
             }
             let inverse = inverse_diagonals[node].map(|row| row.map(|entry| -omega * entry));
             for ((block, sum), &column) in blocks.iter_mut().zip(&*sums).zip(columns) {
                 let is_own = column == aggregates.of_node[node];
-                let mut value = if is_own { tentative[node] } else { [[0.0; COARSE]; M] };
-                add_product(&mut value, &inverse, sum);
-                *block = value.map(|row| row.map(|entry| entry as f32));
+                for (a, (row, inverse)) in block.iter_mut().zip(&inverse).enumerate() {
+                    let T =
+                        if is_own { tentative[aggregates.place[node] as usize][a] } else { [0.0; COARSE] };
+                    *row = std::array::from_fn(|c| {
+                        let smoothed: f64 =
+                            inverse.iter().zip(sum).map(|(inverse, sum)| inverse * sum[c]).sum();
+                        (f64::from(T[c]) + smoothed) as f32
+                    });
+                }
             }
         };
-        each_node(begin, 0..pattern.n_rows(), blocks, &smooth_node);
+        each_part(begin, 0..pattern.n_rows(), blocks, &smooth_node);
     }
 }
 
@@ -212,35 +223,35 @@ const POWER_ITERATIONS: usize = 6;
 /// Smallest number of nodes of a task.
 const NODES: usize = 512;
 
-/// Works on the blocks of each node, recursively in parallel halves.
-fn each_node<T: Send, S: Default>(
+/// Works on the blocks of each part, `begin[part]..begin[part + 1]`, recursively in parallel halves.
+fn each_part<T: Send, S: Default>(
     begin: &[usize],
-    nodes: Range<usize>,
+    parts: Range<usize>,
     blocks: &mut [T],
     work: &(impl Fn(&mut S, usize, &mut [T]) + Sync),
 ) {
-    let at = |node: usize| begin[node] - begin[nodes.start];
-    if nodes.len() <= NODES {
+    let at = |part: usize| begin[part] - begin[parts.start];
+    if parts.len() <= NODES {
         let mut scratch = S::default();
-        for node in nodes.clone() {
-            work(&mut scratch, node, &mut blocks[at(node)..at(node + 1)]);
+        for part in parts.clone() {
+            work(&mut scratch, part, &mut blocks[at(part)..at(part + 1)]);
         }
         return;
     }
-    let middle = nodes.start + nodes.len() / 2;
+    let middle = parts.start + parts.len() / 2;
     let (low, high) = blocks.split_at_mut(at(middle));
     rayon::join(
-        || each_node(begin, nodes.start..middle, low, work),
-        || each_node(begin, middle..nodes.end, high, work),
+        || each_part(begin, parts.start..middle, low, work),
+        || each_part(begin, middle..parts.end, high, work),
     );
 }
 
 /// `sum += A B`.
 #[inline(always)]
-pub(super) fn add_product<const M: usize>(sum: &mut Block<f64, M>, A: &[[f64; M]; M], B: &Block<f64, M>) {
+pub(super) fn add_product<const M: usize>(sum: &mut Block<f64, M>, A: &[[f64; M]; M], B: &Block<f32, M>) {
     for (sum, A) in sum.iter_mut().zip(A) {
         for (&factor, B) in A.iter().zip(B) {
-            sum.iter_mut().zip(B).for_each(|(sum, B)| *sum += factor * B);
+            sum.iter_mut().zip(B).for_each(|(sum, &B)| *sum += factor * f64::from(B));
         }
     }
 }
@@ -255,8 +266,7 @@ fn about<const M: usize>(modes: &Block<f64, M>, center: &[f64; 3]) -> Block<f64,
 }
 
 /// Orthonormalises the columns by Gram-Schmidt, twice; columns that depend on the previous ones vanish.
-fn orthonormalize<const M: usize>(blocks: &mut [Block<f64, M>]) -> [bool; COARSE] {
-    let mut is_void = [false; COARSE];
+fn orthonormalize<const M: usize>(blocks: &mut [Block<f64, M>]) {
     let product = |blocks: &[Block<f64, M>], c: usize, d: usize| {
         blocks.iter().flatten().map(|row| row[c] * row[d]).sum::<f64>()
     };
@@ -268,11 +278,10 @@ fn orthonormalize<const M: usize>(blocks: &mut [Block<f64, M>]) -> [bool; COARSE
             blocks.iter_mut().flatten().for_each(|row| row[c] -= part * row[d]);
         }
         let after = product(blocks, c, c).sqrt();
-        is_void[c] = !(after > DEPENDENT * before && after > DEPENDENT * DEPENDENT * largest);
-        let factor = if is_void[c] { 0.0 } else { 1.0 / after };
+        let is_independent = after > DEPENDENT * before && after > DEPENDENT * DEPENDENT * largest;
+        let factor = if is_independent { 1.0 / after } else { 0.0 };
         blocks.iter_mut().flatten().for_each(|row| row[c] *= factor);
     }
-    is_void
 }
 
 /// Part of a column that is left of it where it depends on others.

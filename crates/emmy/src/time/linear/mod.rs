@@ -4,6 +4,7 @@ mod approximate_tangent;
 mod decoupling;
 mod linearised;
 mod mode_solvers;
+mod solver_choice;
 mod strain_rates;
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
-//! One linear solver for each mode of the stage equations, and the choice of its kind by cost.
+//! One linear solver for each mode of the stage equations.
 
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
+use super::solver_choice::Costs;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
@@ -94,8 +95,27 @@ impl ModeSolvers {
         if (body.drag() > 0.0 || body.is_viscous()) && self.modes_for != Some(time_scale) {
             self.set_modes(body, time_scale)?;
         }
-        self.choose(body, stiffness, time_scale, soft_part)?;
+        // In 16 bits a stiffness of projected volumes is indefinite, and sweeps do not smooth its volumes.
+        let is_stiff = soft_part < LEAST_SOFT_PART;
+        let scale = time_scale * time_scale * self.largest_modulus();
+        let number = scale * stiffness_over_mass(body, stiffness);
         self.time_scale = time_scale;
+        loop {
+            let done =
+                self.choose(body, number, is_stiff).and_then(|()| self.factorize(body, stiffness, positions));
+            let is_direct = self.is(SolverKind::Direct) && !self.failed.contains(&SolverKind::Multigrid);
+            match done {
+                Err(Error::OutOfMemory { .. })
+                    if self.requested == Solver::Auto && is_direct && !is_stiff =>
+                {
+                    self.exclude(SolverKind::Direct);
+                }
+                done => return done,
+            }
+        }
+    }
+
+    fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
         let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.fixed());
         if let Some(condensation) = &mut self.condensation {
             condensation.condense(body.pattern(), stiffness, fixed)?;
@@ -103,7 +123,7 @@ impl ModeSolvers {
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
         for (mode, solver) in self.modes.iter().zip(&mut self.solvers) {
-            let shift = shift(mode, time_scale);
+            let shift = shift(mode, self.time_scale);
             solver.factorize(&Shifted { stiffness, mass, fixed, positions, shift })?;
         }
         Ok(())
@@ -124,59 +144,31 @@ impl ModeSolvers {
     }
 
     /// Creates the requested solvers, or with [`Solver::Auto`] the cheapest ones. Existing solvers are replaced only
-    /// when another kind has become clearly cheaper.
-    fn choose(
-        &mut self,
-        body: &Body,
-        stiffness: &StageMatrix,
-        time_scale: f64,
-        soft_part: f64,
-    ) -> Result<()> {
-        // In 16 bits such a stiffness is indefinite, and sweeps do not smooth its volumes.
-        let is_stiff = soft_part < LEAST_SOFT_PART;
-        let requested = match self.requested {
-            Solver::Iterative | Solver::Multigrid if is_stiff => Solver::Direct,
-            requested => requested,
+    /// when another kind has become clearly cheaper. `is_stiff`: projected volumes need a factorisation.
+    fn choose(&mut self, body: &Body, number: f64, is_stiff: bool) -> Result<()> {
+        let kind = match self.requested {
+            Solver::Auto => None,
+            Solver::Iterative if !is_stiff => Some(SolverKind::Iterative),
+            Solver::Multigrid if !is_stiff => Some(SolverKind::Multigrid),
+            Solver::Direct | Solver::Iterative | Solver::Multigrid => Some(SolverKind::Direct),
         };
-        if !self.solvers.is_empty() && requested != Solver::Auto {
+        let present = self.choice.filter(|_| !self.solvers.is_empty()).map(|choice| choice.kind);
+        if kind.is_some() && present.is_some() {
             return Ok(());
         }
-        let scale = time_scale * time_scale * self.largest_modulus();
-        let number = scale * stiffness_over_mass(body, stiffness);
-        let costs = Costs::of(body);
-        let is_usable = |kind: SolverKind| !self.failed.contains(&kind) && !is_stiff;
-        let has_multigrid = is_usable(SolverKind::Multigrid);
-        let is_large = costs.multigrid < costs.direct && has_multigrid;
-        let large = if is_large { SolverKind::Multigrid } else { SolverKind::Direct };
-        let limit = if is_usable(SolverKind::Iterative) { costs.iterative_limit(large) } else { 0.0 };
-        let cheapest = |limit: f64| if number < limit { SolverKind::Iterative } else { large };
-        if let Some(choice) = self.choice.filter(|_| !self.solvers.is_empty()) {
-            let kind = match choice.kind {
-                SolverKind::Iterative => cheapest(limit * SWITCH_RATIO),
-                SolverKind::Direct | SolverKind::Multigrid => cheapest(limit / SWITCH_RATIO),
-            };
-            if kind == choice.kind {
-                return Ok(());
+        let choice = match kind {
+            Some(kind) => SolverChoice { kind, stiffness: number, limit: None },
+            None => {
+                let is_usable = |kind| !is_stiff && !self.failed.contains(&kind);
+                Costs::of(body).cheapest(number, is_usable, present)
             }
-            self.solvers.clear();
-        }
-        let (kind, limit) = match requested {
-            Solver::Auto => (cheapest(limit), Some(limit)),
-            Solver::Direct => (SolverKind::Direct, None),
-            Solver::Iterative => (SolverKind::Iterative, None),
-            Solver::Multigrid => (SolverKind::Multigrid, None),
         };
-        let choice = SolverChoice { kind, stiffness: number, limit };
-        self.choice = Some(choice);
-        match self.create(body, choice) {
-            Err(Error::OutOfMemory { .. }) if requested == Solver::Auto && has_multigrid => {
-                self.solvers.clear();
-                let choice = SolverChoice { kind: SolverKind::Multigrid, ..choice };
-                self.choice = Some(choice);
-                self.create(body, choice)
-            }
-            created => created,
+        if present == Some(choice.kind) {
+            return Ok(());
         }
+        self.solvers.clear();
+        self.choice = Some(choice);
+        self.create(body, choice)
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
@@ -251,9 +243,13 @@ impl ModeSolvers {
     pub(super) fn fall_back(&mut self) {
         let replaceable = self.choice.filter(|choice| choice.kind != SolverKind::Direct);
         if let (Solver::Auto, Some(choice)) = (self.requested, replaceable) {
-            self.failed.push(choice.kind);
-            self.solvers.clear();
+            self.exclude(choice.kind);
         }
+    }
+
+    fn exclude(&mut self, kind: SolverKind) {
+        self.failed.push(kind);
+        self.solvers.clear();
     }
 
     /// Keeps the memory that the next steps depend on.
@@ -334,48 +330,12 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
     free.map(ratio).fold(0.0, f64::max)
 }
 
-/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of `benches`
-/// at r = 2 to 8. Internal nodes are condensed.
-struct Costs {
-    /// An iteration of conjugate gradients with an incomplete factor: 2 ns for each coupling of nodes. A step takes 12
-    /// sqrt(c) of them.
-    iteration: f64,
-    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom,
-    /// as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197 thousand.
-    direct: f64,
-    /// Six solutions at 22 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and a
-    /// tenth of the setup, 900 ns for each coupling.
-    multigrid: f64,
-}
-
-impl Costs {
-    fn of(body: &Body) -> Self {
-        let n_couplings = body.pattern().n_outer_blocks() as f64;
-        let n = body.mesh().n_dofs() as f64;
-        let mesh = body.mesh();
-        let is_linear = mesh.cells().all(|cell| cell.kind == cell.kind.linear());
-        let n_cycles = if is_linear { 6.0 } else { 15.0 };
-        Costs {
-            iteration: 2.0e-9 * n_couplings,
-            direct: 6.0 * 1.6e-9 * 15.0 * n.powf(4.0 / 3.0) + 1.4 * (n / 197e3).powf(1.7),
-            multigrid: (6.0 * n_cycles * 22e-9 + 90e-9) * n_couplings,
-        }
-    }
-
-    /// Stiffness number up to which conjugate gradients with an incomplete factor cost less than another kind. The
-    /// measured times of factorisations and these cross at c = 170 (r = 2) and above 600 (r = 4).
-    fn iterative_limit(&self, other: SolverKind) -> f64 {
-        let other = if other == SolverKind::Multigrid { self.multigrid } else { self.direct };
-        (other / (12.0 * self.iteration)).powi(2)
-    }
-}
-
 /// Names in checkpoints of the kinds that may fail.
-const FAILED: [(&str, SolverKind); 2] =
-    [("solver.failed.iterative", SolverKind::Iterative), ("solver.failed.multigrid", SolverKind::Multigrid)];
+const FAILED: [(&str, SolverKind); 3] = [
+    ("solver.failed.iterative", SolverKind::Iterative),
+    ("solver.failed.multigrid", SolverKind::Multigrid),
+    ("solver.failed.direct", SolverKind::Direct),
+];
 
 /// Smallest part of M + s^2 K beside projected volumes for conjugate gradients without a factorisation.
 const LEAST_SOFT_PART: f64 = 1.0 / 30.0;
-
-/// Factor beyond the limit of the stiffness number at which solvers are replaced.
-const SWITCH_RATIO: f64 = 4.0;

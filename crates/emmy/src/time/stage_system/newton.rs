@@ -133,14 +133,14 @@ impl System for StageSystem<'_> {
         self.approximate_tangent.refactorization_cost()
     }
 
-    /// One more K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing. With
-    /// pressures the exact tangent differs from K by directions that the bulk modulus makes stiff, and GMRES may not
-    /// converge.
-    fn most_refactorizations(&self) -> usize {
+    /// Another K costs less than GMRES with the exact tangent, unless the body is so small that both cost nothing or the
+    /// last K contracted too little. With pressures the exact tangent differs from K by directions that the bulk modulus
+    /// makes stiff, and GMRES may not converge.
+    fn largest_contraction(&self, slow_corrections: usize) -> f64 {
         match (self.body.n_pressures(), self.body.n_dofs()) {
-            (0, ..SMALL) => 0,
-            (0, SMALL..) => 1,
-            _ => usize::MAX,
+            (0, SMALL..) if slow_corrections == 0 => 0.4,
+            (0, _) => 0.0,
+            _ => 0.9,
         }
     }
 }

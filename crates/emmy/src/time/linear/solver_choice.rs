@@ -1,0 +1,128 @@
+//! The choice of the kind of solver by cost.
+
+use crate::body::Body;
+use crate::sparse::{SolverChoice, SolverKind};
+
+/// Seconds of a step on one core of an AMD EPYC, where memory limits all solvers, from profiles of the block of `benches`
+/// at r = 2 to 8. Internal nodes are condensed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Costs {
+    /// An iteration of conjugate gradients with an incomplete factor: 2 ns for each coupling of nodes. A step takes 12
+    /// sqrt(c) of them.
+    iteration: f64,
+    /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom,
+    /// as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197 thousand.
+    direct: f64,
+    /// Six solutions at 22 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and a
+    /// tenth of the setup, 900 ns for each coupling.
+    multigrid: f64,
+}
+
+impl Costs {
+    pub(super) fn of(body: &Body) -> Self {
+        let mesh = body.mesh();
+        let is_linear = mesh.cells().all(|cell| cell.kind == cell.kind.linear());
+        Costs::new(mesh.n_dofs(), body.pattern().n_outer_blocks(), is_linear)
+    }
+
+    fn new(n_dofs: usize, n_couplings: usize, is_linear: bool) -> Self {
+        let (n, n_couplings) = (n_dofs as f64, n_couplings as f64);
+        let n_cycles = if is_linear { 6.0 } else { 15.0 };
+        Costs {
+            iteration: 2.0e-9 * n_couplings,
+            direct: 6.0 * 1.6e-9 * 15.0 * n.powf(4.0 / 3.0) + 1.4 * (n / 197e3).powf(1.7),
+            multigrid: (6.0 * n_cycles * 22e-9 + 90e-9) * n_couplings,
+        }
+    }
+
+    /// The cheapest of the usable kinds for a stiffness number; the last resort is a factorisation. The present kind stays
+    /// unless another one is clearly cheaper.
+    ///
+    /// The measured times of factorisations and of conjugate gradients with an incomplete factor cross at c = 170
+    /// (r = 2) and above 600 (r = 4).
+    pub(super) fn cheapest(
+        &self,
+        stiffness: f64,
+        is_usable: impl Fn(SolverKind) -> bool,
+        present: Option<SolverKind>,
+    ) -> SolverChoice {
+        let is_cheaper = self.multigrid < self.direct || !is_usable(SolverKind::Direct);
+        let (large, cost) = match is_usable(SolverKind::Multigrid) && is_cheaper {
+            true => (SolverKind::Multigrid, self.multigrid),
+            false => (SolverKind::Direct, self.direct),
+        };
+        let is_iterative_usable = is_usable(SolverKind::Iterative);
+        let limit = if is_iterative_usable { (cost / (12.0 * self.iteration)).powi(2) } else { 0.0 };
+        let inertia = match present {
+            Some(SolverKind::Iterative) => SWITCH_RATIO,
+            Some(SolverKind::Direct | SolverKind::Multigrid) => SWITCH_RATIO.recip(),
+            None => 1.0,
+        };
+        let kind = if stiffness < limit * inertia { SolverKind::Iterative } else { large };
+        SolverChoice { kind, stiffness, limit: Some(limit) }
+    }
+}
+
+/// Factor beyond the limit of the stiffness number at which solvers are replaced.
+const SWITCH_RATIO: f64 = 4.0;
+
+#[cfg(test)]
+mod tests {
+    use super::SolverKind::{Direct, Iterative, Multigrid};
+    use super::*;
+
+    /// The L-block with cells of 1/r: its numbers of degrees of freedom and of couplings.
+    fn l_block(r: usize) -> Costs {
+        let (n_dofs, n_couplings) = match r {
+            2 => (3_969, 29_000),
+            4 => (26_871, 212_000),
+            _ => (196_875, 1_640_000),
+        };
+        Costs::new(n_dofs, n_couplings, true)
+    }
+
+    fn kind(
+        costs: Costs,
+        stiffness: f64,
+        excluded: &[SolverKind],
+        present: Option<SolverKind>,
+    ) -> SolverKind {
+        costs.cheapest(stiffness, |kind| !excluded.contains(&kind), present).kind
+    }
+
+    #[test]
+    fn small_numbers_are_iterative_and_large_bodies_take_multigrid() {
+        for r in [2, 4, 8] {
+            assert_eq!(kind(l_block(r), 10.0, &[], None), Iterative);
+        }
+        assert_eq!([2, 8].map(|r| kind(l_block(r), 1e5, &[], None)), [Direct, Multigrid]);
+    }
+
+    #[test]
+    fn every_kind_has_a_fall_back() {
+        let (small, large) = (l_block(2), l_block(8));
+        assert_eq!(kind(small, 10.0, &[Iterative], None), Direct);
+        assert_eq!(kind(large, 10.0, &[Iterative], None), Multigrid);
+        assert_eq!(kind(large, 1e5, &[Multigrid], None), Direct);
+        // Without memory for a factorisation.
+        assert_eq!(kind(small, 1e5, &[Direct], None), Multigrid);
+        assert_eq!(kind(small, 1e5, &[Direct], Some(Multigrid)), Multigrid);
+        assert_eq!(kind(small, 1e5, &[Direct, Multigrid], None), Direct);
+    }
+
+    #[test]
+    fn a_kind_stays_near_the_limit() {
+        let costs = l_block(4);
+        let limit = costs.cheapest(1.0, |_| true, None).limit.unwrap();
+        let large = kind(costs, 1e9, &[], None);
+        for (stiffness, from_iterative, from_large) in [
+            (limit / 5.0, Iterative, Iterative),
+            (limit / 3.0, Iterative, large),
+            (3.0 * limit, Iterative, large),
+            (5.0 * limit, large, large),
+        ] {
+            assert_eq!(kind(costs, stiffness, &[], Some(Iterative)), from_iterative);
+            assert_eq!(kind(costs, stiffness, &[], Some(large)), from_large);
+        }
+    }
+}
