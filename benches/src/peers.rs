@@ -31,6 +31,9 @@ pub(crate) struct Peer {
     pub name: String,
     /// Argument of the script.
     pub solver: String,
+    /// Further arguments.
+    #[serde(default)]
+    pub arguments: Vec<String>,
     /// Name in the tables.
     pub label: String,
     /// Finest mesh at which it is run.
@@ -71,7 +74,8 @@ impl Peer {
     /// The job that computes the block.
     pub(crate) fn job(&self, python: &Path, r: u32) -> Job {
         let check = Check { r, same_equations: self.same_equations };
-        Job::script(python, &script(&self.name), vec![r.to_string(), self.solver.clone()], Some(check))
+        let words = [r.to_string(), self.solver.clone()].into_iter().chain(self.arguments.iter().cloned());
+        Job::script(python, &script(&self.name), words.collect(), Some(check))
     }
 }
 

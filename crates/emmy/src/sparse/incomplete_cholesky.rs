@@ -24,7 +24,7 @@ pub(crate) struct IncompleteCholesky {
     factor: Blocks<bf16>,
     /// D^-1 of each row, by columns.
     pivots: Vec<[[f32; 4]; 3]>,
-    /// L left of the diagonal and D^-1 on it, while it is computed.
+    /// L left of the diagonal of each row, then D^-1, while it is computed.
     lower: Vec<f32>,
 }
 
@@ -34,7 +34,7 @@ impl IncompleteCholesky {
         IncompleteCholesky {
             factor: Blocks::new(sweep.columns.len()),
             pivots: vec![[[0.0; 4]; 3]; sweep.n_rows()],
-            lower: vec![0.0; 9 * sweep.columns.len()],
+            lower: vec![0.0; lower_begin(sweep, sweep.n_rows())],
         }
     }
 
@@ -67,16 +67,14 @@ impl IncompleteCholesky {
             }
             block
         };
-        let n_interior = sweep.row_begin[sweep.n_interior()];
-        let (interior, interface) = self.lower.split_at_mut(9 * n_interior);
-        side_by_side(interior, &sweep.interiors, &|row| 9 * sweep.row_begin[row], &|part, rows| {
-            let first = sweep.row_begin[rows.start];
-            rows.for_each(|row| factorize_row(sweep, row, first, part, &[], &entry));
+        let begin = |row: usize| lower_begin(sweep, row);
+        let (interior, interface) = self.lower.split_at_mut(begin(sweep.n_interior()));
+        side_by_side(interior, &sweep.interiors, &begin, &|part, rows| {
+            rows.clone().for_each(|row| factorize_row(sweep, row, begin(rows.start), part, &[], &entry));
         });
         let interior = &*interior;
-        side_by_side(interface, &sweep.interfaces, &|row| 9 * sweep.row_begin[row], &|part, rows| {
-            let first = sweep.row_begin[rows.start];
-            rows.for_each(|row| factorize_row(sweep, row, first, part, interior, &entry));
+        side_by_side(interface, &sweep.interfaces, &begin, &|part, rows| {
+            rows.clone().for_each(|row| factorize_row(sweep, row, begin(rows.start), part, interior, &entry));
         });
         self.finish(sweep);
     }
@@ -84,21 +82,25 @@ impl IncompleteCholesky {
     /// Computes U from L, and copies it to the right of the diagonal, transposed.
     fn finish(&mut self, sweep: &SweepOrder) {
         let rows = 0..sweep.n_rows();
-        each_row(sweep, rows.clone(), &mut self.lower, &mut self.pivots, &|own, pivot, row| {
-            let (left, diagonal) = own.split_at_mut(9 * (sweep.diagonal[row] - sweep.row_begin[row]));
-            let inverse = &diagonal[..9];
+        let begin = |row: usize| lower_begin(sweep, row);
+        each_row(rows.clone(), &begin, &mut self.lower, &mut self.pivots, &|own, pivot, _| {
+            let (left, inverse) = own.split_at_mut(own.len() - 9);
+            let inverse = &*inverse;
             *pivot = [0, 3, 6].map(|at| [inverse[at], inverse[at + 1], inverse[at + 2], 0.0]);
             left.as_chunks_mut().0.iter_mut().for_each(|block| *block = lower_times(inverse, block));
         });
         let lower = &self.lower;
         let nothing = &mut vec![(); sweep.n_rows()];
-        each_row(sweep, rows, self.factor.entries_mut(), nothing, &|own, (), row| {
-            for (position, unit) in (sweep.row_begin[row]..).zip(own.as_chunks_mut().0) {
-                if position < sweep.diagonal[row] {
-                    *unit = to_half(block(lower, position));
-                } else if position > sweep.diagonal[row] {
-                    *unit = transposed(&to_half(block(lower, sweep.mirror[position] as usize)));
-                }
+        let (left, right) = self.factor.entries_mut().split_at_mut(9 * sweep.right_begin[0]);
+        each_row(rows.clone(), &|row| 9 * sweep.left_begin[row], left, nothing, &|own, (), row| {
+            for (position, unit) in sweep.left(row).zip(own.as_chunks_mut().0) {
+                *unit = to_half(block(lower, 9 * (position + row)));
+            }
+        });
+        each_row(rows, &|row| 9 * sweep.right_begin[row], right, nothing, &|own, (), row| {
+            for (position, unit) in sweep.right(row).zip(own[9..].as_chunks_mut().0) {
+                let mirror = sweep.mirror[position] + sweep.columns[position];
+                *unit = transposed(&to_half(block(lower, 9 * mirror as usize)));
             }
         });
     }
@@ -135,10 +137,15 @@ impl IncompleteCholesky {
     }
 }
 
+/// Start of a row of the factor while it is computed: of each previous row, the blocks left of its diagonal and one more.
+fn lower_begin(sweep: &SweepOrder, row: usize) -> usize {
+    9 * (sweep.left_begin[row] + row)
+}
+
 /// A block, by columns.
 #[inline(always)]
-fn block(entries: &[f32], position: usize) -> &[f32] {
-    &entries[9 * position..9 * position + 9]
+fn block(entries: &[f32], at: usize) -> &[f32] {
+    &entries[at..at + 9]
 }
 
 impl<const C: usize> Approximate<f32, C> for IncompleteCholesky {
@@ -147,7 +154,7 @@ impl<const C: usize> Approximate<f32, C> for IncompleteCholesky {
     }
 }
 
-/// Factorises a row: `part` holds the blocks from position `first` on, `interior` the blocks of the interiors.
+/// Factorises a row: `part` holds the numbers from `first` on, `interior` those of the interiors.
 fn factorize_row(
     sweep: &SweepOrder,
     row: usize,
@@ -156,32 +163,36 @@ fn factorize_row(
     interior: &[f32],
     entry: &impl Fn(usize, usize) -> [f32; 9],
 ) {
-    let begin = sweep.row_begin[row];
-    let diagonal = sweep.diagonal[row];
-    for position in begin..=diagonal {
+    let known = |part: &[f32], at: usize| -> [f32; 9] {
+        let block = if at < first { block(interior, at) } else { block(part, at - first) };
+        std::array::from_fn(|entry| block[entry])
+    };
+    let left = sweep.left(row);
+    let mut at = lower_begin(sweep, row) - first;
+    for position in left.clone().chain([sweep.diagonal(row)]) {
         let column = sweep.columns[position] as usize;
         let original = entry(position, row);
         let mut work = original;
         // L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T
-        let mut own = begin;
-        let mut other = sweep.row_begin[column];
-        let end = sweep.diagonal[column];
-        while own < position && other < end {
-            let (left, right) = (sweep.columns[own], sweep.columns[other]);
-            if left == right {
-                let known = if other < first { block(interior, other) } else { block(part, other - first) };
-                subtract_product(&mut work, block(part, own - first), known);
+        let end = left.end.min(position);
+        let (mut own, others) = (left.start, sweep.left(column));
+        let mut other = others.start;
+        while own < end && other < others.end {
+            let [k, l] = [own, other].map(|position| sweep.columns[position]);
+            if k == l {
+                let known = known(part, 9 * (other + column));
+                subtract_product(&mut work, block(part, 9 * (own + row) - first), &known);
             }
-            own += usize::from(left <= right);
-            other += usize::from(right <= left);
+            own += usize::from(k <= l);
+            other += usize::from(l <= k);
         }
-        let result = if position < diagonal {
-            let inverse = if end < first { block(interior, end) } else { block(part, end - first) };
-            times_lower_transposed(&work, inverse)
+        let result = if column < row {
+            times_lower_transposed(&work, &known(part, 9 * (others.end + column)))
         } else {
             inverse_factor(work, [original[0], original[4], original[8]])
         };
-        part[9 * (position - first)..][..9].copy_from_slice(&result);
+        part[at..at + 9].copy_from_slice(&result);
+        at += 9;
     }
 }
 

@@ -53,10 +53,9 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
     ) {
         self.shift = shift.map(E::Number::of);
         let factor = if C == 2 { 1.0 } else { shift[0] };
-        let set_row = |blocks: &mut [E], remainder: &mut [[E::Number; 4]; 3], row: usize| {
+        let set = |blocks: &mut [E], remainder: &mut [[E::Number; 4]; 3], couplings: Range<usize>| {
             let mut lost = [[0.0; 3]; 3];
-            let couplings = &sweep.source[sweep.row_begin[row]..sweep.row_begin[row + 1]];
-            for (block, &source) in blocks.chunks_exact_mut(9).zip(couplings) {
+            for (block, &source) in blocks.chunks_exact_mut(9).zip(&sweep.source[couplings]) {
                 let values = stiffness(source as usize);
                 let m = if C == 2 { 0.0 } else { mass[source as usize] };
                 for (at, stored) in block.iter_mut().enumerate() {
@@ -69,11 +68,23 @@ impl<E: Entry, const C: usize> ShiftedMatrix<E, C> {
                 }
             }
             for (a, b) in (0..9).map(|at| (at % 3, at / 3)) {
-                remainder[b][a] = E::Number::of(0.5 * (lost[b][a] + lost[a][b]));
+                remainder[b][a] += E::Number::of(0.5 * (lost[b][a] + lost[a][b]));
             }
         };
-        let rows = 0..sweep.n_rows();
-        each_row(sweep, rows, self.blocks.entries_mut(), &mut self.remainders, &set_row);
+        self.remainders.fill([[E::Number::default(); 4]; 3]);
+        let n_left = sweep.right_begin[0];
+        let (left, right) = self.blocks.entries_mut().split_at_mut(9 * n_left);
+        for (begin, entries) in [(&sweep.left_begin, left), (&sweep.right_begin, right)] {
+            each_row(
+                0..sweep.n_rows(),
+                &|row| 9 * begin[row],
+                entries,
+                &mut self.remainders,
+                &|own, lost, row| {
+                    set(own, lost, begin[row]..begin[row + 1]);
+                },
+            );
+        }
         self.mass
             .iter_mut()
             .zip(&sweep.source)
@@ -124,13 +135,13 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
         let Multiply { matrix, sweep, first, x, y } = self;
         for index in 0..y.len() {
             let row = first + index;
-            let couplings = sweep.row_begin[row]..sweep.row_begin[row + 1];
-            let begin = couplings.start;
-            let columns = &sweep.columns[couplings.clone()];
-            let product = matrix.blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
             let mut stiff = times(&matrix.remainders[row], &x[row]);
-            (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));
-            y[index] = if C == 1 { stiff } else { shifted(matrix, &couplings, columns, x, &stiff) };
+            for half in sweep.halves(row) {
+                let columns = &sweep.columns[half.clone()];
+                let product = matrix.blocks.product::<C, false, K>(kernel, half.start, columns, Rows::all(x));
+                (0..4).for_each(|a| (0..C).for_each(|c| stiff[a][c] += product[a][c]));
+            }
+            y[index] = if C == 1 { stiff } else { shifted(matrix, (sweep, row), x, &stiff) };
         }
         matrix.hold(first, y);
         dot(&x[first..first + y.len()], y)
@@ -141,15 +152,16 @@ impl<E: Entry, const C: usize> Work<E, C> for Multiply<'_, E, C> {
 #[inline(always)]
 fn shifted<E: Entry, const C: usize>(
     matrix: &ShiftedMatrix<E, C>,
-    couplings: &Range<usize>,
-    columns: &[u32],
+    (sweep, row_number): (&SweepOrder, usize),
     x: &[Row<E::Number, C>],
     stiff: &Row<E::Number, C>,
 ) -> Row<E::Number, C> {
     let mut row = [[E::Number::default(); C]; 4];
-    for (&m, &column) in matrix.mass[couplings.clone()].iter().zip(columns) {
-        let x = &x[column as usize];
-        (0..4).for_each(|a| (0..C).for_each(|c| row[a][c] += m * x[a][c]));
+    for half in sweep.halves(row_number) {
+        for (&m, &column) in matrix.mass[half.clone()].iter().zip(&sweep.columns[half]) {
+            let x = &x[column as usize];
+            (0..4).for_each(|a| (0..C).for_each(|c| row[a][c] += m * x[a][c]));
+        }
     }
     let [re, im] = matrix.shift;
     for a in 0..3 {
@@ -161,15 +173,15 @@ fn shifted<E: Entry, const C: usize>(
 }
 
 /// Works on the blocks of each row and other data of the row, recursively in parallel halves; `blocks`: blocks of
-/// `rows`.
+/// `rows`; `at(row)`: start of a row in the blocks of all rows.
 pub(super) fn each_row<E: Send, R: Send>(
-    sweep: &SweepOrder,
     rows: Range<usize>,
+    at: &(impl Fn(usize) -> usize + Sync),
     blocks: &mut [E],
     remainders: &mut [R],
     work: &(impl Fn(&mut [E], &mut R, usize) + Sync),
 ) {
-    let begin = |row: usize| 9 * (sweep.row_begin[row] - sweep.row_begin[rows.start]);
+    let begin = |row: usize| at(row) - at(rows.start);
     if rows.len() <= CHUNK {
         for (row, remainder) in rows.clone().zip(remainders) {
             work(&mut blocks[begin(row)..begin(row + 1)], remainder, row);
@@ -180,8 +192,8 @@ pub(super) fn each_row<E: Send, R: Send>(
     let (low, high) = blocks.split_at_mut(begin(middle));
     let (before, after) = remainders.split_at_mut(middle - rows.start);
     rayon::join(
-        || each_row(sweep, rows.start..middle, low, before, work),
-        || each_row(sweep, middle..rows.end, high, after, work),
+        || each_row(rows.start..middle, at, low, before, work),
+        || each_row(middle..rows.end, at, high, after, work),
     );
 }
 

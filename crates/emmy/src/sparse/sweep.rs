@@ -14,11 +14,12 @@ use super::Pattern;
 pub(crate) struct SweepOrder {
     /// Old number of each row, `[new]`.
     pub order: Vec<u32>,
-    /// Start of the couplings of each row, `[n_rows + 1]`.
-    pub row_begin: Vec<usize>,
-    /// Position of the diagonal of each row.
-    pub diagonal: Vec<usize>,
-    /// Columns in the new numbers, ascending in each row.
+    /// Start of the couplings of each row left of its diagonal, `[n_rows + 1]`. Those of all rows come first: a
+    /// triangular sweep then reads its half of a matrix without gaps, two to three times as fast.
+    pub left_begin: Vec<usize>,
+    /// Start of the other couplings of each row, beginning with its diagonal, `[n_rows + 1]`.
+    pub right_begin: Vec<usize>,
+    /// Columns in the new numbers, ascending in each half of a row.
     pub columns: Vec<u32>,
     /// Position of each coupling in the pattern.
     pub source: Vec<u32>,
@@ -62,6 +63,30 @@ impl SweepOrder {
         self.order.len()
     }
 
+    /// Couplings of a row left of its diagonal.
+    #[inline(always)]
+    pub(crate) fn left(&self, row: usize) -> Range<usize> {
+        self.left_begin[row]..self.left_begin[row + 1]
+    }
+
+    /// Coupling of a row with itself.
+    #[inline(always)]
+    pub(crate) fn diagonal(&self, row: usize) -> usize {
+        self.right_begin[row]
+    }
+
+    /// Couplings of a row right of its diagonal.
+    #[inline(always)]
+    pub(crate) fn right(&self, row: usize) -> Range<usize> {
+        self.right_begin[row] + 1..self.right_begin[row + 1]
+    }
+
+    /// Both halves of a row, the second one with the diagonal.
+    #[inline(always)]
+    pub(crate) fn halves(&self, row: usize) -> [Range<usize>; 2] {
+        [self.left(row), self.right_begin[row]..self.right_begin[row + 1]]
+    }
+
     /// Number of rows in all interiors.
     pub(crate) fn n_interior(&self) -> usize {
         self.interiors.last().map_or(0, |range| range.end)
@@ -75,43 +100,53 @@ impl SweepOrder {
     ) -> Self {
         let mut number = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(new, &old)| number[old as usize] = new as u32);
-        let mut row_begin = vec![0];
-        let mut diagonal = Vec::with_capacity(order.len());
         let mut columns = Vec::with_capacity(pattern.n_blocks());
         let mut source = Vec::with_capacity(pattern.n_blocks());
         let mut row: Vec<(u32, u32)> = Vec::new();
-        for (new, &old) in order.iter().enumerate() {
-            row.clear();
-            let couplings = pattern.row(old as usize).iter().zip(pattern.range(old as usize));
-            row.extend(couplings.map(|(&column, position)| (number[column as usize], position as u32)));
-            row.sort_unstable();
-            diagonal.push(columns.len() + row.partition_point(|&(column, _)| (column as usize) < new));
-            columns.extend(row.iter().map(|(column, _)| column));
-            source.extend(row.iter().map(|(_, position)| position));
-            row_begin.push(columns.len());
-        }
-        let mirror = mirrored(&row_begin, &columns);
-        SweepOrder { order, row_begin, diagonal, columns, source, mirror, interiors, interfaces }
+        let mut half = |is_left: bool| -> Vec<usize> {
+            let mut begin = vec![columns.len()];
+            for (new, &old) in order.iter().enumerate() {
+                let couplings = pattern.row(old as usize).iter().zip(pattern.range(old as usize));
+                let couplings = couplings.map(|(&column, at)| (number[column as usize], at as u32));
+                row.clear();
+                row.extend(couplings.filter(|&(column, _)| ((column as usize) < new) == is_left));
+                row.sort_unstable();
+                columns.extend(row.iter().map(|(column, _)| column));
+                source.extend(row.iter().map(|(_, position)| position));
+                begin.push(columns.len());
+            }
+            begin
+        };
+        let (left_begin, right_begin) = (half(true), half(false));
+        let mirror = mirrored(&left_begin, &right_begin, &columns);
+        SweepOrder { order, left_begin, right_begin, columns, source, mirror, interiors, interfaces }
+    }
+
+    /// Columns of the couplings of some rows.
+    fn columns_of(&self, rows: &Range<usize>) -> impl Iterator<Item = usize> {
+        let left = &self.columns[self.left_begin[rows.start]..self.left_begin[rows.end]];
+        let right = &self.columns[self.right_begin[rows.start]..self.right_begin[rows.end]];
+        left.iter().chain(right).map(|&column| column as usize)
     }
 
     fn interfaces_are_apart(&self) -> bool {
-        self.interfaces.iter().all(|rows| {
-            let couplings = &self.columns[self.row_begin[rows.start]..self.row_begin[rows.end]];
-            couplings
-                .iter()
-                .all(|&column| (column as usize) < self.n_interior() || rows.contains(&(column as usize)))
-        })
+        let is_apart = |rows: &Range<usize>| {
+            self.columns_of(rows).all(|column| column < self.n_interior() || rows.contains(&column))
+        };
+        self.interfaces.iter().all(is_apart)
     }
 }
 
 /// Position of the transpose of each coupling.
-fn mirrored(row_begin: &[usize], columns: &[u32]) -> Vec<u32> {
-    let mut next = row_begin.to_vec();
+fn mirrored(left_begin: &[usize], right_begin: &[usize], columns: &[u32]) -> Vec<u32> {
+    let (mut next_left, mut next_right) = (left_begin.to_vec(), right_begin.to_vec());
     let mut mirror = vec![0; columns.len()];
-    // Rows ascend: the couplings of a column are met in their order in its row.
-    for row in 0..row_begin.len() - 1 {
-        for position in row_begin[row]..row_begin[row + 1] {
+    // Rows ascend: the couplings of a column are met in their order in its row, its diagonal before those on the right.
+    for row in 0..left_begin.len() - 1 {
+        let halves = [left_begin[row]..left_begin[row + 1], right_begin[row]..right_begin[row + 1]];
+        for position in halves.into_iter().flatten() {
             let column = columns[position] as usize;
+            let next = if column > row { &mut next_left } else { &mut next_right };
             mirror[position] = next[column] as u32;
             next[column] += 1;
         }
@@ -231,12 +266,14 @@ pub(super) mod tests {
         rows.sort_unstable();
         assert!(rows.iter().enumerate().all(|(index, &row)| index == row as usize));
         for row in 0..sweep.n_rows() {
-            assert_eq!(sweep.columns[sweep.diagonal[row]] as usize, row);
-            for position in sweep.row_begin[row]..sweep.row_begin[row + 1] {
+            assert_eq!(sweep.columns[sweep.diagonal(row)] as usize, row);
+            assert!(sweep.columns[sweep.left(row)].iter().all(|&column| (column as usize) < row));
+            assert!(sweep.columns[sweep.right(row)].iter().all(|&column| column as usize > row));
+            for position in sweep.halves(row).into_iter().flatten() {
                 let column = sweep.columns[position] as usize;
                 let mirror = sweep.mirror[position] as usize;
                 assert_eq!(sweep.columns[mirror] as usize, row);
-                assert!((sweep.row_begin[column]..sweep.row_begin[column + 1]).contains(&mirror));
+                assert!(sweep.halves(column).iter().any(|half| half.contains(&mirror)));
                 let old = pattern.position(sweep.order[row] as usize, sweep.order[column] as usize);
                 assert_eq!(old, Some(sweep.source[position] as usize));
             }
@@ -248,11 +285,8 @@ pub(super) mod tests {
         let sweep = SweepOrder::new(&grid([5, 5, 700]));
         assert!(sweep.interfaces_are_apart());
         for rows in &sweep.interiors {
-            let couplings = &sweep.columns[sweep.row_begin[rows.start]..sweep.row_begin[rows.end]];
-            assert!(couplings.iter().all(|&column| {
-                let column = column as usize;
-                rows.contains(&column) || column >= sweep.n_interior()
-            }));
+            let is_inside = |column: usize| rows.contains(&column) || column >= sweep.n_interior();
+            assert!(sweep.columns_of(rows).all(is_inside));
         }
     }
 

@@ -39,7 +39,7 @@ impl<const C: usize> Work<bf16, C> for Forward<'_, C> {
         let Part { factor, pivots, sweep, rows, others, first_other } = self.part;
         let first = rows.start;
         for row in rows {
-            let columns = sweep.row_begin[row]..sweep.diagonal[row];
+            let columns = sweep.left(row);
             let begin = columns.start;
             let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };
@@ -66,7 +66,7 @@ impl<const C: usize> Work<bf16, C> for Backward<'_, C> {
         let Part { factor, sweep, rows, others, first_other, .. } = self.part;
         let first = rows.start;
         for row in rows.rev() {
-            let columns = sweep.diagonal[row] + 1..sweep.row_begin[row + 1];
+            let columns = sweep.right(row);
             let begin = columns.start;
             let columns = &sweep.columns[columns];
             let x = Rows { own: &*self.x, first, others, first_other };

@@ -181,7 +181,7 @@ impl<const M: usize> Level<M> {
     ) {
         let rows = self.smoother.inverses.par_iter_mut().with_min_len(CHUNK).enumerate();
         rows.for_each(|(row, own)| {
-            let (stored, added) = (blocks.block(sweep.diagonal[row]), rounding(row));
+            let (stored, added) = (blocks.block(sweep.diagonal(row)), rounding(row));
             let block = [0, 1, 2].map(|a| [0, 1, 2].map(|b| stored[3 * b + a].number() + added[b][a]));
             let inverse = inverse_of_free(block, |a| is_held(sweep.order[row] as usize, a));
             *own = [0, 1, 2].map(|b| [inverse[0][b], inverse[1][b], inverse[2][b], 0.0]);

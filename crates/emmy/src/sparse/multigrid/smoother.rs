@@ -101,10 +101,9 @@ impl<E: Entry<Number = f64>, const C: usize> Work<E, C> for Forward<'_, E, C> {
         let Part { smoother, sweep, blocks, rows, others, first_other, r } = self.part;
         let first = rows.start;
         for row in rows {
-            let begin = sweep.row_begin[row];
-            let columns = &sweep.columns[begin..sweep.diagonal[row]];
+            let left = sweep.left(row);
             let x = Rows { own: &*self.x, first, others, first_other };
-            let known = blocks.product::<C, false, K>(kernel, begin, columns, x);
+            let known = blocks.product::<C, false, K>(kernel, left.start, &sweep.columns[left], x);
             self.x[row - first] = times(&smoother.inverses[row], &minus(&r[row], &known));
         }
     }
@@ -122,12 +121,10 @@ impl<E: Entry<Number = f64>, const C: usize> Work<E, C> for Backward<'_, E, C> {
         let Part { smoother, sweep, blocks, rows, others, first_other, r } = self.part;
         let first = rows.start;
         for row in rows.rev() {
-            let begin = sweep.row_begin[row];
-            let diagonal = sweep.diagonal[row];
             let x = Rows { own: &*self.x, first, others, first_other };
-            let left = blocks.product::<C, false, K>(kernel, begin, &sweep.columns[begin..diagonal], x);
-            let columns = &sweep.columns[diagonal + 1..sweep.row_begin[row + 1]];
-            let right = blocks.product::<C, true, K>(kernel, diagonal + 1, columns, x);
+            let (left, right) = (sweep.left(row), sweep.right(row));
+            let left = blocks.product::<C, false, K>(kernel, left.start, &sweep.columns[left], x);
+            let right = blocks.product::<C, true, K>(kernel, right.start, &sweep.columns[right], x);
             let rest = minus(&minus(&r[row], &left), &right);
             self.x[row - first] = times(&smoother.inverses[row], &rest);
         }
@@ -149,9 +146,9 @@ impl<E: Entry<Number = f64>, const C: usize> Work<E, C> for Rest<'_, E, C> {
     fn run<K: Kernel<E, C>>(self, kernel: K) {
         let Rest { sweep, blocks, x, first, t } = self;
         for (row, t) in (first..).zip(t) {
-            let begin = sweep.diagonal[row] + 1;
-            let columns = &sweep.columns[begin..sweep.row_begin[row + 1]];
-            let product = blocks.product::<C, false, K>(kernel, begin, columns, Rows::all(x));
+            let right = sweep.right(row);
+            let columns = &sweep.columns[right.clone()];
+            let product = blocks.product::<C, false, K>(kernel, right.start, columns, Rows::all(x));
             *t = minus(&[[0.0; C]; 4], &product);
         }
     }

@@ -13,8 +13,8 @@ pub(super) struct Costs {
     /// Six solutions at 1.6 ns for an entry of the factor, which has about `15 n^(4/3)` entries for n degrees of freedom,
     /// as nested dissection gives in three dimensions; and a tenth of a factorisation, 14 s for n = 197 thousand.
     direct: f64,
-    /// Six solutions at 22 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and a
-    /// tenth of the setup, 900 ns for each coupling.
+    /// Six solutions at 16 ns for each coupling and V-cycle, six V-cycles of linear cells and 15 of quadratic ones, and a
+    /// tenth of the setup, 800 ns for each coupling.
     multigrid: f64,
 }
 
@@ -31,7 +31,7 @@ impl Costs {
         Costs {
             iteration: 2.0e-9 * n_couplings,
             direct: 6.0 * 1.6e-9 * 15.0 * n.powf(4.0 / 3.0) + 1.4 * (n / 197e3).powf(1.7),
-            multigrid: (6.0 * n_cycles * 22e-9 + 90e-9) * n_couplings,
+            multigrid: (6.0 * n_cycles * 16e-9 + 80e-9) * n_couplings,
         }
     }
 
