@@ -34,10 +34,9 @@ pub trait System {
     /// Cost of a new approximate tangent, in corrections with the present one.
     fn refactorization_cost(&self) -> f64;
 
-    /// Part of the residual that a slow correction with a new approximate tangent may leave, after a number of such ones in
-    /// a solution; beyond it, the exact tangent follows.
-    fn largest_contraction(&self, slow_corrections: usize) -> f64 {
-        let _ = slow_corrections;
+    /// Part of the residual that a correction with a new approximate tangent may leave, after a number of slow ones in the
+    /// solution. Beyond it, the exact tangent follows; slow corrections below it let the approximate one follow again.
+    fn largest_contraction(&self, _slow_corrections: usize) -> f64 {
         0.0
     }
 }
