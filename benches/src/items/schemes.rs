@@ -7,7 +7,7 @@ use crate::session::{Runs, step_seconds};
 
 /// Schemes with the limit of their step relative to FE(1), which comes first.
 const SCHEMES: [(&str, Option<f64>); 5] =
-    [("FE(1)", None), ("AS(1)", Some(1.15)), ("DGM", Some(1.2)), ("AS(5)", Some(1.2)), ("FE(5)", None)];
+    [("FE(1)", None), ("AS(1)", Some(1.15)), ("DGM", Some(1.15)), ("AS(5)", Some(1.15)), ("FE(5)", None)];
 
 /// Whole steps of the schemes relative to FE(1).
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {

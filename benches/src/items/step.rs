@@ -5,6 +5,9 @@ use crate::job::{Case, Job};
 use crate::report::{Goal, Limit, Report, Table, count, number, number_or_dash};
 use crate::session::{Runs, Session, step_seconds};
 
+/// Cells a second in the assembly of residual and tangent, at a mesh (r).
+const ASSEMBLED: (u32, f64) = (4, 6e5);
+
 /// Assemblies measured after each run.
 const ASSEMBLIES: usize = 5;
 
@@ -58,6 +61,12 @@ fn steps(sizes: &[u32], runs: &[Runs]) -> Report {
         ]);
     }
     let mut report = Report::new("A step of Emmy", note);
+    for (r, runs) in sizes.iter().zip(runs).filter(|(r, _)| **r == ASSEMBLED.0) {
+        if let Some(rate) = runs.median_of_some(|o| o.assembled_cells_per_second) {
+            let statement = format!("cells a second in the assembly of residual and tangent at r = {r}");
+            report.goals.push(Goal::new(statement, Limit::AtLeast(ASSEMBLED.1), rate));
+        }
+    }
     report.tables.push(table);
     report
 }
