@@ -18,6 +18,7 @@ mod peers;
 mod precision;
 mod process;
 mod report;
+mod roofline;
 mod scratch;
 mod session;
 mod work;
@@ -36,7 +37,7 @@ use crate::session::Session;
 struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
-    /// step (the default), schemes, degrees, stiff, quasi-rigid, real, solvers, locking, large, ensembles, threads; or all
+    /// step (the default), schemes, degrees, stiff, quasi-rigid, real, solvers, locking, large, assembly, ensembles, threads; or all
     items: Vec<String>,
     /// Runs the other installed programs in turns with Emmy, instead of showing their recorded figures (`step`, `stiff`,
     /// `real`)

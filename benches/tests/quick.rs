@@ -30,6 +30,7 @@ fn every_item_runs_and_results_do_not_depend_on_threads() {
         "Cells against locking",
         "Large meshes",
         "Large stiff meshes",
+        "Assembly",
         "Ensembles",
         "Threads",
     ];

@@ -1,5 +1,6 @@
 //! The items: measurements with their goals.
 
+mod assembly;
 mod comparison;
 mod degrees;
 mod ensembles;
@@ -40,7 +41,7 @@ pub(crate) struct Item {
 }
 
 /// All items; the first is the default.
-pub(crate) const ALL: [Item; 11] = [
+pub(crate) const ALL: [Item; 12] = [
     Item { name: "step", measure: step::measure },
     Item { name: "schemes", measure: schemes::measure },
     Item { name: "degrees", measure: degrees::measure },
@@ -50,6 +51,7 @@ pub(crate) const ALL: [Item; 11] = [
     Item { name: "solvers", measure: solvers::measure },
     Item { name: "locking", measure: locking::measure },
     Item { name: "large", measure: large::measure },
+    Item { name: "assembly", measure: assembly::measure },
     Item { name: "ensembles", measure: ensembles::measure },
     Item { name: "threads", measure: threads::measure },
 ];
