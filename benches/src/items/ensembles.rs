@@ -35,7 +35,8 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
         (0..3).map(|index| format!("{}={}", KEYS[index], values(index).join(","))).collect();
     let case = Case::spinning_block(1);
     let sweep = Sweep::read(case.input(), &flags, None).map_err(|error| error.to_string())?;
-    let energy = sweep.columns().iter().position(|name| name == "total_energy").unwrap_or(0);
+    let energy = sweep.columns().iter().position(|name| name == "total_energy");
+    let energy = energy.ok_or("a sweep has no column total_energy")?;
     let repeated: Vec<usize> = sweep.all().into_iter().step_by(PART).collect();
     let job = |&run: &usize| {
         let values = sweep.values(run);

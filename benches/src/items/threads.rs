@@ -16,9 +16,11 @@ const TWO_THREADS: f64 = 1.7;
 /// Bits that differ from the run with one thread, and wall times.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let session = &settings.session;
-    let (r, r_of_hex20, steps) = session.choose((1, 1, 3), (4, 2, 20));
+    let (r, r_of_small, steps) = session.choose((1, 1, 3), (4, 2, 20));
     let soft = |shape| Work { shape, ..Work::hex8(r, false, steps) };
-    let shapes = [Shape::Block(CellKind::Hex8, r), Shape::Block(CellKind::Hex20, r_of_hex20), Shape::Bracket];
+    let [hex8, small] = [r, r_of_small].map(|r| Shape::Block(CellKind::Hex8, r));
+    let hex20 = Shape::Block(CellKind::Hex20, r_of_small);
+    let motions = [(hex8, 1), (small, 1), (hex8, 2), (hex20, 1), (Shape::Bracket, 1)];
     let scratch = Scratch::new("threads")?;
     let note = format!(
         "DGM, {steps} steps: numbers of the last state and of the energies and momenta of all steps that differ in any bit \
@@ -28,8 +30,9 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
     let heading = ["motion", "threads", "numbers", "that differ", "wall s a step", "one thread / this"];
     let mut table = Table::new(1, &heading);
     let mut differing = 0;
-    for work in shapes.map(soft) {
-        let case = work.case(&scratch)?.scheme("DGM", 1);
+    for (work, degree) in motions.map(|(shape, degree)| (soft(shape), degree)) {
+        let case = work.case(&scratch)?.scheme("DGM", degree);
+        let name = format!("{work}, k = {degree}");
         let case = |threads: usize| case.clone().threads(threads).state(scratch.file(&threads.to_string()));
         let runs = session.cases(&THREADS.map(case))?;
         let one = scratch.numbers("1")?;
@@ -38,11 +41,11 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Report>, String> {
             let ratio = runs[0].ratio(runs_of, |o| o.wall_seconds_per_step_mean);
             let seconds = runs_of.median(|o| o.wall_seconds_per_step_mean);
             let numbers = [*threads, one.len(), n].map(|count| count.to_string());
-            let row = [work.to_string()].into_iter().chain(numbers);
+            let row = [name.clone()].into_iter().chain(numbers);
             table.push(row.chain([number(seconds), number(ratio)]).collect());
             differing += n;
             if *threads == 2 {
-                let statement = format!("{work}: one thread over two");
+                let statement = format!("{name}: one thread over two");
                 report.goals.push(Goal::new(statement, Limit::AtLeast(TWO_THREADS), ratio));
             }
         }

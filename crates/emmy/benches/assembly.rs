@@ -21,7 +21,7 @@
 //!   sum                                          659       sum                            3912
 //! ```
 //!
-//! So 5300 for a residual and 36600 for both. The peak is measured by `peak` below, whose items are operations.
+//! So 5300 for a residual and 36600 for both. `emmy-bench assembly` measures the peak and the share of it.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use emmy::body::{Body, Region};
@@ -30,7 +30,6 @@ use emmy::internals::body::{StepDamping, StepInput};
 use emmy::internals::quadrature::gauss;
 use emmy::material::NeoHooke;
 use emmy::mesh::CellKind;
-use pulp::{Arch, Simd, WithSimd};
 
 #[path = "../tests/suite/shared/cells.rs"]
 mod cells;
@@ -131,41 +130,4 @@ fn strain_energy(bencher: Bencher<'_, '_>, kind: &str) {
     let Step { body, displacement, .. } = Step::new(kind, neo_hooke());
     let counted = bencher.counter(ItemsCount::new(body.mesh().n_cells()));
     counted.bench_local(|| body.strain_energy(black_box(&displacement)));
-}
-
-/// Chains of fused multiplications and additions, enough of them to hide their latency.
-struct Chains;
-
-const CHAINS: usize = 12;
-const LENGTH: usize = 10_000;
-
-impl WithSimd for Chains {
-    type Output = f64;
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (factor, addend) = (simd.splat_f64s(black_box(0.999)), simd.splat_f64s(black_box(1e-3)));
-        let mut sums = [addend; CHAINS];
-        for _ in 0..LENGTH {
-            for sum in &mut sums {
-                *sum = simd.mul_add_e_f64s(*sum, factor, addend);
-            }
-        }
-        sums.into_iter().map(|sum| simd.reduce_sum_f64s(sum)).sum()
-    }
-}
-
-struct Width;
-
-impl WithSimd for Width {
-    type Output = usize;
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        S::F64_LANES
-    }
-}
-
-/// Peak of the core; its items are floating-point operations.
-#[divan::bench]
-fn peak(bencher: Bencher<'_, '_>) {
-    let operations = 2 * CHAINS * LENGTH * Arch::new().dispatch(Width);
-    bencher.counter(ItemsCount::new(operations)).bench_local(|| Arch::new().dispatch(Chains));
 }

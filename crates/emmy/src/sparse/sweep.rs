@@ -15,7 +15,7 @@ pub(crate) struct SweepOrder {
     /// Old number of each row, `[new]`.
     pub order: Vec<u32>,
     /// Start of the couplings of each row left of its diagonal, `[n_rows + 1]`. Those of all rows come first: a
-    /// triangular sweep then reads its half of a matrix without gaps, two to three times as fast.
+    /// triangular sweep then reads its half of a matrix without gaps.
     pub left_begin: Vec<usize>,
     /// Start of the other couplings of each row, beginning with its diagonal, `[n_rows + 1]`.
     pub right_begin: Vec<usize>,

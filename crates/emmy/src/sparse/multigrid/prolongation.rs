@@ -202,15 +202,10 @@ impl<const M: usize> Prolongation<M> {
             let inverse = inverse_diagonals[node].map(|row| row.map(|entry| -omega * entry));
             for ((block, sum), &column) in blocks.iter_mut().zip(&*sums).zip(columns) {
                 let is_own = column == aggregates.of_node[node];
-                for (a, (row, inverse)) in block.iter_mut().zip(&inverse).enumerate() {
-                    let T =
-                        if is_own { tentative[aggregates.place[node] as usize][a] } else { [0.0; COARSE] };
-                    *row = std::array::from_fn(|c| {
-                        let smoothed: f64 =
-                            inverse.iter().zip(sum).map(|(inverse, sum)| inverse * sum[c]).sum();
-                        (f64::from(T[c]) + smoothed) as f32
-                    });
-                }
+                let T = &tentative[aggregates.place[node] as usize];
+                let mut value = if is_own { T.map(|row| row.map(f64::from)) } else { [[0.0; COARSE]; M] };
+                add_product(&mut value, &inverse, sum);
+                *block = value.map(|row| row.map(|entry| entry as f32));
             }
         };
         each_part(begin, 0..pattern.n_rows(), blocks, &smooth_node);
@@ -248,10 +243,14 @@ fn each_part<T: Send, S: Default>(
 
 /// `sum += A B`.
 #[inline(always)]
-pub(super) fn add_product<const M: usize>(sum: &mut Block<f64, M>, A: &[[f64; M]; M], B: &Block<f32, M>) {
+pub(super) fn add_product<T: Copy + Into<f64>, const M: usize>(
+    sum: &mut Block<f64, M>,
+    A: &[[f64; M]; M],
+    B: &Block<T, M>,
+) {
     for (sum, A) in sum.iter_mut().zip(A) {
         for (&factor, B) in A.iter().zip(B) {
-            sum.iter_mut().zip(B).for_each(|(sum, &B)| *sum += factor * f64::from(B));
+            sum.iter_mut().zip(B).for_each(|(sum, &B)| *sum += factor * B.into());
         }
     }
 }

@@ -71,7 +71,7 @@ mod tests {
     use super::SolverKind::{Direct, Iterative, Multigrid};
     use super::*;
 
-    /// The L-block with cells of 1/r: its numbers of degrees of freedom and of couplings.
+    /// The L-block with cells of 1/r: its degrees of freedom and about the number of its couplings.
     fn l_block(r: usize) -> Costs {
         let (n_dofs, n_couplings) = match r {
             2 => (3_969, 29_000),
