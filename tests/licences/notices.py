@@ -44,8 +44,8 @@ def cargo(*arguments):
 
 
 def linked():
-    """Packages that `emmy` needs to run on any platform, without those of the workspace, in the order of their names."""
-    tree = cargo("tree", *"--locked --edges normal --target all --package emmy-cli --prefix none --format {p}".split())
+    """Packages that `emmy` and the package of Python need to run on any platform, without those of the workspace, in the order of their names."""
+    tree = cargo("tree", *"--locked --edges normal --target all --package emmy-cli --package emmy-python --prefix none --format {p}".split())
     names = {tuple(line.split()[:2]) for line in tree.splitlines() if line}
     packages = json.loads(cargo("metadata", "--locked", "--format-version", "1"))["packages"]
     wanted = [p for p in packages if (p["name"], "v" + p["version"]) in names and p["source"]]

@@ -89,6 +89,7 @@ fn material_of(name: &str) -> Option<&'static str> {
         "holzapfel-gasser-ogden" => {
             "holzapfel-gasser-ogden = { mu = 30.0, k1 = 10.0, k2 = 1.0, fibres = [[1, 1, 0]], bulk_modulus = 90.0 }"
         }
+        "energy" => "energy = { formula = 'mu/2*(I1 - 3) - mu*ln(J) + K/2*(J - 1)^2', mu = 40.0, K = 90.0 }",
         "bar" => "bar = { youngs_modulus = 100.0, area = 1.0 }",
         "spring" => "spring = { stiffness = 50.0 }",
         "attraction" => "attraction = { strength = 2.0 }",

@@ -1,6 +1,6 @@
 //! Failures of verbs: their messages and exit codes.
 
-use std::io::{IsTerminal, stderr};
+use std::fmt;
 
 use emmy::motion::MarchError;
 use emmy_io::directory::DirectoryError;
@@ -8,8 +8,6 @@ use emmy_io::input::{InputError, StartError};
 use emmy_io::message::shown;
 pub(crate) use emmy_io::message::with_causes;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, MietteDiagnostic};
-
-use crate::message::message;
 
 /// Exit code after an internal error.
 pub(crate) const INTERNAL_ERROR: u8 = 101;
@@ -21,8 +19,25 @@ const MAX_SHOWN_FAULTS: usize = 20;
 pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Why a verb ended early.
+///
+/// ```
+/// struct Silent;
+/// impl emmy_cli::Host for Silent {
+///     fn output(&self, _: &str) -> std::io::Result<()> {
+///         Ok(())
+///     }
+///     fn message(&self, _: &str) {}
+///     fn is_interrupted(&self) -> bool {
+///         false
+///     }
+/// }
+/// let failure = emmy_cli::run_verb(["run", "missing.toml"], &Silent).unwrap_err();
+/// assert!(matches!(&failure, emmy_cli::Failure::Input(error) if error.faults().len() == 1));
+/// assert_eq!(failure.code(), 2);
+/// ```
 #[derive(Debug)]
-pub(crate) enum Failure {
+#[non_exhaustive]
+pub enum Failure {
     /// Faults in the input, with lines.
     Input(InputError),
     /// Bad input of another kind: arguments, or files that Emmy must not overwrite.
@@ -32,8 +47,8 @@ pub(crate) enum Failure {
         /// Advice.
         help: Option<String>,
     },
-    /// A step did not converge.
-    NoConvergence(String),
+    /// A step did not converge; the results up to the step before are written.
+    NoConvergence(Box<emmy::Error>),
     /// A run of a study, or the equilibrium at the start of a motion, did not converge.
     Study {
         /// The run and its failure.
@@ -41,9 +56,9 @@ pub(crate) enum Failure {
         /// Advice, or the results that exist.
         help: String,
     },
-    /// A limit was exceeded.
+    /// A limit was exceeded; the results up to this step are written.
     Limit(String),
-    /// A signal came.
+    /// A signal came, or the host asked to stop.
     Interrupted {
         /// Step and time.
         message: String,
@@ -52,7 +67,17 @@ pub(crate) enum Failure {
     },
     /// Any other failure, such as a full disk.
     Other(String),
+    /// A fault of Emmy itself.
+    Internal(String),
 }
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message())
+    }
+}
+
+impl std::error::Error for Failure {}
 
 impl Failure {
     /// A result could not be printed.
@@ -60,70 +85,79 @@ impl Failure {
         Failure::Other(format!("cannot write to standard output: {error}"))
     }
 
-    /// Exit code.
-    pub(crate) fn code(&self) -> u8 {
+    /// Arguments that cannot be read.
+    pub(crate) fn from_arguments(error: &clap::Error) -> Self {
+        let text = error.to_string();
+        let message = text.strip_prefix("error: ").unwrap_or(&text).trim_end().to_string();
+        Failure::Usage { message, help: None }
+    }
+
+    /// Exit code of the program.
+    pub fn code(&self) -> u8 {
         match self {
             Failure::Input(_) | Failure::Usage { .. } => 2,
             Failure::NoConvergence(_) | Failure::Study { .. } => 3,
             Failure::Limit(_) => 4,
             Failure::Interrupted { .. } => INTERRUPTED,
             Failure::Other(_) => 1,
+            Failure::Internal(_) => INTERNAL_ERROR,
         }
     }
 
     /// The reason.
-    pub(crate) fn message(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
             Failure::Input(error) => error.to_string(),
+            Failure::NoConvergence(error) => with_causes(&**error),
             Failure::Usage { message, .. }
             | Failure::Study { message, .. }
-            | Failure::Interrupted { message, .. } => message.clone(),
-            Failure::NoConvergence(message) | Failure::Limit(message) | Failure::Other(message) => {
-                message.clone()
-            }
+            | Failure::Interrupted { message, .. }
+            | Failure::Limit(message)
+            | Failure::Other(message) => message.clone(),
+            Failure::Internal(message) => format!("internal error: {message}. Please report it."),
         }
     }
 
-    /// Prints the failure on standard error.
-    pub(crate) fn show(&self) {
+    /// Advice, or which results exist; faults of the input have their own.
+    pub fn help(&self) -> Option<&str> {
         match self {
-            Failure::Input(error) => {
-                error.faults().iter().take(MAX_SHOWN_FAULTS).for_each(|fault| show(&fault.excerpt()));
-                if error.faults().len() > 1 {
-                    message!("{} faults in the input; nothing was run or written", error.faults().len());
-                }
-            }
-            Failure::Usage { message, help } => plain(message, help.as_deref()),
-            Failure::Study { message, help } | Failure::Interrupted { message, help } => {
-                plain(message, Some(help));
-            }
-            Failure::NoConvergence(message) => {
-                plain(message, Some("the results up to the step before are written"))
-            }
-            Failure::Limit(message) => plain(message, Some("the results up to this step are written")),
-            Failure::Other(message) => plain(message, None),
+            Failure::Usage { help, .. } => help.as_deref(),
+            Failure::Study { help, .. } | Failure::Interrupted { help, .. } => Some(help),
+            Failure::NoConvergence(_) => Some("the results up to the step before are written"),
+            Failure::Limit(_) => Some("the results up to this step are written"),
+            Failure::Input(_) | Failure::Other(_) | Failure::Internal(_) => None,
         }
     }
-}
 
-fn plain(message: &str, help: Option<&str>) {
-    let diagnostic = MietteDiagnostic::new(shown(message));
-    match help {
-        Some(help) => show(&diagnostic.with_help(shown(help))),
-        None => show(&diagnostic),
+    /// The messages for standard error: one for each fault.
+    pub(crate) fn texts(&self, has_colours: bool) -> Vec<String> {
+        let Failure::Input(error) = self else {
+            let diagnostic = MietteDiagnostic::new(shown(&self.message()));
+            return vec![match self.help() {
+                Some(help) => rendered(&diagnostic.with_help(shown(help)), has_colours),
+                None => rendered(&diagnostic, has_colours),
+            }];
+        };
+        let faults = error.faults();
+        let shown = faults.iter().take(MAX_SHOWN_FAULTS);
+        let mut texts: Vec<String> = shown.map(|fault| rendered(&fault.excerpt(), has_colours)).collect();
+        if faults.len() > 1 {
+            texts.push(format!("{} faults in the input; nothing was run or written", faults.len()));
+        }
+        texts
     }
 }
 
-/// Renders a diagnostic, with colours and line breaks only on a terminal.
-fn show(diagnostic: &dyn Diagnostic) {
-    let handler = match stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+/// A diagnostic as text; with colours it is meant for a terminal, and long lines are broken.
+fn rendered(diagnostic: &dyn Diagnostic, has_colours: bool) -> String {
+    let handler = match has_colours {
         true => GraphicalReportHandler::new_themed(GraphicalTheme::unicode()).with_width(110),
         false => GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_wrap_lines(false),
     };
     let mut text = String::new();
     match handler.render_report(&mut text, diagnostic) {
-        Ok(()) => message!("{}", text.trim_end()),
-        Err(_) => message!("{diagnostic}"),
+        Ok(()) => text.trim_end().to_string(),
+        Err(_) => diagnostic.to_string(),
     }
 }
 

@@ -1,23 +1,14 @@
 //! Results on standard output; numbers in them.
 
-use std::io::{self, Write};
-
 pub(crate) use emmy::internals::number::{short as number, short_vector as vector};
 use emmy_io::message::escaped;
 
 use crate::failure::Failure;
+use crate::host::Host;
 
-/// Prints a result; control characters of names and titles are escaped. A reader that stops early (`emmy list schemes |
-/// head -1`) is not a failure.
-pub(crate) fn result(text: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    let written = stdout.write_all(escaped(text).as_bytes()).and_then(|()| stdout.flush());
-    written.or_else(without_reader).map_err(Failure::from_stdout)
-}
-
-/// Success if the reader of a pipe has stopped.
-pub(crate) fn without_reader(error: io::Error) -> io::Result<()> {
-    if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
+/// Hands a result to the host; control characters of names and titles are escaped.
+pub(crate) fn result(host: &dyn Host, text: &str) -> Result<(), Failure> {
+    host.output(&escaped(text)).map_err(Failure::from_stdout)
 }
 
 /// Rows of cells as lines with aligned columns: the first one to the left, the others to the right.

@@ -1,6 +1,4 @@
-//! Progress on standard error: a bar on a terminal, otherwise a line for every tenth of the run.
-
-use std::io::{IsTerminal, stderr};
+//! Progress: a bar on a terminal, otherwise a line for every tenth of the run.
 
 use emmy::motion::{Event, EventKind, Observer, Record, State, StepPlan, View};
 use emmy::time::Scheme;
@@ -8,12 +6,13 @@ use emmy_io::message::shown;
 use emmy_io::units::Units;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::message::message;
+use crate::host::{Host, ProgressUpdate, message};
 use crate::print::number;
 
 /// Shows the progress of a run.
 #[derive(Debug)]
-pub(crate) struct Progress {
+pub(crate) struct Progress<'h> {
+    host: &'h dyn Host,
     form: Form,
     what: &'static str,
     /// Number of the step at the start.
@@ -40,16 +39,22 @@ const ADAPTIVE_STYLE: &str = "{bar:24} {percent:>3} %  {msg}  {eta} left";
 
 const STYLE: &str = "{bar:24} {pos}/{len} steps  {msg}  {eta} left";
 
-impl Progress {
+impl<'h> Progress<'h> {
     /// Progress through a plan.
-    pub(crate) fn new(plan: &StepPlan, units: Units, quiet: bool) -> Self {
-        Progress::of("", plan, units, quiet)
+    pub(crate) fn new(host: &'h dyn Host, plan: &StepPlan, units: Units, quiet: bool) -> Self {
+        Progress::of(host, "", plan, units, quiet)
     }
 
     /// Progress of one of several runs; `what` is the beginning of each line.
-    pub(crate) fn of(what: &'static str, plan: &StepPlan, units: Units, quiet: bool) -> Self {
+    pub(crate) fn of(
+        host: &'h dyn Host,
+        what: &'static str,
+        plan: &StepPlan,
+        units: Units,
+        quiet: bool,
+    ) -> Self {
         let n_steps = plan.n_steps();
-        let form = match (quiet, stderr().is_terminal()) {
+        let form = match (quiet, host.draws_bars()) {
             (true, _) => Form::Nothing,
             (false, false) => Form::Lines { shown: 0 },
             (false, true) if plan.adaptivity().is_some() => Form::Bar(bar(PARTS as usize, ADAPTIVE_STYLE)),
@@ -57,7 +62,7 @@ impl Progress {
         };
         let is_adaptive = plan.adaptivity().is_some();
         let span = [plan.start(), plan.end()];
-        Progress { form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0, units }
+        Progress { host, form, what, first: None, n_steps, is_adaptive, span, largest_energy: 0.0, units }
     }
 
     /// Counts the steps of a resumed run from its state on.
@@ -65,6 +70,11 @@ impl Progress {
         if state.step > 0 {
             self.first = Some(0);
         }
+    }
+
+    /// Beginning of each line.
+    fn prefix(&self) -> String {
+        if self.what.is_empty() { String::new() } else { format!("{}: ", self.what) }
     }
 
     /// Removes the bar.
@@ -78,19 +88,19 @@ impl Progress {
     fn message(&self, record: &Record, is_static: bool) -> String {
         let balance =
             if self.largest_energy > 0.0 { record.energy_residual.abs() / self.largest_energy } else { 0.0 };
-        let what = if matches!(self.form, Form::Bar(_)) { self.what } else { "" };
         if is_static {
             let fraction = number(record.time);
-            return format!("{what}load fraction {fraction}  Newton {}", record.newton_iterations);
+            return format!("load fraction {fraction}  Newton {}", record.newton_iterations);
         }
         let time = self.units.number(record.time, "time");
-        format!("{what}t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
+        format!("t = {time}  energy balance {balance:.0e}  Newton {}", record.newton_iterations)
     }
 }
 
 /// Shows how many of several runs are finished.
 #[derive(Debug)]
-pub(crate) struct RunsProgress {
+pub(crate) struct RunsProgress<'h> {
+    host: &'h dyn Host,
     form: Form,
     n_runs: usize,
     n_done: usize,
@@ -99,15 +109,15 @@ pub(crate) struct RunsProgress {
 
 const RUNS_STYLE: &str = "{bar:24} {pos}/{len} runs  {msg}  {eta} left";
 
-impl RunsProgress {
+impl<'h> RunsProgress<'h> {
     /// Progress through some runs.
-    pub(crate) fn new(n_runs: usize, quiet: bool) -> Self {
-        let form = match (quiet, stderr().is_terminal()) {
+    pub(crate) fn new(host: &'h dyn Host, n_runs: usize, quiet: bool) -> Self {
+        let form = match (quiet, host.draws_bars()) {
             (true, _) => Form::Nothing,
             (false, false) => Form::Lines { shown: 0 },
             (false, true) => Form::Bar(bar(n_runs, RUNS_STYLE)),
         };
-        RunsProgress { form, n_runs, n_done: 0, n_failed: 0 }
+        RunsProgress { host, form, n_runs, n_done: 0, n_failed: 0 }
     }
 
     /// Counts a finished run, and shows why it failed.
@@ -115,7 +125,10 @@ impl RunsProgress {
         self.n_done += 1;
         self.n_failed += usize::from(failure.is_some());
         let count = if self.n_failed > 0 { format!("{} failed", self.n_failed) } else { String::new() };
+        let (done, total) = (self.n_done as f64, self.n_runs as f64);
+        self.host.progress(&ProgressUpdate { what: "runs", done, total, text: &count });
         let tenths = 10 * self.n_done / self.n_runs.max(1);
+        let host = self.host;
         match &mut self.form {
             Form::Nothing => {}
             Form::Bar(bar) => {
@@ -124,10 +137,10 @@ impl RunsProgress {
                 failure.into_iter().for_each(|failure| bar.println(shown(&failure)));
             }
             Form::Lines { shown: before } => {
-                failure.into_iter().for_each(|failure| message!("{}", shown(&failure)));
+                failure.into_iter().for_each(|failure| message!(host, "{}", shown(&failure)));
                 if tenths > *before {
                     let count = if count.is_empty() { count } else { format!(", {count}") };
-                    message!("run {} of {}{count}", self.n_done, self.n_runs);
+                    message!(host, "run {} of {}{count}", self.n_done, self.n_runs);
                     *before = tenths;
                 }
             }
@@ -150,7 +163,7 @@ fn bar(n_steps: usize, style: &str) -> ProgressBar {
     }
 }
 
-impl Observer for Progress {
+impl Observer for Progress<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let record = view.record;
         let is_static = view.motion.scheme() == Scheme::Static;
@@ -164,22 +177,28 @@ impl Observer for Progress {
             (false, _) => (done, self.n_steps),
         };
         let tenths = 10 * position / whole.max(1);
-        let message = match self.form {
-            Form::Nothing => return Ok(()),
-            Form::Lines { shown } if tenths <= shown => return Ok(()),
-            _ => self.message(record, is_static),
+        let message = self.message(record, is_static);
+        let (done_part, total) = match (self.is_adaptive, self.span) {
+            (true, [start, end]) => (record.time - start, end - start),
+            (false, _) => (done as f64, self.n_steps as f64),
         };
+        let update = ProgressUpdate { what: self.what, done: done_part, total, text: &message };
+        self.host.progress(&update);
+        let prefix = self.prefix();
+        let host = self.host;
         match &mut self.form {
+            Form::Nothing => {}
+            Form::Lines { shown } if tenths <= *shown => {}
             Form::Bar(bar) => {
-                bar.set_message(message);
+                bar.set_message(format!("{prefix}{message}"));
                 bar.set_position(position as u64);
             }
-            _ => {
+            Form::Lines { .. } => {
                 let end = self.units.number(self.span[1], "time");
                 let end = if is_static { String::new() } else { format!(" (end: t = {end})") };
                 let step = if is_static { "increment" } else { "step" };
                 let of = if self.is_adaptive { String::new() } else { format!(" of {}", self.n_steps) };
-                message!("{}{step} {done}{of}, {message}{end}", self.what);
+                message!(host, "{prefix}{step} {done}{of}, {message}{end}");
                 self.form = Form::Lines { shown: tenths };
             }
         }
@@ -188,10 +207,11 @@ impl Observer for Progress {
 
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let is_seldom = event.kind != EventKind::Grown;
-        let text = format!("{}step {}: {}", self.what, event.step, event.message);
+        let text = format!("{}step {}: {}", self.prefix(), event.step, event.message);
+        let host = self.host;
         match &self.form {
             Form::Bar(bar) if is_seldom => bar.println(text),
-            Form::Lines { .. } if is_seldom => message!("{text}"),
+            Form::Lines { .. } if is_seldom => message!(host, "{text}"),
             _ => {}
         }
         Ok(())

@@ -8,7 +8,8 @@ use emmy::motion::{Observer, View};
 use emmy_io::summary::{self, Status};
 
 use crate::failure::{Failure, INTERRUPTED};
-use crate::message::message;
+use crate::host::Host;
+use crate::program::line;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
@@ -20,7 +21,7 @@ pub(crate) fn listen() -> Result<(), Failure> {
         if ASKED.swap(true, Ordering::SeqCst) {
             end("stopped at once by a second signal");
         }
-        message!("stopping at the end of this step; a second signal stops at once");
+        line("stopping at the end of this step; a second signal stops at once");
     };
     ctrlc::set_handler(heard).map_err(|error| deaf(&error))
 }
@@ -44,7 +45,7 @@ fn listen_to_others() -> std::io::Result<()> {
             if signal == SIGQUIT {
                 end("stopped at once by SIGQUIT");
             } else if !ASKED.swap(true, Ordering::SeqCst) {
-                message!("stopping at the end of this step because of signal {signal}");
+                line(&format!("stopping at the end of this step because of signal {signal}"));
             }
         }
     });
@@ -61,11 +62,11 @@ pub(crate) fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// Ends a march after a signal.
+/// Ends a march when the host asks to stop.
 #[derive(Debug)]
-pub(crate) struct Stop;
+pub(crate) struct Stop<'h>(pub &'h dyn Host);
 
-/// The march was stopped by a signal.
+/// The march was stopped by the host.
 #[derive(Debug)]
 pub(crate) struct Interrupted {
     step: usize,
@@ -80,10 +81,10 @@ impl fmt::Display for Interrupted {
 
 impl std::error::Error for Interrupted {}
 
-impl Observer for Stop {
+impl Observer for Stop<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let step = view.record.step;
         let time = view.record.time;
-        if is_asked() { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
+        if self.0.is_interrupted() { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
     }
 }

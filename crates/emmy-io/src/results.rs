@@ -87,6 +87,9 @@ impl Results {
         std::fs::create_dir_all(directory).map_err(system)?;
         let lock = Lock::take(directory)?;
         directory::prepare(directory)?;
+        if let Some(mesh) = &problem.mesh_in_memory {
+            directory::write_mesh(directory, mesh)?;
+        }
         replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
         let history = HistoryFile::create(&directory.join("history.csv"), &HistoryColumns::of(problem));
         let history = history.map_err(system)?;

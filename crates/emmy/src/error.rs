@@ -114,6 +114,16 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A load or a given motion that is not a finite number at a time. A smaller step does not help.
+    #[error("{what} is {value} at t = {}, not a finite number; correct its function of time", short(.time))]
+    NotFiniteAt {
+        /// The load or support with the text of its function; of a field also the reference position.
+        what: String,
+        /// The time.
+        time: f64,
+        /// Its value there.
+        value: f64,
+    },
     /// A facet of a group that is not a face of any cell.
     #[error("group \"{group}\": the facet with nodes {nodes:?} is not a face of any cell of the body")]
     FacetWithoutCell {
@@ -201,6 +211,12 @@ pub enum Error {
         parameter: &'static str,
         /// Condition on the direction.
         requirement: &'static str,
+    },
+    /// A formula that is not the energy of a stable material.
+    #[error("energy: {reason}")]
+    EnergyFormula {
+        /// Reason.
+        reason: String,
     },
     /// A time function whose times go back, or with an entry that is not finite.
     #[error("time function: {reason} (entry {entry})")]

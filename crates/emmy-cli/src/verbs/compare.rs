@@ -9,7 +9,7 @@ use emmy_io::report;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print;
 
 /// Arguments of the verb.
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
 }
 
 /// Reads the runs, writes the charts, prints the table.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let runs = arguments.directories.iter().map(|directory| Run::read(directory));
     let mut runs = runs.collect::<Result<Vec<_>, _>>()?;
     name_apart(&mut runs, &arguments.directories);
@@ -40,11 +40,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?;
     let named = runs.iter().map(|run| run.name.clone()).zip(arguments.directories.iter().cloned());
     let page = report::write_comparison(&arguments.output, &named.collect::<Vec<_>>())?;
-    print::result(&if arguments.json { lines(&runs) } else { table(&runs) })?;
+    print::result(host, &if arguments.json { lines(&runs) } else { table(&runs) })?;
     if !arguments.quiet {
         let stem = arguments.output.join("compare");
-        message!("written: {0}.svg, {0}.png, and single charts in {0}-*", stem.display());
-        message!("to look at: {}", page.display());
+        message!(host, "written: {0}.svg, {0}.png, and single charts in {0}-*", stem.display());
+        message!(host, "to look at: {}", page.display());
     }
     Ok(())
 }

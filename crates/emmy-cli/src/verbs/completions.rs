@@ -4,6 +4,7 @@ use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
 use crate::failure::Failure;
+use crate::host::Host;
 use crate::print;
 
 /// Arguments of the verb.
@@ -14,8 +15,8 @@ pub(crate) struct Arguments {
 }
 
 /// Prints the completions.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut crate::Arguments::command(), "emmy", &mut script);
-    print::result(&String::from_utf8_lossy(&script))
+    print::result(host, &String::from_utf8_lossy(&script))
 }

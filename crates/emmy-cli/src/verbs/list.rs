@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::new::TEMPLATES;
 use crate::failure::Failure;
+use crate::host::Host;
 use crate::print;
 
 /// Arguments of the verb.
@@ -63,11 +64,11 @@ fn described<const N: usize>(items: [(&'static str, &'static str); N]) -> Vec<It
 }
 
 /// Prints the list.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if arguments.properties {
-        return properties(arguments);
+        return properties(arguments, host);
     }
-    let Some(what) = arguments.what else { return words(arguments.json) };
+    let Some(what) = arguments.what else { return words(arguments.json, host) };
     let items: Vec<Item> = match what {
         What::Schemes => described(SCHEMES.map(|row| (row.form, row.description))),
         What::Estimators => described(ESTIMATORS.map(|(name, _, description)| (name, description))),
@@ -78,11 +79,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         What::Fields => FieldName::ALL.map(|field| (field.name(), emmy_io::units::described(field))).into(),
         What::Templates => described(TEMPLATES.map(|template| (template.name, template.title()))),
     };
-    print::result(&if arguments.json { as_json(&items) } else { as_lines(&items) })
+    print::result(host, &if arguments.json { as_json(&items) } else { as_lines(&items) })
 }
 
 /// Prints the measured materials.
-fn properties(arguments: &Arguments) -> Result<(), Failure> {
+fn properties(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if !matches!(arguments.what, None | Some(What::Materials)) {
         let message = "`--properties` belongs to the list of materials".to_string();
         return Err(Failure::Usage { message, help: Some("emmy list materials --properties".to_string()) });
@@ -90,18 +91,23 @@ fn properties(arguments: &Arguments) -> Result<(), Failure> {
     let system = arguments.units;
     let text = |own: &MeasuredMaterial| format!("# {}; {}\n{}\n", own.name, own.origin(), own.input(system));
     let object = |own: &MeasuredMaterial| json!({ "name": own.name, "input": own.input(system), "source": own.source, "note": own.note });
-    print::result(&match arguments.json {
-        true => format!("{:#}\n", serde_json::Value::Array(measured().iter().map(object).collect())),
-        false => format!("# Units: {}\n\n{}", system.name, measured().iter().map(text).collect::<String>()),
-    })
+    print::result(
+        host,
+        &match arguments.json {
+            true => format!("{:#}\n", serde_json::Value::Array(measured().iter().map(object).collect())),
+            false => {
+                format!("# Units: {}\n\n{}", system.name, measured().iter().map(text).collect::<String>())
+            }
+        },
+    )
 }
 
 /// Prints the available lists.
-fn words(as_json: bool) -> Result<(), Failure> {
+fn words(as_json: bool, host: &dyn Host) -> Result<(), Failure> {
     let values: Vec<_> = What::value_variants().iter().filter_map(What::to_possible_value).collect();
     let help = |value: &PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();
     let items: Vec<(&str, String)> = values.iter().map(|value| (value.get_name(), help(value))).collect();
-    print::result(&if as_json { self::as_json(&items) } else { as_lines(&items) })
+    print::result(host, &if as_json { self::as_json(&items) } else { as_lines(&items) })
 }
 
 fn as_lines(items: &[(&str, String)]) -> String {

@@ -17,12 +17,13 @@ mod sweep;
 
 use std::path::PathBuf;
 
+pub use check::{report_on, report_on_body};
 use clap::{Args, Subcommand};
 use emmy::internals::motion::Resolution;
 use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 
 /// The verb.
 #[derive(Debug, Subcommand)]
@@ -79,20 +80,20 @@ pub(crate) enum Verb {
 
 impl Verb {
     /// Runs the verb.
-    pub(crate) fn run(self) -> Result<(), Failure> {
+    pub(crate) fn run(self, host: &dyn Host) -> Result<(), Failure> {
         match self {
-            Verb::New(arguments) => new::run(&arguments),
-            Verb::Check(arguments) => check::run(&arguments),
-            Verb::Run(arguments) => run::run(&arguments),
-            Verb::Modes(arguments) => modes::run(&arguments),
-            Verb::Report(arguments) => report::run(&arguments),
-            Verb::Resume(arguments) => resume::run(&arguments),
-            Verb::Compare(arguments) => compare::run(&arguments),
-            Verb::Converge(arguments) => converge::run(&arguments),
-            Verb::Sweep(arguments) => sweep::run(&arguments),
-            Verb::List(arguments) => list::run(&arguments),
-            Verb::Schema => schema::run(),
-            Verb::Completions(arguments) => completions::run(&arguments),
+            Verb::New(arguments) => new::run(&arguments, host),
+            Verb::Check(arguments) => check::run(&arguments, host),
+            Verb::Run(arguments) => run::run(&arguments, host),
+            Verb::Modes(arguments) => modes::run(&arguments, host),
+            Verb::Report(arguments) => report::run(&arguments, host),
+            Verb::Resume(arguments) => resume::run(&arguments, host),
+            Verb::Compare(arguments) => compare::run(&arguments, host),
+            Verb::Converge(arguments) => converge::run(&arguments, host),
+            Verb::Sweep(arguments) => sweep::run(&arguments, host),
+            Verb::List(arguments) => list::run(&arguments, host),
+            Verb::Schema => schema::run(host),
+            Verb::Completions(arguments) => completions::run(&arguments, host),
         }
     }
 }
@@ -114,8 +115,8 @@ struct Input {
 }
 
 impl Input {
-    /// The problem; notes of its reader go to standard error.
-    fn problem(&self) -> Result<Problem, Failure> {
+    /// The problem; notes of its reader go to the host.
+    fn problem(&self, host: &dyn Host) -> Result<Problem, Failure> {
         let overrides = Overrides {
             set: self.set.clone(),
             until: self.until,
@@ -123,18 +124,18 @@ impl Input {
             ..Overrides::default()
         };
         let problem = emmy_io::input::read(&self.file, &overrides)?;
-        problem.notes.iter().for_each(|note| message!("note: {note}"));
+        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
         Ok(problem)
     }
 }
 
-/// Runs a function in the thread pool, because a thread outside of it would wait for every small task.
+/// Runs a function in a thread pool, because a thread outside of it would wait for every small task: in one of its own
+/// with a number of threads, otherwise in that of the caller.
 fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    if let Some(threads) = threads {
-        let built = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-        built.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
-    }
-    Ok(rayon::scope(|_| work()))
+    let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
+    let pool = pool.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
+    Ok(pool.install(work))
 }
 
 /// A warning of planned steps that do not resolve a load or a moving support.

@@ -9,7 +9,7 @@ use emmy_io::input::{self, Overrides, Problem, Start, StartError};
 
 use super::with_threads;
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print::{self, columns, number};
 
 /// Arguments of the verb.
@@ -38,27 +38,27 @@ pub(crate) struct Arguments {
 const DEFAULT_COUNT: usize = 10;
 
 /// Computes, prints and writes the modes.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.threads, || run_here(arguments))?
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.threads, || run_here(arguments, host))?
 }
 
-fn run_here(arguments: &Arguments) -> Result<(), Failure> {
+fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let overrides = Overrides { set: arguments.set.clone(), ..Overrides::default() };
     let problem = input::read(&arguments.file, &overrides)?;
     if !arguments.quiet {
-        problem.notes.iter().for_each(|note| message!("note: {note}"));
+        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
     }
     let directory = arguments.directory(&problem);
     emmy_io::modes::check(&directory, &problem)?;
     let (displacement, modes) = computed(&problem, arguments.count)?;
     emmy_io::modes::write(&directory, &problem, &displacement, &modes)?;
-    print::result(&table(&problem, &modes))?;
+    print::result(host, &table(&problem, &modes))?;
     let page = emmy_io::report::write(&directory)?;
     if !arguments.quiet {
-        about(&problem, &displacement);
-        remarks(&modes);
-        message!("written: {}", directory.join(emmy_io::modes::TABLE).display());
-        message!("to look at: {}", page.display());
+        about(&problem, &displacement, host);
+        remarks(&modes, host);
+        message!(host, "written: {}", directory.join(emmy_io::modes::TABLE).display());
+        message!(host, "to look at: {}", page.display());
     }
     Ok(())
 }
@@ -126,17 +126,20 @@ fn table(problem: &Problem, modes: &[Mode]) -> String {
 }
 
 /// Says about which state the body vibrates, unless it is the reference configuration of the input.
-fn about(problem: &Problem, displacement: &[f64]) {
+fn about(problem: &Problem, displacement: &[f64], host: &dyn Host) {
     match problem.start {
         Start::Run(_) => {
-            message!("note: the modes are about the reference configuration; `initial.state` has no effect")
+            message!(
+                host,
+                "note: the modes are about the reference configuration; `initial.state` has no effect"
+            )
         }
         _ if displacement.iter().all(|u| *u == 0.0) => {}
         _ => {
             let lengths =
                 displacement.as_chunks::<3>().0.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt());
             let largest = problem.units.number(lengths.fold(0.0, f64::max), "length");
-            message!("about the equilibrium under the loads at t = 0; largest displacement {largest}");
+            message!(host, "about the equilibrium under the loads at t = 0; largest displacement {largest}");
         }
     }
 }
@@ -145,21 +148,23 @@ fn about(problem: &Problem, displacement: &[f64]) {
 const MAX_RESIDUAL: f64 = 1e-4;
 
 /// Remarks on rigid, unstable and inaccurate modes.
-fn remarks(modes: &[Mode]) {
+fn remarks(modes: &[Mode], host: &dyn Host) {
     let rigid = modes.iter().filter(|mode| mode.angular_frequency == 0.0).count();
     let unstable = modes.iter().filter(|mode| mode.angular_frequency < 0.0).count();
     if rigid > 0 {
-        message!("note: {rigid} rigid {}, in which nothing holds the body", plural(rigid));
+        message!(host, "note: {rigid} rigid {}, in which nothing holds the body", plural(rigid));
     }
     if unstable > 0 {
         let modes = plural(unstable);
         message!(
+            host,
             "note: {unstable} unstable {modes}, shown with a negative frequency: this equilibrium is unstable"
         );
     }
     let residual = modes.iter().map(|mode| mode.residual).fold(0.0, f64::max);
     if residual > MAX_RESIDUAL {
         message!(
+            host,
             "warning: relative residuals of up to {residual:.0e}: the lowest modes have few correct digits"
         );
     }

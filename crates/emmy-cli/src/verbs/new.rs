@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Write};
 use clap::Args;
 
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
     name: Option<String>,
 }
 
-/// An example input, from a file in `examples`.
+/// An example input, from a file in `examples`. The package of the crate has them as `templates`, a link to that folder.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Template {
     /// Name of the example and its file.
@@ -32,12 +32,12 @@ impl Template {
 
 macro_rules! template {
     ($name:literal) => {
-        Template { name: $name, text: include_str!(concat!("../../../../examples/", $name, ".toml")) }
+        Template { name: $name, text: include_str!(concat!("../../templates/", $name, ".toml")) }
     };
 }
 
 /// The examples.
-pub(super) const TEMPLATES: [Template; 13] = [
+pub(super) const TEMPLATES: [Template; 14] = [
     template!("l-block"),
     template!("quasi-rigid"),
     template!("cantilever"),
@@ -51,13 +51,14 @@ pub(super) const TEMPLATES: [Template; 13] = [
     template!("balloon"),
     template!("rubber-mount"),
     template!("rubber-beam"),
+    template!("soft-tissue"),
 ];
 
 /// Examples with a mesh file, which `emmy new` does not write.
 const ON_MESHES: [&str; 4] = ["bracket", "steel-bracket", "tuning-fork", "two-materials"];
 
 /// Writes the example, unless the file exists.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let name = arguments.name.as_deref().unwrap_or_default().trim_end_matches(".toml");
     let Some(template) = TEMPLATES.iter().find(|template| template.name == name) else {
         return Err(if ON_MESHES.contains(&name) { on_mesh(name) } else { unknown(name) });
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     opened
         .and_then(|mut opened| opened.write_all(template.text.as_bytes()))
         .map_err(|error| not_written(&file, &error))?;
-    message!("{file} is written; `emmy check {file}` reports on it, `emmy run {file}` runs it");
+    message!(host, "{file} is written; `emmy check {file}` reports on it, `emmy run {file}` runs it");
     Ok(())
 }
 

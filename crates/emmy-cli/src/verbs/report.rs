@@ -6,6 +6,7 @@ use clap::Args;
 use emmy_io::report::{self, ReportError};
 
 use crate::failure::Failure;
+use crate::host::Host;
 use crate::print;
 
 /// Arguments of the verb.
@@ -17,9 +18,9 @@ pub(crate) struct Arguments {
 }
 
 /// Writes the page and prints its path.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let path = report::write(&arguments.directory)?;
-    print::result(&format!("{}\n", path.display()))
+    print::result(host, &format!("{}\n", path.display()))
 }
 
 impl From<ReportError> for Failure {

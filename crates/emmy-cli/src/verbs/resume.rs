@@ -15,7 +15,7 @@ use serde_json::Value;
 use super::run::{self, RunOptions, march};
 use super::with_threads;
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print::number;
 
 /// Arguments of the verb.
@@ -37,12 +37,12 @@ pub(crate) struct Arguments {
 }
 
 /// Resumes the run.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.options.threads, || run_here(arguments))?
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.options.threads, || run_here(arguments, host))?
 }
 
 /// Resumes the run in the calling thread.
-fn run_here(arguments: &Arguments) -> Result<(), Failure> {
+fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if !arguments.directory.join("input.toml").is_file() {
         return Err(usage(
             format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
@@ -52,8 +52,8 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let lock = Lock::take(&arguments.directory)?;
     let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
         .map_err(|error| usage(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
-    note.into_iter().for_each(|note| message!("note: {note}; the other checkpoint is used"));
-    let problem = problem(arguments, &checkpoint)?;
+    note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
+    let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
     let identity = Identity::new(&problem);
     let same = checkpoint.identity.check(&identity);
@@ -67,9 +67,9 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let results = results.map_err(|error| usage(error.to_string(), "nothing was changed"))?;
     if !arguments.options.quiet {
         let state = motion.state();
-        message!("resuming after step {}, t = {}", state.step, number(state.time));
+        message!(host, "resuming after step {}, t = {}", state.step, number(state.time));
     }
-    march(&problem, &mut motion, results, &arguments.options, Motion::march_on)
+    march((&problem, &arguments.options, host), &mut motion, results, Motion::march_on)
 }
 
 fn usage(message: String, help: &str) -> Failure {
@@ -77,7 +77,7 @@ fn usage(message: String, help: &str) -> Failure {
 }
 
 /// The problem of the input in the directory, with the changes of the command line.
-fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Failure> {
+fn problem(arguments: &Arguments, checkpoint: &Checkpoint, host: &dyn Host) -> Result<Problem, Failure> {
     let overrides = Overrides {
         set: arguments.set.clone(),
         until: arguments.until,
@@ -85,7 +85,7 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint) -> Result<Problem, Fa
         step: arguments.step.map(|size| (checkpoint.snapshot.state.time, size)),
     };
     let problem = input::read(&arguments.directory.join("input.toml"), &overrides)?;
-    problem.notes.iter().for_each(|note| message!("note: {note}"));
+    problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
     Ok(problem)
 }
 

@@ -9,10 +9,9 @@ use emmy_io::sweep::{SWEEP_KIND, SWEEP_WITNESS, Sweep, SweepError, SweepFile, Sw
 
 use super::with_threads;
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print::{self, columns, number};
 use crate::progress::RunsProgress;
-use crate::signals;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -57,14 +56,14 @@ const SHOWN: [(&str, &str); 6] = [
 const MAX_FAILURES: usize = 5;
 
 /// Runs the sweep.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.threads, || sweep(arguments))?
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.threads, || sweep(arguments, host))?
 }
 
 /// Runs the sweep in the calling thread.
-fn sweep(arguments: &Arguments) -> Result<(), Failure> {
+fn sweep(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let sweep = Sweep::read(&arguments.file, &arguments.set, arguments.until)?;
-    sweep.notes().iter().for_each(|note| message!("note: {note}"));
+    sweep.notes().iter().for_each(|note| message!(host, "note: {note}"));
     let directory = arguments.output.clone().unwrap_or_else(|| sweep.directory());
     directory::check_kind(&directory, SWEEP_KIND, SWEEP_WITNESS)?;
     let (mut file, mut rows) = match arguments.resume {
@@ -75,25 +74,30 @@ fn sweep(arguments: &Arguments) -> Result<(), Failure> {
     let known: HashSet<usize> = rows.iter().map(|row| row.run).collect();
     missing.retain(|run| !known.contains(run));
     if arguments.resume && !arguments.quiet {
-        message!("resuming: {} of {} runs have a row", rows.len(), sweep.n_runs());
+        message!(host, "resuming: {} of {} runs have a row", rows.len(), sweep.n_runs());
     }
-    signals::listen()?;
-    let mut progress = RunsProgress::new(missing.len(), arguments.quiet);
-    let outcome = emmy_io::sweep(&sweep, &missing, signals::is_asked, |row| {
-        file.write(row)?;
-        progress.add(row.failure.as_ref().map(|failure| format!("{}: {failure}", sweep.name(row.run))));
-        Ok(())
-    });
+    host.prepare()?;
+    let mut progress = RunsProgress::new(host, missing.len(), arguments.quiet);
+    let outcome = emmy_io::sweep(
+        &sweep,
+        &missing,
+        || host.is_interrupted(),
+        |row| {
+            file.write(row)?;
+            progress.add(row.failure.as_ref().map(|failure| format!("{}: {failure}", sweep.name(row.run))));
+            Ok(())
+        },
+    );
     progress.end();
     rows.extend(outcome.map_err(not_written)?);
     rows.sort_by_key(|row| row.run);
     let path = file.path().to_path_buf();
     file.finish(&rows).map_err(not_written)?;
-    print::result(&table(&sweep, &rows))?;
+    print::result(host, &table(&sweep, &rows))?;
     if !arguments.quiet {
-        message!("written: {}", path.display());
+        message!(host, "written: {}", path.display());
     }
-    warn_of_loads(&sweep, &rows);
+    warn_of_loads(&sweep, &rows, host);
     ending(&sweep, &rows)
 }
 
@@ -155,10 +159,11 @@ fn of(sweep: &Sweep, row: &SweepRow, column: &str) -> f64 {
 }
 
 /// A warning of runs whose steps did not resolve a load.
-fn warn_of_loads(sweep: &Sweep, rows: &[SweepRow]) {
+fn warn_of_loads(sweep: &Sweep, rows: &[SweepRow], host: &dyn Host) {
     let missed = rows.iter().filter(|row| of(sweep, row, "unresolved_loads") > 0.0).count();
     if missed > 0 {
         message!(
+            host,
             "warning: in {missed} runs, steps did not resolve a load or a moving support (column unresolved_loads)"
         );
     }

@@ -10,6 +10,7 @@
 //! | `text output` | lines of the last output, except for numbers; `...` stands for any others |
 //! | `rust FILE`, `python FILE`, `geo FILE`, `csv FILE` | lines of FILE, which another test runs |
 //! | `text FILE` | output of the Python program FILE, for `tests/pyvista/frames.py` |
+//! | `python`, `text python` | a script and its output, for `python/tests/test_book.py` |
 //!
 //! `UPDATE_LISTINGS=1 cargo test -p emmy-cli --test cli listings` writes the present output into the pages.
 
@@ -25,12 +26,17 @@ use super::{BOX, Place};
 const ELSEWHERE: [&str; 2] = ["docs/editors.md", "book/src/paper"];
 
 /// Programs in the pages that this test does not start.
-const OTHERS: [&str; 13] = [
+const OTHERS: [&str; 19] = [
     "cargo",
     "just",
+    "maturin",
     "pip",
+    "pytest",
     "python",
     "python3",
+    "abi3audit",
+    "git",
+    "twine",
     "gmsh",
     "mdbook",
     "fuzz/run",
@@ -38,6 +44,7 @@ const OTHERS: [&str; 13] = [
     "EMMY_DRAW=1017",
     "UPDATE_LISTINGS=1",
     "INSTA_UPDATE=always",
+    "EMMY_GALLERY=book/src/python",
     "EMMY_UPDATE_DOCS=1",
 ];
 
@@ -126,6 +133,8 @@ impl<'a> Session<'a> {
             ["rust" | "python" | "geo" | "csv", file] => self.is_part_of(&listing.text, file),
             // `tests/pyvista/frames.py` compares these.
             ["text", script, ..] if script.ends_with(".py") => {}
+            // `python/tests/test_book.py` runs these.
+            ["python"] | ["text", "python"] => {}
             ["math"] => {}
             _ => panic!("{}: nobody tests a listing of {words:?}", self.page),
         }

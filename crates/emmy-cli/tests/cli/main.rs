@@ -9,6 +9,7 @@ mod equilibrium;
 mod examples;
 mod formulations;
 mod hostile;
+mod in_process;
 mod killed_frames;
 mod links;
 mod listings;

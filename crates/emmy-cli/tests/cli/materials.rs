@@ -5,7 +5,7 @@ use super::{BOX, Place};
 const MATERIAL: &str = "material.neo-hooke = { lambda = 1000.0, mu = 500.0 }";
 
 /// Every model with valid parameters.
-const GOOD: [&str; 12] = [
+const GOOD: [&str; 13] = [
     "saint-venant-kirchhoff = { lambda = 1000.0, mu = 500.0 }",
     "neo-hooke = { lambda = 1000.0, mu = 500.0 }",
     "neo-hooke-isochoric = { mu = 500.0, bulk_modulus = 1e3, volumetric = 'liu' }",
@@ -21,6 +21,8 @@ const GOOD: [&str; 12] = [
      axis_2 = [0, 0, 1] }",
     "holzapfel-gasser-ogden = { mu = 300.0, k1 = 200.0, k2 = 0.8, kappa = 0.1, fibres = [[1, 1, 0], [-1, 1, 0]], \
      bulk_modulus = 1e3, volumetric = 'simo-taylor' }",
+    "energy = { formula = 'mu/2*(I1 - 3) - mu*ln(J) + lambda/2*ln(J)^2 + k*(I4 - 1)^2', mu = 500, lambda = 1000.0, k = 20, \
+     fibre = [1, 2, 0] }",
 ];
 
 /// The valid parameters of a model.
@@ -46,6 +48,17 @@ fn every_model_runs_with_good_parameters() {
             place.history("again")["total_energy"],
             "{material}"
         );
+    }
+}
+
+#[test]
+fn a_run_with_a_formula_is_resumed_with_the_same_bits() {
+    let place = Place::with(&with_material(good("energy")));
+    place.succeed(&["run", "box.toml", "--quiet", "--output", "whole"]);
+    place.succeed(&["run", "box.toml", "--quiet", "--until", "0.3"]);
+    place.succeed(&["resume", "out", "--until", "0.5", "--quiet"]);
+    for column in ["total_energy", "strain_energy", "angular_momentum_x", "tip_x", "tip_z"] {
+        assert_eq!(place.history("out")[column], place.history("whole")[column], "{column}");
     }
 }
 

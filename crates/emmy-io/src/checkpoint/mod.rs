@@ -101,6 +101,14 @@ pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
     file::read(bytes)
 }
 
+/// The bytes of a checkpoint, as in its file.
+///
+/// # Errors
+/// None in practice: every checkpoint can be written.
+pub fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
+    file::bytes(checkpoint)
+}
+
 /// Removes the checkpoints in a folder, and the folder if it is then empty.
 pub(crate) fn remove_all(folder: &Path) -> io::Result<()> {
     if !folder.is_dir() {

@@ -22,8 +22,11 @@ pub use error::DirectoryError;
 pub use lock::Lock;
 pub(crate) use sources::check as check_sources;
 
-use crate::input::Problem;
-use crate::whole_file::names;
+use emmy::mesh::Mesh;
+
+use crate::input::{MESH_FILE, Problem};
+use crate::vtk::{self, MESH_MARK};
+use crate::whole_file::{names, replace};
 
 /// Checks that a run may write into a directory. Nothing is changed.
 ///
@@ -97,6 +100,20 @@ pub fn prepare(path: &Path) -> Result<(), DirectoryError> {
     check(path)?;
     fs::create_dir_all(path).map_err(|error| system(path, error))?;
     remove_run(path).map_err(|error| system(path, error))
+}
+
+/// Writes a mesh that no other file holds.
+///
+/// # Errors
+/// [`DirectoryError::System`] if a file of that name is not of Emmy, and errors of the system.
+pub(crate) fn write_mesh(directory: &Path, mesh: &Mesh) -> Result<(), DirectoryError> {
+    let path = directory.join(MESH_FILE);
+    let is_own = |text: Vec<u8>| text.windows(MESH_MARK.len()).any(|part| part == MESH_MARK.as_bytes());
+    if path.exists() && !fs::read(&path).is_ok_and(is_own) {
+        let reason = "a file of this name is there, which Emmy has not written";
+        return Err(system(&path, io::Error::new(io::ErrorKind::AlreadyExists, reason)));
+    }
+    replace(&path, vtk::mesh_file(mesh).as_bytes()).map_err(|error| system(&path, error))
 }
 
 fn system(path: &Path, error: io::Error) -> DirectoryError {

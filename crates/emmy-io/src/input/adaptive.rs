@@ -130,6 +130,12 @@ fn degrees(table: &Table<'_>) -> Result<Option<[usize; 2]>, Fault> {
     Ok(Some([lowest.unwrap_or(1), table.require("max_degree")?.whole(1)?]))
 }
 
+/// Checks the table alone.
+pub(super) fn check(item: &Item<'_>) -> Result<(), Fault> {
+    let adaptivity = read(&item.table(&ADAPTIVE)?)?;
+    adaptivity.check().map_err(|error| item.fault(error.to_string(), "here"))
+}
+
 /// Checks that there is a scale of positions.
 pub(super) fn check_scale(body: &Body, time: &Time) -> Result<(), Fault> {
     let has_scale = time.plan.adaptivity().is_none_or(|adaptivity| adaptivity.length.is_some());

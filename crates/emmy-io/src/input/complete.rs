@@ -29,7 +29,7 @@ pub(super) fn fill_defaults(tree: &mut Node) -> Result<(), InputError> {
 }
 
 /// Inserts the defaults of the missing keys of a table; their place is the place of the table.
-fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
+pub(super) fn fill(own: &mut Node, section: &Section) -> Result<(), InputError> {
     for key in &section.keys {
         if let (None, IfAbsent::Value(value)) = (own.get_mut(key.name), key.if_absent) {
             let mut default = tree::parse("defaults", &format!("{} = {value}", key.name))?;
@@ -87,6 +87,30 @@ pub(super) fn resolve_histories(tree: &mut Node, directory: &Path, output: &Path
         files.push(file);
     });
     files
+}
+
+/// File of a mesh in memory, in the output directory.
+pub(crate) const MESH_FILE: &str = "mesh.vtu";
+
+/// Replaces what no text can hold: a mesh by the name of its file, functions by their names.
+pub(super) fn spell(node: &mut Node) {
+    let place = node.place.clone();
+    match &mut node.value {
+        Value::Array(items) => items.iter_mut().for_each(spell),
+        Value::Table(entries) => entries.iter_mut().for_each(|entry| spell(&mut entry.node)),
+        Value::Mesh(_) => {
+            node.value = Value::Table(Vec::new());
+            node.put("file", string(MESH_FILE, &place));
+        }
+        Value::TimeFunction(function) => *node = string(name(function.text().unwrap_or_default()), &place),
+        Value::Field(field) => *node = string(name(field.text()), &place),
+        Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {}
+    }
+}
+
+/// The name of a function: its text up to the bracket, behind which a program may tell functions of one name apart.
+fn name(text: &str) -> &str {
+    text.find('>').map_or(text, |end| &text[..=end])
 }
 
 /// The path of a mesh file as text: absolute, or else relative to the output directory, which holds the text.

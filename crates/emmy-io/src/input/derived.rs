@@ -22,11 +22,11 @@ const HELP: &str = "choose other units: squares of numbers above 1e150 are infin
                     are zero (of lengths, whose cubes count, 1e50 and 1e-50)";
 
 /// The remark on a body at rest without loads.
-pub(super) const NOTHING_MOVES: &str =
+pub const NOTHING_MOVES: &str =
     "nothing moves this body: there is no load, no support that moves, and no initial velocity";
 
 /// The remark on an equilibrium without loads.
-pub(super) const UNLOADED: &str =
+pub const UNLOADED: &str =
     "no load acts at t = 0, and no support is displaced: the equilibrium is the undeformed body";
 
 /// Remarks on the measured tables of loads and driven supports.
@@ -110,6 +110,18 @@ pub(super) fn check_lame(item: &Item<'_>, youngs_modulus: f64, poissons_ratio: f
     match emmy::material::lame("", youngs_modulus, poissons_ratio) {
         Ok((lambda, mu)) if lambda.abs().max(mu) > LARGEST => {
             let message = format!("the Lame parameters that follow are {} and {}", short(lambda), short(mu));
+            Err(item.fault(message, "too large").help(HELP))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks the moduli at rest of a formula.
+pub(super) fn check_moduli(item: &Item<'_>, region: &Region) -> Result<(), Fault> {
+    match region.moduli() {
+        Some([bulk, shear]) if bulk.abs().max(shear.abs()) > LARGEST => {
+            let [bulk, shear] = [bulk, shear].map(short);
+            let message = format!("the bulk and shear modulus that follow are {bulk} and {shear}");
             Err(item.fault(message, "too large").help(HELP))
         }
         _ => Ok(()),

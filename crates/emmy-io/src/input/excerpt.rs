@@ -40,6 +40,16 @@ pub struct Excerpt {
 impl Excerpt {
     /// The excerpt that shows a fault.
     pub(super) fn new(fault: &Fault) -> Self {
+        if let Some(path) = fault.place().and_then(Place::path) {
+            return Excerpt {
+                message: shown(&format!("{path}: {}", fault.message())).into_owned(),
+                help: fault.suggestion().or(fault.advice()).map(|help| shown(help).into_owned()),
+                name: String::new(),
+                text: String::new(),
+                labels: Vec::new(),
+                columns: Vec::new(),
+            };
+        }
         let marks: Vec<Range<usize>> = fault.labels().iter().map(|(place, _)| first_lines(place)).collect();
         let source = fault.place().map_or("", Place::text);
         let (text, moved) = cut(source, &marks);

@@ -9,23 +9,36 @@ use miette::NamedSource;
 use super::excerpt::Excerpt;
 use crate::message::shown;
 
-/// A place in a source: in the input file, or in a flag of the command line.
+/// A place in a source: in the input file, in a flag of the command line, or in a tree that a program has built.
 #[derive(Debug, Clone)]
 pub struct Place {
     source: Arc<NamedSource<String>>,
     span: Range<usize>,
+    /// Whether the name of the source is the path of a value in a tree, which has no text.
+    is_path: bool,
 }
 
 impl Place {
     /// The start of a new source.
     pub(super) fn start_of(name: &str, text: &str) -> Self {
-        Place { source: Arc::new(NamedSource::new(name, text.to_string())), span: 0..0 }
+        let source = Arc::new(NamedSource::new(name, text.to_string()));
+        Place { source, span: 0..0, is_path: false }
+    }
+
+    /// A value in a tree, such as `load[1].group`.
+    pub(super) fn of_path(path: &str) -> Self {
+        Place { is_path: true, ..Place::start_of(path, "") }
+    }
+
+    /// The path, of a value in a tree.
+    pub fn path(&self) -> Option<&str> {
+        self.is_path.then(|| self.source_name())
     }
 
     /// Another place of the same source.
     pub(super) fn at(&self, span: Range<usize>) -> Self {
         let end = span.end.min(self.text().len());
-        Place { source: self.source.clone(), span: span.start.min(end)..end }
+        Place { span: span.start.min(end)..end, ..self.clone() }
     }
 
     /// A part of a quoted text at this place, by the bytes of the text; the whole place if the quotes contain anything
@@ -73,11 +86,12 @@ impl Place {
     }
 
     fn is_whole_source(&self) -> bool {
-        self.span.is_empty() && self.span.start == 0
+        !self.is_path && self.span.is_empty() && self.span.start == 0
     }
 
+    /// Whether both can be marked in one excerpt.
     fn same_source(&self, other: &Place) -> bool {
-        Arc::ptr_eq(&self.source, &other.source)
+        self.is_path && other.is_path || Arc::ptr_eq(&self.source, &other.source)
     }
 }
 
@@ -87,12 +101,33 @@ pub struct Fault {
     message: String,
     labels: Vec<(Place, String)>,
     help: Option<String>,
+    missing_group: Option<MissingGroup>,
+}
+
+/// A group that the mesh does not have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingGroup {
+    /// Its name.
+    pub name: String,
+    /// Names of the groups that could stand there.
+    pub available: Vec<String>,
 }
 
 impl Fault {
     /// A fault without a place.
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Fault { message: message.into(), labels: Vec::new(), help: None }
+        Fault { message: message.into(), labels: Vec::new(), help: None, missing_group: None }
+    }
+
+    /// The same fault, caused by a missing group.
+    pub(super) fn of_group(self, name: &str, available: &[&str]) -> Self {
+        let available = available.iter().map(|name| name.to_string()).collect();
+        Fault { missing_group: Some(MissingGroup { name: name.to_string(), available }), ..self }
+    }
+
+    /// The group that is missing, if that is the fault.
+    pub fn missing_group(&self) -> Option<&MissingGroup> {
+        self.missing_group.as_ref()
     }
 
     /// A fault at a place.
@@ -146,6 +181,12 @@ impl Fault {
     pub fn advice(&self) -> Option<&str> {
         self.help.as_deref()
     }
+
+    /// What was probably meant, if the words at the place say so.
+    pub fn suggestion(&self) -> Option<&str> {
+        let mut words = self.labels.iter().map(|(_, words)| words.as_str());
+        words.find(|words| words.starts_with("did you mean"))
+    }
 }
 
 impl fmt::Display for Fault {
@@ -186,7 +227,9 @@ impl fmt::Display for InputError {
             if i > 0 {
                 writeln!(f)?;
             }
-            if let Some(place) = fault.place() {
+            if let Some(path) = fault.place().and_then(Place::path) {
+                write!(f, "{}: ", shown(path))?;
+            } else if let Some(place) = fault.place() {
                 write!(f, "{}:{}:{}: ", shown(place.source_name()), place.line(), place.column())?;
             }
             f.write_str(&shown(fault.message()))?;

@@ -76,7 +76,8 @@ fn find(mesh: &Mesh, name: &str, place: &Place, members: Members) -> Result<(), 
     let label =
         other.or_else(|| did_you_mean(name, known.iter().copied())).unwrap_or_else(|| "not there".into());
     let message = format!("the mesh has no group `{name}` of {what}");
-    Err(Fault::at(place, message, label).help(format!("groups of {what}: {}", listed(known.iter().copied()))))
+    let help = format!("groups of {what}: {}", listed(known.iter().copied()));
+    Err(Fault::at(place, message, label).help(help).of_group(name, &known))
 }
 
 /// Checks that every cell is in exactly one region.

@@ -25,10 +25,13 @@ pub(super) struct Context<'a> {
 /// Reads a history: a list of `[time, value]`, two columns of a file, or the text of an expression.
 pub(super) fn read(item: Item<'_>, context: Context<'_>) -> Result<TimeFunction, Fault> {
     if let Some(text) = item.text() {
-        return Ok(expression::read(&item, expression::TIME)?.time_function(text.trim()));
+        return Ok(expression::read(&item, &expression::TIME)?.time_function(text.trim()));
     }
     if item.is_table() {
         return measured::read(item, context.directory);
+    }
+    if let Some(function) = item.time_function() {
+        return Ok(function.clone());
     }
     let wanted =
         "a list of [time, value], a table { file, time, value } or an expression such as \"sin(2*pi*t)\"";
@@ -90,7 +93,7 @@ pub(super) fn check_finite(node: &Node, plan: &StepPlan, faults: &mut Faults) {
 
 fn finite(key: &str, text: &str, node: &Node, plan: &StepPlan) -> Result<(), Fault> {
     // Unreadable expressions have their own fault.
-    let Ok(expression) = expression::parse(text, expression::TIME) else { return Ok(()) };
+    let Ok(expression) = expression::parse(text, &expression::TIME) else { return Ok(()) };
     let time_function = expression.time_function(text);
     let start = plan.start();
     let end = plan.end();

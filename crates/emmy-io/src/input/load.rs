@@ -54,6 +54,9 @@ const ROWS: [Row; 8] = [
         key: || Key::new("traction", vector(), "stress", "Force per reference area of a group of facets"),
         needs_group: true,
         read: |given| {
+            if let Some(field) = given.value.field().cloned() {
+                return given.load(Members::Facets, |group| LoadKind::TractionField { group, field });
+            }
             let traction = given.value.numbers()?;
             given.load(Members::Facets, |group| LoadKind::Traction { group, traction })
         },
@@ -100,8 +103,11 @@ const ROWS: [Row; 8] = [
         },
         needs_group: false,
         read: |given| {
-            let acceleration = given.value.numbers()?;
             let group = given.group.clone();
+            if let Some(field) = given.value.field().cloned() {
+                return given.load(Members::Cells, |_| LoadKind::AccelerationField { group, field });
+            }
+            let acceleration = given.value.numbers()?;
             given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
         },
     },

@@ -7,28 +7,31 @@ use emmy::internals::body::{MODELS, RegionModel};
 use emmy::internals::material::{IfAbsent, Model, Parameter, ParameterKind, Value, Values};
 use emmy::material::Volumetric;
 
-use super::derived;
 use super::description::{Described, Key, Kind, Rule, Section};
 use super::fault::Fault;
 use super::table::{Item, Table};
+use super::{derived, energy};
 
 /// `material`.
 pub(super) static MATERIAL: Described = Described::new(|| {
-    let names: Vec<&str> = MODELS.iter().map(|model| model.model.name).collect();
+    let names: Vec<&str> = sections().map(|section| section.name).collect();
     let section = Section::new("material", "Exactly one model with its parameters").exactly_one(&names);
-    let add = |section: Section, (RegionModel { model, .. }, own): (&RegionModel, &'static Section)| {
-        section.may(model.name, Kind::Table(own), "", &own.doc)
-    };
-    MODELS.iter().zip(sections()).fold(section, add)
+    sections().fold(section, |section, own| section.may(own.name, Kind::Table(own), "", &own.doc))
 });
 
 /// Tables of the models, in the order of [`MODELS`].
 static SECTIONS: LazyLock<Vec<Section>> =
     LazyLock::new(|| MODELS.iter().map(|model| section(&model.model)).collect());
 
-/// Tables of the models, in the order of [`MODELS`].
+/// Tables of the models: of solids, the formula, and those of links.
 pub(super) fn sections() -> impl Iterator<Item = &'static Section> {
-    SECTIONS.iter()
+    let (solids, links) = SECTIONS.split_at(n_solids());
+    solids.iter().chain([&*energy::SECTION]).chain(links)
+}
+
+/// Number of models for solids, which stand before those for links.
+fn n_solids() -> usize {
+    MODELS.iter().filter(|model| !model.model.is_link()).count()
 }
 
 fn section(model: &Model) -> Section {
@@ -59,7 +62,11 @@ pub fn materials() -> Vec<(&'static str, String)> {
         let text = format!("{energy} = {}; parameters {parameters}; {}", model.energy, model.purpose);
         (model.name, text)
     };
-    MODELS.iter().map(line).collect()
+    let mut lines: Vec<(&str, String)> = MODELS.iter().map(line).collect();
+    let text =
+        format!("W = {}; parameters formula, fibre, and any others; {}", energy::ENERGY, energy::PURPOSE);
+    lines.insert(n_solids(), (energy::NAME, text));
+    lines
 }
 
 /// Models named by a material, despite other faults.
@@ -70,7 +77,10 @@ pub(super) fn given(material: &Item<'_>) -> impl Iterator<Item = &'static Model>
 /// Reads the one model of a material and creates its region.
 pub(super) fn region(item: Item<'_>, density: f64) -> Result<Region, Fault> {
     let item = item.table(&MATERIAL)?.exactly_one("one model")?;
-    let found = MODELS.iter().zip(sections()).find(|(model, _)| model.model.name == item.key());
+    if item.key() == energy::NAME {
+        return energy::region(&item, density);
+    }
+    let found = MODELS.iter().zip(SECTIONS.iter()).find(|(model, _)| model.model.name == item.key());
     let (model, section) =
         found.ok_or_else(|| item.fault(format!("`{}` is not a model", item.key()), "not known"))?;
     let table = item.table(section)?;

@@ -97,6 +97,16 @@ fn each<T>(
     items.into_iter().filter(has_key).filter_map(|item| faults.keep(read(item))).collect()
 }
 
+/// Checks a point mass alone.
+pub(super) fn check_mass(item: Item<'_>) -> Result<(), Fault> {
+    mass(item).map(drop)
+}
+
+/// Checks the spring of a support alone.
+pub(super) fn check_spring(item: Item<'_>) -> Result<(), Fault> {
+    spring(item).map(drop)
+}
+
 fn mass(item: Item<'_>) -> Result<Placed<PointMass>, Fault> {
     let table = item.table(&MASS)?;
     let group = table.require("group")?.name()?;

@@ -1,8 +1,10 @@
 //! Everything a run needs, built from an input.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use emmy::body::{Body, InitialVelocity, Load, PointTerms, Region, Support};
+use emmy::mesh::Mesh;
 use emmy::motion::Solver;
 use emmy::motion::{NewtonSettings, StepPlan};
 use emmy::time::Scheme;
@@ -97,6 +99,8 @@ pub struct Problem {
     pub units: Units,
     /// The body: mesh, regions, supports and loads.
     pub body: Body,
+    /// The mesh, if it was given in memory: a run writes it beside its results.
+    pub mesh_in_memory: Option<Arc<Mesh>>,
     /// Supports.
     pub supports: Vec<Support>,
     /// Point masses, springs to the ground, attraction to points.
@@ -136,7 +140,19 @@ pub struct Problem {
 /// # Errors
 /// [`InputError`] with every fault and its place.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
-    let mut tree = tree::read(path)?;
+    let mut problem = of_tree(tree::read(path)?, path, overrides, None)?;
+    problem.files.insert(0, path.to_path_buf());
+    Ok(problem)
+}
+
+/// The problem of a tree. `path`: its file, or the file that it would have; `known`: a problem whose body is taken if it
+/// is the same.
+pub(super) fn of_tree(
+    mut tree: Node,
+    path: &Path,
+    overrides: &Overrides,
+    known: Option<&Problem>,
+) -> Result<Problem, InputError> {
     for flag in &overrides.set {
         set::apply(&mut tree, flag)?;
     }
@@ -152,11 +168,11 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
     let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
     complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
-    let mut problem = parts.problem(write::toml(&tree))?;
+    complete::spell(&mut tree);
+    let mut problem = parts.problem(write::toml(&tree), known)?;
     if is_lost {
         problem.notes.push(LOST_MESH.to_string());
     }
-    problem.files.insert(0, path.to_path_buf());
     problem.files.extend(histories);
     problem.notes.extend(note);
     Ok(problem)
@@ -262,7 +278,7 @@ impl Parts {
     }
 
     /// The problem, once the mesh is made and every group found.
-    fn problem(mut self, resolved: String) -> Result<Problem, InputError> {
+    fn problem(mut self, resolved: String, known: Option<&Problem>) -> Result<Problem, InputError> {
         let Some(MeshFile { mesh, mut notes, files }) =
             self.faults.keep(self.shape.mesh(&link_groups(&self.regions)))
         else {
@@ -284,15 +300,31 @@ impl Parts {
         let loads: Vec<Load> = values(self.loads).into_iter().map(|(load, _)| load).collect();
         let drag = self.nodal.drag();
         let nodal = self.nodal.values();
-        let body = Body::builder(mesh)
-            .regions(values(self.regions))
-            .point_terms(nodal.clone())
-            .supports(&supports)
-            .loads(&loads)
-            .drag(drag)
-            .build();
-        let body =
-            body.map_err(|error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error)))?;
+        let is_static = self.time.scheme == Scheme::Static;
+        let mesh_in_memory = self.shape.given().cloned();
+        let is_same = |known: &&Problem| {
+            let mesh = known.mesh_in_memory.as_ref().zip(mesh_in_memory.as_ref());
+            mesh.is_some_and(|(known, own)| Arc::ptr_eq(known, own))
+                && !is_static
+                && !known.is_static()
+                && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
+                && known.body.drag() == drag
+                && regions(&known.resolved) == regions(&resolved)
+        };
+        let body = match known.filter(is_same) {
+            Some(known) => known.body.clone(),
+            None => {
+                let body = Body::builder(mesh)
+                    .regions(values(self.regions))
+                    .point_terms(nodal.clone())
+                    .supports(&supports)
+                    .loads(&loads)
+                    .drag(drag)
+                    .build();
+                let fault = |error| support::fault(&error, &held).unwrap_or_else(|| self.shape.fault(&error));
+                body.map_err(fault)?
+            }
+        };
         adaptive::check_scale(&body, &self.time)?;
         let quantities = self.requested.quantities(&body, &mut notes)?;
         let initial = values(self.initial);
@@ -300,7 +332,6 @@ impl Parts {
         if !is_moved && nodal.attractions.is_empty() && !matches!(self.start, Start::Run(_)) {
             notes.push(derived::NOTHING_MOVES.to_string());
         }
-        let is_static = self.time.scheme == Scheme::Static;
         let is_equilibrium = is_static || matches!(self.start, Start::Equilibrium { .. });
         if is_equilibrium && !pulls && nodal.attractions.is_empty() && !body.is_loaded_at(0.0) {
             notes.push(derived::UNLOADED.to_string());
@@ -313,6 +344,7 @@ impl Parts {
             title: self.title,
             units: self.units,
             body,
+            mesh_in_memory,
             supports,
             nodal,
             loads,
@@ -383,11 +415,19 @@ fn with_groups(
 /// Groups of the regions of links: lines of a mesh file that are cells.
 fn link_groups(regions: &[Placed<Region>]) -> Vec<String> {
     let links = regions.iter().filter(|region| region.value.link().is_some());
-    links.filter_map(|region| region.value.group.clone()).collect()
+    links.map(|region| region.value.group.clone().unwrap_or_else(|| LINKS.to_string())).collect()
 }
+
+/// Group of all links of a mesh in memory.
+const LINKS: &str = "links";
 
 fn finished(mut faults: Faults) -> InputError {
     faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
+}
+
+/// The regions in a resolved input.
+fn regions(resolved: &str) -> Option<toml::Value> {
+    resolved.parse::<toml::Table>().ok()?.remove("region")
 }
 
 fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {

@@ -10,8 +10,8 @@ use emmy::internals::material::{IfAbsent, Parameter};
 use emmy::internals::time::SCHEMES;
 use emmy::mesh::CellKind;
 
-use super::description::{self, Key, Kind, Rule, Section};
-use super::{formulation, material};
+use super::description::{self, Key, Kind, Others, Rule, Section};
+use super::{energy, formulation, material};
 use crate::history::{ColumnInfo, every_column};
 use crate::properties::{MeasuredMaterial, measured};
 use crate::units::{SYSTEMS, UnitSystem, described, exponents, gravity, shifted, written};
@@ -55,7 +55,11 @@ fn keys(section: &Section) -> String {
         };
         vec![code(key.name), value(&key.kind, key.unit), absent, key.doc.clone()]
     };
-    table(&["key", "value", "default", "meaning"], section.keys.iter().map(row))
+    let other = |others: &Others| {
+        vec!["any other name".to_string(), value(&others.kind, ""), String::new(), others.doc.to_string()]
+    };
+    let rows = section.keys.iter().map(row).chain(section.others.as_ref().map(other));
+    table(&["key", "value", "default", "meaning"], rows)
 }
 
 fn chosen(section: &Section) -> &'static str {
@@ -117,7 +121,10 @@ fn models() -> String {
         let model = &model.model;
         vec![code(model.name), code(model.energy), model.purpose.to_string()]
     };
-    table(&["model", "strain energy", "for"], MODELS.iter().map(row))
+    let of_links = MODELS.iter().filter(|model| model.model.is_link()).map(row);
+    let solids = MODELS.iter().filter(|model| !model.model.is_link()).map(row);
+    let formula = vec![code(energy::NAME), energy::ENERGY.to_string(), energy::PURPOSE.to_string()];
+    table(&["model", "strain energy", "for"], solids.chain([formula]).chain(of_links))
 }
 
 /// Parameters of all models; parameters shared by several models are listed once.
@@ -274,7 +281,9 @@ fn the_tables_of_the_reference_match_the_program() {
         );
     }
     let is_model = |section: &&Section| {
-        section.name == "material" || material::sections().any(|model| model.name == section.name)
+        let is_formula = section.name == energy::NAME;
+        !is_formula
+            && (section.name == "material" || material::sections().any(|own| own.name == section.name))
     };
     let sections = description::all().into_iter().filter(|section| !is_model(section));
     for name in sections.map(|section| section.name).chain(TABLES.map(|(name, _)| name)) {

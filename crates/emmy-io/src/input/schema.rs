@@ -38,6 +38,10 @@ fn table(section: &Section) -> Value {
         "properties": properties,
         "additionalProperties": false,
     });
+    if let Some(others) = &section.others {
+        schema["additionalProperties"] = of(&others.kind);
+        schema["additionalProperties"]["description"] = json!(others.doc);
+    }
     if !required.is_empty() {
         schema["required"] = json!(required);
     }

@@ -1,6 +1,7 @@
 //! `[mesh]`: a built-in shape or a mesh file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use emmy::internals::material::IfAbsent;
 use emmy::mesh::{CellKind, Mesh, MeshBuilder};
@@ -153,11 +154,21 @@ pub(super) struct Shape {
 
 #[derive(Debug)]
 enum Source {
-    LBlock { cell_size: f64 },
-    Box { size: [f64; 3], cells: [usize; 3] },
-    Rectangle { size: [f64; 2], cells: [usize; 2] },
+    LBlock {
+        cell_size: f64,
+    },
+    Box {
+        size: [f64; 3],
+        cells: [usize; 3],
+    },
+    Rectangle {
+        size: [f64; 2],
+        cells: [usize; 2],
+    },
     Network(Network),
     File(PathBuf),
+    /// A mesh in memory.
+    Given(Arc<Mesh>),
 }
 
 /// Points, links between them, and named groups of both.
@@ -244,6 +255,9 @@ const MAX_CELLS: f64 = 2e7;
 
 /// Reads the table; paths are relative to `directory`.
 pub(super) fn read(item: Item<'_>, directory: &Path) -> Result<Shape, Fault> {
+    if let Some(mesh) = item.mesh() {
+        return Ok(Shape { source: Source::Given(mesh.clone()), place: item.place().clone(), scale: None });
+    }
     let table = item.table(&MESH)?;
     let item = table.exactly_one("one source")?;
     let scale = table.get("scale").map(|scale| scale.positive()).transpose()?;
@@ -311,6 +325,7 @@ impl Shape {
             Source::Box { size, cells } => made(emmy::mesh::block(*size, *cells), Vec::new()),
             Source::Rectangle { size, cells } => made(emmy::mesh::rectangle(*size, *cells), Vec::new()),
             Source::Network(network) => made(network.mesh(), network.notes.clone()),
+            Source::Given(mesh) => made(emmy::mesh::check(mesh).map(|()| Mesh::clone(mesh)), Vec::new()),
             Source::File(path) => {
                 crate::mesh::read_with_links(path, links).map_err(|error| match neighbour(path) {
                     Some(name) => at(&error).help(format!("did you mean `{name}`?")),
@@ -318,9 +333,20 @@ impl Shape {
                 })
             }
         }?;
-        let mesh = file.mesh.scaled(self.scale.unwrap_or(1.0)).map_err(|error| at(&error))?;
+        let mesh = match self.scale {
+            Some(scale) => file.mesh.scaled(scale).map_err(|error| at(&error))?,
+            None => file.mesh,
+        };
         derived::check_extent(&mesh, &self.place)?;
-        Ok(MeshFile { mesh, ..file })
+        Ok(MeshFile { mesh, notes: file.notes, files: file.files })
+    }
+
+    /// The mesh in memory, if it is the source.
+    pub(super) fn given(&self) -> Option<&Arc<Mesh>> {
+        match &self.source {
+            Source::Given(mesh) => Some(mesh),
+            _ => None,
+        }
     }
 
     /// The fault of a mesh that cannot become a body.

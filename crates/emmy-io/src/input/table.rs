@@ -1,5 +1,10 @@
 //! Typed reading of the tree: every mismatch is a fault with its place.
 
+use std::sync::Arc;
+
+use emmy::body::{Field, TimeFunction};
+use emmy::mesh::Mesh;
+
 use super::description::Section;
 use super::fault::{Fault, Place};
 use super::suggest::{did_you_mean, listed};
@@ -33,6 +38,13 @@ impl<'a> Table<'a> {
     pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
         let entry = self.entries.iter().find(|entry| entry.key == key)?;
         Some(Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
+    }
+
+    /// The values of the keys whose names are free.
+    pub(super) fn others(&self) -> impl Iterator<Item = Item<'a>> + use<'a> {
+        let section = self.section;
+        let others = self.entries.iter().filter(|entry| section.names().all(|name| name != entry.key));
+        others.map(|entry| Item { key: &entry.key, node: &entry.node, key_place: &entry.place })
     }
 
     /// The value of a required key.
@@ -70,7 +82,10 @@ impl<'a> Table<'a> {
     }
 
     fn check_keys(self) -> Result<Self, Fault> {
-        let Section { name, .. } = self.section;
+        let Section { name, others, .. } = self.section;
+        if others.is_some() {
+            return Ok(self);
+        }
         let unknown = |entry: &&Entry| self.section.names().all(|key| key != entry.key);
         let Some(entry) = self.entries.iter().find(unknown) else { return Ok(self) };
         let label = self.section.advice(&entry.key).unwrap_or_else(|| "not a key".to_string());
@@ -167,6 +182,30 @@ impl<'a> Item<'a> {
     pub(super) fn text(&self) -> Option<&'a str> {
         match &self.node.value {
             Value::String(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The mesh in memory, if the value is one.
+    pub(super) fn mesh(&self) -> Option<&'a Arc<Mesh>> {
+        match &self.node.value {
+            Value::Mesh(mesh) => Some(mesh),
+            _ => None,
+        }
+    }
+
+    /// The function of time of a program, if the value is one.
+    pub(super) fn time_function(&self) -> Option<&'a TimeFunction> {
+        match &self.node.value {
+            Value::TimeFunction(function) => Some(function),
+            _ => None,
+        }
+    }
+
+    /// The field of a program, if the value is one.
+    pub(super) fn field(&self) -> Option<&'a Field> {
+        match &self.node.value {
+            Value::Field(field) => Some(field),
             _ => None,
         }
     }

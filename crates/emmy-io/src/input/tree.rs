@@ -1,7 +1,10 @@
 //! The input as a tree whose keys and values know their places.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use emmy::body::{Field, TimeFunction};
+use emmy::mesh::Mesh;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -25,6 +28,12 @@ pub(super) enum Value {
     Datetime(String),
     Array(Vec<Node>),
     Table(Vec<Entry>),
+    /// A mesh in memory, in place of `[mesh]`.
+    Mesh(Arc<Mesh>),
+    /// A function of a program, in place of a history.
+    TimeFunction(TimeFunction),
+    /// A function of a program, in place of a vector.
+    Field(Field),
 }
 
 /// A key of a table with its value.
@@ -46,6 +55,8 @@ impl Value {
             Value::Datetime(_) => "a date",
             Value::Array(_) => "a list",
             Value::Table(_) => "a table",
+            Value::Mesh(_) => "a mesh",
+            Value::TimeFunction(_) | Value::Field(_) => "a function",
         }
     }
 }

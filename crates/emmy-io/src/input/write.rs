@@ -53,6 +53,8 @@ fn inline(value: &Value) -> String {
         Value::Float(value) => format!("{value:?}").to_lowercase(),
         Value::Boolean(value) => value.to_string(),
         Value::Datetime(value) => value.clone(),
+        // `complete::spell` replaces these where a file must hold them.
+        Value::Mesh(_) | Value::TimeFunction(_) | Value::Field(_) => string(&format!("<{}>", value.kind())),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().map(|item| inline(&item.value)).collect();
             format!("[{}]", items.join(", "))

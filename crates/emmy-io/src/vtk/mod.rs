@@ -13,6 +13,8 @@ use emmy::body::{FieldValues, Place};
 use emmy::mesh::{CellKind, Mesh};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use frame::MESH_MARK;
+pub use frame::mesh_file;
 pub use frame_files::FrameFiles;
 pub(crate) use frame_files::{COLLECTION_MARK, remove_frames, step_of_frame};
 pub use series::{Series, SeriesReader};

@@ -28,7 +28,7 @@ fn force_and_torque_are_the_integrals_of_the_expressions() {
     let problem = problem(FREE);
     let (body, time) = (&problem.body, 0.7f64);
     let mut force = vec![0.0; body.n_dofs()];
-    assert!(body.loads_at(time, &mut force));
+    assert!(body.loads_at(time, &mut force).unwrap());
     let (b_y, b_z) = ((-time).exp(), time.sin());
     let total = emmy::internals::body::sum(&force);
     for (found, expected) in total.into_iter().zip([6.0, b_y, 2.0 / 3.0 * b_z]) {
@@ -104,7 +104,7 @@ fn groups_and_histories_go_with_it() {
     let text = FREE.replace("'x^2*y*z*sin(t)'] }", "'x'], group = 'body', history = [[0, 0], [1, 4]] }");
     let problem = problem(&text);
     let mut force = vec![0.0; problem.body.n_dofs()];
-    problem.body.loads_at(0.5, &mut force);
+    problem.body.loads_at(0.5, &mut force).unwrap();
     // Factor 2 times the integral of x.
     assert!((emmy::internals::body::sum(&force)[2] - 4.0).abs() < 1e-14);
 }

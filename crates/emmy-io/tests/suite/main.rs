@@ -7,6 +7,7 @@ mod frames;
 mod fuzz_corpus;
 mod input_robustness;
 mod input_round_trip;
+mod inputs_in_memory;
 mod mesh_abaqus;
 mod mesh_damage;
 mod mesh_errors;

@@ -2,7 +2,7 @@
 
 use super::step::{StepData, check_body, combine};
 use crate::average::Request;
-use crate::body::{Assembly, Body, StepDamping, StepInput};
+use crate::body::{Assembly, Body, LoadMemory, StepDamping, StepInput};
 use crate::error::{Error, Result};
 use crate::sparse::reduce::dot;
 
@@ -32,7 +32,7 @@ use crate::sparse::reduce::dot;
 /// assert_eq!(mu.value(), 500.0);
 /// # Ok::<(), emmy::Error>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Parameter {
     value: f64,
     /// Bodies with varied values and their weights in the derivative.
@@ -95,7 +95,7 @@ impl Parameter {
     /// `sum_i mu_i . dR_i/dtheta` of a step.
     ///
     /// # Errors
-    /// [`Error::Inverted`].
+    /// [`Error::Inverted`], [`Error::NotFiniteAt`].
     pub(super) fn product(&self, step: &StepData<'_>, mu: &[f64], memory: &mut Residual) -> Result<f64> {
         let mut sum = 0.0;
         for (weight, body) in &self.variations {
@@ -111,7 +111,7 @@ pub(super) struct Residual {
     assembly: Assembly,
     force: Vec<f64>,
     load: Vec<f64>,
-    averages: Vec<f64>,
+    load_memory: LoadMemory,
     /// `sum_i (a^-1)_ij mu_i`, `[k][n_nodes][3]`.
     inertial: Vec<f64>,
     rates: Vec<f64>,
@@ -126,7 +126,7 @@ impl Residual {
             assembly: body.assembly(k),
             force: vec![0.0; k * n],
             load: vec![0.0; k * n],
-            averages: vec![0.0; k],
+            load_memory: body.load_memory(k),
             inertial: vec![0.0; k * n],
             rates: vec![0.0; n],
             momentum: vec![0.0; n],
@@ -140,7 +140,7 @@ impl Residual {
         let input = StepInput { damping, ..StepInput::undamped(rule, displacement, rates) };
         body.assemble(&input, Request::Stress, &[], &mut self.assembly)?;
         self.assembly.matrix.copy_force(&mut self.force);
-        body.stage_loads(rule, step.time, h, &mut self.averages, &mut self.load);
+        body.stage_loads(rule, step.time, h, &mut self.load_memory, &mut self.load)?;
         let mut sum = h * h * (dot(mu, &self.force) - dot(mu, &self.load));
         combine(rule, inverse, mu, &mut self.inertial);
         for (x, mu) in rates.chunks_exact(velocity.len()).zip(self.inertial.chunks_exact(velocity.len())) {

@@ -141,7 +141,7 @@ impl Body {
         let (mut vectors, mut fields, mut followers) = (Vec::new(), Vec::new(), Vec::new());
         for (index, load) in loads.iter().enumerate() {
             vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
-            fields.extend(FieldLoad::new(&mesh, index, load, &section)?);
+            fields.extend(FieldLoad::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter())?;

@@ -1,11 +1,17 @@
 //! Prescribed motion: nodes of a group whose displacement is a function of time.
 
+use super::time_function::NotFinite;
 use super::{Rotation, TimeFunction};
 use crate::average::Rule;
-use crate::quadrature::Quadrature;
 
 /// Displacement `B (r, 1)` of a node from its offset `r = X - about`, row by row.
 pub(super) type Map = [[f64; 4]; 3];
+
+/// Times at which a motion is evaluated at once, and the largest number of stages.
+pub(super) const AT_ONCE: usize = 32;
+
+/// A function of time that is not a finite number, and its text.
+pub(super) type Fault<'a> = (&'a str, NotFinite);
 
 /// The given motion of a group: a displacement over time in some components, or a rotation with one.
 ///
@@ -88,17 +94,41 @@ impl Drive {
 
     /// The displacement at a time.
     pub(super) fn map(&self, time: f64) -> Map {
-        self.map_of(
-            |time_function| time_function.value(time),
-            |angle| {
-                // 1 - cos without cancellation.
-                (angle.sin(), 2.0 * (0.5 * angle).sin().powi(2))
-            },
-        )
+        self.map_of(|time_function| time_function.value(time), turn)
+    }
+
+    /// The displacements at some times; a function of many times is called once.
+    fn set_maps(&self, times: &[f64], maps: &mut [Map]) -> Result<(), Fault<'_>> {
+        let mut values = [[0.0; AT_ONCE]; 4];
+        for (time_function, values) in self.time_functions().zip(&mut values) {
+            let values = &mut values[..times.len()];
+            time_function.values(times, values);
+            if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+                let found = NotFinite { time: times[at], value: values[at] };
+                return Err((time_function.text().unwrap_or_default(), found));
+            }
+        }
+        for (m, map) in maps.iter_mut().enumerate() {
+            // In the order of the functions.
+            let mut next = values.iter().map(|values| values[m]);
+            *map = self.map_of(|_| next.next().unwrap_or(0.0), turn);
+        }
+        Ok(())
     }
 
     /// Rate of the displacement at a time; at a kink, on the side given by the sign of `shift`.
-    pub(super) fn rate(&self, time: f64, shift: f64) -> Map {
+    ///
+    /// # Errors
+    /// A function whose rate is not a finite number.
+    pub(super) fn finite_rate(&self, time: f64, shift: f64) -> Result<Map, Fault<'_>> {
+        let map = self.rate(time, shift);
+        let Some(&value) = map.as_flattened().iter().find(|value| !value.is_finite()) else { return Ok(map) };
+        let is_undefined = |own: &&TimeFunction| !own.rate_beside(time, shift).is_finite();
+        let text = self.time_functions().find(is_undefined).and_then(TimeFunction::text);
+        Err((text.unwrap_or_default(), NotFinite { time, value }))
+    }
+
+    fn rate(&self, time: f64, shift: f64) -> Map {
         let side = |time_function: &TimeFunction| time_function.rate_beside(time, shift);
         let spin = self.rotation.as_ref().map_or(0.0, |rotation| side(&rotation.angle));
         self.map_of(side, |_| {
@@ -108,10 +138,10 @@ impl Drive {
     }
 
     /// `[s A + c A^2 | d]` with the cross product A of the axis; `part` gives d, `turn` gives (s, c) of the angle.
-    fn map_of(&self, part: impl Fn(&TimeFunction) -> f64, turn: impl Fn(f64) -> (f64, f64)) -> Map {
+    fn map_of(&self, mut part: impl FnMut(&TimeFunction) -> f64, turn: impl Fn(f64) -> (f64, f64)) -> Map {
         let mut map = [[0.0; 4]; 3];
         for (row, time_function) in map.iter_mut().zip(&self.displacement) {
-            row[3] = time_function.as_ref().map_or(0.0, &part);
+            row[3] = time_function.as_ref().map_or(0.0, &mut part);
         }
         let Some(rotation) = &self.rotation else { return map };
         let a = rotation.axis;
@@ -125,22 +155,48 @@ impl Drive {
         map
     }
 
-    /// Rate x_i of the displacement in a step, for stage i of a rule.
+    /// Rates x_i of the displacement in a step, for every stage of a rule, `rates: [k]`.
     ///
     /// ```math
     /// x_i = (1/b_i) integral l_i u' dalpha = (1/b_i) ( l_i(1) w(1) - integral l_i' w dalpha ),   w = u - u(0)
     /// ```
-    pub(super) fn stage_rate(&self, rule: &Rule, i: usize, time: f64, h: f64) -> Map {
-        let start = self.map(time);
-        let mut rate = [[0.0; 4]; 3];
-        add(&mut rate, rule.basis(i, 1.0), &self.map(time + h), &start);
-        self.for_each_segment(time, h, |segment| {
-            for (alpha, weight) in points(rule.smooth_quadrature(), segment) {
-                let factor = -weight * rule.basis_rate(i, alpha);
-                add(&mut rate, factor, &self.map(time + alpha * h), &start);
+    ///
+    /// # Errors
+    /// A function that is not a finite number.
+    pub(super) fn set_stage_rates(
+        &self,
+        rule: &Rule,
+        time: f64,
+        h: f64,
+        rates: &mut [Map],
+    ) -> Result<(), Fault<'_>> {
+        let mut ends = [[[0.0; 4]; 3]; 2];
+        self.set_maps(&[time, time + h], &mut ends)?;
+        let [start, end] = ends;
+        for (i, rate) in rates.iter_mut().enumerate() {
+            *rate = [[0.0; 4]; 3];
+            add(rate, rule.basis(i, 1.0), &end, &start);
+        }
+        let mut outcome = Ok(());
+        self.for_each_segment(time, h, |[from, to]| {
+            let weights = rule.smooth_quadrature().weights.chunks(AT_ONCE);
+            for (points, weights) in rule.smooth_quadrature().points.chunks(AT_ONCE).zip(weights) {
+                let n = points.len();
+                let mut alphas = [0.0; AT_ONCE];
+                alphas.iter_mut().zip(points).for_each(|(alpha, &[s])| *alpha = from + (to - from) * s);
+                let mut maps = [[[0.0; 4]; 3]; AT_ONCE];
+                let found = self.set_maps(&alphas.map(|alpha| time + alpha * h)[..n], &mut maps[..n]);
+                outcome = outcome.and(found);
+                for ((&alpha, w), map) in alphas.iter().zip(weights).zip(&maps) {
+                    for (i, rate) in rates.iter_mut().enumerate() {
+                        add(rate, -(w * (to - from)) * rule.basis_rate(i, alpha), map, &start);
+                    }
+                }
             }
         });
-        rate.map(|row| row.map(|x| x / rule.weights()[i]))
+        let weighted = rates.iter_mut().zip(rule.weights());
+        weighted.for_each(|(rate, b)| *rate = rate.map(|row| row.map(|x| x / b)));
+        outcome
     }
 
     /// The parts of a step between kinks, as parts of [0, 1].
@@ -166,9 +222,9 @@ fn add(sum: &mut Map, factor: f64, map: &Map, start: &Map) {
     }
 }
 
-/// Points and weights of a quadrature on a part of [0, 1].
-fn points(quadrature: &Quadrature<1>, [from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> + '_ {
-    quadrature.iter().map(move |(&[s], w)| (from + (to - from) * s, w * (to - from)))
+/// `(sin, 1 - cos)` of an angle, without cancellation.
+fn turn(angle: f64) -> (f64, f64) {
+    (angle.sin(), 2.0 * (0.5 * angle).sin().powi(2))
 }
 
 /// A row of a map times `(r, 1)`.
@@ -228,12 +284,14 @@ mod tests {
         let h = 0.15;
         for degree in 1..=4 {
             let rule = Rule::discrete_gradient(degree);
-            let x: Vec<[f64; 3]> =
-                (0..degree).map(|i| displacement(&drive, &drive.stage_rate(&rule, i, time, h))).collect();
+            let mut rates = vec![[[0.0; 4]; 3]; degree];
+            drive.set_stage_rates(&rule, time, h, &mut rates).unwrap();
+            let x: Vec<[f64; 3]> = rates.iter().map(|rate| displacement(&drive, rate)).collect();
             for m in 0..degree {
                 let mut exact = [0.0; 3];
-                drive.for_each_segment(time, h, |segment| {
-                    for (alpha, w) in points(&crate::quadrature::gauss(12), segment) {
+                drive.for_each_segment(time, h, |[from, to]| {
+                    for (&[s], w) in crate::quadrature::gauss(12).iter() {
+                        let (alpha, w) = (from + (to - from) * s, w * (to - from));
                         let rate = displacement(&drive, &drive.rate(time + alpha * h, 0.0));
                         (0..3).for_each(|i| exact[i] += w * alpha.powi(m as i32) * h * rate[i]);
                     }

@@ -1,8 +1,10 @@
 //! Degrees of freedom of a body whose motion is given.
 
 use super::Body;
-use super::drive::{Drive, apply};
+use super::drive::{AT_ONCE, Drive, Fault, apply};
+use super::target::SignalTarget;
 use crate::average::Rule;
+use crate::error::{Error, Result};
 
 /// Times closer together than this part of a step are equal: they differ by rounding.
 const SAME_TIME: f64 = 1e-6;
@@ -34,6 +36,9 @@ impl Body {
     /// ```math
     /// x_i = (1/b_i) integral_0^1 l_i u' dalpha
     /// ```
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
     pub(crate) fn driven_rates(
         &self,
         rule: &Rule,
@@ -41,12 +46,15 @@ impl Body {
         h: f64,
         displacement: &[f64],
         rates: &mut [f64],
-    ) {
+    ) -> Result<()> {
         let n = self.n_dofs();
-        for drive in &self.drives {
+        for (number, drive) in self.drives.iter().enumerate() {
+            let mut of_stages = [[[0.0; 4]; 3]; AT_ONCE];
+            let of_stages = &mut of_stages[..rule.degree()];
+            let set = drive.set_stage_rates(rule, time, h, of_stages);
+            set.map_err(|fault| not_finite(number, fault))?;
             let start = drive.map(time);
-            for (i, rates) in rates.chunks_exact_mut(n).enumerate() {
-                let rate = drive.stage_rate(rule, i, time, h);
+            for (rate, rates) in of_stages.iter().zip(rates.chunks_exact_mut(n)) {
                 for (dof, component, offset) in drive.entries() {
                     // A path of constant rate corrects the rounding of earlier steps.
                     let behind = apply(&start[component], offset) - displacement[dof];
@@ -54,21 +62,27 @@ impl Body {
                 }
             }
         }
+        Ok(())
     }
 
     /// Sets the velocity of the fixed degrees of freedom: zero, or the rate of the given motion. At a kink it is the
     /// rate after it, at the end of a support the rate before it. Free degrees of freedom are unchanged. `step_size`:
     /// size of the step that ends or starts here.
-    pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) {
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) -> Result<()> {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
-        for drive in &self.drives {
+        for (number, drive) in self.drives.iter().enumerate() {
             let same = SAME_TIME * step_size;
             let ends = drive.until.is_some_and(|until| time > until - same);
-            let rate = drive.rate(time, if ends { -same } else { same });
+            let rate = drive.finite_rate(time, if ends { -same } else { same });
+            let rate = rate.map_err(|fault| not_finite(number, fault))?;
             for (dof, component, offset) in drive.entries() {
                 velocity[dof] = apply(&rate[component], offset);
             }
         }
+        Ok(())
     }
 
     /// Largest distance of the given motion at a time from the displacement of its nodes \[length\].
@@ -82,4 +96,9 @@ impl Body {
         };
         self.drives.iter().map(of_drive).fold(0.0, f64::max)
     }
+}
+
+/// The error of a moving support whose function is not a finite number.
+fn not_finite(number: usize, (text, found): Fault<'_>) -> Error {
+    SignalTarget::Support(number).not_finite(text, found)
 }

@@ -14,9 +14,12 @@ use std::sync::Arc;
 pub struct Field {
     text: Arc<str>,
     function: Arc<Function>,
+    /// Whether a call is costly: it is called as rarely as possible.
+    is_costly: bool,
 }
 
-type Function = dyn Fn([f64; 3], f64) -> [f64; 3] + Send + Sync;
+/// Sets the vectors at reference positions and a time.
+type Function = dyn Fn(&[[f64; 3]], f64, &mut [[f64; 3]]) + Send + Sync;
 
 impl Field {
     /// The field of a function of reference position and time.
@@ -31,7 +34,36 @@ impl Field {
     /// assert_eq!(Field::named("0, 0, t", |_, t| [0.0, 0.0, t]).text(), "0, 0, t");
     /// ```
     pub fn named(text: &str, function: impl Fn([f64; 3], f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
-        Field { text: text.into(), function: Arc::new(function) }
+        let field = Field::of_points(text, move |points, time, values| {
+            values.iter_mut().zip(points).for_each(|(value, &X)| *value = function(X, time));
+        });
+        Field { is_costly: false, ..field }
+    }
+
+    /// The field of a function of many points at once, where calls are expensive: it sets the vector at each reference
+    /// position, all at one time. A load calls it once for a time, with all of its points. The check that the steps
+    /// resolve a field compares this one on two panels a step only. `text` as in [`Field::named`].
+    ///
+    /// A step in which a vector is not finite fails with [`crate::Error::NotFiniteAt`]; vectors that the function does
+    /// not set are NaN.
+    ///
+    /// ```
+    /// use emmy::body::Field;
+    /// let shear = Field::of_points("t*y, 0, 0", |points, t, values| {
+    ///     values.iter_mut().zip(points).for_each(|(value, X)| *value = [t * X[1], 0.0, 0.0]);
+    /// });
+    /// assert_eq!(shear.at([5.0, 3.0, 1.0], 2.0), [6.0, 0.0, 0.0]);
+    /// ```
+    pub fn of_points(
+        text: &str,
+        function: impl Fn(&[[f64; 3]], f64, &mut [[f64; 3]]) + Send + Sync + 'static,
+    ) -> Self {
+        Field { text: text.into(), function: Arc::new(function), is_costly: true }
+    }
+
+    /// Whether a call is costly.
+    pub(super) fn is_costly(&self) -> bool {
+        self.is_costly
     }
 
     /// Text of the field; empty for one without.
@@ -41,7 +73,15 @@ impl Field {
 
     /// The vector at a reference position and time.
     pub fn at(&self, X: [f64; 3], time: f64) -> [f64; 3] {
-        (self.function)(X, time)
+        let mut value = [[0.0; 3]];
+        self.set_at(&[X], time, &mut value);
+        value[0]
+    }
+
+    /// Sets the vectors at reference positions and a time.
+    pub(super) fn set_at(&self, points: &[[f64; 3]], time: f64, values: &mut [[f64; 3]]) {
+        values.fill([f64::NAN; 3]);
+        (self.function)(points, time, values);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Assembly, Body, StepInput};
 use crate::average::FollowerRule;
+use crate::error::Result;
 
 impl Body {
     /// Number of follower loads.
@@ -13,6 +14,9 @@ impl Body {
     /// [`FollowerRule`]).
     ///
     /// `factors: [n_followers][n_points]`; `averages`: memory for n_points numbers.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
     pub(crate) fn follower_averages(
         &self,
         rule: &FollowerRule,
@@ -20,28 +24,34 @@ impl Body {
         step_size: f64,
         averages: &mut [f64],
         factors: &mut [f64],
-    ) {
+    ) -> Result<()> {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
-            pressure.time_function.averages(time, step_size, rule.fine(), averages);
+            let found = pressure.time_function.averages(time, step_size, rule.fine(), averages);
+            found.map_err(|found| pressure.not_finite(found))?;
             rule.factors(averages, factors);
         }
+        Ok(())
     }
 
     /// Factors of the follower loads at the points of a step: `p_m = p(t + alpha_m h)`.
     ///
     /// `factors: [n_followers][n_points]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
     pub(crate) fn follower_values(
         &self,
         rule: &FollowerRule,
         time: f64,
         step_size: f64,
         factors: &mut [f64],
-    ) {
+    ) -> Result<()> {
         for (pressure, factors) in self.pressures.iter().zip(factors.chunks_exact_mut(rule.n_points())) {
             for (factor, alpha) in factors.iter_mut().zip(rule.alphas()) {
-                *factor = pressure.time_function.value(time + alpha * step_size);
+                *factor = pressure.factor(time + alpha * step_size)?;
             }
         }
+        Ok(())
     }
 
     /// Stage averages of the follower loads, `force: [k][n_nodes][3]`.
@@ -75,9 +85,13 @@ impl Body {
     }
 
     /// Adds the follower loads at a displacement and time, both `[n_nodes][3]`.
-    pub(crate) fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) {
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn add_followers_at(&self, displacement: &[f64], time: f64, force: &mut [f64]) -> Result<()> {
         for pressure in self.pressures.iter() {
-            pressure.add_force(&self.mesh, displacement, pressure.time_function.value(time), force);
+            pressure.add_force(&self.mesh, displacement, pressure.factor(time)?, force);
         }
+        Ok(())
     }
 }

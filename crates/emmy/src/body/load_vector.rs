@@ -1,6 +1,8 @@
 //! Dead loads: nodal vectors with a factor over time.
 
 use super::geometry::{add_facet_areas, for_each_volume_point};
+use super::target::SignalTarget;
+use super::time_function::NotFinite;
 use super::{Load, LoadKind, TimeFunction};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -29,9 +31,10 @@ impl LoadVector {
         point_masses: &[f64],
     ) -> Result<Option<Self>> {
         let (weights, vector) = match &load.kind {
-            LoadKind::Pressure { .. } | LoadKind::TractionField { .. } | LoadKind::BodyForceField { .. } => {
-                return Ok(None);
-            }
+            LoadKind::Pressure { .. }
+            | LoadKind::TractionField { .. }
+            | LoadKind::BodyForceField { .. }
+            | LoadKind::AccelerationField { .. } => return Ok(None),
             LoadKind::Traction { group, traction } => (facet_areas(mesh, group, section)?, *traction),
             LoadKind::Force { group, force } => {
                 let areas = facet_areas(mesh, group, section)?;
@@ -52,6 +55,11 @@ impl LoadVector {
         }
         let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
         Ok(Some(LoadVector { load: index, force, time_function: load.time_function.clone() }))
+    }
+
+    /// The error of a factor that is not a finite number.
+    pub(super) fn not_finite(&self, found: NotFinite) -> Error {
+        SignalTarget::Load(self.load).not_finite(self.time_function.text().unwrap_or_default(), found)
     }
 }
 

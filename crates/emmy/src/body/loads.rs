@@ -1,7 +1,10 @@
 //! Dead loads of a body over a step and at a time; resultants of all loads.
 
+use super::field_load::LoadMemory;
+use super::time_function::NotFinite;
 use super::{Body, sum};
 use crate::average::Rule;
+use crate::error::Result;
 
 /// Resultant of a load at factor 1 in the reference configuration.
 ///
@@ -24,6 +27,11 @@ pub struct LoadResultant {
 }
 
 impl Body {
+    /// Memory for the evaluation of the dead loads in a number of stages.
+    pub(crate) fn load_memory(&self, n_stages: usize) -> LoadMemory {
+        LoadMemory::new(n_stages, &self.fields)
+    }
+
     /// Stage averages of the dead loads over a step, exact for every kink of the time functions; fields are integrated
     /// by [`Rule::smooth_quadrature`].
     ///
@@ -31,20 +39,24 @@ impl Body {
     /// f_i^ext = (1/b_i) integral_0^1 l_i F_ext dalpha
     /// ```
     ///
-    /// `force: [k][n_nodes][3]`; `averages`: memory for k numbers. Returns whether any load acts.
+    /// `force: [k][n_nodes][3]`; `memory`: for k stages. Returns whether any load acts.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
     pub(crate) fn stage_loads(
         &self,
         rule: &Rule,
         time: f64,
         step_size: f64,
-        averages: &mut [f64],
+        memory: &mut LoadMemory,
         force: &mut [f64],
-    ) -> bool {
+    ) -> Result<bool> {
         force.fill(0.0);
         let mut acts = false;
         for load in self.loads.iter() {
-            load.time_function.averages(time, step_size, rule, averages);
-            for (&factor, force) in averages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
+            let averages = load.time_function.averages(time, step_size, rule, &mut memory.of_stages);
+            averages.map_err(|found| load.not_finite(found))?;
+            for (&factor, force) in memory.of_stages.iter().zip(force.chunks_exact_mut(self.n_dofs())) {
                 if factor != 0.0 {
                     acts = true;
                     force.iter_mut().zip(&load.force).for_each(|(sum, f)| *sum += factor * f);
@@ -52,9 +64,9 @@ impl Body {
             }
         }
         for field in self.fields.iter() {
-            acts |= field.add_averages(time, step_size, rule, averages, force);
+            acts |= field.add_averages(time, step_size, rule, memory, force)?;
         }
-        acts
+        Ok(acts)
     }
 
     /// The first time after another at which the time function of a load or a driven support has a kink or a jump; of
@@ -70,20 +82,31 @@ impl Body {
 
     /// Dead loads at a time (after a jump of a time function at this time), `force: [n_nodes][3]`. Returns whether any
     /// load acts.
-    pub fn loads_at(&self, time: f64, force: &mut [f64]) -> bool {
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub fn loads_at(&self, time: f64, force: &mut [f64]) -> Result<bool> {
+        self.set_loads_at(time, &mut self.load_memory(1), force)
+    }
+
+    /// [`Body::loads_at`] without allocation.
+    pub(crate) fn set_loads_at(&self, time: f64, memory: &mut LoadMemory, force: &mut [f64]) -> Result<bool> {
         force.fill(0.0);
         let mut acts = false;
         for load in self.loads.iter() {
             let factor = load.time_function.value(time);
+            if !factor.is_finite() {
+                return Err(load.not_finite(NotFinite { time, value: factor }));
+            }
             if factor != 0.0 {
                 acts = true;
                 force.iter_mut().zip(&load.force).for_each(|(sum, f)| *sum += factor * f);
             }
         }
         for field in self.fields.iter() {
-            acts |= field.add_at(time, force);
+            acts |= field.add_at(time, memory, force)?;
         }
-        acts
+        Ok(acts)
     }
 
     /// The first load by a field that is not a finite number at one of its points at some time from `start` to `end`: number of the
@@ -108,7 +131,7 @@ impl Body {
     }
 
     /// Resultant of every load at factor 1 in the reference configuration; for a field, with its time function, at t =
-    /// 0.
+    /// 0, or NaN if it is not finite there.
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];
         let resultant =
@@ -117,7 +140,9 @@ impl Body {
             self.loads.iter().map(|load| (load.load, resultant(&load.force))).collect();
         for field in self.fields.iter() {
             let mut force = rest.clone();
-            field.add_at(0.0, &mut force);
+            if field.add_at(0.0, &mut self.load_memory(1), &mut force).is_err() {
+                force.fill(f64::NAN);
+            }
             resultants.push((field.load, resultant(&force)));
         }
         for pressure in self.pressures.iter() {

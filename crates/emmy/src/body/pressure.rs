@@ -1,6 +1,8 @@
 //! Follower pressures: loads that rotate and grow with their surface.
 
 use super::facets::{FacetTable, NodalVectors};
+use super::target::SignalTarget;
+use super::time_function::NotFinite;
 use super::{Load, LoadKind, StepInput, TimeFunction};
 use crate::average::FollowerRule;
 use crate::error::{Error, Result};
@@ -37,6 +39,20 @@ impl Pressure {
         }
         let tables = FacetTable::of(mesh, pattern, mesh.groups().facets(group)?, section);
         Ok(Some(Pressure { load: index, pressure, time_function, tables }))
+    }
+
+    /// The factor at a time.
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(super) fn factor(&self, time: f64) -> Result<f64> {
+        let value = self.time_function.value(time);
+        if value.is_finite() { Ok(value) } else { Err(self.not_finite(NotFinite { time, value })) }
+    }
+
+    /// The error of a factor that is not a finite number.
+    pub(super) fn not_finite(&self, found: NotFinite) -> Error {
+        SignalTarget::Load(self.load).not_finite(self.time_function.text().unwrap_or_default(), found)
     }
 
     /// The pressure with another factor over time.

@@ -4,22 +4,17 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-use super::field_load::FieldLoad;
+use super::field_load::{FieldLoad, POINTS_OF_SIGNALS};
+use super::target::SignalTarget;
 use super::{Body, TimeFunction};
 
-/// The load or support that a function of time drives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SignalTarget {
-    /// A load, by its number.
-    Load(usize),
-    /// A driven support, by its number among the driven supports.
-    Support(usize),
-}
+/// Largest number of components.
+pub(crate) const MAX_COMPONENTS: usize = 3 * POINTS_OF_SIGNALS;
 
-/// A function of time.
-type Function = dyn Fn(f64) -> f64 + Send + Sync;
+/// A function of times: it sets the components for each of them, `[n_times][n_components]`.
+type Function = dyn Fn(&[f64], &mut [f64]) + Send + Sync;
 
-/// A smooth function of time that acts on a body.
+/// A smooth function of time that acts on a body: a number, or the components of a field at some of its points.
 #[derive(Clone)]
 pub(crate) struct Signal {
     /// The load or support.
@@ -30,32 +25,41 @@ pub(crate) struct Signal {
     pub until: Option<f64>,
     /// Displacement per unit of the function \[length\]; of a load 0.
     pub arm: f64,
+    /// Number of components.
+    pub n_components: usize,
+    /// Whether an evaluation is costly: [`TimeFunction::of_times`], [`super::Field::of_points`].
+    pub is_costly: bool,
     function: Arc<Function>,
 }
 
 impl Signal {
-    /// The signals of a field.
-    fn of_field(field: &FieldLoad) -> impl Iterator<Item = Self> + '_ {
-        let target = SignalTarget::Load(field.load);
-        field.components().map(move |function| Signal {
-            target,
+    /// The signal of a field.
+    fn of_field(field: &FieldLoad) -> Self {
+        let (n_components, function) = field.components();
+        Signal {
+            target: SignalTarget::Load(field.load),
             text: field.field.text().into(),
             until: None,
             arm: 0.0,
+            n_components,
+            is_costly: field.field.is_costly(),
             function: Arc::new(function),
-        })
+        }
     }
 
-    /// Value at a time.
-    pub(crate) fn at(&self, time: f64) -> f64 {
-        (self.function)(time)
+    /// Sets the components at some times, `[n_times][n_components]`.
+    pub(crate) fn set_at(&self, times: &[f64], values: &mut [f64]) {
+        (self.function)(times, values);
     }
 
     /// The signal of a smooth time function; `None` for a table, which is integrated exactly.
     fn of(time_function: &TimeFunction, target: SignalTarget, until: Option<f64>, arm: f64) -> Option<Self> {
         let text = time_function.text()?.into();
+        let is_costly = time_function.is_costly();
         let time_function = time_function.clone();
-        Some(Signal { target, text, until, arm, function: Arc::new(move |time| time_function.value(time)) })
+        let function = move |times: &[f64], values: &mut [f64]| time_function.values(times, values);
+        let function = Arc::new(function);
+        Some(Signal { target, text, until, arm, n_components: 1, is_costly, function })
     }
 }
 
@@ -86,7 +90,7 @@ impl Body {
             known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
         };
         let mut signals: Vec<Signal> = of_loads.chain(of_supports).filter(is_new).collect();
-        signals.extend(self.fields.iter().flat_map(Signal::of_field));
+        signals.extend(self.fields.iter().map(Signal::of_field).filter(|signal| signal.n_components > 0));
         signals
     }
 }

@@ -8,7 +8,7 @@ impl Body {
     /// are at rest, driven ones follow their motion.
     ///
     /// # Errors
-    /// [`Error::UnknownGroup`], [`Error::NotFinite`].
+    /// [`Error::UnknownGroup`], [`Error::NotFinite`], [`Error::NotFiniteAt`].
     pub(crate) fn initial_motion(
         &self,
         time: f64,
@@ -29,16 +29,19 @@ impl Body {
             }
         }
         self.set_internal_means(&mut velocity);
-        let momentum = self.momentum_of(time, &mut velocity);
+        let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))
     }
 
     /// Momentum of a velocity whose fixed and driven components are set to their given motion at a time.
-    pub(crate) fn momentum_of(&self, time: f64, velocity: &mut [f64]) -> Vec<f64> {
-        self.set_given_velocity(time, 0.0, velocity);
+    ///
+    /// # Errors
+    /// [`Error::NotFiniteAt`].
+    pub(crate) fn momentum_of(&self, time: f64, velocity: &mut [f64]) -> Result<Vec<f64>> {
+        self.set_given_velocity(time, 0.0, velocity)?;
         let mut momentum = vec![0.0; self.n_dofs()];
         self.mass_product(velocity, &mut momentum);
-        momentum
+        Ok(momentum)
     }
 
     /// Checks that driven nodes are where their motion begins.

@@ -64,6 +64,12 @@ impl Constraints {
         if let Some(time) = support.time_functions().find_map(|time_function| time_function.first_jump()) {
             return Err(fail(format!("its motion jumps at t = {}; nothing moves so fast", short(time))));
         }
+        if let Some(unknown) = support.time_functions().find(|time_function| !time_function.has_rate()) {
+            let text = unknown.text().unwrap_or_default();
+            return Err(fail(format!(
+                "the rate of its motion \"{text}\" is not known; give it by `with_rate`"
+            )));
+        }
         let rotation = support.rotation.as_ref().map(normalised).transpose().map_err(fail)?;
         let nodes = mesh.group_nodes(&support.group)?;
         if support.leaves_plane() && mesh.cells().any(|cell| cell.kind.dimension() == 2) {

@@ -2,8 +2,8 @@
 
 mod acceleration;
 mod entries;
+mod smooth;
 
-use std::fmt;
 use std::sync::Arc;
 
 use crate::average::Rule;
@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::quadrature::Quadrature;
 use acceleration::Integrated;
 use entries::{Entry, around, value_before};
+use smooth::Smooth;
 
 /// Factor over time: a table, linear between its entries and constant outside (two entries at one time are a jump), a
 /// smooth function, or the double integral of one of these.
@@ -42,24 +43,15 @@ struct Table {
     corners: Option<Arc<[f64]>>,
 }
 
-/// A smooth function of time, identified by its text.
-#[derive(Clone)]
-struct Smooth {
-    text: Arc<str>,
-    function: Arc<dyn Fn(f64) -> [f64; 3] + Send + Sync>,
+/// A time at which a function is not a finite number, and its value there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct NotFinite {
+    pub(super) time: f64,
+    pub(super) value: f64,
 }
 
-impl fmt::Debug for Smooth {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Smooth").field(&self.text).finish()
-    }
-}
-
-impl PartialEq for Smooth {
-    fn eq(&self, other: &Smooth) -> bool {
-        self.text == other.text
-    }
-}
+/// Times at which a function is evaluated at once.
+const AT_ONCE: usize = 32;
 
 impl TimeFunction {
     /// The factor 1 at all times.
@@ -145,10 +137,67 @@ impl TimeFunction {
         matches!(&self.law, Law::Table(Table { corners: Some(_), .. }))
     }
 
-    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time. `text`
-    /// names it; time functions with equal texts count as equal.
+    /// A smooth time function: `function` returns the factor and its first and second derivatives at a time; the second
+    /// one is not used at present. `text` names it; time functions with equal texts count as equal.
     pub fn smooth(text: &str, function: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Self {
-        TimeFunction { law: Law::Smooth(Smooth { text: text.into(), function: Arc::new(function) }) }
+        TimeFunction { law: Law::Smooth(Smooth::of_derivatives(text, function)) }
+    }
+
+    /// A smooth time function by its values at many times: `values` sets the factor for each time. A step calls it once
+    /// with the quadrature points of the step, where calls are expensive. `text` as in [`TimeFunction::smooth`].
+    ///
+    /// The check that the steps resolve a function compares it on two panels a step only, so that shorter features may be
+    /// missed: give these as a table.
+    ///
+    /// Values suffice for a load and for [`TimeFunction::from_acceleration`]. A support that moves also needs the rate,
+    /// for its velocity: [`TimeFunction::with_rate`]. A step in which a value is not a finite number fails with
+    /// [`Error::NotFiniteAt`]; values that the function does not set are NaN.
+    ///
+    /// ```
+    /// use emmy::body::TimeFunction;
+    /// let square = |times: &[f64], factors: &mut [f64]| {
+    ///     factors.iter_mut().zip(times).for_each(|(factor, t)| *factor = t * t);
+    /// };
+    /// let parabola = TimeFunction::of_times("t^2", square);
+    /// assert!(parabola.value(3.0) == 9.0 && !parabola.has_rate());
+    /// ```
+    pub fn of_times(text: &str, values: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> Self {
+        TimeFunction { law: Law::Smooth(Smooth::new(text, values)) }
+    }
+
+    /// A smooth function with a rate \[1/time\], which `rates` sets for each time. The rate of a table or of a double
+    /// integral is known, so these do not change.
+    ///
+    /// ```
+    /// use emmy::body::TimeFunction;
+    /// let ramp = TimeFunction::of_times("3 t", |times, factors| {
+    ///     factors.iter_mut().zip(times).for_each(|(factor, t)| *factor = 3.0 * t);
+    /// });
+    /// assert!(ramp.rate(0.5).is_nan());
+    /// assert_eq!(ramp.with_rate(|_, rates| rates.fill(3.0)).rate(0.5), 3.0);
+    /// ```
+    pub fn with_rate(self, rates: impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) -> Self {
+        match self.law {
+            Law::Smooth(smooth) => TimeFunction { law: Law::Smooth(smooth.with_rate(rates)) },
+            law @ (Law::Table(_) | Law::Integrated(_)) => TimeFunction { law },
+        }
+    }
+
+    /// Whether a call is costly, as of a function by its values at many times: it is called as rarely as possible.
+    pub(super) fn is_costly(&self) -> bool {
+        match &self.law {
+            Law::Smooth(smooth) => smooth.is_costly,
+            Law::Table(_) => false,
+            Law::Integrated(integrated) => integrated.acceleration().is_costly(),
+        }
+    }
+
+    /// Whether the rate is known, as a support that moves needs.
+    pub fn has_rate(&self) -> bool {
+        match &self.law {
+            Law::Smooth(smooth) => smooth.has_rate(),
+            Law::Table(_) | Law::Integrated(_) => true,
+        }
     }
 
     /// Entries (time, factor) of a table; other functions have none.
@@ -176,8 +225,18 @@ impl TimeFunction {
                 (Some((t0, f0)), Some((t1, f1))) => f0 + (f1 - f0) * (time - t0) / (t1 - t0),
                 (None, None) => 1.0,
             },
-            Law::Smooth(smooth) => (smooth.function)(time)[0],
+            Law::Smooth(smooth) => smooth.value(time),
             Law::Integrated(integrated) => integrated.at(time).displacement,
+        }
+    }
+
+    /// Sets the factors at some times, of a smooth function by one call.
+    pub(crate) fn values(&self, times: &[f64], values: &mut [f64]) {
+        match &self.law {
+            Law::Smooth(smooth) => smooth.values(times, values),
+            Law::Table(_) | Law::Integrated(_) => {
+                values.iter_mut().zip(times).for_each(|(value, &time)| *value = self.value(time));
+            }
         }
     }
 
@@ -189,14 +248,14 @@ impl TimeFunction {
         }
     }
 
-    /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it.
+    /// Rate of the factor \[1/time\]; at a kink or jump, the rate after it. NaN for a function without a rate.
     pub fn rate(&self, time: f64) -> f64 {
         match &self.law {
             Law::Table(table) => match around(&table.entries, time) {
                 (Some((t0, f0)), Some((t1, f1))) => (f1 - f0) / (t1 - t0),
                 _ => 0.0,
             },
-            Law::Smooth(smooth) => (smooth.function)(time)[1],
+            Law::Smooth(smooth) => smooth.rate(time),
             Law::Integrated(integrated) => integrated.at(time).velocity,
         }
     }
@@ -243,7 +302,16 @@ impl TimeFunction {
     ///
     /// `averages: [k]`, with the k, c_i and b_i of the rule. Exact for a table with any kinks and jumps inside the
     /// step; a smooth function is integrated by [`Rule::smooth_quadrature`].
-    pub fn averages(&self, time: f64, step_size: f64, rule: &Rule, averages: &mut [f64]) {
+    ///
+    /// # Errors
+    /// The first time at which the function is not a finite number.
+    pub(super) fn averages(
+        &self,
+        time: f64,
+        step_size: f64,
+        rule: &Rule,
+        averages: &mut [f64],
+    ) -> std::result::Result<(), NotFinite> {
         averages.fill(0.0);
         let (entries, quadrature) = match &self.law {
             Law::Table(table) => (&*table.entries, rule.load_quadrature()),
@@ -255,121 +323,50 @@ impl TimeFunction {
         let kinks = entries[first..].iter().map(|&(t, _)| (t - time) / step_size);
         for to in kinks.take_while(|&alpha| alpha < 1.0).chain([1.0]) {
             if to > from {
-                self.add_segment(time, step_size, [from, to], rule, quadrature, averages);
+                self.for_each_value(time, step_size, [from, to], quadrature, |alpha, w, factor| {
+                    let weighted = factor * w * (to - from);
+                    for (i, average) in averages.iter_mut().enumerate() {
+                        *average += weighted * rule.basis(i, alpha) / rule.weights()[i];
+                    }
+                })?;
                 from = to;
             }
         }
+        Ok(())
     }
 
-    /// Adds the integral over a segment without kinks.
-    fn add_segment(
+    /// Visits the points of a quadrature on a segment of a step: its position in the step, its weight on [0, 1], and the
+    /// factor there.
+    ///
+    /// # Errors
+    /// The first time at which the function is not a finite number.
+    pub(super) fn for_each_value(
         &self,
         time: f64,
         h: f64,
         [from, to]: [f64; 2],
-        rule: &Rule,
         quadrature: &Quadrature<1>,
-        averages: &mut [f64],
-    ) {
-        for (&[s], w) in quadrature.iter() {
-            let alpha = from + (to - from) * s;
-            let factor = self.value(time + alpha * h) * w * (to - from);
-            for (i, average) in averages.iter_mut().enumerate() {
-                *average += factor * rule.basis(i, alpha) / rule.weights()[i];
+        mut visit: impl FnMut(f64, f64, f64),
+    ) -> std::result::Result<(), NotFinite> {
+        let weights = quadrature.weights.chunks(AT_ONCE);
+        for (points, weights) in quadrature.points.chunks(AT_ONCE).zip(weights) {
+            let (mut alphas, mut times, mut factors) = ([0.0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
+            let n = points.len();
+            for (i, &[s]) in points.iter().enumerate() {
+                alphas[i] = from + (to - from) * s;
+                times[i] = time + alphas[i] * h;
+            }
+            self.values(&times[..n], &mut factors[..n]);
+            for (i, &w) in weights.iter().enumerate() {
+                if !factors[i].is_finite() {
+                    return Err(NotFinite { time: times[i], value: factors[i] });
+                }
+                visit(alphas[i], w, factors[i]);
             }
         }
+        Ok(())
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn jumps_have_a_value_before_and_after() {
-        let table = TimeFunction::new(vec![(0.0, 1.0), (0.0, 5.0), (2.0, 3.0), (2.0, 0.0)]).unwrap();
-        let values = [-1.0, 0.0, 1.0, 2.0, 3.0].map(|t| [table.value_before(t), table.value(t)]);
-        assert_eq!(values, [[1.0, 1.0], [1.0, 5.0], [4.0, 4.0], [3.0, 0.0], [0.0, 0.0]]);
-    }
-
-    #[test]
-    fn averages_are_exact_across_kinks_and_jumps() {
-        // f = 0 before t = 1, jumps to 2, falls to 0 at t = 2. Step from 0.5 to 3 (h = 2.5).
-        let time_function = TimeFunction::new(vec![(1.0, 0.0), (1.0, 2.0), (2.0, 0.0)]).unwrap();
-        let rule = Rule::discrete_gradient(2);
-        let b = rule.weights();
-        let c = rule.nodes();
-        let mut averages = [0.0; 2];
-        time_function.averages(0.5, 2.5, &rule, &mut averages);
-        // sum_i b_i avg_i = integral f / h = 1 / 2.5; sum_i b_i c_i avg_i = integral alpha f: by hand 1/h int (t -
-        // 0.5)/h f dt
-        let zeroth: f64 = (0..2).map(|i| b[i] * averages[i]).sum();
-        let first: f64 = (0..2).map(|i| b[i] * c[i] * averages[i]).sum();
-        // integral over [1, 2] of (t - 0.5) 2 (2 - t) dt = 5/6
-        assert!((zeroth - 0.4).abs() < 1e-15 && (first - 5.0 / 6.0 / 6.25).abs() < 1e-15);
-    }
-
-    #[test]
-    fn averages_of_a_smooth_function_match_its_integrals() {
-        // f = exp(3 t) on a step of 0.1: sum_i b_i avg_i = (e^0.3 - 1) / 0.3 for any degree.
-        let time_function =
-            TimeFunction::smooth("exp(3 t)", |t| [1.0, 3.0, 9.0].map(|f| f * (3.0 * t).exp()));
-        for degree in 1..=4 {
-            let rule = Rule::discrete_gradient(degree);
-            let mut averages = [0.0; 4];
-            time_function.averages(0.0, 0.1, &rule, &mut averages[..degree]);
-            let sum: f64 = (0..degree).map(|i| rule.weights()[i] * averages[i]).sum();
-            assert!((sum - (0.3f64.exp() - 1.0) / 0.3).abs() < 1e-15, "{degree}");
-        }
-    }
-
-    #[test]
-    fn rates_and_kinks_match_the_table() {
-        let time_function = TimeFunction::new(vec![(0.0, 0.0), (0.5, 1.0), (1.0, 0.0), (1.0, 2.0)]).unwrap();
-        assert_eq!([-1.0, 0.0, 0.5, 0.7, 1.0].map(|t| time_function.rate(t)), [0.0, 2.0, -2.0, -2.0, 0.0]);
-        assert_eq!(
-            [-1.0, 0.0, 0.6, 1.0].map(|t| time_function.next_kink(t)),
-            [Some(0.0), Some(0.5), Some(1.0), None]
-        );
-        assert_eq!((time_function.first_jump(), TimeFunction::constant().first_jump()), (Some(1.0), None));
-        assert!(TimeFunction::smooth("t", |t| [t, 1.0, 0.0]) == TimeFunction::smooth("t", |_| [0.0; 3]));
-    }
-
-    #[test]
-    fn steps_end_only_where_a_measured_table_turns() {
-        // A hat of 1000 rows with noise of 0.2 % turns at its start, top and end, and jumps at t = 20.
-        let hat = |t: f64| (1.0 - (t - 5.0).abs() / 5.0).max(0.0);
-        let noise = |i: u32| 0.002 * (f64::from(i * 7919 % 1000) / 1000.0 - 0.5);
-        let mut entries: Vec<Entry> =
-            (0..=1000).map(|i| (0.015 * f64::from(i), hat(0.015 * f64::from(i)) + noise(i))).collect();
-        entries.extend([(20.0, 0.0), (20.0, 0.5), (30.0, 0.5)]);
-        let table = TimeFunction::measured(entries.clone()).unwrap();
-        let mut corners = vec![-1.0];
-        while let Some(corner) = table.next_corner(corners[corners.len() - 1]) {
-            corners.push(corner);
-        }
-        assert!(corners.len() < 20 && corners.contains(&20.0), "{corners:?}");
-        for turn in [0.0, 5.0, 10.0] {
-            assert!(corners.iter().any(|corner| (corner - turn).abs() < 0.2), "{turn}: {corners:?}");
-        }
-        // Between corners the table is almost a line.
-        for (time, factor) in entries.iter().filter(|entry| entry.0 < 20.0) {
-            let next = corners.partition_point(|corner| corner <= time);
-            let [a, b] = [corners[next - 1].max(0.0), corners[next]];
-            let line = table.value(a) + (table.value(b) - table.value(a)) * (time - a) / (b - a);
-            assert!(b == 20.0 || (line - factor).abs() <= 0.02, "{time} {line} {factor}");
-        }
-        assert_eq!(table.next_kink(0.001), Some(0.015));
-        assert_eq!(TimeFunction::new(entries).unwrap().next_corner(0.001), Some(0.015));
-    }
-
-    #[test]
-    fn times_must_go_forward() {
-        assert!(matches!(
-            TimeFunction::new(vec![(1.0, 0.0), (0.5, 0.0)]),
-            Err(Error::TimeFunction { entry: 1, .. })
-        ));
-        assert!(TimeFunction::new(vec![]).is_err());
-        assert!(TimeFunction::new(vec![(0.0, f64::NAN)]).is_err());
-    }
-}
+mod tests;

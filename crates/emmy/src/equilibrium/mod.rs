@@ -1,5 +1,6 @@
 //! Static equilibrium of a body under the loads of a time, found with growing loads.
 
+use crate::average::Request;
 use crate::body::{Body, InitialVelocity};
 use crate::error::Result;
 use crate::motion::{MarchError, Motion, NewtonSettings, Observer, Phase, State, StepPlan};
@@ -115,4 +116,55 @@ pub fn unbalanced_force(body: &Body, displacement: &[f64], time: f64) -> Result<
     Forces::new(body).net(displacement, time, &mut external, &mut net)?;
     net.iter_mut().for_each(|force| *force = -*force);
     Ok(net)
+}
+
+/// Internal force f(u) of a displacement `[n_nodes][3]`, without loads, `[n_nodes][3]` \[force\].
+///
+/// ```
+/// use emmy::prelude::*;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(NeoHooke::new(0.0, 500.0)?, 2.0)).build()?;
+/// let stretched: Vec<f64> = body.mesh().points().iter().flat_map(|X| [X[0], 0.0, 0.0]).collect();
+/// let force = emmy::equilibrium::internal_force(&body, &stretched)?;
+/// // P_11 = mu (lambda - 1/lambda) with lambda = 2, on the unit area x = 1.
+/// let right: f64 = (0..8).filter(|&node| body.mesh().points()[node][0] == 1.0).map(|node| force[3 * node]).sum();
+/// assert!((right - 750.0).abs() < 1e-10);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+///
+/// # Errors
+/// [`crate::Error::Inverted`].
+pub fn internal_force(body: &Body, displacement: &[f64]) -> Result<Vec<f64>> {
+    let mut forces = Forces::new(body);
+    forces.assemble(displacement, Request::Stress)?;
+    let mut internal = vec![0.0; body.n_dofs()];
+    forces.assembly.matrix.copy_force(&mut internal);
+    Ok(internal)
+}
+
+/// A row of nodes of a sparse matrix: columns in ascending order, with 3x3 blocks row by row.
+pub type BlockRow = Vec<(u32, [f64; 9])>;
+
+/// Stiffness df/du at a displacement `[n_nodes][3]` \[force/length\]: for each row of nodes, its columns in ascending order
+/// and the 3x3 blocks, row by row. Supports and loads are not included.
+///
+/// ```
+/// use emmy::prelude::*;
+/// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(Region::new(NeoHooke::new(0.0, 500.0)?, 2.0)).build()?;
+/// let rows = emmy::equilibrium::stiffness(&body, &[0.0; 24])?;
+/// // A translation needs no force.
+/// let force: f64 = rows[0].iter().map(|(_, block)| block[0]).sum();
+/// assert!(rows.len() == 8 && force.abs() < 1e-10);
+/// # Ok::<(), emmy::Error>(())
+/// ```
+///
+/// # Errors
+/// [`crate::Error::Inverted`].
+pub fn stiffness(body: &Body, displacement: &[f64]) -> Result<Vec<BlockRow>> {
+    let mut forces = Forces::new(body);
+    forces.assemble(displacement, Request::Tangent)?;
+    let matrix = &forces.assembly.matrix;
+    let pattern = body.pattern();
+    let block = |position: usize| std::array::from_fn(|entry| matrix.block(position)[entry]);
+    let row = |row: usize| pattern.row(row).iter().copied().zip(pattern.range(row).map(block)).collect();
+    Ok((0..pattern.n_rows()).map(row).collect())
 }

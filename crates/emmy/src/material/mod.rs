@@ -10,6 +10,7 @@ mod axes;
 mod ciarlet_geymonat;
 #[cfg(test)]
 mod conformance;
+mod formula;
 mod gent;
 mod hencky;
 mod holzapfel_gasser_ogden;
@@ -32,6 +33,7 @@ mod yeoh;
 
 pub use arruda_boyce::ArrudaBoyce;
 pub use ciarlet_geymonat::CiarletGeymonat;
+pub use formula::{EnergyFormula, Expression, Invariant};
 pub use gent::Gent;
 pub use hencky::Hencky;
 pub use holzapfel_gasser_ogden::HolzapfelGasserOgden;

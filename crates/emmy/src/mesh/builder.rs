@@ -93,7 +93,9 @@ impl MeshBuilder {
         let mut turned = vec![false; self.kinds.len()];
         for (cell, (&kind, range)) in self.kinds.iter().zip(self.offsets.windows(2)).enumerate() {
             let nodes = &mut self.connectivity[range[0] as usize..range[1] as usize];
-            if kind.dimension() == 2 && area(&self.points, &nodes[..kind.n_corners()]) < 0.0 {
+            // `build` reports nodes that are not there.
+            let are_there = nodes.iter().all(|&node| (node as usize) < self.points.len());
+            if kind.dimension() == 2 && are_there && area(&self.points, &nodes[..kind.n_corners()]) < 0.0 {
                 turned[cell] = true;
                 turn_over(nodes, kind.n_corners());
             }

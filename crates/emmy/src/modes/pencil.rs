@@ -33,12 +33,12 @@ impl Linearised {
     /// The stiffness at a displacement `[n_nodes][3]`, with the follower pressures of a time.
     ///
     /// # Errors
-    /// [`crate::Error::Inverted`].
+    /// [`crate::Error::Inverted`], [`crate::Error::NotFiniteAt`].
     pub(super) fn at(body: &Body, displacement: &[f64], time: Option<f64>) -> Result<Self> {
         let mut forces = Forces::new(body);
         forces.assemble(displacement, Request::Tangent)?;
         if let Some(time) = time {
-            forces.add_follower_tangent(displacement, time);
+            forces.add_follower_tangent(displacement, time)?;
         }
         let mut assembly = forces.assembly;
         assembly.matrix.symmetrize(body.pattern());

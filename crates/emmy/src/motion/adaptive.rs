@@ -3,7 +3,7 @@
 use super::adaptivity::Controller;
 use super::control::Control;
 use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
-use super::failure::placed;
+use super::failure::{may_shrink_after, placed};
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -23,46 +23,38 @@ struct Stop {
 }
 
 impl<'a> Motion<'a> {
-    /// Marches to the end of a plan with steps chosen by the error. A step ends at every end of a phase and every kink
-    /// of a load.
-    pub(super) fn march_adaptively(
+    /// Prepares steps chosen by the error.
+    pub(super) fn control_steps(&mut self, plan: &StepPlan, adaptivity: &Adaptivity) -> Result<()> {
+        self.control = Some(self.control(plan, adaptivity)?);
+        Ok(())
+    }
+
+    /// Does the next step with a size chosen by the error; false at the end of the plan. A step ends at every end of a
+    /// phase and every kink of a load.
+    pub(super) fn adaptive_step(
         &mut self,
         plan: &StepPlan,
         adaptivity: &Adaptivity,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<(), MarchError> {
-        self.control = Some(self.control(plan, adaptivity)?);
-        for phase in plan.phases() {
-            // In its place whenever observers are called: a snapshot contains it.
-            while let Some(mut control) = self.control.take() {
-                let output = plan.next_output(self.state.time);
-                let stop = self.next_stop(&control, phase.until, output);
-                let outcome = match stop {
-                    Some(stop) => {
-                        let longest = adaptivity.largest.min(plan.interval().unwrap_or(f64::INFINITY));
-                        self.step_towards(&mut control, stop, longest, observers)
-                    }
-                    None => Ok(()),
-                };
-                self.control = Some(control);
-                outcome?;
-                if stop.is_none() {
-                    break;
-                }
-                self.notify(observers)?;
-                self.check_digits()?;
-            }
-        }
-        Ok(())
+    ) -> Result<bool, MarchError> {
+        // In its place whenever observers see a step: a snapshot contains it.
+        let Some(mut control) = self.control.take() else { return Ok(false) };
+        let stop = self.next_stop(&control, plan);
+        let outcome = stop.map(|stop| {
+            let longest = adaptivity.largest.min(plan.interval().unwrap_or(f64::INFINITY));
+            self.step_towards(&mut control, stop, longest, observers)
+        });
+        self.control = Some(control);
+        outcome.transpose()?;
+        Ok(stop.is_some())
     }
 
-    /// The next time at which a step must end, and whether it is a kink of a load; none after the end of the phase.
-    /// `output`: the next time for output.
-    fn next_stop(&self, control: &Control<'_>, until: f64, output: Option<f64>) -> Option<Stop> {
+    /// The next time at which a step must end, and whether it is a kink of a load; none after the end of the plan.
+    fn next_stop(&self, control: &Control<'_>, plan: &StepPlan) -> Option<Stop> {
         let same = control.same_time;
-        if until - self.state.time <= same {
-            return None;
-        }
+        let ended = plan.phases().partition_point(|phase| phase.until - self.state.time <= same);
+        let until = plan.phases().get(ended)?.until;
+        let output = plan.next_output(self.state.time);
         let kink = self.body.next_corner(self.state.time + same).unwrap_or(f64::INFINITY);
         let before = |time: f64, limit: f64| if time < limit - same { time } else { limit };
         let time = before(kink, before(output.unwrap_or(f64::INFINITY), until));
@@ -162,6 +154,9 @@ impl<'a> Motion<'a> {
             Ok(error) => Error::Tolerance { error, tolerance },
             Err(error) => placed(error, self.body, &self.state, size),
         };
+        if !may_shrink_after(&error) {
+            return Err(MarchError::Step(error));
+        }
         if !(may_shrink && control.controller.can_shrink(size)) {
             return Err(MarchError::Step(self.smallest_step_error(size, error)));
         }
@@ -201,7 +196,7 @@ impl<'a> Motion<'a> {
     /// The control of a plan: from the previous march, from the snapshot, or a new one.
     fn control(&mut self, plan: &StepPlan, adaptivity: &Adaptivity) -> Result<Control<'a>> {
         if let Some(control) = self.control.take().filter(|control| control.adaptivity == *adaptivity) {
-            return Ok(control);
+            return Ok(Control { same_time: plan.same_time(0.0), ..control });
         }
         let element = time_element(self.scheme)?;
         let length = adaptivity.length.unwrap_or_else(|| self.body.radius_of_gyration());

@@ -26,3 +26,8 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
         det,
     }
 }
+
+/// Whether a smaller step may succeed where one has failed.
+pub(super) fn may_shrink_after(error: &Error) -> bool {
+    !matches!(error, Error::NotFiniteAt { .. })
+}

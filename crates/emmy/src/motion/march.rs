@@ -1,5 +1,6 @@
 //! The loop over the steps of a plan.
 
+use super::failure::may_shrink_after;
 use super::stepping::{SAME_TIME, SmallestStep};
 use super::{
     EventKind, MarchError, Motion, Observer, PlannedStep, Record, Resolution, StepPlan, Subdivision, View,
@@ -9,17 +10,14 @@ use crate::number::short;
 use crate::time::{LARGEST_ROUNDING, Scheme};
 
 impl Motion<'_> {
-    /// Marches through a plan. Observers see the start and every step.
+    /// Marches through a plan from wherever the motion is in it. Observers see the present state and every step.
     ///
     /// # Errors
-    /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does.
+    /// [`MarchError::Step`] if a step fails, [`MarchError::Observer`] if an observer does. State and record then belong
+    /// to the last good step, and the motion can go on.
     pub fn march(&mut self, plan: &StepPlan, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.notify(observers)?;
-        self.resolution = Resolution::new(self.body, self.scheme, plan);
-        if let Some(adaptivity) = plan.adaptivity() {
-            return self.march_adaptively(plan, adaptivity, observers);
-        }
-        plan.steps().try_for_each(|step| self.march_through(&step, observers))
+        self.march_on(plan, observers)
     }
 
     /// Marches through the rest of a plan. Observers see every step, but not the present state. The time may differ
@@ -32,34 +30,81 @@ impl Motion<'_> {
         plan: &StepPlan,
         observers: &mut [&mut dyn Observer],
     ) -> Result<(), MarchError> {
-        self.resolution = Resolution::new(self.body, self.scheme, plan);
-        if let Some(adaptivity) = plan.adaptivity() {
-            return self.march_adaptively(plan, adaptivity, observers);
-        }
-        for mut step in plan.steps_from(self.state.time) {
-            let sliver = SAME_TIME * step.size;
-            if (self.subdivision.start(&step) - self.state.time).abs() > sliver {
-                self.subdivision = Subdivision { substep: 0, ..self.subdivision };
-                let start = self.state.time;
-                if (step.start - start).abs() > sliver {
-                    step = PlannedStep { start, size: step.end - start, ..step };
-                }
-            }
-            self.march_through(&step, observers)?;
-        }
+        self.follow(plan)?;
+        while self.step_along(plan, observers)? {}
         Ok(())
     }
 
-    /// Does the rest of a planned step, in substeps where it fails.
-    fn march_through(
+    /// Does the next step of a plan from wherever the motion is, or the next substep of a planned step that was cut.
+    /// `None` at the end of the plan. A loop of such steps has the same bits as [`Motion::march_on`].
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+    /// let plan = StepPlan::new(0.0, vec![Phase { until: 1.0, size: 0.4 }])?;
+    /// let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
+    /// let mut times = Vec::new();
+    /// while let Some(record) = motion.next_step(&plan, &mut [])? {
+    ///     times.push(record.time);
+    /// }
+    /// assert_eq!(times, [0.4, 0.8, 1.0]);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Motion::march`].
+    pub fn next_step(
         &mut self,
-        step: &PlannedStep,
+        plan: &StepPlan,
         observers: &mut [&mut dyn Observer],
-    ) -> Result<(), MarchError> {
+    ) -> Result<Option<&Record>, MarchError> {
+        self.follow(plan)?;
+        Ok(self.step_along(plan, observers)?.then_some(&self.record))
+    }
+
+    /// Prepares the steps of a plan, unless the motion follows it already.
+    fn follow(&mut self, plan: &StepPlan) -> Result<()> {
+        if self.plan.as_ref() != Some(plan) {
+            self.planned = None;
+            self.resolution = Resolution::new(self.body, self.scheme, plan);
+            self.plan = Some(plan.clone());
+        }
+        match plan.adaptivity() {
+            Some(adaptivity) => self.control_steps(plan, adaptivity),
+            None => Ok(()),
+        }
+    }
+
+    /// Does the next good step of the plan that the motion follows; false at its end.
+    fn step_along(
+        &mut self,
+        plan: &StepPlan,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<bool, MarchError> {
+        let is_done = match plan.adaptivity() {
+            Some(adaptivity) => self.adaptive_step(plan, adaptivity, observers)?,
+            None => self.planned_step(plan, observers)?,
+        };
+        if is_done {
+            self.notify(observers)?;
+            self.check_digits()?;
+        }
+        Ok(is_done)
+    }
+
+    /// Does the next step of a plan, or the next substep of a planned step that was cut; false at the end of the plan.
+    fn planned_step(
+        &mut self,
+        plan: &StepPlan,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<bool, MarchError> {
+        let Some(step) = self.step_of(plan) else { return Ok(false) };
+        self.planned = Some(step);
         loop {
-            let (size, until) = self.subdivision.next(step);
+            let (size, until) = self.subdivision.next(&step);
             if let Err(error) = self.step_with_end(size, until) {
-                let cut = self.cut(step, size, error);
+                let cut = self.cut(&step, size, error);
                 self.tell(observers)?;
                 cut?;
                 continue;
@@ -68,12 +113,33 @@ impl Motion<'_> {
             if end.has_grown {
                 self.note(EventKind::Grown, self.state.step, format!("step size back to {}", 2.0 * size));
             }
-            self.notify(observers)?;
-            self.check_digits()?;
             if end.is_done {
-                return Ok(());
+                self.planned = None;
             }
+            return Ok(true);
         }
+    }
+
+    /// The planned step in progress, or the next one of a plan.
+    fn step_of(&mut self, plan: &StepPlan) -> Option<PlannedStep> {
+        let time = self.state.time;
+        let in_progress = self.planned.filter(|step| {
+            let (size, _) = self.subdivision.next(step);
+            (self.subdivision.start(step) - time).abs() <= SAME_TIME * size
+        });
+        if in_progress.is_some() {
+            return in_progress;
+        }
+        let step = plan.steps_from(time).next()?;
+        let sliver = SAME_TIME * step.size;
+        if (self.subdivision.start(&step) - time).abs() <= sliver {
+            return Some(step);
+        }
+        self.subdivision = Subdivision { substep: 0, ..self.subdivision };
+        if (step.start - time).abs() <= sliver {
+            return Some(step);
+        }
+        Some(PlannedStep { start: time, size: step.end - time, ..step })
     }
 
     /// Cuts a failed step by two.
@@ -81,6 +147,9 @@ impl Motion<'_> {
     /// # Errors
     /// The error of the step, if it may not be cut; [`Error::SmallestStep`] if it has been cut before.
     fn cut(&mut self, step: &PlannedStep, size: f64, error: Error) -> Result<(), MarchError> {
+        if !may_shrink_after(&error) {
+            return Err(MarchError::Step(error));
+        }
         let may_be_cut = match self.smallest {
             None => false,
             Some(SmallestStep::Halvings(most)) => self.subdivision.halvings < most,

@@ -189,16 +189,31 @@ impl StepPlan {
 
     /// All steps in order.
     pub fn steps(&self) -> impl Iterator<Item = PlannedStep> + '_ {
-        self.begins().flat_map(|(begin, phase)| {
+        self.steps_after(0, 0)
+    }
+
+    /// The steps from a step of a phase on.
+    fn steps_after(&self, phase: usize, step: usize) -> impl Iterator<Item = PlannedStep> + '_ {
+        self.begins().enumerate().skip(phase).flat_map(move |(index, (begin, own))| {
+            let n = n_steps(begin, own);
+            let first = if index == phase { step } else { 0 };
+            (first..n).map(move |i| planned_step(begin, own, i, n))
+        })
+    }
+
+    /// Phase and number in it of the first step that ends after a time, by arithmetic: steps before it are not visited.
+    fn place(&self, time: f64) -> Option<(usize, usize)> {
+        // The last step of an earlier phase ends at or before the time.
+        let from = self.phases.partition_point(|phase| phase.until <= time);
+        self.begins().enumerate().skip(from).find_map(|(index, (begin, phase))| {
             let n = n_steps(begin, phase);
-            (0..n).map(move |i| {
-                let start = begin + i as f64 * phase.size;
-                let last = i + 1 == n;
-                let end = if last { phase.until } else { begin + (i + 1) as f64 * phase.size };
-                // The nominal size where it fits: the difference of the times would carry their rounding.
-                let fits = ((end - start) - phase.size).abs() <= SLIVER * phase.size;
-                PlannedStep { start, end, size: if fits { phase.size } else { end - start } }
-            })
+            // The quotient may be off by rounding; steps before the first one here end before the time.
+            let first = (((time - begin) / phase.size) as usize).saturating_sub(2).min(n - 1);
+            let is_left = |i: &usize| {
+                let step = planned_step(begin, phase, *i, n);
+                step.end - time > self.same_time(step.size)
+            };
+            (first..n).find(is_left).map(|i| (index, i))
         })
     }
 
@@ -212,7 +227,8 @@ impl StepPlan {
     /// # Ok::<(), emmy::Error>(())
     /// ```
     pub fn steps_from(&self, time: f64) -> impl Iterator<Item = PlannedStep> + '_ {
-        self.steps().skip_while(move |step| step.end - time <= self.same_time(step.size))
+        let (phase, step) = self.place(time).unwrap_or((self.phases.len(), 0));
+        self.steps_after(phase, step)
     }
 
     /// The time of the plan's grid that differs from a time by rounding only, else the time itself, as always for
@@ -338,6 +354,16 @@ impl StepPlan {
     }
 }
 
+/// A step of a phase of n steps.
+fn planned_step(begin: f64, phase: Phase, i: usize, n: usize) -> PlannedStep {
+    let start = begin + i as f64 * phase.size;
+    let last = i + 1 == n;
+    let end = if last { phase.until } else { begin + (i + 1) as f64 * phase.size };
+    // The nominal size where it fits: the difference of the times would carry their rounding.
+    let fits = ((end - start) - phase.size).abs() <= SLIVER * phase.size;
+    PlannedStep { start, end, size: if fits { phase.size } else { end - start } }
+}
+
 fn n_steps(begin: f64, phase: Phase) -> usize {
     // A last step that is lost in the rounding of its end is merged as well.
     let sliver = SLIVER.max(SHORTEST * phase.until.abs() / phase.size);
@@ -345,71 +371,4 @@ fn n_steps(begin: f64, phase: Phase) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn plan(phases: &[(f64, f64)]) -> Result<StepPlan> {
-        StepPlan::new(0.0, phases.iter().map(|&(until, size)| Phase { until, size }).collect())
-    }
-
-    #[test]
-    fn steps_that_are_lost_in_the_rounding_of_the_time_are_rejected() {
-        for phases in [
-            [(1.0, 0.1), (1.000000000000001, 1e-16)],
-            [(1e17, 1e15), (2e17, 10.0)],
-            [(1000.0, 1.0), (1001.0, 1e-13)],
-        ] {
-            assert!(matches!(plan(&phases), Err(Error::Plan { phase: 1, .. })), "{phases:?}");
-        }
-        // A last step of 1e-15 is merged with the previous one.
-        let ends: Vec<f64> =
-            plan(&[(1.0, 0.5), (1.0 + 3e-9 + 1e-15, 1e-9)]).unwrap().steps().map(|step| step.size).collect();
-        assert!(ends.iter().all(|&size| size > 0.5e-9), "{ends:?}");
-    }
-
-    #[test]
-    fn rounding_makes_no_extra_step() {
-        for (until, size, n) in [(1.0, 0.01, 100), (0.3, 0.1, 3), (4.0, 0.04, 100), (1.0, 1e-4, 10_000)] {
-            let plan = plan(&[(until, size)]).unwrap();
-            assert_eq!(plan.n_steps(), n);
-            assert!(plan.steps().all(|step| step.size == size));
-            assert_eq!(plan.steps().last().unwrap().end, until);
-        }
-    }
-
-    #[test]
-    fn every_multiple_of_an_interval_is_met_or_named() {
-        let steps = |phases: &[(f64, f64)], interval: f64| plan(phases).unwrap().with_interval(interval);
-        let good = steps(&[(0.3, 0.1), (0.5, 0.05), (2.0, 0.02)], 0.1).unwrap();
-        let outputs = good.steps().filter(|step| good.is_output(step.end)).count();
-        assert_eq!(outputs, 20);
-        // 0.25 + i 0.1 are not multiples of 0.1; the end of a phase is met for any size.
-        let missed = |phases, interval| steps(phases, interval).unwrap_err().to_string();
-        assert!(missed(&[(0.25, 0.05), (1.0, 0.1)], 0.1).contains("steps of 0.1 miss t = 0.3"));
-        assert!(missed(&[(1.0, 0.03)], 0.1).contains("steps of 0.03 miss t = 0.1"));
-        assert!(steps(&[(0.1, 0.03), (0.2, 0.04)], 0.1).is_ok());
-        assert!(steps(&[(1.0, 0.1)], 5.0).is_ok() && steps(&[(1.0, 0.1)], 0.0).is_err());
-        let twice = good.with_size_from(0.5, 0.01).unwrap();
-        assert_eq!(twice.interval(), Some(0.1));
-    }
-
-    #[test]
-    fn outputs_follow_each_other_without_gaps() {
-        let plan = StepPlan::adaptive(0.7, 1e4, Adaptivity::new(1e-3)).unwrap().with_interval(0.1).unwrap();
-        let mut time = 0.7;
-        for n in 1..=90_000 {
-            time = plan.next_output(time).unwrap();
-            assert_eq!(time, 0.7 + f64::from(n) * 0.1);
-            assert!(plan.is_output(time) && !plan.is_output(time + 0.04));
-            // Up to rounding, unchanged at the end of a phase.
-            assert!(plan.next_output(time.next_down()).unwrap() > time + 0.05);
-        }
-    }
-
-    #[test]
-    fn bad_plans_are_rejected() {
-        assert!(matches!(plan(&[(1.0, 0.1), (0.5, 0.1)]), Err(Error::Plan { phase: 1, .. })));
-        assert!(plan(&[(1.0, 0.0)]).is_err() && plan(&[(1.0, f64::NAN)]).is_err() && plan(&[]).is_err());
-        assert!(plan(&[(0.0, 0.1)]).is_err() && plan(&[(f64::INFINITY, 0.1)]).is_err());
-    }
-}
+mod tests;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::StepPlan;
 use crate::average::Rule;
-use crate::body::{Body, Signal, SignalTarget};
+use crate::body::{Body, MAX_COMPONENTS, Signal, SignalTarget};
 use crate::number::short;
 use crate::polynomial::lagrange;
 use crate::quadrature::{Quadrature, gauss, lobatto};
@@ -22,28 +22,18 @@ pub struct Unresolved {
     pub time: f64,
 }
 
-/// Largest length of a text in a message.
-const LONGEST: usize = 60;
-
 impl fmt::Display for Unresolved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.target {
-            SignalTarget::Load(number) => write!(f, "load {number}")?,
-            SignalTarget::Support(number) => write!(f, "moving support {number}")?,
-        }
-        if !self.text.is_empty() {
-            let text: String = self.text.chars().take(LONGEST).collect();
-            let dots = if text.len() < self.text.len() { "..." } else { "" };
-            write!(f, " (\"{text}{dots}\")")?;
-        }
-        write!(f, " near t = {}", short(self.time))
+        write!(f, "{} near t = {}", self.target.with_text(&self.text), short(self.time))
     }
 }
 
 /// Compares the values of functions of time at the points of a step with a quadrature on many short panels.
 ///
 /// Tables are integrated exactly and need no check. A function counts as resolved by panels of 1/16384 of the plan;
-/// shorter features may be missed. No element is evaluated.
+/// shorter features may be missed. A costly function ([`TimeFunction::of_times`](crate::body::TimeFunction::of_times),
+/// [`Field::of_points`](crate::body::Field::of_points)) is compared on a few panels a step only. No element is
+/// evaluated.
 ///
 /// ```
 /// use emmy::prelude::*;
@@ -60,8 +50,8 @@ impl fmt::Display for Unresolved {
 /// ```
 #[derive(Debug)]
 pub struct Resolution {
-    /// The functions, each with its largest size in the plan.
-    signals: Vec<(Signal, f64)>,
+    /// The functions, each with the largest sizes of its components in the plan.
+    signals: Vec<(Signal, [f64; MAX_COMPONENTS])>,
     scheme: Scheme,
     rule: Rule,
     /// Points of a step at which the stepper evaluates loads.
@@ -82,7 +72,7 @@ enum Allowance {
 }
 
 /// A function of time and its approximation in a step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Comparison {
     /// Largest difference of the stage averages.
     defect: f64,
@@ -122,11 +112,19 @@ impl Resolution {
         }
         let start = plan.start();
         let duration = plan.end() - plan.start();
-        let panels = (PANELS / signals.len()).max(MIN_PANELS);
-        let n_samples = SAMPLES * panels;
+        let n_functions: usize = signals.iter().map(|signal| signal.n_components).sum();
+        let panels = (PANELS / n_functions).max(MIN_PANELS);
         let largest = |signal: &Signal| {
+            let n_samples = if signal.is_costly { COSTLY_SAMPLES } else { SAMPLES * panels };
             let times = (0..=n_samples).map(|i| start + duration * i as f64 / n_samples as f64);
-            times.map(|time| signal.at(time).abs()).fold(0.0, f64::max)
+            let mut largest = [0f64; MAX_COMPONENTS];
+            for_each_value(signal, times, |values| {
+                largest
+                    .iter_mut()
+                    .zip(values)
+                    .for_each(|(largest, value)| *largest = largest.max(value.abs()));
+            });
+            largest
         };
         let signals = signals.into_iter().map(|signal| (largest(&signal), signal));
         let (rule, points) = rule_and_points(scheme, scheme.degree());
@@ -191,86 +189,143 @@ impl Resolution {
     fn missed(&self, time: f64, size: f64, allowance: Allowance) -> Option<Unresolved> {
         let acting = self.signals.iter().filter(|(signal, _)| signal.until.is_none_or(|until| time < until));
         for (signal, largest) in acting {
-            let is_missed = match allowance {
+            let missed = match allowance {
                 Allowance::PartOrLength(_, length) if signal.arm > 0.0 => {
-                    signal.arm * self.deviation(signal, time, size) > length
+                    (signal.arm * self.deviation(signal, time, size) > length).then_some(0)
                 }
                 Allowance::Part(part) | Allowance::PartOrLength(part, _) => {
                     let seen = self.compare(signal, time, size);
-                    seen.peak > part * largest && seen.defect > part * seen.mean
+                    let mut components = seen[..signal.n_components].iter().zip(largest);
+                    components.position(|(seen, largest)| {
+                        seen.peak > part * largest && seen.defect > part * seen.mean
+                    })
                 }
             };
-            if is_missed {
-                let time = self.place(signal, time, size);
+            if let Some(component) = missed {
+                let time = self.place(signal, component, time, size);
                 return Some(Unresolved { target: signal.target, text: signal.text.clone(), time });
             }
         }
         None
     }
 
-    /// Visits points and weights of the panels of a step, relative to the step.
-    fn for_each_point(&self, size: f64, mut visit: impl FnMut(f64, f64)) {
-        let n = ((size / self.panel).ceil() as usize).max(2);
-        for panel in 0..n {
-            for (&[s], w) in self.points.iter() {
-                visit((panel as f64 + s) / n as f64, w / n as f64);
-            }
-        }
+    /// Points and weights of the panels of a step for a function, relative to the step.
+    fn panel_points(&self, signal: &Signal, size: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let most = if signal.is_costly { COSTLY_PANELS } else { usize::MAX };
+        let n = ((size / self.panel).ceil() as usize).clamp(2, most);
+        let of_panel = move |panel: usize| {
+            self.points.iter().map(move |(&[s], w)| ((panel as f64 + s) / n as f64, w / n as f64))
+        };
+        (0..n).flat_map(of_panel)
     }
 
-    /// Compares the stage averages from the points of the step with the averages from its panels.
-    fn compare(&self, signal: &Signal, time: f64, size: f64) -> Comparison {
+    /// Visits the points of the panels of a step with their weights and the components of a function.
+    fn for_each_point(&self, signal: &Signal, time: f64, size: f64, mut visit: impl FnMut(f64, f64, &[f64])) {
+        let mut points = self.panel_points(signal, size);
+        let times = self.panel_points(signal, size).map(|(alpha, _)| time + alpha * size);
+        for_each_value(signal, times, |values| {
+            if let Some((alpha, w)) = points.next() {
+                visit(alpha, w, values);
+            }
+        });
+    }
+
+    /// Compares the stage averages from the points of the step with the averages from its panels, for each component.
+    fn compare(&self, signal: &Signal, time: f64, size: f64) -> [Comparison; MAX_COMPONENTS] {
         let k = self.rule.degree();
-        let mut defects = [0.0; MAX_DEGREE];
-        let mut mean = 0.0;
-        let mut peak = 0f64;
-        let mut add = |alpha: f64, value: f64| {
-            for (i, defect) in defects[..k].iter_mut().enumerate() {
-                *defect += value * self.rule.basis(i, alpha) / self.rule.weights()[i];
+        let mut defects = [[0.0; MAX_DEGREE]; MAX_COMPONENTS];
+        let mut seen = [Comparison::default(); MAX_COMPONENTS];
+        let mut add = |alpha: f64, w: f64, values: &[f64]| {
+            let mut weights = [0.0; MAX_DEGREE];
+            for (i, weight) in weights[..k].iter_mut().enumerate() {
+                *weight = w * self.rule.basis(i, alpha) / self.rule.weights()[i];
+            }
+            for (defects, value) in defects.iter_mut().zip(values) {
+                defects[..k].iter_mut().zip(weights).for_each(|(defect, weight)| *defect += weight * value);
             }
         };
-        self.points.iter().for_each(|(&[alpha], w)| add(alpha, w * signal.at(time + alpha * size)));
-        self.for_each_point(size, |alpha, w| {
-            let value = signal.at(time + alpha * size);
-            mean += w * value.abs();
-            peak = peak.max(value.abs());
-            add(alpha, -w * value);
+        let mut points = self.points.iter();
+        let times = self.points.points.iter().map(|&[alpha]| time + alpha * size);
+        for_each_value(signal, times, |values| {
+            if let Some((&[alpha], w)) = points.next() {
+                add(alpha, w, values);
+            }
         });
-        let defect = defects[..k].iter().fold(0.0, |largest, defect| defect.abs().max(largest));
-        Comparison { defect, mean, peak }
+        self.for_each_point(signal, time, size, |alpha, w, values| {
+            for (seen, value) in seen.iter_mut().zip(values) {
+                seen.mean += w * value.abs();
+                seen.peak = seen.peak.max(value.abs());
+            }
+            add(alpha, -w, values);
+        });
+        for (seen, defects) in seen.iter_mut().zip(&defects) {
+            seen.defect = defects[..k].iter().fold(0.0, |largest, defect| defect.abs().max(largest));
+        }
+        seen
     }
 
-    /// Largest difference between the function and the polynomial of degree k + 1 through its values in the step: the
+    /// Largest difference between the given motion, a function of one component, and the polynomial of degree k + 1 through its values in the step: the
     /// error estimate sees only this polynomial of a given motion.
     fn deviation(&self, signal: &Signal, time: f64, size: f64) -> f64 {
         let n = self.nodes.points.len();
         let mut places = [0.0; MAX_DEGREE + 2];
         let mut values = [0.0; MAX_DEGREE + 2];
+        let mut times = [0.0; MAX_DEGREE + 2];
         for (i, &[alpha]) in self.nodes.points.iter().enumerate() {
-            (places[i], values[i]) = (alpha, signal.at(time + alpha * size));
+            (places[i], times[i]) = (alpha, time + alpha * size);
         }
+        signal.set_at(&times[..n], &mut values[..n]);
         let mut largest = 0f64;
-        self.for_each_point(size, |alpha, _| {
+        self.for_each_point(signal, time, size, |alpha, _, components| {
             let sum: f64 = (0..n).map(|i| values[i] * lagrange(&places[..n], i, alpha)).sum();
-            largest = largest.max((signal.at(time + alpha * size) - sum).abs());
+            largest = largest.max((components[0] - sum).abs());
         });
         largest
     }
 
-    /// The time in a step at which a function is farthest from its mean.
-    fn place(&self, signal: &Signal, time: f64, size: f64) -> f64 {
+    /// The time in a step at which a component is farthest from its mean.
+    fn place(&self, signal: &Signal, component: usize, time: f64, size: f64) -> f64 {
         let mut mean = 0.0;
-        self.for_each_point(size, |alpha, w| mean += w * signal.at(time + alpha * size));
+        self.for_each_point(signal, time, size, |_, w, values| mean += w * values[component]);
         let mut place = time;
         let mut farthest = -1.0;
-        self.for_each_point(size, |alpha, _| {
-            let here = time + alpha * size;
-            let distance = (signal.at(here) - mean).abs();
+        self.for_each_point(signal, time, size, |alpha, _, values| {
+            let distance = (values[component] - mean).abs();
             if distance > farthest {
-                (place, farthest) = (here, distance);
+                (place, farthest) = (time + alpha * size, distance);
             }
         });
         place
+    }
+}
+
+/// Samples of a costly function over a plan, for its largest size.
+const COSTLY_SAMPLES: usize = 512;
+
+/// Panels of a step for a costly function.
+const COSTLY_PANELS: usize = 2;
+
+/// Times at which a function is evaluated at once.
+const AT_ONCE: usize = 64;
+
+/// Visits the components of a function at some times; the function is called for many times at once.
+fn for_each_value(signal: &Signal, mut times: impl Iterator<Item = f64>, mut visit: impl FnMut(&[f64])) {
+    let (mut some, mut values) = ([0.0; AT_ONCE], [0.0; AT_ONCE * MAX_COMPONENTS]);
+    let n_components = signal.n_components;
+    loop {
+        let mut n = 0;
+        for (own, time) in some.iter_mut().zip(times.by_ref()) {
+            *own = time;
+            n += 1;
+        }
+        if n > 0 {
+            let values = &mut values[..n * n_components];
+            signal.set_at(&some[..n], values);
+            values.chunks_exact(n_components).for_each(&mut visit);
+        }
+        if n < AT_ONCE {
+            return;
+        }
     }
 }
 
@@ -286,104 +341,4 @@ fn rule_and_points(scheme: Scheme, degree: usize) -> (Rule, Quadrature<1>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::body::{Load, LoadKind, Region, Support, TimeFunction};
-    use crate::material::NeoHooke;
-    use crate::mesh;
-    use crate::motion::Phase;
-    use crate::time::{AveragingRule, TimeElement};
-
-    const DGM: TimeElement =
-        TimeElement { rule: AveragingRule::DiscreteGradient, degree: 1, spectral_radius: None };
-
-    fn body(time_function: TimeFunction, moves: Option<TimeFunction>) -> Body {
-        let rubber = NeoHooke::new(1000.0, 500.0).unwrap();
-        let mesh = mesh::block([1.0, 2.0, 1.0], [1, 2, 1]).unwrap();
-        let load = Load {
-            kind: LoadKind::Acceleration { group: None, acceleration: [1.0, 0.0, 0.0] },
-            time_function,
-        };
-        let driven = moves.map(|time_function| Support {
-            group: "y-min".to_string(),
-            displacement: [Some(time_function), None, None],
-            ..Default::default()
-        });
-        Body::builder(mesh)
-            .region(Region::new(rubber, 1.0))
-            .supports(driven.as_slice())
-            .load(load)
-            .build()
-            .unwrap()
-    }
-
-    fn pulse(at: f64, width: f64) -> TimeFunction {
-        TimeFunction::smooth(&format!("pulse {at} {width}"), move |t| {
-            [(-((t - at) / width).powi(2)).exp(), 0.0, 0.0]
-        })
-    }
-
-    fn resolution(body: &Body, scheme: impl Into<Scheme>) -> Resolution {
-        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
-        Resolution::new(body, scheme, &plan).unwrap()
-    }
-
-    #[test]
-    fn tables_need_no_check() {
-        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
-        let body = body(TimeFunction::new(vec![(4.99, 0.0), (5.0, 1.0), (5.01, 0.0)]).unwrap(), None);
-        assert!(Resolution::new(&body, DGM, &plan).is_none());
-    }
-
-    #[test]
-    fn a_short_pulse_is_seen_by_every_scheme_and_degree() {
-        let body = body(pulse(5.13, 0.01), None);
-        let third = TimeElement { degree: 3, ..DGM };
-        for scheme in [DGM.into(), third.into(), Scheme::Bathe, Scheme::CentralDifferences] {
-            let resolution = resolution(&body, scheme);
-            let missed = resolution.unresolved(5.0, 0.5).unwrap();
-            assert!((missed.time - 5.13).abs() < 0.01 && missed.target == SignalTarget::Load(0));
-            assert_eq!(resolution.unresolved(5.5, 0.5), None);
-            assert_eq!(resolution.unresolved(5.13, 0.001), None);
-        }
-    }
-
-    #[test]
-    fn a_pulse_shows_its_load_and_its_place() {
-        let plan = StepPlan::new(0.0, vec![Phase { until: 10.0, size: 0.5 }]).unwrap();
-        let (count, first) =
-            resolution(&body(pulse(5.13, 0.01), None), TimeElement::MID_POINT).unresolved_steps(&plan);
-        assert_eq!(count, 1);
-        let text = first.unwrap().to_string();
-        assert!(text.starts_with("load 0 (\"pulse 5.13 0.01\") near t = 5.1"), "{text}");
-    }
-
-    #[test]
-    fn a_resolved_oscillation_is_none_that_is_missed() {
-        let omega = 2.0 * std::f64::consts::PI;
-        let sine = TimeFunction::smooth("sine", move |t| [(omega * t).sin(), 0.0, 0.0]);
-        for scheme in [DGM.into(), Scheme::CentralDifferences] {
-            let resolution = resolution(&body(sine.clone(), Some(sine.clone())), scheme);
-            for step in 0..20 {
-                assert_eq!(resolution.unresolved(0.05 * step as f64, 0.05), None, "{scheme} {step}");
-            }
-        }
-    }
-
-    #[test]
-    fn adaptive_steps_shrink_until_they_resolve_loads_and_given_motions() {
-        let at_rest = TimeFunction::smooth("zero", |_| [0.0; 3]);
-        for (body, degree) in [
-            (body(pulse(5.0, 0.01), None), 1),
-            (body(at_rest.clone(), Some(pulse(5.0, 0.01))), 1),
-            (body(at_rest, Some(pulse(5.0, 0.01))), 3),
-        ] {
-            let resolution = resolution(&body, TimeElement { degree, ..DGM });
-            let size = resolution.resolved_size(4.0, 6.0, 1e-4, 1.0);
-            assert!((0.4..1.0).contains(&size), "{size}");
-            let size = resolution.resolved_size(4.99, 5.0, 1e-4, 1.0);
-            assert!((1e-4..0.03).contains(&size), "{size}");
-            assert_eq!(resolution.resolved_size(6.0, 4.0, 1e-4, 1.0), 4.0);
-        }
-    }
-}
+mod tests;

@@ -4,7 +4,9 @@ use super::control::Control;
 use super::degree_choice::degree_of;
 use super::failure::placed;
 use super::plan::SHORTEST;
-use super::{Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, Subdivision};
+use super::{
+    Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
+};
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
@@ -47,8 +49,11 @@ pub struct Motion<'a> {
     /// The control of the step sizes by the error, or its memory, to create it from.
     pub(super) control: Option<Control<'a>>,
     pub(super) control_memory: Option<Memory>,
-    /// Whether steps resolve the functions of time; `None` if there are none.
+    /// The plan that the motion follows, and whether its steps resolve the functions of time; `None` if there are none.
+    pub(super) plan: Option<StepPlan>,
     pub(super) resolution: Option<Resolution>,
+    /// The planned step in progress: of the plan, or the rest of one where the motion starts inside it.
+    pub(super) planned: Option<PlannedStep>,
     pub(super) releases: usize,
     was_at_rounding_floor: bool,
     /// Cuts, rejections and releases since the last good step.
@@ -132,7 +137,9 @@ impl<'a> Motion<'a> {
             subdivision: Subdivision::default(),
             control: None,
             control_memory: None,
+            plan: None,
             resolution: None,
+            planned: None,
             releases: 0,
             was_at_rounding_floor: false,
             cuts: 0,
@@ -369,7 +376,9 @@ impl<'a> Motion<'a> {
             return Err(Error::NoDuration { time, step_size });
         }
         self.last.copy_from(&self.state);
-        let outcome = self.stepper.advance(&mut self.state, step_size)?;
+        let outcome = self.stepper.advance(&mut self.state, step_size);
+        // A given motion may fail at the end of the step.
+        let outcome = outcome.inspect_err(|_| self.state.copy_from(&self.last))?;
         let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
         let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
         if dof.is_none() && outcome.strain_state.strain_energy.is_finite() {

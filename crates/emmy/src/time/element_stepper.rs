@@ -3,7 +3,7 @@
 use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
-use crate::body::{Body, MassSolver, Reaction, StrainState};
+use crate::body::{Body, LoadMemory, MassSolver, Reaction, StrainState};
 use crate::error::Result;
 use crate::newton::NewtonSettings;
 use crate::sparse::reduce::dot;
@@ -33,7 +33,7 @@ pub struct TimeElementStepper<'a> {
     /// The basis of the rates at the end of the step.
     end_basis: Vec<f64>,
     residual: Vec<f64>,
-    averages: Vec<f64>,
+    load_memory: LoadMemory,
     position: Vec<f64>,
     /// Velocity of the driven degrees of freedom at the end of the step's polynomial.
     end_velocity: Vec<f64>,
@@ -64,7 +64,7 @@ impl<'a> TimeElementStepper<'a> {
             mass_solver: if body.is_driven() { Some(MassSolver::new(body)?) } else { None },
             momentum: vec![0.0; n],
             residual: vec![0.0; k * n + n_pressures],
-            averages: vec![0.0; k],
+            load_memory: body.load_memory(k),
             position: vec![0.0; n],
             end_velocity: vec![0.0; if body.is_driven() { n } else { 0 }],
             ground: if body.has_ground() { vec![0.0; k * n] } else { Vec::new() },
@@ -81,7 +81,7 @@ impl<'a> TimeElementStepper<'a> {
     }
 
     /// Sets the equations of the step: `g_i = sum_j (a^-1)_ij h p_1`, and the loads.
-    fn start(&mut self, state: &State, h: f64) {
+    fn start(&mut self, state: &State, h: f64) -> Result<()> {
         self.momentum.copy_from_slice(&state.momentum);
         state.set_relative_displacement(self.system.body, &mut self.position);
         self.origin = state.origin(self.system.body);
@@ -98,10 +98,11 @@ impl<'a> TimeElementStepper<'a> {
                 (0..3).for_each(|d| g[d] -= h * share * state.momentum_error[d]);
             }
         }
-        self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, &mut self.averages, dead_load);
-        followers.average(body, state.time, h);
+        let memory = &mut self.load_memory;
+        self.is_loaded = body.stage_loads(&coefficients.rule, state.time, h, memory, dead_load)?;
+        followers.average(body, state.time, h)?;
         self.is_loaded |= followers.are_active();
-        self.system.set_driven_rates(state.time, h);
+        self.system.set_driven_rates(state.time, h)
     }
 
     /// Work and impulses of loads and reactions. Reactions are the residual at the fixed degrees of freedom. The ground
@@ -191,11 +192,11 @@ impl<'a> TimeElementStepper<'a> {
         step_size: f64,
         given: Option<&[f64]>,
     ) -> Result<StepOutcome> {
-        self.start(state, step_size);
+        self.start(state, step_size)?;
         let newton = self.iteration.solve(&mut self.system, state, step_size, given)?;
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
-        self.update(state, step_size, &mut impulses);
+        self.update(state, step_size, &mut impulses)?;
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(&self.momentum, impulses.linear);
         }
@@ -215,13 +216,13 @@ impl<'a> TimeElementStepper<'a> {
         given: &[f64],
         correct: impl FnOnce(&mut StageSystem<'_>, &mut [f64]) -> Result<bool>,
     ) -> Result<bool> {
-        self.start(state, step_size);
+        self.start(state, step_size)?;
         self.iteration.begin(&mut self.system, state, step_size);
         self.iteration.set_rates(given, &mut self.system)?;
         if !correct(&mut self.system, &mut self.iteration.unknowns)? {
             return Ok(false);
         }
-        self.update(state, step_size, &mut Impulses::default());
+        self.update(state, step_size, &mut Impulses::default())?;
         Ok(true)
     }
 
@@ -230,16 +231,17 @@ impl<'a> TimeElementStepper<'a> {
     /// Velocity and momentum follow from the inertia terms of the stage equations, with `h f_i` replaced by `R_i = 0`.
     /// Then an error of the iteration enters the energy balance through `R_i . x_i` only, and the velocity belongs to
     /// the momentum without a solution with M.
-    fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
+    fn update(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         self.displace(state);
         if self.system.body.is_driven() {
             self.update_momentum(state, h);
-            self.set_driven_end(state, h, impulses);
+            self.set_driven_end(state, h, impulses)?;
         } else {
             impulses.dissipated += self.update_velocity(state, h);
         }
         let body = self.system.body;
         body.set_internal_velocity(&self.end_basis, self.iteration.rates(), h, &mut state.velocity);
+        Ok(())
     }
 
     /// `v_2 = v_1 + sum_j beta_j (x_j/h - v_1)`, `p_2 = M v_2`, and the correction of a dissipative scheme.
@@ -275,10 +277,10 @@ impl<'a> TimeElementStepper<'a> {
 
     /// Sets the velocity of the driven degrees of freedom after the step, the velocity of the free ones from their
     /// momentum, and the momentum of the driven ones: p = M v with the complete M.
-    fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) {
+    fn set_driven_end(&mut self, state: &mut State, h: f64, impulses: &mut Impulses) -> Result<()> {
         let body = self.system.body;
         self.set_end_velocity(&state.velocity, h);
-        body.set_given_velocity(state.time + h, h, &mut state.velocity);
+        body.set_given_velocity(state.time + h, h, &mut state.velocity)?;
         if let Some(mass_solver) = &mut self.mass_solver {
             mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
         }
@@ -286,6 +288,7 @@ impl<'a> TimeElementStepper<'a> {
         self.momentum.copy_from_slice(&state.momentum);
         take_fixed(body, &self.position, &mut state.momentum);
         self.add_jump(state, h, impulses);
+        Ok(())
     }
 
     /// Sets the velocity `v_c` at the end of the step's polynomial at the driven degrees of freedom; `velocity`: at the
@@ -294,7 +297,7 @@ impl<'a> TimeElementStepper<'a> {
         let body = self.system.body;
         let n = velocity.len();
         self.end_velocity.copy_from_slice(velocity);
-        for j in 0..self.averages.len() {
+        for j in 0..self.end_basis.len() {
             let beta = self.end_weight(j);
             let rates = &self.iteration.rates()[j * n..(j + 1) * n];
             body.driven_dofs()

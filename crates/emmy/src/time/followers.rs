@@ -2,6 +2,7 @@
 
 use crate::average::{FollowerRule, Rule};
 use crate::body::{Assembly, Body, StepInput};
+use crate::error::Result;
 
 /// Stage averages of the follower loads, with their memory.
 #[derive(Debug)]
@@ -26,13 +27,19 @@ impl Followers {
     }
 
     /// Sets the factors of a step from the averages of the time functions.
-    pub(super) fn average(&mut self, body: &Body, time: f64, step_size: f64) {
-        body.follower_averages(&self.rule, time, step_size, &mut self.averages, &mut self.factors);
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(super) fn average(&mut self, body: &Body, time: f64, step_size: f64) -> Result<()> {
+        body.follower_averages(&self.rule, time, step_size, &mut self.averages, &mut self.factors)
     }
 
     /// Sets the factors of a step from the time functions at the points of the rule.
-    pub(super) fn sample(&mut self, body: &Body, time: f64, step_size: f64) {
-        body.follower_values(&self.rule, time, step_size, &mut self.factors);
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(super) fn sample(&mut self, body: &Body, time: f64, step_size: f64) -> Result<()> {
+        body.follower_values(&self.rule, time, step_size, &mut self.factors)
     }
 
     /// Whether any follower load acts in this step.

@@ -72,7 +72,8 @@ impl State {
     /// momentum `p = M v` of that body, velocity zero where it is fixed. Other incompatible modes start from zero.
     ///
     /// # Errors
-    /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins.
+    /// [`crate::Error::DrivenStart`] if a driven node is not where its motion begins; [`crate::Error::NotFiniteAt`] for
+    /// a given motion whose rate is not a finite number there.
     pub fn transferred(mut self, body: &Body, time: f64) -> Result<Self> {
         if self.displacement.len() != body.n_dofs() {
             for field in [&mut self.displacement, &mut self.velocity, &mut self.displacement_low] {
@@ -81,7 +82,7 @@ impl State {
         }
         body.check_start(time, &self.displacement)?;
         let mut velocity = self.velocity;
-        let momentum = body.momentum_of(time, &mut velocity);
+        let momentum = body.momentum_of(time, &mut velocity)?;
         Ok(State { time, step: 0, momentum, velocity, momentum_error: [0.0; 3], ..self })
     }
 

@@ -2,13 +2,15 @@
 
 use allocation_counter::measure;
 use emmy::body::{
-    Body, Formulation, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction, Viscosity,
+    Body, Field, Formulation, InitialVelocity, Load, LoadKind, Region, Rotation, Support, TimeFunction,
+    Viscosity,
 };
 use emmy::internals::time::LocalError;
 use emmy::material::NeoHooke;
-use emmy::motion::{Motion, NewtonSettings, Solver, State};
+use emmy::motion::{Motion, NewtonSettings, Phase, Solver, State, StepPlan};
 use emmy::time::{Estimator, Scheme};
 
+use crate::energy_formulas::formula;
 use crate::shared::schemes::{DGM, at, element};
 
 /// With driven nodes: a table and an expression, by time elements.
@@ -57,6 +59,59 @@ fn a_step_with_incompatible_modes_allocates_nothing_with_any_solver() {
         let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
         assert_eq!(counts.count_total, 0, "{solver:?}");
     }
+}
+
+/// Steps of a plan one by one, under functions of many points and times.
+#[test]
+fn the_next_step_of_a_plan_allocates_nothing() {
+    let sine = || {
+        TimeFunction::of_times("sin", |times, values| {
+            values.iter_mut().zip(times).for_each(|(value, t)| *value = (3.0 * t).sin());
+        })
+    };
+    let field = || {
+        Field::of_points("y", |points, t, values| {
+            values.iter_mut().zip(points).for_each(|(value, x)| *value = [t * x[1], 0.0, 0.0]);
+        })
+    };
+    let kinds = [
+        LoadKind::AccelerationField { group: None, field: field() },
+        LoadKind::TractionField { group: "y-max".into(), field: field() },
+        LoadKind::Pressure { group: "x-max".into(), pressure: 2.0 },
+        LoadKind::Force { group: "x-max".into(), force: [3.0, 0.0, 0.0] },
+    ];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let loads = kinds.map(|kind| Load { kind, time_function: sine() });
+    let body = pool.install(|| Body::builder(mesh).region(rubber).loads(loads).build().unwrap());
+    let plan = StepPlan::new(0.0, vec![Phase { until: 0.5, size: 0.01 }, Phase { until: 2.0, size: 0.015 }])
+        .unwrap();
+    pool.install(|| {
+        for scheme in [at(DGM, 1), at(DGM, 3), Scheme::Bathe, "Newmark(0.25, 0.5)".parse().unwrap()] {
+            let state = State::initial(&body, 0.0, &[]).unwrap();
+            let mut motion = Motion::starting(&body, scheme, NewtonSettings::default(), state).unwrap();
+            let mut step = |_: usize| motion.next_step(&plan, &mut []).unwrap().map(|record| record.step);
+            assert_eq!((1..100).map(&mut step).last(), Some(Some(99)));
+            let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(Some(119))));
+            assert_eq!(counts.count_total, 0, "{scheme}");
+        }
+    });
+}
+
+#[test]
+fn a_step_with_a_formula_allocates_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let rubber = Region::new(formula([1000.0, 500.0]).unwrap(), 1.0);
+    let mesh = emmy::mesh::block([1.0, 3.0, 1.0], [1, 3, 1]).unwrap();
+    let body = pool.install(|| Body::builder(mesh).region(rubber).build().unwrap());
+    let spin = InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], ..Default::default() };
+    let state = State::initial(&body, 0.0, &[spin]).unwrap();
+    let mut motion = Motion::starting(&body, at(DGM, 2), NewtonSettings::default(), state).unwrap();
+    let mut step = |_: usize| motion.step(0.01).map(|record| record.step).unwrap();
+    assert_eq!((1..100).map(&mut step).last(), Some(99));
+    let counts = measure(|| assert_eq!((100..120).map(&mut step).last(), Some(119)));
+    assert_eq!(counts.count_total, 0);
 }
 
 #[test]

@@ -59,6 +59,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
         &[
             "viscosity",
             "time_function",
+            "target",
             "field",
             "symmetry",
             "geometry",

@@ -13,8 +13,9 @@ use emmy_io::input::{self, Overrides, Problem};
 
 use super::with_threads;
 use crate::failure::Failure;
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print;
+use runs::Runs;
 
 /// Arguments of the verb.
 #[derive(Debug, Args)]
@@ -64,33 +65,37 @@ const KIND: &str = "convergence study";
 const WITNESS: &str = "study.toml";
 
 /// Runs the study.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.threads, || converge(arguments))?
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.threads, || converge(arguments, host))?
 }
 
 /// Runs the study in the calling thread.
-fn converge(arguments: &Arguments) -> Result<(), Failure> {
+fn converge(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let problem = arguments.problem()?;
-    problem.notes.iter().for_each(|note| message!("note: {note}"));
+    problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
     let study = study::read(arguments, &problem)?;
     let times = study.sample_times()?;
     let directory = arguments.directory(&problem);
     directory::check_kind(&directory, KIND, WITNESS)?;
-    let state = runs::start(&problem, &study, arguments.quiet)?;
+    let runs = Runs { study: &study, host, is_quiet: arguments.quiet };
+    let state = runs.start(&problem)?;
     // Nothing is written before the runs are ready to start.
     directory::prepare_kind(&directory, KIND, WITNESS)?;
     write(&directory.join(WITNESS), &input(&problem))?;
-    let reference = runs::reference(&problem, &study, &state, &times, &directory, arguments.quiet)?;
+    let reference = runs.reference(&problem, &state, &times, &directory)?;
     let narrow = convergence::on_one_thread(|| arguments.problem()).map_err(Failure::Other)??;
-    let rows = runs::members(&narrow, &study, &state, &reference.samples, arguments.quiet);
+    let rows = runs.members(&narrow, &state, &reference.samples);
     convergence::write(&directory, &study, &rows).map_err(|error| not_written(&directory, &error))?;
-    print::result(&match arguments.json {
-        true => format!("{}\n", table::json(&study, &reference, &rows)),
-        false => table::text(&rows),
-    })?;
+    print::result(
+        host,
+        &match arguments.json {
+            true => format!("{}\n", table::json(&study, &reference, &rows)),
+            false => table::text(&rows),
+        },
+    )?;
     if !arguments.quiet {
         let stem = directory.join("convergence");
-        message!("written: {0}.csv, {0}.svg, {0}.png", stem.display());
+        message!(host, "written: {0}.csv, {0}.svg, {0}.png", stem.display());
     }
     ending(&rows)
 }

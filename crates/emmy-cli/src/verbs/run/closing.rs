@@ -7,39 +7,165 @@ use emmy::motion::{Extreme, RunStatistics};
 use emmy_io::input::Problem;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
-use emmy_io::units::Units;
 
-use crate::message::message;
+use crate::host::{Host, message};
 use crate::print::number;
 
 /// Fewer correct digits than these cause a warning.
 const FEW_DIGITS: f64 = 6.0;
 
-/// Prints steps, solver, largest residuals and files of the run.
-pub(super) fn report(results: &Results, problem: &Problem, status: Status, page: Option<&Path>) {
-    let statistics = results.statistics();
-    message!(
-        "{}: {} to {} in {:.2} s, {}",
-        status.name(),
-        counted(statistics.steps, if problem.is_static() { "increment" } else { "step" }),
-        moment(problem, statistics.time),
-        results.wall_seconds(),
-        counted(statistics.newton_iterations, "Newton iteration")
-    );
-    work(statistics);
-    if problem.is_static() {
-        resultants(statistics, problem.units)
-    } else {
-        residuals(statistics, problem.units)
+/// The end of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Closing<'a> {
+    pub host: &'a dyn Host,
+    pub problem: &'a Problem,
+    pub results: &'a Results,
+}
+
+impl Closing<'_> {
+    /// Prints steps, solver, largest residuals and files of the run.
+    pub(super) fn report(&self, status: Status, page: Option<&Path>) {
+        let Closing { results, problem, .. } = *self;
+        let statistics = results.statistics();
+        message!(
+            self.host,
+            "{}: {} to {} in {:.2} s, {}",
+            status.name(),
+            counted(statistics.steps, if problem.is_static() { "increment" } else { "step" }),
+            moment(problem, statistics.time),
+            results.wall_seconds(),
+            counted(statistics.newton_iterations, "Newton iteration")
+        );
+        self.work(statistics);
+        if problem.is_static() {
+            self.resultants(statistics)
+        } else {
+            self.residuals(statistics)
+        }
+        self.largest();
+        let directory = results.directory();
+        let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
+        files.extend(results.collection());
+        let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        message!(self.host, "written: {}", files.join(", "));
+        if let Some(page) = page {
+            message!(self.host, "to look at: {}", page.display());
+        }
     }
-    largest(results, problem);
-    let directory = results.directory();
-    let mut files = vec![directory.join("history.csv"), directory.join("summary.json")];
-    files.extend(results.collection());
-    let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    message!("written: {}", files.join(", "));
-    if let Some(page) = page {
-        message!("to look at: {}", page.display());
+
+    /// Prints the largest displacement, and the largest values of other fields.
+    fn largest(&self) {
+        let Closing { results, problem, .. } = *self;
+        let units = problem.units;
+        let most = results.statistics().largest_displacement;
+        if most.value > 0.0 {
+            let value = units.number(most.value, "length");
+            let at = units.vector(most.point, "length");
+            message!(
+                self.host,
+                "largest displacement: {value} at {}, node {} at {at}",
+                moment(problem, most.time),
+                most.node
+            );
+        }
+        let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
+        for extreme in others.filter(|own| own.value != 0.0) {
+            let dimension = FieldName::from_name(&extreme.field).map_or("", FieldName::dimension);
+            let value = units.number(extreme.value, dimension);
+            let time = moment(problem, extreme.time);
+            let at = units.vector(extreme.point, "length");
+            let kind = if extreme.is_cell { "cell" } else { "node" };
+            let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
+            let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
+            message!(self.host, "largest {name}{of}: {value} at {time}, {kind} {} at {at}", extreme.member);
+        }
+    }
+
+    fn work(&self, statistics: &RunStatistics) {
+        if let Some(solver) = statistics.solver {
+            message!(
+                self.host,
+                "linear solver: {solver}; stiffness refactored {}, exact tangent used in {}",
+                counted(statistics.refactorizations, "time"),
+                counted(statistics.steps_with_exact_tangent, "step")
+            );
+        }
+        if statistics.rejections > 0 {
+            message!(
+                self.host,
+                "rejected because of their error: {}",
+                counted(statistics.rejections, "step")
+            );
+        }
+        if statistics.steps_at_rounding_floor > 0 {
+            let floor = statistics.steps_at_rounding_floor;
+            message!(self.host, "steps that ended at the rounding floor, above the tolerance: {floor}");
+        }
+    }
+
+    fn residuals(&self, statistics: &RunStatistics) {
+        let units = self.problem.units;
+        let part = |extreme: Extreme, whole: f64| if whole > 0.0 { extreme.value / whole } else { 0.0 };
+        let energy = statistics.worst_energy_residual;
+        let angular_momentum = statistics.worst_angular_momentum_residual;
+        let residual = |name: &str, worst: Extreme, dimension: &str, relative: Option<(f64, &str)>| {
+            let relative =
+                relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
+            let value = units.with_unit(format!("{:.2e}", worst.value), dimension);
+            message!(self.host, "  {name:<17}{value} (step {}{relative})", worst.step);
+        };
+        message!(self.host, "worst balance of a step:");
+        residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
+        residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
+        let relative = part(angular_momentum, statistics.largest_angular_momentum);
+        residual("angular momentum", angular_momentum, "mass·length²/time", Some((relative, "|L|")));
+    }
+
+    /// Resultant and moment of all forces, which vanish in equilibrium.
+    fn resultants(&self, statistics: &RunStatistics) {
+        let units = self.problem.units;
+        let text = |value: f64, dimension: &str| units.with_unit(format!("{value:.2e}"), dimension);
+        let Extreme { value, step } = statistics.worst_linear_momentum_residual;
+        message!(self.host, "largest resultant of all forces: {} (increment {step})", text(value, "force"));
+        let Extreme { value, step } = statistics.worst_angular_momentum_residual;
+        message!(
+            self.host,
+            "largest moment of all forces:    {} (increment {step})",
+            text(value, "force·length")
+        );
+    }
+
+    /// Prints warnings about the results.
+    pub(super) fn warnings(&self) {
+        let statistics = self.results.statistics();
+        if statistics.digits_left() < FEW_DIGITS {
+            let digits = statistics.digits_left();
+            message!(
+                self.host,
+                "warning: rounding leaves {digits:.1} correct digits of energy and momenta: the body is very stiff for steps of this size"
+            );
+        }
+        if statistics.unresolved_loads > 0 {
+            let missed = statistics.unresolved_loads;
+            let steps = statistics.steps;
+            message!(
+                self.host,
+                "warning: {missed} of {steps} steps did not resolve a load or a moving support; `emmy check` says which, and near which time"
+            );
+        }
+    }
+
+    /// Prints the estimated error of the positions.
+    pub(super) fn error(&self, error: f64) {
+        let problem = self.problem;
+        let part = error / problem.body.radius_of_gyration();
+        let part =
+            if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
+        let error = problem.units.with_unit(format!("{error:.1e}"), "length");
+        message!(
+            self.host,
+            "estimated error of the positions at the end: {error} in the root mean square{part}"
+        );
     }
 }
 
@@ -51,102 +177,7 @@ fn moment(problem: &Problem, time: f64) -> String {
     }
 }
 
-/// Prints the largest displacement, and the largest values of other fields.
-fn largest(results: &Results, problem: &Problem) {
-    let units = problem.units;
-    let most = results.statistics().largest_displacement;
-    if most.value > 0.0 {
-        let value = units.number(most.value, "length");
-        let at = units.vector(most.point, "length");
-        message!(
-            "largest displacement: {value} at {}, node {} at {at}",
-            moment(problem, most.time),
-            most.node
-        );
-    }
-    let others = results.extremes().iter().filter(|own| own.field != FieldName::Displacement.name());
-    for extreme in others.filter(|own| own.value != 0.0) {
-        let dimension = FieldName::from_name(&extreme.field).map_or("", FieldName::dimension);
-        let value = units.number(extreme.value, dimension);
-        let time = moment(problem, extreme.time);
-        let at = units.vector(extreme.point, "length");
-        let kind = if extreme.is_cell { "cell" } else { "node" };
-        let name = extreme.field.replace('_', " ").replace("von mises", "von Mises");
-        let of = if results.is_in_every_step(&extreme.field) { "" } else { " of the frames" };
-        message!("largest {name}{of}: {value} at {time}, {kind} {} at {at}", extreme.member);
-    }
-}
-
-fn work(statistics: &RunStatistics) {
-    if let Some(solver) = statistics.solver {
-        message!(
-            "linear solver: {solver}; stiffness refactored {}, exact tangent used in {}",
-            counted(statistics.refactorizations, "time"),
-            counted(statistics.steps_with_exact_tangent, "step")
-        );
-    }
-    if statistics.rejections > 0 {
-        message!("rejected because of their error: {}", counted(statistics.rejections, "step"));
-    }
-    if statistics.steps_at_rounding_floor > 0 {
-        let floor = statistics.steps_at_rounding_floor;
-        message!("steps that ended at the rounding floor, above the tolerance: {floor}");
-    }
-}
-
-fn residuals(statistics: &RunStatistics, units: Units) {
-    let part = |extreme: Extreme, whole: f64| if whole > 0.0 { extreme.value / whole } else { 0.0 };
-    let energy = statistics.worst_energy_residual;
-    let angular_momentum = statistics.worst_angular_momentum_residual;
-    let residual = |name: &str, worst: Extreme, dimension: &str, relative: Option<(f64, &str)>| {
-        let relative =
-            relative.map_or(String::new(), |(part, of)| format!(", {part:.1e} of the largest {of}"));
-        let value = units.with_unit(format!("{:.2e}", worst.value), dimension);
-        message!("  {name:<17}{value} (step {}{relative})", worst.step);
-    };
-    message!("worst balance of a step:");
-    residual("energy", energy, "energy", Some((part(energy, statistics.largest_energy), "T + V")));
-    residual("linear momentum", statistics.worst_linear_momentum_residual, "mass·length/time", None);
-    let relative = part(angular_momentum, statistics.largest_angular_momentum);
-    residual("angular momentum", angular_momentum, "mass·length²/time", Some((relative, "|L|")));
-}
-
-/// Resultant and moment of all forces, which vanish in equilibrium.
-fn resultants(statistics: &RunStatistics, units: Units) {
-    let text = |value: f64, dimension: &str| units.with_unit(format!("{value:.2e}"), dimension);
-    let Extreme { value, step } = statistics.worst_linear_momentum_residual;
-    message!("largest resultant of all forces: {} (increment {step})", text(value, "force"));
-    let Extreme { value, step } = statistics.worst_angular_momentum_residual;
-    message!("largest moment of all forces:    {} (increment {step})", text(value, "force·length"));
-}
-
 /// A count and its noun.
 fn counted(count: usize, noun: &str) -> String {
     if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
-}
-
-/// Prints warnings about the results.
-pub(super) fn warnings(statistics: &RunStatistics) {
-    if statistics.digits_left() < FEW_DIGITS {
-        let digits = statistics.digits_left();
-        message!(
-            "warning: rounding leaves {digits:.1} correct digits of energy and momenta: the body is very stiff for steps of this size"
-        );
-    }
-    if statistics.unresolved_loads > 0 {
-        let missed = statistics.unresolved_loads;
-        let steps = statistics.steps;
-        message!(
-            "warning: {missed} of {steps} steps did not resolve a load or a moving support; `emmy check` says which, and near which time"
-        );
-    }
-}
-
-/// Prints the estimated error of the positions.
-pub(super) fn error(problem: &Problem, error: f64) {
-    let part = error / problem.body.radius_of_gyration();
-    let part =
-        if part.is_finite() { format!(", {part:.1e} of the radius of gyration") } else { String::new() };
-    let error = problem.units.with_unit(format!("{error:.1e}"), "length");
-    message!("estimated error of the positions at the end: {error} in the root mean square{part}");
 }

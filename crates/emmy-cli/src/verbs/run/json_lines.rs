@@ -7,26 +7,28 @@ use emmy_io::history::{HistoryColumns, Number};
 use emmy_io::input::Problem;
 use serde_json::{Map, Value};
 
+use crate::host::Host;
 use crate::print;
 
 /// Prints every step, if switched on.
 #[derive(Debug)]
-pub(super) struct JsonLines {
+pub(super) struct JsonLines<'h> {
+    host: &'h dyn Host,
     on: bool,
     columns: HistoryColumns,
     names: Vec<String>,
     started: Instant,
 }
 
-impl JsonLines {
+impl<'h> JsonLines<'h> {
     /// The observer; the clock starts here.
-    pub(super) fn new(on: bool, problem: &Problem) -> Self {
+    pub(super) fn new(host: &'h dyn Host, on: bool, problem: &Problem) -> Self {
         let columns = HistoryColumns::of(problem);
-        JsonLines { on, names: columns.names(), columns, started: Instant::now() }
+        JsonLines { host, on, names: columns.names(), columns, started: Instant::now() }
     }
 }
 
-impl Observer for JsonLines {
+impl Observer for JsonLines<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         if !self.on {
             return Ok(());
@@ -39,6 +41,7 @@ impl Observer for JsonLines {
         };
         let numbers = row.numbers.iter().map(value);
         let object: Map<String, Value> = self.names.iter().cloned().zip(numbers).collect();
-        print::result(&format!("{}\n", Value::Object(object))).map_err(|failure| failure.message().into())
+        print::result(self.host, &format!("{}\n", Value::Object(object)))
+            .map_err(|failure| failure.message().into())
     }
 }

@@ -13,11 +13,12 @@ use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
 use super::{Input, unresolved_steps, with_threads};
-use crate::failure::{Failure, with_causes};
-use crate::message::message;
+use crate::failure::Failure;
+use crate::host::{Host, message};
 use crate::print;
 use crate::progress::Progress;
-use crate::signals::{self, Interrupted, Stop};
+use crate::signals::{Interrupted, Stop};
+use closing::Closing;
 use json_lines::JsonLines;
 
 /// Arguments of the verb.
@@ -48,30 +49,31 @@ pub(super) struct RunOptions {
 }
 
 /// Runs the problem.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    with_threads(arguments.options.threads, || run_here(arguments))?
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    with_threads(arguments.options.threads, || run_here(arguments, host))?
 }
 
 /// Runs the problem in the calling thread.
-fn run_here(arguments: &Arguments) -> Result<(), Failure> {
-    let problem = arguments.input.problem()?;
+fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let problem = arguments.input.problem(host)?;
     check(&problem, &arguments.options)?;
     directory::check_run(&problem)?;
     problem.critical_step(problem.check_start()?.as_ref())?;
-    let mut motion = start(&problem, &arguments.options)?;
+    let mut motion = start(&problem, &arguments.options, host)?;
     if let Some(warning) = unresolved_steps(&problem) {
-        message!("{warning}");
+        message!(host, "{warning}");
     }
     // Nothing is written before everything is read and built.
     let results = Results::create(&problem)?;
-    march(&problem, &mut motion, results, &arguments.options, Motion::march)
+    march((&problem, &arguments.options, host), &mut motion, results, Motion::march)
 }
 
 /// The start of the motion, with the progress of its equilibrium.
-fn start<'a>(problem: &'a Problem, options: &RunOptions) -> Result<Motion<'a>, Failure> {
+fn start<'a>(problem: &'a Problem, options: &RunOptions, host: &dyn Host) -> Result<Motion<'a>, Failure> {
     let Start::Equilibrium { load_steps } = problem.start else { return Ok(problem.motion(&mut [])?) };
     let mut progress = Progress::of(
-        "equilibrium: ",
+        host,
+        "equilibrium",
         &emmy::equilibrium::increments(load_steps)?,
         problem.units,
         options.quiet,
@@ -86,19 +88,18 @@ type March<'a> = fn(&mut Motion<'a>, &StepPlan, &mut [&mut dyn Observer]) -> Res
 
 /// Marches with all observers, and ends the run.
 pub(super) fn march<'a>(
-    problem: &Problem,
+    (problem, options, host): (&Problem, &RunOptions, &dyn Host),
     motion: &mut Motion<'a>,
     mut results: Results,
-    options: &RunOptions,
     march: March<'a>,
 ) -> Result<(), Failure> {
-    signals::listen()?;
-    results.notes().iter().for_each(|note| message!("note: {note}"));
-    let mut progress = Progress::new(&problem.plan, problem.units, options.quiet);
+    host.prepare()?;
+    results.notes().iter().for_each(|note| message!(host, "note: {note}"));
+    let mut progress = Progress::new(host, &problem.plan, problem.units, options.quiet);
     progress.start_at(motion.state());
-    let mut json = JsonLines::new(options.json, problem);
+    let mut json = JsonLines::new(host, options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
-    let mut stop = Stop;
+    let mut stop = Stop(host);
     let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
     observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
     observers.push(&mut stop);
@@ -113,18 +114,20 @@ pub(super) fn march<'a>(
     let failure = match (failure, unwritten) {
         // The first failure says more.
         (Some(failure), Some(unwritten)) if failure.message() != unwritten => {
-            message!("note: {unwritten}");
+            message!(host, "note: {unwritten}");
             Some(failure)
         }
         (failure, unwritten) => failure.or(unwritten.map(Failure::Other)),
     };
     // The numbers are written: a report that cannot be written does not make the run fail.
-    let report = results.report().inspect_err(|error| message!("note: no report was written: {error}")).ok();
-    let printed = if options.json { print::result(&format!("{}\n", ended.summary)) } else { Ok(()) };
-    closing::warnings(results.statistics());
+    let report =
+        results.report().inspect_err(|error| message!(host, "note: no report was written: {error}")).ok();
+    let printed = if options.json { print::result(host, &format!("{}\n", ended.summary)) } else { Ok(()) };
+    let closing = Closing { host, problem, results: &results };
+    closing.warnings();
     if !options.quiet {
-        closing::report(&results, problem, ended.status, report.as_deref());
-        error.into_iter().for_each(|error| closing::error(problem, error));
+        closing.report(ended.status, report.as_deref());
+        error.into_iter().for_each(|error| closing.error(error));
     }
     failure.map_or(printed, Err)
 }
@@ -155,7 +158,7 @@ fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option
     match outcome {
         Ok(()) => (Status::Done, None),
         Err(MarchError::Step(error)) => {
-            (Status::NoConvergence, Some(Failure::NoConvergence(with_causes(&error))))
+            (Status::NoConvergence, Some(Failure::NoConvergence(Box::new(error))))
         }
         Err(MarchError::Observer(error)) => match error.downcast::<LimitExceeded>() {
             Ok(limit) => (Status::LimitExceeded, Some(Failure::Limit(limit.to_string()))),

@@ -11,7 +11,7 @@ fn parameter(model: &str, name: &str, from: &str, to: &str) -> Mistake {
 }
 
 pub(super) fn all() -> Vec<Mistake> {
-    [keys(), kinds(), ranges()].into_iter().flatten().collect()
+    [keys(), kinds(), ranges(), formulas()].into_iter().flatten().collect()
 }
 
 fn keys() -> Vec<Mistake> {
@@ -71,5 +71,35 @@ fn ranges() -> Vec<Mistake> {
         parameter("holzapfel-gasser-ogden", "negative-exponent", "k2 = 0.8", "k2 = -0.8"),
         parameter("holzapfel-gasser-ogden", "too-much-dispersion", "kappa = 0.1", "kappa = 0.34"),
         parameter("holzapfel-gasser-ogden", "fibre-of-nothing", "[-1, 1, 0]", "[0, 0, 0]").unseen(),
+    ]
+}
+
+/// Mistakes in the formula of an energy.
+fn formulas() -> Vec<Mistake> {
+    let formula = |name: &str, from: &str, to: &str| parameter("energy", name, from, to);
+    vec![
+        formula("formula-missing", "formula", "formla"),
+        formula("formula-of-nothing", "'mu/2*(I1 - 3) - mu*ln(J) + lambda/2*ln(J)^2 + k*(I4 - 1)^2'", "' '"),
+        formula("formula-by-number", "'mu/2*(I1 - 3) - mu*ln(J) + lambda/2*ln(J)^2 + k*(I4 - 1)^2'", "3"),
+        formula("invariant-misspelt", "I1 - 3", "I1bar - 3").unseen(),
+        formula("parameter-misspelt", "lambda/2", "lamda/2").unseen(),
+        formula("parameter-missing", "k = 20, ", "").unseen(),
+        formula("parameter-without-use", "k = 20", "k = 20, c10 = 3").unseen(),
+        formula("parameter-in-words", "k = 20", "k = 'twenty'"),
+        formula("parameter-named-as-an-invariant", "k = 20", "k = 20, I3 = 2").unseen(),
+        formula("kink", "(I4 - 1)^2", "max(I4 - 1, 0)^2").unseen(),
+        formula("oscillation", "(I4 - 1)^2", "sin(I4 - 1)^2").unseen(),
+        formula("american-fiber", "fibre", "fiber"),
+        formula("fibre-missing", ", fibre = [1, 2, 0]", "").unseen(),
+        formula("fibre-without-use", " + k*(I4 - 1)^2", " + k*ln(J)^2").unseen(),
+        formula("stress-at-rest", " - mu*ln(J)", "").unseen(),
+        formula("stress-along-the-fibre", "k*(I4 - 1)^2", "k*I4").unseen(),
+        formula("no-shear-modulus", "mu = 500", "mu = 0").unseen(),
+        formula("soft-fibre", "k = 20", "k = -1000").unseen(),
+        formula("root-of-zero", "(I4 - 1)^2", "sqrt(I4 - 1)").unseen(),
+        formula("volume-that-is-no-law", "lambda/2*ln(J)^2", "lambda*(J - 1)^4 + lambda*ln(J)^2")
+            .and("density = 2.0", "density = 2.0\nformulation = 'projected-volume'")
+            .unseen(),
+        formula("bracket-missing", "(I4 - 1)^2", "(I4 - 1^2").unseen(),
     ]
 }

@@ -26,6 +26,17 @@ pub(super) struct Section {
     pub(super) keys: Vec<Key>,
     /// Rule between the keys.
     pub(super) rule: Rule,
+    /// Further keys, whose names are free.
+    pub(super) others: Option<Others>,
+}
+
+/// Keys of a table whose names are free.
+#[derive(Debug)]
+pub(super) struct Others {
+    /// Kind of their values.
+    pub(super) kind: Kind,
+    /// One sentence on them.
+    pub(super) doc: &'static str,
 }
 
 /// A key of a table.
@@ -142,7 +153,7 @@ impl From<&Parameter> for Key {
 impl Section {
     /// A table without keys.
     pub(super) fn new(name: &'static str, doc: &str) -> Self {
-        Section { name, doc: doc.to_string(), keys: Vec::new(), rule: Rule::Free }
+        Section { name, doc: doc.to_string(), keys: Vec::new(), rule: Rule::Free, others: None }
     }
 
     /// The same table with a required key.
@@ -174,6 +185,11 @@ impl Section {
     fn last(mut self, if_absent: IfAbsent) -> Self {
         self.keys.iter_mut().last().into_iter().for_each(|key| key.if_absent = if_absent);
         self
+    }
+
+    /// The same table with further keys, whose names are free.
+    pub(super) fn others(self, others: Others) -> Self {
+        Section { others: Some(others), ..self }
     }
 
     /// The same table, where exactly one of some keys must be given.

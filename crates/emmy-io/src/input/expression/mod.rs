@@ -1,6 +1,6 @@
-//! Expressions of the time, such as `0.5 * sin(2*pi*t)`, or of position and time.
+//! Expressions of the time, such as `0.5 * sin(2*pi*t)`, of position and time, or of the invariants of a strain.
 //!
-//! A text becomes a tree ([`parse()`]). Its value is computed with first and second derivatives by the time, by the
+//! A text becomes a tree ([`parse()`]). Its value at a time is computed with first and second derivatives by the time, by the
 //! rules of differentiation on numbers ([`Jet`]). Only smooth functions exist: kinks belong in tables, which are integrated
 //! exactly.
 
@@ -17,11 +17,37 @@ use super::table::Item;
 use jet::Jet;
 use parse::Mistake;
 
-/// Variable of an expression of the time.
-pub(super) const TIME: &[&str] = &["t"];
+/// Beginning of the text that stands in a file for a function of a program.
+const FUNCTION: &str = "<function";
 
-/// Variables of an expression of reference position and time.
-pub(super) const POSITION_AND_TIME: &[&str] = &["x", "y", "z", "t"];
+/// Names that may occur in an expression, beside the constants.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Vocabulary<'a> {
+    pub(super) variables: &'a [&'a str],
+    /// Whether a function may occur.
+    pub(super) has_function: fn(&str) -> bool,
+    /// What to do instead of a function with a kink.
+    pub(super) instead_of_kinks: &'static str,
+    /// What to do about a name that is not near to a known one.
+    pub(super) about_others: &'static str,
+}
+
+/// Names in an expression of the time.
+pub(super) const TIME: Vocabulary<'static> = Vocabulary {
+    variables: &["t"],
+    has_function: |_| true,
+    instead_of_kinks: "; write a table [[time, value], ...], whose kinks are integrated exactly",
+    about_others: "",
+};
+
+/// Names in an expression of reference position and time.
+pub(super) const POSITION_AND_TIME: Vocabulary<'static> = Vocabulary {
+    variables: &["x", "y", "z", "t"],
+    has_function: |_| true,
+    instead_of_kinks: ": bound the load by a group of cells, or give as `history` a table [[time, value], ...], whose kinks \
+                       are integrated exactly",
+    about_others: "",
+};
 
 /// Names and values of the constants.
 pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
@@ -82,7 +108,8 @@ pub(super) enum Expression {
     Number(f64),
     Negative(Box<Expression>),
     Operation(Operator, Box<[Expression; 2]>),
-    Function(Function, Box<Expression>),
+    /// A function, by its number in [`FUNCTIONS`].
+    Function(usize, Box<Expression>),
 }
 
 /// An operator between two expressions.
@@ -96,13 +123,27 @@ pub(super) enum Operator {
 }
 
 impl Expression {
+    /// Visits the number of every variable that occurs.
+    pub(super) fn visit_variables(&self, visit: &mut impl FnMut(usize)) {
+        match self {
+            Expression::Variable(number) => visit(*number),
+            Expression::Number(_) => {}
+            Expression::Negative(argument) | Expression::Function(_, argument) => {
+                argument.visit_variables(visit)
+            }
+            Expression::Operation(_, sides) => sides.iter().for_each(|side| side.visit_variables(visit)),
+        }
+    }
+
     /// Value and derivatives by the time; `variables`: the variables with theirs.
     fn at(&self, variables: &[Jet]) -> Jet {
         match self {
             Expression::Variable(number) => variables[*number],
             Expression::Number(value) => Jet([*value, 0.0, 0.0]),
             Expression::Negative(argument) => argument.at(variables).scaled(-1.0),
-            Expression::Function(function, argument) => argument.at(variables).into_function(*function),
+            Expression::Function(function, argument) => {
+                argument.at(variables).into_function(FUNCTIONS[*function].1)
+            }
             Expression::Operation(operator, sides) => {
                 let [a, b] = [sides[0].at(variables), sides[1].at(variables)];
                 match operator {
@@ -122,18 +163,25 @@ impl Expression {
     }
 }
 
-/// Reads the text of an expression in some variables.
-pub(super) fn read(item: &Item<'_>, variables: &'static [&'static str]) -> Result<Expression, Fault> {
+/// Reads the text of an expression.
+pub(super) fn read(item: &Item<'_>, vocabulary: &Vocabulary<'_>) -> Result<Expression, Fault> {
     let text = item.string()?;
-    parse(text, variables).map_err(|Mistake { reason, place }| {
+    if text.starts_with(FUNCTION) {
+        let message = format!("`{}` was a function of a program, which no file holds", item.key());
+        return Err(item.fault(message, "here").help("a run with it continues only in that program"));
+    }
+    parse(text, vocabulary).map_err(|Mistake { reason, place }| {
         Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key()), "here")
     })
 }
 
 /// Reads a vector field over reference position and time: three numbers or expressions in [`POSITION_AND_TIME`].
 pub(super) fn read_field(item: &Item<'_>) -> Result<Field, Fault> {
+    if let Some(field) = item.field() {
+        return Ok(field.clone());
+    }
     let component = |item: &Item<'_>| match item.text() {
-        Some(_) => read(item, POSITION_AND_TIME),
+        Some(_) => read(item, &POSITION_AND_TIME),
         None => item.number().map(Expression::Number),
     };
     let [x, y, z] = item.exactly::<3>("numbers or expressions")?;
@@ -151,7 +199,7 @@ mod tests {
     use super::*;
 
     fn time_function(text: &str) -> TimeFunction {
-        parse(text, TIME).unwrap().time_function(text)
+        parse(text, &TIME).unwrap().time_function(text)
     }
 
     #[test]
@@ -185,7 +233,7 @@ mod tests {
         texts.extend(["t^3", "t^t", "2^t/(1 + t)", "-t*sin(t)", "(1 - t)^-0.5", "t^2^t"].map(String::from));
         for text in texts {
             let d = 1e-4;
-            let expression = parse(&text, TIME).unwrap();
+            let expression = parse(&text, &TIME).unwrap();
             let at = |i: f64| expression.at(&[Jet([t + i * d, 1.0, 0.0])]).0;
             for order in 0..2 {
                 // Five points: the error is of order d^4, rounding of order eps/d.
@@ -196,7 +244,7 @@ mod tests {
             }
         }
         // Powers at zero: its logarithm does not occur.
-        let at_zero = |text: &str| parse(text, TIME).unwrap().at(&[Jet([0.0, 1.0, 0.0])]).0;
+        let at_zero = |text: &str| parse(text, &TIME).unwrap().at(&[Jet([0.0, 1.0, 0.0])]).0;
         assert_eq!(at_zero("t^2"), [0.0, 0.0, 2.0]);
         assert_eq!(at_zero("t^1 + t^0"), [1.0, 1.0, 0.0]);
     }
@@ -220,13 +268,13 @@ mod tests {
             ("1e999", 0..5, "too large"),
             ("\u{3c0}*t", 0..2, "\u{3c0}"),
         ] {
-            let mistake = parse(text, TIME).unwrap_err();
+            let mistake = parse(text, &TIME).unwrap_err();
             assert!(mistake.reason.contains(says) && mistake.place == place, "{text}: {mistake:?}");
         }
         let deep = "(".repeat(100_000);
-        assert!(parse(&deep, TIME).unwrap_err().reason.contains("deep"));
-        assert!(parse(&"-".repeat(100_000), TIME).is_err() && parse(&"2^".repeat(100_000), TIME).is_err());
-        let mistake = parse("abs(x)", POSITION_AND_TIME).unwrap_err();
+        assert!(parse(&deep, &TIME).unwrap_err().reason.contains("deep"));
+        assert!(parse(&"-".repeat(100_000), &TIME).is_err() && parse(&"2^".repeat(100_000), &TIME).is_err());
+        let mistake = parse("abs(x)", &POSITION_AND_TIME).unwrap_err();
         assert!(mistake.reason.contains("group of cells") && mistake.place == (0..3), "{mistake:?}");
     }
 }

@@ -11,7 +11,7 @@
 use std::ops::Range;
 
 use super::super::suggest::{did_you_mean, listed};
-use super::{CONSTANTS, Expression, FUNCTIONS, Operator, TIME};
+use super::{CONSTANTS, Expression, FUNCTIONS, Operator, Vocabulary};
 
 /// A mistake in an expression, and its bytes.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +26,9 @@ const DEEPEST: usize = 100;
 /// Functions that users may expect, but that have kinks.
 const KINKED: [&str; 8] = ["abs", "min", "max", "sign", "step", "floor", "if", "heaviside"];
 
-/// Reads an expression in some variables.
-pub(in crate::input) fn parse(text: &str, variables: &'static [&'static str]) -> Result<Expression, Mistake> {
-    let mut reader = Reader { text, variables, at: 0, depth: 0 };
+/// Reads an expression.
+pub(in crate::input) fn parse(text: &str, vocabulary: &Vocabulary<'_>) -> Result<Expression, Mistake> {
+    let mut reader = Reader { text, vocabulary, at: 0, depth: 0 };
     let expression = reader.sum()?;
     match reader.next() {
         None => Ok(expression),
@@ -42,7 +42,7 @@ pub(in crate::input) fn parse(text: &str, variables: &'static [&'static str]) ->
 
 struct Reader<'a> {
     text: &'a str,
-    variables: &'static [&'static str],
+    vocabulary: &'a Vocabulary<'a>,
     at: usize,
     depth: usize,
 }
@@ -145,7 +145,7 @@ impl Reader<'_> {
 
     /// What an atom can be.
     fn wanted(&self) -> String {
-        format!("a number, {} or a function", listed(self.variables.iter().copied()))
+        format!("a number, {} or a function", listed(self.vocabulary.variables.iter().copied()))
     }
 
     /// `( sum )`; the next character is the bracket.
@@ -191,38 +191,38 @@ impl Reader<'_> {
         let name = &rest[..length];
         let place = start..start + length;
         self.at += length;
-        if let Some(number) = self.variables.iter().position(|variable| *variable == name) {
+        if let Some(number) = self.vocabulary.variables.iter().position(|variable| *variable == name) {
             return Ok(Expression::Variable(number));
         }
         if let Some((_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
             return Ok(Expression::Number(*value));
         }
-        let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) else {
-            return Err(Mistake { reason: unknown(name, self.variables), place });
+        let has = |name: &str| (self.vocabulary.has_function)(name);
+        let Some(function) = FUNCTIONS.iter().position(|(known, _)| *known == name && has(name)) else {
+            return Err(Mistake { reason: unknown(name, self.vocabulary), place });
         };
         if self.next() != Some('(') {
-            return Err(Mistake { reason: format!("`{name}` needs brackets: {name}(t)"), place });
+            let variable = self.vocabulary.variables.first().copied().unwrap_or_default();
+            return Err(Mistake { reason: format!("`{name}` needs brackets: {name}({variable})"), place });
         }
-        Ok(Expression::Function(*function, Box::new(self.bracket()?)))
+        Ok(Expression::Function(function, Box::new(self.bracket()?)))
     }
 }
 
 /// Message about an unknown name.
-fn unknown(name: &str, variables: &'static [&'static str]) -> String {
+fn unknown(name: &str, vocabulary: &Vocabulary<'_>) -> String {
     if KINKED.contains(&name) {
-        let table = "a table [[time, value], ...], whose kinks are integrated exactly";
-        return match variables {
-            TIME => format!("`{name}` is not smooth; write {table}"),
-            _ => format!(
-                "`{name}` is not smooth: bound the load by a group of cells, or give as `history` {table}"
-            ),
-        };
+        return format!("`{name}` is not smooth{}", vocabulary.instead_of_kinks);
     }
-    let names = CONSTANTS.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name));
-    let known = variables.iter().copied().chain(names);
+    let constants = CONSTANTS.iter().map(|(name, _)| *name);
+    let functions = FUNCTIONS.iter().map(|(name, _)| *name).filter(|name| (vocabulary.has_function)(name));
+    let known = vocabulary.variables.iter().copied().chain(constants.chain(functions));
     // Any letter is near to a variable, but not a misspelt `t`.
     match did_you_mean(name, known.clone()).filter(|_| name.chars().count() > 1) {
         Some(advice) => format!("`{name}` is not known here: {advice}"),
-        None => format!("`{name}` is not known here; there is {}", listed(known)),
+        None => {
+            let about = vocabulary.about_others;
+            format!("`{name}` is not known here; there is {}{about}", listed(known))
+        }
     }
 }

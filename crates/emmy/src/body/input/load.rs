@@ -128,6 +128,18 @@ pub enum LoadKind {
         /// Acceleration.
         acceleration: [f64; 3],
     },
+    /// Acceleration \[length/time^2\] of every mass of a cell group, by a function of reference position and time; of
+    /// all masses, point masses included, without a group.
+    ///
+    /// ```math
+    /// F_A = integral rho N_A f(X, t) dV
+    /// ```
+    AccelerationField {
+        /// Cell group; `None`: all cells.
+        group: Option<String>,
+        /// Acceleration.
+        field: Field,
+    },
 }
 
 /// Where a load by a field acts.
@@ -141,8 +153,10 @@ pub enum LoadKind {
 pub enum FieldDomain<'a> {
     /// A facet group.
     Facets(&'a str),
-    /// A cell group; `None`: all cells.
+    /// The volume of a cell group; `None`: all cells.
     Cells(Option<&'a str>),
+    /// The masses of a cell group; `None`: all masses.
+    Masses(Option<&'a str>),
 }
 
 impl LoadKind {
@@ -158,6 +172,9 @@ impl LoadKind {
         match self {
             LoadKind::TractionField { group, field } => Some((field, FieldDomain::Facets(group))),
             LoadKind::BodyForceField { group, field } => Some((field, FieldDomain::Cells(group.as_deref()))),
+            LoadKind::AccelerationField { group, field } => {
+                Some((field, FieldDomain::Masses(group.as_deref())))
+            }
             LoadKind::Traction { .. }
             | LoadKind::Pressure { .. }
             | LoadKind::Force { .. }

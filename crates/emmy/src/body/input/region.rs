@@ -107,6 +107,27 @@ impl Region {
         Some([iijj / 9.0, (ijij - iijj / 3.0) / 10.0])
     }
 
+    /// Stored energy at a Green-Lagrange strain `[11, 22, 33, 12, 23, 13]` \[energy/length^3\]; `None` for links.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let [stretched, mut stress] = [[1.5, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 6]];
+    /// let ln_2 = std::f64::consts::LN_2;
+    /// let energy = rubber.strain_energy(&stretched, &mut stress).unwrap();
+    /// assert!((energy - (750.0 + 500.0 * ln_2 * ln_2 - 500.0 * ln_2)).abs() < 1e-10);
+    /// assert!((stress[1] - 1000.0 * ln_2).abs() < 1e-10); // lambda ln J across
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    ///
+    /// `stress` becomes the second Piola-Kirchhoff stress there.
+    pub fn strain_energy(&self, strain: &[f64; 6], stress: &mut [f64; 6]) -> Option<f64> {
+        let RegionMaterial::Solid(material) = &self.material else { return None };
+        let response = material.response::<f64>();
+        response.stress(strain, stress);
+        Some(response.strain_energy(strain))
+    }
+
     /// The functions of the pressure in its cells of a kind with a formulation; `None` for a formulation without them.
     ///
     /// # Errors

@@ -18,7 +18,7 @@ pub struct Support {
     pub group: String,
     /// Components x, y, z at rest.
     pub fix: [bool; 3],
-    /// Displacement of driven components over time \[length\]: without jumps, and zero at the start.
+    /// Displacement of driven components over time \[length\]: without jumps, with a rate, and zero at the start.
     pub displacement: [Option<TimeFunction>; 3],
     /// Rotation that drives all components.
     pub rotation: Option<Rotation>,
@@ -107,6 +107,6 @@ pub struct Rotation {
     pub axis: [f64; 3],
     /// A point of the axis \[length\].
     pub about: [f64; 3],
-    /// Angle over time \[radian\]: without jumps, and zero at the start.
+    /// Angle over time \[radian\]: without jumps, with a rate, and zero at the start.
     pub angle: TimeFunction,
 }

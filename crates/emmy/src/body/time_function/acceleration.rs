@@ -157,8 +157,11 @@ impl Panels {
     /// Changes of velocity and displacement from rest in a part of a panel.
     fn change(&self, acceleration: &TimeFunction, time: f64, length: f64) -> [f64; 2] {
         let mut change = [0.0; 2];
-        for (&[s], w) in self.points.iter() {
-            let weighted = w * length * acceleration.value(time + s * length);
+        let (mut times, mut values) = ([0.0; POINTS], [0.0; POINTS]);
+        times.iter_mut().zip(&self.points.points).for_each(|(t, &[s])| *t = time + s * length);
+        acceleration.values(&times, &mut values);
+        for ((&[s], w), value) in self.points.iter().zip(values) {
+            let weighted = w * length * value;
             change[0] += weighted;
             change[1] += weighted * (1.0 - s) * length;
         }

@@ -79,8 +79,8 @@ impl<'a> BatheStepper<'a> {
         self.system.start(&state.displacement, s);
         let known = self.system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = part * p + s * s * ma);
-        self.system.followers.sample(self.system.body, state.time, part);
-        self.system.body.loads_at(state.time + part, &mut self.system.dead_load);
+        self.system.followers.sample(self.system.body, state.time, part)?;
+        self.forces.set_loads(state.time + part, &mut self.system.dead_load)?;
         let outcome = self.iteration.solve(&mut self.system, state, part, None)?;
         self.iteration.remember(&self.system.coefficients, part);
         self.split.time = state.time + part;
@@ -108,8 +108,8 @@ impl<'a> BatheStepper<'a> {
         }
         self.system.body.mass_product(&self.work, &mut self.system.known);
         let part = (1.0 - SPLIT) * h;
-        self.system.followers.sample(self.system.body, self.split.time, part);
-        self.system.body.loads_at(state.time + h, &mut self.system.dead_load);
+        self.system.followers.sample(self.system.body, self.split.time, part)?;
+        self.forces.set_loads(state.time + h, &mut self.system.dead_load)?;
         let outcome = self.iteration.solve(&mut self.system, &self.split, part, None)?;
         self.iteration.remember(&self.system.coefficients, part);
         let end = &mut self.points[2];

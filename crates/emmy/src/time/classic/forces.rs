@@ -2,7 +2,7 @@
 
 use super::configurations;
 use crate::average::{Request, Rule};
-use crate::body::{Assembly, Body, MassSolver, Reaction, StepDamping, StepInput};
+use crate::body::{Assembly, Body, LoadMemory, MassSolver, Reaction, StepDamping, StepInput};
 use crate::error::Result;
 use crate::quadrature::gauss;
 use crate::sparse::reduce::dot;
@@ -18,6 +18,7 @@ pub(crate) struct Forces<'a> {
     followers: Followers,
     rest: Vec<f64>,
     internal: Vec<f64>,
+    load_memory: LoadMemory,
 }
 
 impl<'a> Forces<'a> {
@@ -31,6 +32,7 @@ impl<'a> Forces<'a> {
             assembly: body.assembly(1),
             rest: zero.clone(),
             internal: zero,
+            load_memory: body.load_memory(1),
         }
     }
 
@@ -75,11 +77,15 @@ impl<'a> Forces<'a> {
     }
 
     /// Subtracts the derivative of the follower loads of a time from the K assembled last.
-    pub(crate) fn add_follower_tangent(&mut self, displacement: &[f64], time: f64) {
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn add_follower_tangent(&mut self, displacement: &[f64], time: f64) -> Result<()> {
         let step =
             StepInput { tangent_factor: 1.0, ..StepInput::undamped(&self.rule, displacement, &self.rest) };
-        self.followers.sample(self.body, time, 0.0);
+        self.followers.sample(self.body, time, 0.0)?;
         self.followers.add_tangent(self.body, &step, &mut self.assembly);
+        Ok(())
     }
 
     /// Force of the body on the ground at a displacement, zero without ground; the springs of supports are added to the
@@ -97,10 +103,21 @@ impl<'a> Forces<'a> {
         self.body.ground_force(&step, &mut self.assembly, ground)
     }
 
+    /// Sets the dead loads at a time, `[n_nodes][3]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn set_loads(&mut self, time: f64, force: &mut [f64]) -> Result<()> {
+        self.body.set_loads_at(time, &mut self.load_memory, force).map(|_| ())
+    }
+
     /// All loads at a displacement and time.
-    pub(crate) fn external(&self, displacement: &[f64], time: f64, external: &mut [f64]) {
-        self.body.loads_at(time, external);
-        self.body.add_followers_at(displacement, time, external);
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(crate) fn external(&mut self, displacement: &[f64], time: f64, external: &mut [f64]) -> Result<()> {
+        self.set_loads(time, external)?;
+        self.body.add_followers_at(displacement, time, external)
     }
 
     /// Force that remains for inertia and supports, `F(t) - f(u)`; the external force goes to `external`.
@@ -128,7 +145,7 @@ impl<'a> Forces<'a> {
         external: &mut [f64],
         net: &mut [f64],
     ) -> Result<()> {
-        self.external(displacement, time, external);
+        self.external(displacement, time, external)?;
         self.assemble_with((displacement, pressures), Request::Stress)?;
         self.assembly.matrix.copy_force(&mut self.internal);
         let forces = external.iter().zip(&self.internal);
@@ -234,7 +251,7 @@ impl TimePoint {
         if forces.body.fixed().contains(&true) {
             return self.evaluate(forces, time);
         }
-        forces.external(&self.displacement, time, &mut self.external);
+        forces.external(&self.displacement, time, &mut self.external)?;
         forces.ground(&self.displacement, &mut self.ground, &mut self.reactions)
     }
 

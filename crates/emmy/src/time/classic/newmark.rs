@@ -190,20 +190,20 @@ impl<'a> NewmarkStepper<'a> {
     }
 
     /// Sets the equations of the step.
-    fn start(&mut self, state: &State, h: f64) {
+    fn start(&mut self, state: &State, h: f64) -> Result<()> {
         let NewmarkParameters { alpha_m, alpha_f, beta, .. } = self.parameters;
         let system = &mut self.system;
-        let body = self.forces.body;
         system.start(&state.displacement, h);
         let c = (1.0 - alpha_m) / beta;
         let of_inertia = h * h * (c * (0.5 - beta) - alpha_m);
         let known = system.known.iter_mut().zip(state.momentum.iter().zip(&self.inertia));
         known.for_each(|(g, (p, ma))| *g = c * h * p + of_inertia * ma);
-        system.followers.sample(body, state.time, h);
-        body.loads_at(state.time, &mut self.old_load);
-        body.loads_at(state.time + h, &mut system.dead_load);
+        system.followers.sample(system.body, state.time, h)?;
+        self.forces.set_loads(state.time, &mut self.old_load)?;
+        self.forces.set_loads(state.time + h, &mut system.dead_load)?;
         let loads = system.dead_load.iter_mut().zip(&self.old_load);
         loads.for_each(|(new, old)| *new = (1.0 - alpha_f) * *new + alpha_f * *old);
+        Ok(())
     }
 
     /// Forces at the end of the step.
@@ -247,7 +247,7 @@ impl<'a> NewmarkStepper<'a> {
 
 impl Stepper for NewmarkStepper<'_> {
     fn advance(&mut self, state: &mut State, step_size: f64) -> Result<StepOutcome> {
-        self.start(state, step_size);
+        self.start(state, step_size)?;
         let newton = self.iteration.solve(&mut self.system, state, step_size, None)?;
         self.evaluate_end(state, step_size)?;
         self.iteration.remember(&self.system.coefficients, step_size);

@@ -111,9 +111,12 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Sets the rates of the driven degrees of freedom in the step.
-    pub(super) fn set_driven_rates(&mut self, time: f64, step_size: f64) {
+    ///
+    /// # Errors
+    /// [`crate::Error::NotFiniteAt`].
+    pub(super) fn set_driven_rates(&mut self, time: f64, step_size: f64) -> Result<()> {
         let rule = &self.coefficients.rule;
-        self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates);
+        self.body.driven_rates(rule, time, step_size, &self.displacement, &mut self.driven_rates)
     }
 
     /// Inserts the rates of the driven degrees of freedom into a starting point of the iteration.

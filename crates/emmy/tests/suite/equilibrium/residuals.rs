@@ -123,7 +123,7 @@ fn increments_store_the_work_of_the_loads() {
         .build()
         .unwrap();
     let mut full = vec![0.0; body.n_dofs()];
-    body.loads_at(0.0, &mut full);
+    body.loads_at(0.0, &mut full).unwrap();
     let (mut path, mut rows) = (Path(Vec::new(), full), Rows(Vec::new()));
     let start = Equilibrium::new(&body, 0.0, 80).unwrap();
     start.start(NewtonSettings::default(), &[], &mut [&mut path, &mut rows]).unwrap();
@@ -171,7 +171,7 @@ fn reactions_carry_the_loads() {
         // m g = 2 x 2 x 0.1; its moment about y, from the displaced centre of mass, is carried as well.
         assert!((sum(2) - 0.4).abs() < 1e-13 && sum(0).abs() < 1e-13 && sum(1).abs() < 1e-13);
         let mut weight = vec![0.0; body.n_dofs()];
-        body.loads_at(0.0, &mut weight);
+        body.loads_at(0.0, &mut weight).unwrap();
         let [carried, loaded] = [&force, &weight].map(|force| body.moment(&state.displacement, force));
         (0..3).for_each(|d| assert!((carried[d] + loaded[d]).abs() < 1e-13, "{carried:?} {loaded:?}"));
     }

@@ -223,7 +223,7 @@ fn loads_and_groups_are_of_the_nodes_of_the_mesh() {
         .build()
         .unwrap();
     let mut force = vec![1.0; body.n_dofs()];
-    assert!(body.loads_at(0.0, &mut force));
+    assert!(body.loads_at(0.0, &mut force).unwrap());
     assert!(force[of_mesh(&body)..].iter().all(|f| *f == 0.0));
     assert!((force.iter().sum::<f64>() + 6.0).abs() < 1e-13);
     let pressure = LoadKind::Pressure { group: "z-max".into(), pressure: 2.0 };

@@ -144,8 +144,7 @@ impl<'a> StaticSystem<'a> {
             return Err(Error::Linear { reason: "the stiffness is not positive definite".into() });
         }
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
-        self.forces.add_follower_tangent(displacement, self.time);
-        Ok(())
+        self.forces.add_follower_tangent(displacement, self.time)
     }
 
     /// Solves `K dx = b` for the right side with the tangent that was set last.

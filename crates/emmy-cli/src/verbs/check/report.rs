@@ -1,9 +1,8 @@
-//! `emmy check FILE`: reports on an input. Runs nothing and writes nothing.
+//! The report of `emmy check`: a line for each fact.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use clap::Args;
 use emmy::body::{
     Body, InitialVelocity, Load, LoadKind, LoadResultant, PointTerms, RegionSummary, Support, TimeFunction,
     Viscosity,
@@ -14,65 +13,25 @@ use emmy_io::input::{Problem, Start};
 use emmy_io::message::shown;
 use emmy_io::units::Units;
 
-use super::{Input, period, sizes, unresolved_steps};
-use crate::failure::Failure;
-use crate::message::message;
-use crate::print::{self, number, vector};
-
-/// Arguments of the verb.
-#[derive(Debug, Args)]
-pub(crate) struct Arguments {
-    #[command(flatten)]
-    input: Input,
-}
-
-/// Prints the report.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let problem = arguments.input.problem()?;
-    let mut report = Report { units: problem.units, ..Report::default() };
-    report.line("input", &arguments.input.file.display().to_string());
-    report.line("title", problem.title.as_deref().unwrap_or("(none)"));
-    if let Some(units) = problem.units.description() {
-        report.line("units", &units);
-    }
-    report.mesh(problem.body.mesh());
-    report.groups(problem.body.mesh());
-    report.body(&problem);
-    let state = problem.check_start()?;
-    report.start(&problem, state.as_ref());
-    report.time(&problem);
-    if let Some(step) = problem.critical_step(state.as_ref())? {
-        let step = problem.units.number(step, "time");
-        report.line("stability", &format!("critical step {step} at the start"));
-    }
-    period::report(&mut report, &problem);
-    report.output(&problem);
-    problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
-    if let Some(warning) = unresolved_steps(&problem) {
-        message!("{warning}");
-    }
-    if let Err(error) = emmy_io::directory::check_run(&problem) {
-        message!("note: `emmy run` will reject this: {error}");
-    }
-    print::result(&report.text)
-}
+use crate::print::{number, vector};
+use crate::verbs::sizes;
 
 /// Largest number of parts that are listed.
 const MAX_LISTED_PARTS: usize = 10;
 
 /// Lines under key words.
 #[derive(Debug, Default)]
-pub(super) struct Report {
-    text: String,
-    units: Units,
+pub(crate) struct Report {
+    pub(super) text: String,
+    pub(super) units: Units,
 }
 
 impl Report {
-    pub(super) fn line(&mut self, word: &str, text: &str) {
+    pub(crate) fn line(&mut self, word: &str, text: &str) {
         let _ = writeln!(self.text, "{word:<11}{}", shown(text));
     }
 
-    fn mesh(&mut self, mesh: &Mesh) {
+    pub(super) fn mesh(&mut self, mesh: &Mesh) {
         let counts = mesh.counts_by_kind();
         let kinds: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
         let nodes = mesh.n_nodes();
@@ -89,7 +48,7 @@ impl Report {
         }
     }
 
-    fn groups(&mut self, mesh: &Mesh) {
+    pub(super) fn groups(&mut self, mesh: &Mesh) {
         let groups = mesh.groups();
         for name in groups.names() {
             let cells = groups.cells.get(name).map(|cells| format!("{} cells", cells.len()));
@@ -100,7 +59,7 @@ impl Report {
         }
     }
 
-    fn body(&mut self, problem: &Problem) {
+    pub(super) fn body(&mut self, problem: &Problem) {
         let body = &problem.body;
         let all = body.n_dofs();
         let free = body.n_free_dofs();
@@ -145,7 +104,7 @@ impl Report {
         }
     }
 
-    fn start(&mut self, problem: &Problem, state: Option<&State>) {
+    pub(super) fn start(&mut self, problem: &Problem, state: Option<&State>) {
         match &problem.start {
             Start::Undeformed if problem.is_static() => return,
             Start::Equilibrium { load_steps } => {
@@ -248,6 +207,9 @@ impl Report {
             LoadKind::Pressure { group, .. } => ("pressure", group.as_str()),
             LoadKind::TractionField { group, .. } => ("traction field", group.as_str()),
             LoadKind::BodyForceField { group, .. } => ("body force", group.as_deref().unwrap_or("all cells")),
+            LoadKind::AccelerationField { group, .. } => {
+                ("acceleration field", group.as_deref().unwrap_or("all cells"))
+            }
             LoadKind::NodalForce { group, .. } => ("force at each node", group.as_str()),
             LoadKind::Acceleration { group, .. } => ("acceleration", group.as_deref().unwrap_or("all cells")),
         };
@@ -318,7 +280,7 @@ impl Report {
         }
     }
 
-    fn time(&mut self, problem: &Problem) {
+    pub(super) fn time(&mut self, problem: &Problem) {
         let plan = &problem.plan;
         if problem.is_static() {
             let steps = plan.n_steps();
@@ -373,7 +335,7 @@ impl Report {
         self.line("", &format!("sizes from {} to {}", size(adaptivity.smallest), size(adaptivity.largest)));
     }
 
-    fn output(&mut self, problem: &Problem) {
+    pub(super) fn output(&mut self, problem: &Problem) {
         let output = &problem.output;
         let frames = match (output.n_frames(&problem.plan), output.interval) {
             (Some(n), Some(interval)) => {

@@ -1,0 +1,72 @@
+//! `emmy check FILE`: reports on an input. Runs nothing and writes nothing.
+
+mod report;
+
+use clap::Args;
+use emmy_io::input::Problem;
+
+use super::{Input, period, unresolved_steps};
+use crate::failure::Failure;
+use crate::host::{Host, message};
+use crate::print;
+pub(super) use report::Report;
+
+/// Arguments of the verb.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    input: Input,
+}
+
+/// Prints the report.
+pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let problem = arguments.input.problem(host)?;
+    let text = report_on(&problem)?;
+    if let Some(warning) = unresolved_steps(&problem) {
+        message!(host, "{warning}");
+    }
+    if let Err(error) = emmy_io::directory::check_run(&problem) {
+        message!(host, "note: `emmy run` will reject this: {error}");
+    }
+    let mut file = Report::default();
+    file.line("input", &arguments.input.file.display().to_string());
+    print::result(host, &(file.text + &text))
+}
+
+/// What `emmy check` prints about the body of a problem: mesh, groups, masses, resultants of the loads, supports.
+pub fn report_on_body(problem: &Problem) -> String {
+    let mut report = Report { units: problem.units, ..Report::default() };
+    of_body(&mut report, problem);
+    report.text
+}
+
+fn of_body(report: &mut Report, problem: &Problem) {
+    report.mesh(problem.body.mesh());
+    report.groups(problem.body.mesh());
+    report.body(problem);
+}
+
+/// What `emmy check` prints about a problem, without the name of its file: mesh, groups, masses, resultants of the loads,
+/// supports, start, plan and output.
+///
+/// # Errors
+/// [`Failure::Usage`] if the start does not fit the body, [`Failure::Study`] if its equilibrium is not found.
+pub fn report_on(problem: &Problem) -> Result<String, Failure> {
+    let mut report = Report { units: problem.units, ..Report::default() };
+    report.line("title", problem.title.as_deref().unwrap_or("(none)"));
+    if let Some(units) = problem.units.description() {
+        report.line("units", &units);
+    }
+    of_body(&mut report, problem);
+    let state = problem.check_start()?;
+    report.start(problem, state.as_ref());
+    report.time(problem);
+    if let Some(step) = problem.critical_step(state.as_ref())? {
+        let step = problem.units.number(step, "time");
+        report.line("stability", &format!("critical step {step} at the start"));
+    }
+    period::report(&mut report, problem);
+    report.output(problem);
+    problem.formulations.advice.iter().for_each(|advice| report.line("advice", advice));
+    Ok(report.text)
+}

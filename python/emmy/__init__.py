@@ -1,0 +1,74 @@
+"""Emmy: non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
+
+>>> body = emmy.Body(
+...     emmy.Mesh.box((1, 4, 1), (2, 8, 2)),
+...     emmy.Region(emmy.NeoHooke(youngs_modulus=1000.0, poissons_ratio=0.3), density=1.0),
+... )
+>>> motion = emmy.Motion(body, scheme="DGM", steps=(1.0, 0.1), initial=emmy.Initial(angular_velocity=(0, 0, 1)))
+>>> history = motion.run()
+>>> bool(np.ptp(history["total_energy"]) < 1e-12 * history["total_energy"][0])
+True
+"""
+
+try:
+    from . import _emmy
+except ImportError as error:
+    raise ImportError(
+        "the compiled part of emmy-fem (emmy._emmy) is missing or does not load; another package named `emmy`, or the "
+        f"source tree, may be in its place: {__path__}"
+    ) from error
+
+from ._adjoint import Goal, GoalError, Gradient, Parameter
+from ._body import Body
+from ._emmy import Step
+from ._errors import (
+    ConvergenceError,
+    EmmyWarning,
+    Error,
+    Fault,
+    InputError,
+    LimitExceeded,
+    MeshError,
+    ResultsError,
+    UnknownGroupError,
+)
+from ._history import Event
+from ._links import Attraction, Bar, Spring
+from ._lists import (
+    Named,
+    elements,
+    examples,
+    fields,
+    materials,
+    meshes,
+    new,
+    schema,
+    schemes,
+    set_threads,
+    solvers,
+    threads,
+)
+from ._materials import CiarletGeymonat, Energy, Hencky, Material, NeoHooke, Orthotropic, SaintVenantKirchhoff
+from ._mesh import Mesh
+from ._motion import Motion
+from ._parts import Adaptive, Initial, Load, Mass, Region, Support, Viscosity
+from ._results import Frame, Frames, Run
+from ._rubber import ArrudaBoyce, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHookeIsochoric, Ogden, Yeoh
+from ._run import Comparison, check, compare, report, resume, run
+from ._state import Snapshot, State
+from ._studies import Convergence, Modes, Problem, converge, equilibrium, load, modes
+from ._sweep import Sweep, sweep
+
+__version__ = _emmy.version()
+
+__all__ = [
+    "Adaptive", "ArrudaBoyce", "Attraction", "Bar", "Body", "CiarletGeymonat", "Comparison", "Convergence",
+    "ConvergenceError", "EmmyWarning", "Energy", "Error", "Event", "Fault", "Frame", "Frames", "Gent", "Goal",
+    "GoalError", "Gradient", "Hencky", "HolzapfelGasserOgden", "Initial", "InputError", "LimitExceeded", "Load", "Mass",
+    "Material", "Mesh", "MeshError", "Modes", "MooneyRivlin", "Motion", "Named", "NeoHooke", "NeoHookeIsochoric",
+    "Ogden", "Orthotropic", "Parameter", "Problem", "Region", "ResultsError", "Run", "SaintVenantKirchhoff", "Snapshot",
+    "Spring", "State", "Step", "Support", "Sweep", "UnknownGroupError", "Viscosity", "Yeoh", "__version__", "check",
+    "compare", "converge", "elements", "equilibrium", "examples", "fields", "load", "materials",
+    "meshes", "modes", "new", "report", "resume", "run", "schema", "schemes", "set_threads", "solvers", "sweep",
+    "threads",
+]  # fmt: skip

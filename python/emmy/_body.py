@@ -1,0 +1,289 @@
+"""Bodies."""
+
+from __future__ import annotations
+
+import numbers
+import warnings
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _emmy
+from . import _words as words
+from ._errors import EmmyWarning, missing
+from ._mesh import Mesh
+from ._parts import Load, Mass, Region, Support
+
+
+class Body:
+    """A mesh with materials, supports, loads and point masses. It cannot be changed.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Mesh.
+    regions : Region or list of Region
+        Materials of the cells.
+    supports : Support or list of Support, optional
+        Nodes that are held or driven.
+    loads : Load or list of Load, optional
+        Loads.
+    masses : Mass or list of Mass, optional
+        Point masses.
+
+    Raises
+    ------
+    UnknownGroupError
+        If the mesh lacks a group.
+    InputError
+        If anything else does not fit; all mistakes at once.
+    TypeError
+        If a function of a load or support returns something else than numbers at t = 0.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 4, 1), (1, 4, 1))
+    >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1000.0, mu=500.0), density=0.5),
+    ...                  emmy.Support("y-min", fix="xyz"))
+    >>> body
+    <emmy.Body: 4 cells, 60 degrees of freedom, 12 fixed>
+    >>> round(body.total_mass, 12)
+    2.0
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        regions: Region | Iterable[Region],
+        supports: Support | Iterable[Support] = (),
+        loads: Load | Iterable[Load] = (),
+        masses: Mass | Iterable[Mass] = (),
+    ) -> None:
+        if not isinstance(mesh, Mesh):
+            raise TypeError(f"mesh: {type(mesh).__name__} is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio")
+        self._mesh = mesh
+        self._regions = words.each(regions, Region, "regions")
+        self._supports = words.each(supports, Support, "supports")
+        self._loads = words.each(loads, Load, "loads")
+        self._masses = words.each(masses, Mass, "masses")
+        self._try_histories()
+        parts = {"region": self._regions, "support": self._supports, "load": self._loads, "mass": self._masses}
+        tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
+        self._native = _emmy.Body({"mesh": mesh._native} | tables)
+        for note in self.notes:
+            warnings.warn(note, EmmyWarning, stacklevel=2)
+
+    def _try_histories(self) -> None:
+        for index, load in enumerate(self._loads):
+            for function in words.functions(load.history):
+                _try_history(function, f"loads[{index}].history")
+        for index, support in enumerate(self._supports):
+            for key in ("move", "accelerate", "rotate"):
+                for function in words.functions(getattr(support, key)):
+                    _try_history(function, f"supports[{index}].{key}")
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh."""
+        return self._mesh
+
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """Materials of the cells."""
+        return self._regions
+
+    @property
+    def supports(self) -> tuple[Support, ...]:
+        """Nodes that are held or driven."""
+        return self._supports
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """Loads."""
+        return self._loads
+
+    @property
+    def masses(self) -> tuple[Mass, ...]:
+        """Point masses."""
+        return self._masses
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of degrees of freedom; fixed ones are counted."""
+        return self._native.n_dofs
+
+    @property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Whether a component of a node is fixed or driven, array (n, 3)."""
+        return self._native.fixed
+
+    @property
+    def total_mass(self) -> float:
+        """Mass."""
+        return self._native.total_mass
+
+    @property
+    def center_of_mass(self) -> NDArray[np.float64]:
+        """Centre of mass in the reference configuration, array (3,)."""
+        return np.asarray(self._native.center_of_mass, dtype=np.float64)
+
+    @property
+    def notes(self) -> list[str]:
+        """What was noticed when the body was made."""
+        return self._native.notes
+
+    def mass(self) -> Any:
+        """Consistent mass matrix.
+
+        Returns
+        -------
+        scipy.sparse.csr_array (3 n, 3 n)
+
+        Raises
+        ------
+        ImportError
+            If SciPy is not installed.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=6))
+        >>> round(float(body.mass().sum()), 12)         # in three directions
+        18.0
+        """
+        return _sparse(self._native.mass())
+
+    def stiffness(self, displacement: ArrayLike | None = None) -> Any:
+        """Stiffness: derivative of the internal forces by the displacement.
+
+        Parameters
+        ----------
+        displacement : array (n, 3), optional
+            Where to take it; the reference configuration if not given.
+
+        Returns
+        -------
+        scipy.sparse.csr_array (3 n, 3 n)
+
+        Raises
+        ------
+        ImportError
+            If SciPy is not installed.
+        InputError
+            If the array has another shape.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> bool(np.abs(body.stiffness() @ np.tile([1.0, 0.0, 0.0], 8)).max() < 1e-14)      # no force in a translation
+        True
+        """
+        return _sparse(
+            self._native.stiffness(None if displacement is None else self._nodal(displacement, "displacement"))
+        )
+
+    def internal_force(self, displacement: ArrayLike) -> NDArray[np.float64]:
+        """Internal forces.
+
+        Parameters
+        ----------
+        displacement : array (n, 3)
+            Displacement of the nodes.
+
+        Returns
+        -------
+        array (n, 3)
+
+        Raises
+        ------
+        InputError
+            If the array has another shape.
+        MeshError
+            If a cell is inverted by the displacement.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> float(np.abs(body.internal_force(np.zeros((8, 3)))).max())
+        0.0
+        """
+        return self._native.internal_force(self._nodal(displacement, "displacement"))
+
+    def strain_energy(self, displacement: ArrayLike) -> float:
+        """Strain energy.
+
+        Parameters
+        ----------
+        displacement : array (n, 3)
+            Displacement of the nodes.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InputError
+            If the array has another shape.
+        MeshError
+            If a cell is inverted by the displacement.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.SaintVenantKirchhoff(lambda_=3.0, mu=1.0), density=1.0))
+        >>> stretch = np.sqrt(1.2)                      # E_xx = 0.1
+        >>> round(body.strain_energy(mesh.points * [stretch - 1, 0, 0]), 12)
+        0.025
+        """
+        return self._native.strain_energy(self._nodal(displacement, "displacement"))
+
+    def to_toml(self) -> str:
+        """The body in the words of an input file. Functions have no place in a file: they are named.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> "neo-hooke" in body.to_toml()
+        True
+        """
+        return self._native.toml
+
+    def _nodal(self, values: ArrayLike, place: str) -> NDArray[np.float64]:
+        return words.array(values, (self._mesh.n_nodes, 3), place)
+
+    def __str__(self) -> str:
+        return self._native.report()
+
+    def __repr__(self) -> str:
+        fixed = int(self.fixed.sum())
+        return f"<emmy.Body: {self.mesh.n_cells} cells, {self.n_dofs} degrees of freedom, {fixed} fixed>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Body, (self._mesh, self._regions, self._supports, self._loads, self._masses)
+
+
+def _sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) -> Any:
+    try:
+        import scipy.sparse
+    except ImportError:
+        raise missing("a sparse matrix", "SciPy", "scipy") from None
+    data, indices, pointers, size = parts
+    return scipy.sparse.csr_array((data, indices, pointers), shape=(size, size))
+
+
+def _try_history(function: Any, place: str) -> None:
+    value = function(0.0)
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError(
+            f"{place}: the function {words.name_of(function)} returned {type(value).__name__} in place of a number"
+        )

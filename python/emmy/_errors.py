@@ -1,0 +1,226 @@
+"""Exceptions and warnings."""
+
+from __future__ import annotations
+
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class EmmyWarning(UserWarning):
+    """A note on the input, the mesh or a run that is no error.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> warnings.simplefilter("ignore", emmy.EmmyWarning)
+    """
+
+
+class Fault(NamedTuple):
+    """One mistake in the input.
+
+    Attributes
+    ----------
+    place : str
+        Argument or key, such as ``loads[1].group``; line and column in a file; may be empty.
+    message : str
+        The mistake.
+    help : str
+        Advice; may be empty.
+    group : str or None
+        Name of a group that is not in the mesh.
+    available : tuple of str or None
+        Names that the mesh has in its place.
+
+    Examples
+    --------
+    >>> print(emmy.Fault("degree", "must be at least 1"))
+    degree: must be at least 1
+    """
+
+    place: str
+    message: str
+    help: str = ""
+    group: str | None = None
+    available: tuple[str, ...] | None = None
+
+    def __str__(self) -> str:
+        place = f"{self.place}: " if self.place else ""
+        return place + self.message + (f"; {self.help}" if self.help else "")
+
+
+class Error(Exception):
+    """Base class of the errors of Emmy.
+
+    Examples
+    --------
+    >>> issubclass(emmy.ConvergenceError, emmy.Error)
+    True
+    """
+
+
+class InputError(Error, ValueError):
+    """Bad input: everything that the reader has found, not only the first mistake.
+
+    Parameters
+    ----------
+    faults : list of Fault
+        The mistakes.
+
+    Examples
+    --------
+    >>> try:
+    ...     emmy.NeoHooke(youngs_modulus=1000.0, poissons_ratio=0.5)
+    ... except emmy.InputError as error:
+    ...     print(error.faults[0].place)
+    poissons_ratio
+    """
+
+    def __init__(self, faults: list[Fault]) -> None:
+        self.faults = [fault._replace(place=in_words_of_python(fault.place)) for fault in map(_fault, faults)]
+        super().__init__(self.faults)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.faults))
+
+
+class MeshError(InputError):
+    """A mesh that cannot be read, or has bad cells.
+
+    Examples
+    --------
+    >>> issubclass(emmy.MeshError, emmy.InputError)
+    True
+    """
+
+
+class UnknownGroupError(InputError):
+    """A group that the mesh does not have.
+
+    Attributes
+    ----------
+    group : str
+        The name.
+    available : tuple of str
+        Names that the mesh has.
+
+    Examples
+    --------
+    >>> steel = emmy.Region(emmy.NeoHooke(lambda_=1.0, mu=1.0), density=1.0)
+    >>> try:
+    ...     emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), steel, emmy.Support("y-mim", fix="xyz"))
+    ... except emmy.UnknownGroupError as error:
+    ...     print(error.group, "y-min" in error.available)
+    y-mim True
+    """
+
+    @property
+    def group(self) -> str:
+        return next((fault.group for fault in self.faults if fault.group is not None), "")
+
+    @property
+    def available(self) -> tuple[str, ...]:
+        return next((tuple(fault.available) for fault in self.faults if fault.available is not None), ())
+
+
+class ConvergenceError(Error, RuntimeError):
+    """A step that cannot be done. The motion is at the last good step and can go on with other steps.
+
+    Attributes
+    ----------
+    step, time : int, float, or None
+        Step and time that were to be reached.
+    node : int or None
+        Node with the largest residual.
+    position : array (3,) or None
+        Its current position.
+    cause : str
+        Why the last attempt failed.
+
+    Examples
+    --------
+    >>> emmy.ConvergenceError("no convergence", 3, 0.2).step
+    3
+    """
+
+    def __init__(
+        self,
+        message: str,
+        step: int | None = None,
+        time: float | None = None,
+        node: int | None = None,
+        position: tuple[float, float, float] | NDArray[np.float64] | None = None,
+        cause: str = "",
+    ) -> None:
+        super().__init__(message, step, time, node, position, cause)
+        self.message = message
+        self.step = step
+        self.time = time
+        self.node = node
+        self.position = position
+        self.cause = cause
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class LimitExceeded(Error):
+    """A limit on the energy or the angular momentum was exceeded.
+
+    Examples
+    --------
+    >>> issubclass(emmy.LimitExceeded, emmy.Error)
+    True
+    """
+
+
+class ResultsError(Error, OSError):
+    """Results that cannot be read or written.
+
+    Examples
+    --------
+    >>> issubclass(emmy.ResultsError, OSError)
+    True
+    """
+
+
+def fault(place: str, message: str, help: str = "") -> InputError:
+    """An error with one mistake."""
+    return InputError([Fault(place, message, help)])
+
+
+def missing(function: str, module: str, extra: str) -> ImportError:
+    """The error for an optional package that is not installed."""
+    return ImportError(f"{function} needs {module}: pip install {extra}")
+
+
+# From keys of the input to arguments, in this order.
+_WORDS = [
+    (r"^(load|region|support)(?=\[)", r"\1s"),
+    (r"^mass(?=\[)", "masses"),
+    (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
+    (r"^time$", "steps"),
+    (r"^(time|newton|output)\.", ""),
+    (r"^solver\.kind", "solver"),
+    (r"^mesh\.(?=cells|cell_groups|facet_groups|node_groups|points)", ""),
+    (r"^units\.system", "units"),
+    (r"\bmaterial\.[a-z][a-z-]*", "material"),
+    (r"(^|\.)lambda$", r"\1lambda_"),
+]
+
+
+def in_words_of_python(place: str) -> str:
+    """The argument for a key of the input; other places, such as lines of files, stay."""
+    if re.search(r":\d+(:\d+)?$", place):
+        return place
+    for pattern, replacement in _WORDS:
+        place = re.sub(pattern, replacement, place)
+    return place
+
+
+def _fault(fault: tuple[Any, ...]) -> Fault:
+    place, message, help, group, available = fault
+    return Fault(place, message, help or "", group, None if available is None else tuple(available))

@@ -1,0 +1,314 @@
+"""Materials of solid and plane cells: one class for each model of the input."""
+
+from __future__ import annotations
+
+import keyword
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _emmy
+from ._errors import InputError, fault
+from ._words import Table, Vector, plain, tree
+
+
+class Material(Table):
+    """A strain energy W(E) with its parameters, which are those of the input."""
+
+    _section: ClassVar[str] = "material"
+    #: Name of the model in the input.
+    model: ClassVar[str]
+
+    def _check(self) -> None:
+        try:
+            _emmy.check(self._section, self._as_material())
+        except InputError as error:
+            # The class says which model it is.
+            places = [item.place.removeprefix(self.model).removeprefix(".") for item in error.faults]
+            faults = [item._replace(place=place) for item, place in zip(error.faults, places, strict=True)]
+            raise InputError(faults) from None
+
+    def _as_material(self) -> dict[str, Any]:
+        return {self.model: self._tree()}
+
+    def energy(self, strain: ArrayLike) -> NDArray[np.float64]:
+        """Strain energy per reference volume.
+
+        Parameters
+        ----------
+        strain : array (..., 3, 3)
+            Green-Lagrange strain E.
+
+        Returns
+        -------
+        array (...)
+            W(E).
+
+        Raises
+        ------
+        InputError
+            If the last axes are not 3 and 3, or the material is one of links.
+
+        Examples
+        --------
+        >>> energy = emmy.SaintVenantKirchhoff(lambda_=3.0, mu=1.0).energy(np.diag([0.1, 0.0, 0.0]))
+        >>> round(float(energy), 12)
+        0.025
+        """
+        strains = _strains(strain)
+        return _emmy.energy(self._as_material(), strains.reshape(-1, 3, 3)).reshape(strains.shape[:-2])
+
+    def stress(self, strain: ArrayLike) -> NDArray[np.float64]:
+        """Second Piola-Kirchhoff stress S = dW/dE.
+
+        Parameters
+        ----------
+        strain : array (..., 3, 3)
+            Green-Lagrange strain E.
+
+        Returns
+        -------
+        array (..., 3, 3)
+            S(E).
+
+        Raises
+        ------
+        InputError
+            If the last axes are not 3 and 3, or the material is one of links.
+
+        Examples
+        --------
+        >>> stress = emmy.SaintVenantKirchhoff(lambda_=3.0, mu=1.0).stress(np.diag([0.1, 0.0, 0.0]))
+        >>> np.round(np.diag(stress), 12).tolist()
+        [0.5, 0.3, 0.3]
+        """
+        strains = _strains(strain)
+        return _emmy.stress(self._as_material(), strains.reshape(-1, 3, 3)).reshape(strains.shape)
+
+
+def _strains(strain: ArrayLike) -> NDArray[np.float64]:
+    strains = np.asarray(strain, dtype=np.float64)
+    if strains.shape[-2:] != (3, 3):
+        raise fault("strain", f"expected an array of shape (..., 3, 3), found {strains.shape}")
+    return np.ascontiguousarray(strains)
+
+
+class SaintVenantKirchhoff(Material):
+    """Saint Venant and Kirchhoff: large rotation, small strain.
+
+    ``W = lambda/2 (tr E)^2 + mu E : E``
+
+    Parameters
+    ----------
+    lambda_, mu : float
+        Lame's parameters; or
+    youngs_modulus, poissons_ratio : float
+        the engineering constants.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the pairs is given, or a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.SaintVenantKirchhoff(youngs_modulus=210e3, poissons_ratio=0.3)
+    SaintVenantKirchhoff(youngs_modulus=210000.0, poissons_ratio=0.3)
+    """
+
+    model = "saint-venant-kirchhoff"
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+
+
+class NeoHooke(Material):
+    """Neo-Hooke, compressible: large strain.
+
+    ``W = mu/2 (tr C - 3) + lambda/2 (ln J)^2 - mu ln J``
+
+    Parameters
+    ----------
+    lambda_, mu : float
+        Lame's parameters at small strain; or
+    youngs_modulus, poissons_ratio : float
+        the engineering constants at small strain.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the pairs is given, or a value is out of its range.
+
+    Examples
+    --------
+    >>> float(emmy.NeoHooke(lambda_=1000.0, mu=500.0).energy(np.zeros((3, 3))))
+    0.0
+    """
+
+    model = "neo-hooke"
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+
+
+class CiarletGeymonat(Material):
+    """Ciarlet and Geymonat: large strain, strong compression.
+
+    ``W = mu/2 (tr C - 3) + lambda/4 (J^2 - 1) - (lambda/2 + mu) ln J``
+
+    Parameters
+    ----------
+    lambda_, mu : float
+        Lame's parameters at small strain; or
+    youngs_modulus, poissons_ratio : float
+        the engineering constants at small strain.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the pairs is given, or a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.CiarletGeymonat(lambda_=2.0, mu=1.0) == emmy.CiarletGeymonat(mu=1, lambda_=2)
+    True
+    """
+
+    model = "ciarlet-geymonat"
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+
+
+class Hencky(Material):
+    """Hencky: quadratic in the logarithmic strain h, for stretches from 0.7 to 1.3.
+
+    ``W = lambda/2 (tr h)^2 + mu h : h``
+
+    Parameters
+    ----------
+    lambda_, mu : float
+        Lame's parameters; or
+    youngs_modulus, poissons_ratio : float
+        the engineering constants.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the pairs is given, or a value is out of its range.
+
+    Examples
+    --------
+    >>> stretch = np.diag(np.exp([0.2, -0.1, -0.1]))
+    >>> W = emmy.Hencky(lambda_=5.0, mu=1.0).energy((stretch @ stretch - np.eye(3)) / 2)
+    >>> round(float(W), 12)
+    0.06
+    """
+
+    model = "hencky"
+    lambda_: float | None = None
+    mu: float | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+
+
+class Orthotropic(Material):
+    """Orthotropic elasticity ``W = E : D : E / 2``: wood, plies, bone; large rotation, small strain.
+
+    Parameters
+    ----------
+    youngs_modulus_1, youngs_modulus_2, youngs_modulus_3 : float
+        Young's moduli along the axes.
+    poissons_ratio_12, poissons_ratio_23, poissons_ratio_13 : float
+        Contraction along the second axis over extension along the first, under tension along the first.
+    mu_12, mu_23, mu_13 : float
+        Shear moduli.
+    axis_1, axis_2 : vector, optional
+        Direction of axis 1, and a direction in the plane of axes 1 and 2; x and y if not given.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range, or the stiffness is not positive definite.
+
+    Examples
+    --------
+    >>> wood = emmy.Orthotropic(youngs_modulus_1=12e3, youngs_modulus_2=900.0, youngs_modulus_3=500.0,
+    ...                         poissons_ratio_12=0.4, poissons_ratio_23=0.3, poissons_ratio_13=0.4,
+    ...                         mu_12=700.0, mu_23=50.0, mu_13=700.0)
+    >>> round(float(wood.stress([[0, 0.01, 0], [0.01, 0, 0], [0, 0, 0]])[0, 1]), 12)
+    14.0
+    """
+
+    model = "orthotropic"
+    youngs_modulus_1: float
+    youngs_modulus_2: float
+    youngs_modulus_3: float
+    poissons_ratio_12: float
+    poissons_ratio_23: float
+    poissons_ratio_13: float
+    mu_12: float
+    mu_23: float
+    mu_13: float
+    axis_1: Vector | None = None
+    axis_2: Vector | None = None
+
+
+class Energy(Material):
+    """A strain energy given by a formula, which is differentiated and compiled.
+
+    Parameters
+    ----------
+    formula : str
+        Expression in the invariants ``I1, I2, I3, J, I1_bar, I2_bar``, with a fibre also ``I4, I4_bar``, and in the
+        parameters.
+    fibre : vector, optional
+        Direction of the fibres.
+    **parameters : float
+        Values of the other names in the formula; one underscore at the end is dropped, so that ``lambda_`` is
+        ``lambda``.
+
+    Raises
+    ------
+    InputError
+        If the formula is not an energy: unknown names, stress at rest, moduli that are not positive.
+
+    Examples
+    --------
+    >>> formula = "mu/2*(I1 - 3) - mu*ln(J) + lambda/2*ln(J)^2"
+    >>> own = emmy.Energy(formula, mu=500.0, lambda_=1000.0)
+    >>> E = [[0.1, 0.02, 0.0], [0.02, -0.05, 0.01], [0.0, 0.01, 0.2]]
+    >>> bool(np.isclose(own.energy(E), emmy.NeoHooke(lambda_=1000.0, mu=500.0).energy(E), rtol=1e-12))
+    True
+    """
+
+    model = "energy"
+    formula: str
+    fibre: Vector | None
+    parameters: tuple[tuple[str, float], ...]
+
+    def __init__(self, formula: str, *, fibre: Vector | None = None, **parameters: float) -> None:
+        names = {
+            name.removesuffix("_") if keyword.iskeyword(name[:-1]) else name: value
+            for name, value in parameters.items()
+        }
+        object.__setattr__(self, "formula", formula)
+        object.__setattr__(self, "fibre", plain(fibre, "fibre"))
+        object.__setattr__(
+            self, "parameters", tuple((name, plain(value, name)) for name, value in sorted(names.items()))
+        )
+        self._check()
+
+    def _tree(self) -> dict[str, Any]:
+        direction = {} if self.fibre is None else {"fibre": tree(self.fibre, "fibre")}
+        return {"formula": self.formula} | direction | dict(self.parameters)
+
+    def __repr__(self) -> str:
+        given: dict[str, object] = {} if self.fibre is None else {"fibre": self.fibre}
+        given |= {f"{name}_" if keyword.iskeyword(name) else name: value for name, value in self.parameters}
+        arguments = "".join(f", {name}={value!r}" for name, value in given.items())
+        return f"Energy({self.formula!r}{arguments})"

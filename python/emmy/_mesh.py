@@ -1,0 +1,227 @@
+"""Meshes."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _convert, _emmy
+from . import _words as words
+from ._errors import Fault, UnknownGroupError
+from ._sources import Sources
+
+
+class Mesh(Sources):
+    """Nodes, cells, and named groups of them. It cannot be changed.
+
+    Parameters
+    ----------
+    points : array (n, 3)
+        Nodes.
+    cells : dict of str to array of int (m, nodes)
+        Nodes of the cells of each kind, in the order of VTK; `elements` lists the kinds. Cells are numbered in the
+        order of the dict.
+    cell_groups : dict of str to array of int, optional
+        Numbers of the cells of each group.
+    facet_groups : dict of str to array of int, optional
+        Facets of each group: rows of node numbers (the corners suffice) or rows ``(cell, face)``; or a list of such
+        arrays. Rows of two numbers are edges in a mesh in plane strain and ``(cell, face)`` otherwise.
+    node_groups : dict of str to array of int, optional
+        Nodes of each group.
+
+    Raises
+    ------
+    MeshError
+        If a cell is inverted.
+    InputError
+        If an array has the wrong shape, or names a node or cell that is not there.
+    TypeError
+        If an array has the wrong type.
+
+    Examples
+    --------
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> mesh = emmy.Mesh(points, {"tet4": [[0, 1, 2, 3]]}, facet_groups={"base": [[0, 1, 2]]})
+    >>> mesh
+    <emmy.Mesh: 4 nodes, 1 cell (1 tet4)>
+    >>> mesh.groups
+    {'base': ('facets',)}
+    """
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Nodes in the reference configuration, array (n, 3)."""
+        return self._native.points
+
+    @property
+    def cells(self) -> dict[str, NDArray[np.int64]]:
+        """Nodes of the cells of each kind, arrays (m, nodes)."""
+        return self._native.cells
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return self._native.n_nodes
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return self._native.n_cells
+
+    @property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Names of the groups, each with what it holds: "cells", "facets", "nodes"."""
+        return {name: tuple(kinds) for name, kinds in self._native.group_names.items()}
+
+    @property
+    def quality(self) -> dict[str, Any]:
+        """Measures of the shape of the cells, as `emmy check` prints them."""
+        return self._native.quality()
+
+    @property
+    def notes(self) -> list[str]:
+        """What was noticed when the mesh was read."""
+        return self._native.notes
+
+    def group_nodes(self, name: str) -> NDArray[np.int64]:
+        """Nodes of a group, or of its facets or cells, in ascending order.
+
+        Parameters
+        ----------
+        name : str
+            Name of the group.
+
+        Returns
+        -------
+        array of int
+
+        Raises
+        ------
+        UnknownGroupError
+            If there is no such group.
+
+        Examples
+        --------
+        >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).group_nodes("x-min").size
+        4
+        """
+        if name not in self._native.group_names:
+            available = tuple(self._native.group_names)
+            near = difflib.get_close_matches(name, available, n=1)
+            groups = "groups: " + ", ".join(f"`{own}`" for own in available)
+            help = f"did you mean `{near[0]}`?" if near else groups
+            raise UnknownGroupError([Fault("name", f"the mesh has no group `{name}`", help, name, available)])
+        return self._native.group_nodes(name)
+
+    def nearest_node(self, point: Sequence[float]) -> int:
+        """The node that is nearest to a point.
+
+        Parameters
+        ----------
+        point : vector
+            Point in the reference configuration.
+
+        Returns
+        -------
+        int
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> mesh.points[mesh.nearest_node((0.9, 1.2, 0.1))].tolist()
+        [1.0, 1.0, 0.0]
+        """
+        return self._native.nearest_node(words.array(point, (3,), "point").tolist())
+
+    def boundary(self) -> list[NDArray[np.int64]]:
+        """Corner nodes of the facets on the surface.
+
+        Returns
+        -------
+        list of array of int
+
+        Examples
+        --------
+        >>> len(emmy.Mesh.box((1, 1, 1), (2, 2, 2)).boundary())
+        24
+        """
+        return [np.asarray(nodes, dtype=np.int64) for nodes in self._native.boundary()]
+
+    def scaled(self, factor: float) -> Self:
+        """The mesh with all coordinates multiplied by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Positive factor.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If the factor is not positive.
+
+        Examples
+        --------
+        >>> float(emmy.Mesh.box((1, 1, 1), (1, 1, 1)).scaled(1e-3).points.max())
+        0.001
+        """
+        return self._of(self._native.scaled(factor))
+
+    def to_meshio(self) -> Any:
+        """The mesh as one of meshio, with groups as cell sets and point sets, and facets of groups as cells.
+
+        Returns
+        -------
+        meshio.Mesh
+
+        Raises
+        ------
+        ImportError
+            If meshio is not installed.
+        InputError
+            If meshio has no such cells: its version 5.3 lacks wedge15 and pyramid13.
+
+        Examples
+        --------
+        >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).to_meshio().cells[0].type
+        'hexahedron'
+        """
+        return _convert.to_meshio(self._native)
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a grid of PyVista, with groups as arrays ``group:NAME`` and ``facets:NAME``.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed.
+
+        Examples
+        --------
+        >>> emmy.Mesh.box((1, 1, 1), (1, 1, 1)).to_pyvista().n_cells
+        1
+        """
+        return _convert.to_pyvista(self._native)
+
+    def __repr__(self) -> str:
+        count, kinds = self.n_cells, ", ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items())
+        return f"<emmy.Mesh: {self.n_nodes} nodes, {count} cell{'' if count == 1 else 's'} ({kinds})>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_vtu, (bytes(self._native.vtu()),)
+
+
+def _from_vtu(content: bytes) -> Mesh:
+    return Mesh._of(_emmy.Mesh.from_vtu(content))

@@ -1,0 +1,379 @@
+"""Motions."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _adjoint, _emmy, _plan
+from . import _words as words
+from ._adjoint import Goal, GoalError, Gradient, Parameter
+from ._body import Body
+from ._emmy import Step
+from ._errors import ConvergenceError, LimitExceeded
+from ._march import march
+from ._parts import Adaptive, Initial
+from ._state import Snapshot, State
+from ._view import MotionView
+
+NO_PLAN = "the motion has no plan; give steps=... or until=... with adaptive=..., or use motion.step(size)"
+
+#: Sees each step; a true answer stops the run.
+Observer = Callable[[Step, "Motion"], object]
+
+
+class Motion(MotionView):
+    """A body in motion. A loop over it does the steps of its plan; it can be broken and taken up again.
+
+    Parameters
+    ----------
+    body : Body
+        Body.
+    scheme : str, optional
+        Scheme in time; `schemes` lists them.
+    degree : int, optional
+        Degree of the time elements.
+    steps : pair or list of pairs, optional
+        Plan: ``(until, size)`` for each phase.
+    until : float, optional
+        End of adaptive steps.
+    adaptive : float or Adaptive, optional
+        Tolerance of adaptive steps, in place of `steps`.
+    initial : Initial, list of Initial or array (n, 3), optional
+        Velocities at the start; at rest if not given.
+    start : Snapshot or State, optional
+        Where the motion goes on, in place of `initial`.
+    tolerance, max_iterations : float, int, optional
+        End of Newton's iteration in a step.
+    solver : str, optional
+        "auto", "direct", "iterative" or "multigrid".
+    smallest_step : float, optional
+        Size down to which a failing step is halved.
+    probes : dict, optional
+        Nodes whose path goes into the history: points by name, or dicts of ``point`` and ``quantities``.
+    reactions, extremes, values : optional
+        Groups of supports, fields and means of fields for the history, as in the input.
+    equilibrium : bool, int or dict, optional
+        Whether to start from the static equilibrium; a number is that of load steps.
+    limits : dict, optional
+        Largest ``energy`` and ``angular_momentum`` residual.
+    title, units : str, optional
+        Title, and system of units such as "mm-t-s".
+    adjoint : bool, optional
+        Whether the steps are kept for `gradient` and `goal_error`.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of its range.
+
+    Examples
+    --------
+    >>> body = emmy.Body(emmy.Mesh.box((1, 4, 1), (1, 4, 1)),
+    ...                  emmy.Region(emmy.NeoHooke(lambda_=1000.0, mu=500.0), density=1.0))
+    >>> motion = emmy.Motion(body, steps=(1.0, 0.1), initial=emmy.Initial(angular_velocity=(0, 0, 1)))
+    >>> worst = max(abs(step.energy_residual) for step in motion)
+    >>> worst < 1e-12 and motion.number == 10
+    True
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        scheme: str = "DGM",
+        degree: int = 1,
+        *,
+        steps: tuple[float, float] | Sequence[tuple[float, float]] | NDArray[Any] | None = None,
+        until: float | None = None,
+        adaptive: float | Adaptive | None = None,
+        initial: Initial | Iterable[Initial] | NDArray[np.float64] = (),
+        start: Snapshot | State | None = None,
+        tolerance: float = 1e-10,
+        max_iterations: int = 20,
+        solver: str = "auto",
+        smallest_step: float | None = None,
+        probes: Mapping[str, Any] | None = None,
+        reactions: Sequence[str] | None = None,
+        extremes: Sequence[str] | None = None,
+        values: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
+        equilibrium: bool | int | Mapping[str, Any] | None = None,
+        limits: Mapping[str, float] | None = None,
+        title: str | None = None,
+        units: str | None = None,
+        adjoint: bool = False,
+    ) -> None:
+        if not isinstance(body, Body):
+            raise TypeError(f"body: {type(body).__name__} is not an emmy.Body")
+        if isinstance(initial, np.ndarray):
+            start, initial = _moving(body, initial, start), ()
+        outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
+        tree = _plan.tree(
+            scheme, degree, steps, until, adaptive, smallest_step, tolerance, max_iterations, solver,
+            words.each(initial, Initial, "initial"), equilibrium, limits, outputs, title, units,
+        )  # fmt: skip
+        self._make(body, tree, start, adjoint)
+
+    def _make(self, body: Body, tree: dict[str, Any], start: Snapshot | State | None, adjoint: bool) -> None:
+        self._body, self._tree, self._adjoint = body, tree, adjoint
+        self._extensions: list[tuple[float, float | None]] = []
+        native_start = start._native if isinstance(start, Snapshot) else start._tuple() if start is not None else None
+        self._native = _emmy.Motion(tree, body._native, native_start, adjoint)
+        self._rows = self._native.rows(0)
+
+    @classmethod
+    def _of(
+        cls, body: Body, tree: dict[str, Any], start: Snapshot | State | None = None, adjoint: bool = False
+    ) -> Motion:
+        motion = cls.__new__(cls)
+        motion._make(body, tree, start, adjoint)
+        return motion
+
+    def __iter__(self) -> Iterator[Step]:
+        if not self._native.has_plan:
+            raise RuntimeError(NO_PLAN)
+        return self
+
+    def __next__(self) -> Step:
+        step = self._native.next()
+        if step is None:
+            if not self._native.has_plan:
+                raise RuntimeError(NO_PLAN)
+            raise StopIteration
+        return step
+
+    def step(self, size: float) -> Step:
+        """Does one step.
+
+        Parameters
+        ----------
+        size : float
+            Its size.
+
+        Returns
+        -------
+        Step
+
+        Raises
+        ------
+        ConvergenceError
+            If it cannot be done; the motion stays at its last step.
+        InputError
+            If the size is not positive.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body).step(0.1).time
+        0.1
+        """
+        return self._native.step(size)
+
+    def extend(self, until: float, size: float | None = None) -> None:
+        """Moves the end of the plan.
+
+        Parameters
+        ----------
+        until : float
+            New end, after the present time.
+        size : float, optional
+            Size of the steps from the old end on; as before if not given.
+
+        Raises
+        ------
+        InputError
+            If the end lies before the present time, or the size is not positive.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(0.2, 0.1))
+        >>> motion.extend(0.4)
+        >>> len(list(motion))
+        4
+        """
+        self._native.extend(until, size)
+        self._extensions.append((until, size))
+
+    def run(
+        self,
+        until: float | None = None,
+        *,
+        observers: Iterable[Observer] = (),
+        progress: bool = False,
+        output: str | os.PathLike[str] | None = None,
+        every: int | None = None,
+        interval: float | None = None,
+        fields: Sequence[str] | None = None,
+        format: Literal["vtu", "vtkhdf"] | None = None,
+        precision: Literal["double", "single"] | None = None,
+        checkpoint_every: int | None = None,
+        log_every: int | None = None,
+    ) -> NDArray[Any]:
+        """Does the steps of the plan to its end.
+
+        Ctrl-C stops after a good step with `KeyboardInterrupt`; the motion can go on.
+
+        Parameters
+        ----------
+        until : float, optional
+            Time at which to stop; beyond the plan its last steps are continued.
+        observers : list of function, optional
+            Functions ``f(step, motion)``, called after each step; a true answer stops the run.
+        progress : bool, optional
+            Whether to show a bar, of tqdm if it is installed.
+        output : str or path, optional
+            Directory for everything that `emmy run` writes; `emmy.Run` reads it, `emmy resume` continues it.
+        every, interval, fields, format, precision, checkpoint_every, log_every : optional
+            Frames and other files in `output`, as in the table ``[output]`` of the input.
+
+        Returns
+        -------
+        structured array
+            The history.
+
+        Raises
+        ------
+        ConvergenceError
+            If a step cannot be done.
+        LimitExceeded
+            If a limit is exceeded.
+        RuntimeError
+            If the motion has no plan, or is at work in another thread.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.1), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(output="flight")
+        >>> emmy.Run("flight").status, len(history)
+        ('done', 11)
+        """
+        if not self._native.has_plan:
+            raise RuntimeError(NO_PLAN)
+        if until is not None and until > self._native.end:
+            self.extend(until)
+        files = {
+            "directory": output, "every": every, "interval": interval, "fields": fields, "format": format,
+            "precision": precision, "checkpoint_every": checkpoint_every, "log_every": log_every,
+        }  # fmt: skip
+        given = _plan.output(files)
+        if output is None:
+            if given is not None:
+                raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
+            march(self, until, tuple(observers), progress)
+            return self.history
+        self._native.open(words.tree(words.plain(given, "output"), "output"))
+        status, message = "failed", None
+        try:
+            is_done = march(self, until, tuple(observers), progress)
+            status = "done" if is_done else "interrupted"
+        except KeyboardInterrupt:
+            status = "interrupted"
+            raise
+        except ConvergenceError as error:
+            status, message = "no-convergence", str(error)
+            raise
+        except LimitExceeded as error:
+            status, message = "limit-exceeded", str(error)
+            raise
+        except BaseException as error:
+            message = f"{type(error).__name__}: {error}"
+            raise
+        finally:
+            self._native.close(status, message)
+        return self.history
+
+    def gradient(self, goal: Goal, parameters: Sequence[Parameter] = ()) -> Gradient:
+        """Derivatives of a goal by the state at the start and by parameters of the body.
+
+        Parameters
+        ----------
+        goal : Goal
+            Quantity at the present state.
+        parameters : list of Parameter, optional
+            Parameters.
+
+        Returns
+        -------
+        Gradient
+
+        Raises
+        ------
+        RuntimeError
+            If the motion was made without ``adjoint=True``, or has done no step.
+        InputError
+            If the adjoint does not cover the body.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(1, 0, 0)), adjoint=True)
+        >>> history = motion.run()
+        >>> goal = emmy.Goal.displacement_at(body, node=0, direction=(1, 0, 0))
+        >>> round(float(motion.gradient(goal).velocity[:, 0].sum()), 9)       # a free flight of 1
+        1.0
+        """
+        return _adjoint.gradient(self, goal, parameters)
+
+    def goal_error(self, goal: Goal) -> GoalError:
+        """Estimated error of a goal by the steps in time.
+
+        Parameters
+        ----------
+        goal : Goal
+            Quantity at the present state.
+
+        Returns
+        -------
+        GoalError
+
+        Raises
+        ------
+        RuntimeError
+            If the motion was made without ``adjoint=True``, or has done no step.
+        InputError
+            If the adjoint does not cover the body.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(1, 0, 0)), adjoint=True)
+        >>> history = motion.run()
+        >>> goal = emmy.Goal.displacement_at(body, node=0, direction=(1, 0, 0))
+        >>> motion.goal_error(goal).size < 1e-12                              # exact: nothing deforms
+        True
+        """
+        return _adjoint.goal_error(self, goal)
+
+    def __copy__(self) -> Motion:
+        tree = {key: value for key, value in self._tree.items() if key not in ("initial", "equilibrium")}
+        motion = Motion._of(self._body, tree, self.snapshot(), self._adjoint)
+        for until, size in self._extensions:
+            motion.extend(until, size)
+        return motion
+
+    def __deepcopy__(self, memory: dict[int, Any]) -> Motion:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("a Motion cannot be pickled; pickle motion.snapshot() and the body")
+
+
+def _moving(body: Body, velocity: ArrayLike, start: Snapshot | State | None) -> State:
+    """The undeformed body with given velocities; fixed components do not move."""
+    if start is not None:
+        raise TypeError("initial velocities and start=... exclude each other")
+    own = np.where(body.fixed, 0.0, body._nodal(velocity, "initial"))
+    data, indices, pointers, size = body._native.mass()
+    rows = np.repeat(np.arange(size), np.diff(pointers))
+    momentum = np.bincount(rows, data * own.ravel()[indices], size).astype(np.float64).reshape(-1, 3)
+    return State(0.0, np.zeros_like(own), own, momentum)

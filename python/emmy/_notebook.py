@@ -1,0 +1,122 @@
+"""Motions and runs in notebooks: a verdict and charts, drawn as SVG without further packages."""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ._results import Run
+    from ._view import MotionView
+
+WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 460, 200, 64, 24, 28
+COLORS = ("#1f77b4", "#d95f02", "#1b9e77")
+MOST_POINTS = 800
+
+
+def motion(view: MotionView) -> str:
+    """A motion: where it stands, the verdict, and charts."""
+    size = f"{view.body.mesh.n_cells} cells, {view.body.n_dofs} degrees of freedom"
+    scheme = f"{html.escape(view.scheme)}, degree {view.degree}"
+    head = f"<b>emmy.Motion</b>: {scheme}; {size}; step {view.number}, t = {view.time:.6g}"
+    return _page(head, view.history)
+
+
+def run(results: Run) -> str:
+    """A run: how it ended, the verdict, charts, and its report."""
+    head = f"<b>emmy.Run</b>: {html.escape(str(results.directory))}, {html.escape(results.status)}"
+    page = _page(head, results.history)
+    if not results.report.exists():
+        return page
+    report = html.escape(results.report.read_text(encoding="utf-8"), quote=True)
+    frame = f'<iframe srcdoc="{report}" style="width:100%;height:640px;border:1px solid #ccc" title="report"></iframe>'
+    return page + f"<details><summary>Report</summary>{frame}</details>"
+
+
+def verdict(history: NDArray[Any]) -> str:
+    """How well the balances were kept, in a sentence."""
+    if len(history) < 2:
+        return "no step yet"
+    energy = _over(
+        np.abs(history["energy_residual"]), np.abs(history["kinetic_energy"]) + np.abs(history["strain_energy"])
+    )
+    components = np.stack([history[f"angular_momentum_{axis}"] for axis in "xyz"])
+    angular = _over(history["angular_momentum_residual"], np.sqrt((components**2).sum(axis=0)))
+    return f"worst energy residual of a step {energy}; worst angular momentum residual {angular}"
+
+
+def _over(residual: NDArray[np.float64], scale: NDArray[np.float64]) -> str:
+    largest, worst = float(np.nanmax(scale)), float(np.nanmax(residual))
+    if largest > 0.0:
+        return f"{worst / largest:.1e} of the largest value"
+    return f"{worst:.1e} (the quantity itself is 0)"
+
+
+def _page(head: str, history: NDArray[Any]) -> str:
+    parts = [f"<div><p>{head}<br>{verdict(history)}</p>"]
+    if len(history) > 1:
+        time = history["time"]
+        energies = {name: history[key] for name, key in ENERGIES.items()}
+        parts.append(chart("Energy", time, energies))
+        parts.append(
+            chart(
+                "Energy residual of a step", time[1:], {"residual": np.abs(history["energy_residual"][1:])}, is_log=True
+            )
+        )
+    return "".join(parts) + "</div>"
+
+
+ENERGIES = {"T + V": "total_energy", "T": "kinetic_energy", "V": "strain_energy"}
+
+
+def chart(title: str, x: NDArray[np.float64], lines: dict[str, NDArray[np.float64]], *, is_log: bool = False) -> str:
+    """Lines over time as an SVG picture; with `is_log` their decimal logarithms."""
+    values = {name: _logarithm(own) if is_log else own for name, own in lines.items()}
+    known = np.concatenate([own[np.isfinite(own)] for own in values.values()])
+    if known.size == 0:
+        return f"<p>{title}: 0 throughout</p>"
+    low, high = (math.floor(known.min()), math.ceil(known.max())) if is_log else (known.min(), known.max())
+    low, high = (low - 0.5, high + 0.5) if low == high else (low, high)
+    start, end = float(x[0]), float(x[-1]) if x[-1] > x[0] else float(x[0]) + 1.0
+    across, down = WIDTH - LEFT - 8, HEIGHT - TOP - BOTTOM
+
+    def points(own: NDArray[np.float64]) -> str:
+        chosen = _fewer(own)
+        chosen = chosen[np.isfinite(own[chosen])]
+        right = LEFT + (x[chosen] - start) / (end - start) * across
+        up = TOP + (high - own[chosen]) / (high - low) * down
+        return " ".join(f"{i:.1f},{j:.1f}" for i, j in zip(right, up, strict=True))
+
+    def text(i: float, j: float, words: str, anchor: str, fill: str = "currentColor") -> str:
+        return f'<text x="{i:.0f}" y="{j:.0f}" text-anchor="{anchor}" fill="{fill}">{html.escape(words)}</text>'
+
+    frame = f'x="{LEFT}" y="{TOP}" width="{across}" height="{down}"'
+    drawn = [f'<rect {frame} fill="none" stroke="currentColor" stroke-opacity="0.4"/>']
+    for index, (name, own) in enumerate(values.items()):
+        color = COLORS[index % len(COLORS)]
+        drawn.append(f'<polyline points="{points(own)}" fill="none" stroke="{color}" stroke-width="1.3"/>')
+        if len(values) > 1:
+            drawn.append(text(WIDTH - 8 - 50 * index, 16, name, "end", color))
+    for value, j in ((high, TOP + 10), (low, HEIGHT - BOTTOM)):
+        drawn.append(text(LEFT - 6, j, f"1e{value:.0f}" if is_log else f"{value:.4g}", "end"))
+    drawn += [text(LEFT, HEIGHT - 8, f"t = {start:.4g}", "start"), text(WIDTH - 8, HEIGHT - 8, f"{end:.4g}", "end")]
+    drawn.append(text(LEFT, 16, title, "start"))
+    style = "font:12px sans-serif;max-width:49%"
+    return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" role="img" style="{style}">{"".join(drawn)}</svg>'
+
+
+def _logarithm(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.log10(values, out=np.full(len(values), np.nan), where=values > 0.0)
+
+
+def _fewer(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Indices of so few points that a chart stays small, with the extremes of each part: no peak is lost."""
+    if len(values) <= MOST_POINTS:
+        return np.arange(len(values))
+    parts = np.array_split(np.arange(len(values)), MOST_POINTS // 2)
+    filled = np.nan_to_num(values, nan=float(np.nanmin(values)))
+    return np.unique([index for part in parts for index in (part[filled[part].argmin()], part[filled[part].argmax()])])

@@ -1,0 +1,343 @@
+"""Parts of a body and its start: regions, supports, loads, masses, initial velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from typing import Any
+
+from numpy.typing import NDArray
+
+from . import _words as words
+from ._materials import Material
+from ._words import History, Path, Table, Vector, VectorField
+
+
+class Viscosity(Table):
+    """Viscosity of Kelvin and Voigt: the stress ``time D : E' + 2 shear dev E' + bulk tr(E') I``.
+
+    Parameters
+    ----------
+    time : float, optional
+        Time by which the stiffness at rest is multiplied: stiffness-proportional (Rayleigh) damping.
+    shear, bulk : float, optional
+        Shear and bulk viscosity.
+
+    Raises
+    ------
+    InputError
+        In `Region`, if none is given, or a value is not positive.
+
+    Examples
+    --------
+    >>> emmy.Viscosity(time=1e-3)
+    Viscosity(time=0.001)
+    """
+
+    _section = "viscosity"
+    time: float | None = None
+    shear: float | None = None
+    bulk: float | None = None
+
+    def _check(self) -> None:
+        """The region checks it, since a material of links restricts it."""
+
+
+class Region(Table):
+    """Cells with a material and a density.
+
+    Parameters
+    ----------
+    material : Material
+        Material, such as `NeoHooke`.
+    density : float
+        Mass per reference volume; 0 for springs and attractions only.
+    group : str, optional
+        Group of cells; with one region every cell.
+    thickness : float, optional
+        Thickness of cells in plane strain, 1 if not given.
+    viscosity : Viscosity, optional
+        Viscosity.
+    formulation : str, optional
+        "standard" (default), "projected-volume" or "incompatible-modes".
+    pressure : str, optional
+        "constant" or "linear", with "projected-volume".
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+    TypeError
+        If `material` is not a material.
+
+    Examples
+    --------
+    >>> rubber = emmy.NeoHookeIsochoric(mu=0.5, bulk_modulus=1000.0)
+    >>> emmy.Region(rubber, density=1.1e-9, formulation="projected-volume").density
+    1.1e-09
+    """
+
+    _section = "region"
+    material: Material = field(kw_only=False)
+    density: float = 0.0
+    group: str | None = None
+    thickness: float = 1.0
+    viscosity: Viscosity | None = None
+    formulation: str | None = None
+    pressure: str | None = None
+
+    def _check(self) -> None:
+        if not isinstance(self.material, Material):
+            raise TypeError(f"material: {type(self.material).__name__} is not a material, such as emmy.NeoHooke")
+        super()._check()
+
+    def _tree(self) -> dict[str, Any]:
+        return super()._tree() | {"material": self.material._as_material()}
+
+
+class Support(Table):
+    """Nodes that are held or driven.
+
+    Parameters
+    ----------
+    group : str
+        Group of nodes, facets or cells.
+    fix : str or list of str, optional
+        Components that do not move, such as "xyz" or ["x", "z"].
+    move : dict, optional
+        History of the displacement of components, such as ``{"x": "0.1*sin(5*t)"}``. A function comes with its
+        rate, as a pair ``(function, rate)``: the method needs the velocity.
+    accelerate : dict, optional
+        History of the acceleration of components, from rest at the start.
+    rotate : dict, optional
+        Rotation of the group as a rigid body: ``axis``, ``about`` (the origin if not given), ``angle``, a history.
+    symmetry : bool, optional
+        Whether the facets of the group stay in their plane, which is normal to an axis.
+    spring : float, optional
+        Stiffness of springs to the ground, of each node; of facets per area.
+    until : float, optional
+        Time of release.
+
+    Raises
+    ------
+    InputError
+        If nothing is held or driven, or a value is out of its range.
+    TypeError
+        If a function in `move` or `rotate` comes without its rate.
+
+    Examples
+    --------
+    >>> emmy.Support("foot", fix="xyz")
+    Support(group='foot', fix=('x', 'y', 'z'))
+    >>> emmy.Support("head", fix="y", move={"x": (lambda t: t**2, lambda t: 2 * t)}, until=1.0).until
+    1.0
+    """
+
+    _section = "support"
+    group: str = field(kw_only=False)
+    fix: str | Sequence[str] = ()
+    move: Mapping[str, Path] | None = None
+    accelerate: Mapping[str, History] | None = None
+    rotate: Mapping[str, Any] | None = None
+    symmetry: bool = False
+    spring: float | None = None
+    until: float | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.fix, str):
+            object.__setattr__(self, "fix", tuple(self.fix))
+        for key in ("move", "accelerate", "rotate"):
+            given = getattr(self, key)
+            if given is not None and not isinstance(given, Mapping):
+                raise TypeError(f"{key}: {type(given).__name__} in place of a dict")
+            if not given:
+                object.__setattr__(self, key, None)
+        super().__post_init__()
+
+    def _tree(self) -> dict[str, Any]:
+        given = self._given()
+        moved = {f"move.{axis}": words.path(value, f"move.{axis}") for axis, value in given.pop("move", {}).items()}
+        driven = {
+            axis: words.history(value, f"accelerate.{axis}") for axis, value in given.pop("accelerate", {}).items()
+        }
+        turned = dict(given.pop("rotate", {}))
+        if "angle" in turned:
+            turned["angle"] = words.path(turned["angle"], "rotate.angle")
+        own = {key: words.tree(value, key) for key, value in given.items()}
+        if moved:
+            own["move"] = {key.removeprefix("move."): value for key, value in moved.items()}
+        if driven:
+            own["accelerate"] = driven
+        if turned:
+            own["rotate"] = {
+                key: value if key == "angle" else words.tree(value, f"rotate.{key}") for key, value in turned.items()
+            }
+        return own
+
+
+class Load(Table):
+    """A load on a group. Exactly one of the kinds must be given.
+
+    Parameters
+    ----------
+    group : str, optional
+        Group on which the load acts; with `acceleration`, `body_force`, `attraction` and `drag` the whole body if not
+        given.
+    traction : vector or function, optional
+        Force per reference area of a group of facets; or ``f(points, t)`` with points ``(n, 3)`` and as many vectors.
+    force : vector, optional
+        Resultant, spread evenly over a group of facets.
+    nodal_force : vector, optional
+        Force at each node of a group.
+    pressure : float, optional
+        Pressure on the current surface of a group of facets.
+    acceleration : vector or function, optional
+        Acceleration of every mass in a group of cells; or ``f(points, t)``.
+    body_force : vector, list of expressions or function, optional
+        Force per reference volume of a group of cells; or ``f(points, t)``.
+    attraction : dict, optional
+        Attraction to a point: ``centre`` and ``strength``.
+    drag : float, optional
+        Rate of a force -rate M v on the whole body.
+    history : history, optional
+        Factor over time: a number, pairs ``[(time, factor), ...]``, an expression such as "sin(2*pi*t)", a dict of
+        ``file``, ``time``, ``value``, or a function of one number. A function must be smooth, since the scheme
+        integrates it by Gauss points: write one with kinks as pairs.
+
+    Raises
+    ------
+    InputError
+        If not exactly one kind is given, or a value is out of its range.
+    TypeError
+        If a value has the wrong type.
+
+    Examples
+    --------
+    >>> emmy.Load("tip", force=[0, 0, -2000], history=[(0, 0), (5e-4, 1), (1e-3, 0)])
+    Load(group='tip', force=(0, 0, -2000), history=((0, 0), (0.0005, 1), (0.001, 0)))
+    >>> emmy.Load(acceleration=(0, 0, -9.81)).group is None
+    True
+    """
+
+    _section = "load"
+    group: str | None = field(default=None, kw_only=False)
+    traction: Vector | VectorField | None = None
+    force: Vector | None = None
+    nodal_force: Vector | None = None
+    pressure: float | None = None
+    acceleration: Vector | VectorField | None = None
+    body_force: Sequence[float | str] | NDArray[Any] | VectorField | None = None
+    attraction: Mapping[str, Any] | None = None
+    drag: float | None = None
+    history: History = 1
+
+    def _tree(self) -> dict[str, Any]:
+        given = self._given()
+        own: dict[str, Any] = {}
+        for key, value in given.items():
+            if key == "history":
+                own[key] = words.history(value, key)
+            elif key in ("traction", "acceleration", "body_force"):
+                own[key] = words.field(value, key)
+            else:
+                own[key] = words.tree(value, key)
+        return own
+
+
+class Mass(Table):
+    """Point masses at the nodes of a group.
+
+    Parameters
+    ----------
+    group : str
+        Group of nodes, facets or cells.
+    mass : float
+        Mass at each of its nodes; several entries add up.
+
+    Raises
+    ------
+    InputError
+        If the mass is not positive.
+
+    Examples
+    --------
+    >>> emmy.Mass("star", 2.0)
+    Mass(group='star', mass=2.0)
+    """
+
+    _section = "mass"
+    group: str = field(kw_only=False)
+    mass: float = field(kw_only=False)
+
+
+class Initial(Table):
+    """Velocities at the start: ``velocity + angular_velocity x (X - about) + gradient X``.
+
+    Parameters
+    ----------
+    group : str, optional
+        Group of nodes, facets or cells; all nodes if not given.
+    velocity, angular_velocity, about : vector, optional
+        Velocity, angular velocity and a point of the axis; 0 if not given.
+    gradient : array (3, 3), optional
+        Gradient of the velocity.
+    state : str or path, optional
+        Output directory of another run, whose last state is the start; alone in `Initial`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.Initial(angular_velocity=np.array([0.0, 0.0, 1.0]))
+    Initial(angular_velocity=(0.0, 0.0, 1.0))
+    """
+
+    _section = "initial"
+    group: str | None = None
+    velocity: Vector | None = None
+    angular_velocity: Vector | None = None
+    about: Vector | None = None
+    gradient: Sequence[Vector] | NDArray[Any] | None = None
+    state: Any = None
+
+
+class Adaptive(Table):
+    """Steps whose sizes are chosen by the error.
+
+    Parameters
+    ----------
+    tolerance : float
+        Largest error of a step, relative to the scales.
+    min_size, max_size, first_size : float, optional
+        Smallest, largest and first step.
+    length, velocity : float, optional
+        Scales of the errors of positions and velocities.
+    estimator : str, optional
+        "difference", "sampled", "residual" or "element".
+    min_degree, max_degree : int, optional
+        Bounds of the automatic choice of the degree.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.Adaptive(1e-4, max_size=0.2)
+    Adaptive(tolerance=0.0001, max_size=0.2)
+    """
+
+    _section = "adaptive"
+    tolerance: float = field(kw_only=False)
+    min_size: float | None = None
+    max_size: float | None = None
+    first_size: float | None = None
+    length: float | None = None
+    velocity: float | None = None
+    estimator: str | None = None
+    min_degree: int | None = None
+    max_degree: int | None = None

@@ -1,0 +1,225 @@
+"""Results of runs, read from their directories."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import xml.etree.ElementTree as xml
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _notebook
+from ._errors import ResultsError, missing
+from ._history import WHOLE, Event, structured
+
+
+class Frame:
+    """A frame of a run: the fields at one time.
+
+    Attributes
+    ----------
+    time : float
+        Time.
+    path : pathlib.Path
+        File.
+
+    Examples
+    --------
+    >>> emmy.Frame(0.5, "flight/frames/flight_000005.vtu").time
+    0.5
+    """
+
+    def __init__(self, time: float, path: str | os.PathLike[str]) -> None:
+        self.time = time
+        self.path = Path(path)
+
+    def to_pyvista(self) -> Any:
+        """The frame as a grid of PyVista.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> motion = emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1)))
+        >>> history = motion.run(output="flight")
+        >>> grid = emmy.Run("flight").frames[-1].to_pyvista()
+        >>> np.round(grid.point_data["displacement"][0], 12).tolist()
+        [0.0, 0.0, 1.0]
+        """
+        try:
+            import pyvista
+        except ImportError:
+            raise missing("to_pyvista", "PyVista", "emmy-fem[pyvista]") from None
+        return pyvista.read(self.path)
+
+    def __repr__(self) -> str:
+        return f"<emmy.Frame: t = {self.time:.6g}, {self.path}>"
+
+
+class Frames(Sequence[Frame]):
+    """The frames of a run, in the order of their times.
+
+    Examples
+    --------
+    >>> frames = emmy.Frames([emmy.Frame(0.0, "a.vtu"), emmy.Frame(0.5, "b.vtu")])
+    >>> frames.times.tolist(), frames[-1].time
+    ([0.0, 0.5], 0.5)
+    """
+
+    def __init__(self, frames: Sequence[Frame]) -> None:
+        self._frames = list(frames)
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Times of the frames."""
+        return np.array([frame.time for frame in self._frames])
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> Frames: ...
+    def __getitem__(self, index: int | slice) -> Frame | Frames:
+        return Frames(self._frames[index]) if isinstance(index, slice) else self._frames[index]
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(self._frames)
+
+    def __repr__(self) -> str:
+        return f"<emmy.Frames: {len(self)}>"
+
+
+class Run:
+    """The results of a run in a directory. Files are read when they are asked for.
+
+    Parameters
+    ----------
+    directory : str or path
+        Output directory of a run, which may still be running.
+
+    Raises
+    ------
+    ResultsError
+        If the directory holds no run.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+    >>> motion = emmy.Motion(body, steps=(1.0, 0.25), initial=emmy.Initial(velocity=(0, 0, 1)))
+    >>> history = motion.run(output="flight", every=2)
+    >>> run = emmy.Run("flight")
+    >>> run.history["time"].tolist(), run.frames.times.tolist(), run.summary["steps"]
+    ([0.0, 0.25, 0.5, 0.75, 1.0], [0.0, 0.5, 1.0], 4)
+    """
+
+    def __init__(self, directory: str | os.PathLike[str]) -> None:
+        self._directory = Path(directory)
+        if not (self._directory / "history.csv").exists():
+            raise ResultsError(f"{os.fspath(directory)} holds no run of Emmy: there is no history.csv")
+
+    @property
+    def directory(self) -> Path:
+        """Directory of the run."""
+        return self._directory
+
+    @property
+    def history(self) -> NDArray[Any]:
+        """`history.csv` as a structured array."""
+        return read_table(self._directory / "history.csv")
+
+    @property
+    def newton(self) -> NDArray[Any]:
+        """`newton.csv` as a structured array: step, iteration, residual, target."""
+        return read_table(self._directory / "newton.csv")
+
+    @property
+    def events(self) -> list[Event]:
+        """Steps that were cut or rejected, supports that were released, and more."""
+        rows = read_rows(self._directory / "events.csv")[1:]
+        return [Event(int(step), float(time), kind, message) for step, time, kind, message in rows]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """`summary.json`: the run in numbers."""
+        own: dict[str, Any] = json.loads(_read(self._directory / "summary.json"))
+        return own
+
+    @property
+    def status(self) -> str:
+        """How it ended: "done", "interrupted", "no-convergence", "limit-exceeded", "failed"; or "running"."""
+        return str(self.summary["status"])
+
+    @property
+    def report(self) -> Path:
+        """Path of the report, a page for a browser."""
+        return self._directory / "report.html"
+
+    @property
+    def input(self) -> Path:
+        """Path of the input with all defaults."""
+        return self._directory / "input.toml"
+
+    @cached_property
+    def _collection(self) -> Path:
+        found = sorted(self._directory.glob("*.pvd"))
+        if not found:
+            own = sorted(self._directory.glob("*.vtkhdf"))
+            hint = f"; its frames are in {own[0]}, for a reader of VTKHDF" if own else ""
+            raise ResultsError(f"{self._directory} has no .vtu frames{hint}")
+        return found[0]
+
+    @property
+    def frames(self) -> Frames:
+        """Frames in `.vtu` files."""
+        entries = xml.fromstring(_read(self._collection)).iter("DataSet")
+        return Frames(
+            [Frame(float(entry.attrib["timestep"]), self._directory / entry.attrib["file"]) for entry in entries]
+        )
+
+    def __repr__(self) -> str:
+        return f"<emmy.Run: {self._directory}, {self.status}>"
+
+    def _repr_html_(self) -> str:
+        return _notebook.run(self)
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise ResultsError(f"{path} is missing") from None
+
+
+def read_rows(path: Path) -> list[list[str]]:
+    """Rows of a CSV file, the header among them."""
+    return list(csv.reader(_read(path).splitlines()))
+
+
+def read_table(path: Path) -> NDArray[Any]:
+    """A CSV file of numbers as a structured array; an empty value is NaN."""
+    lines = _read(path).splitlines()
+    names = next(csv.reader(lines[:1]))
+    filled = [
+        ",".join(value or "nan" for value in line.split(",")) if ",," in line or line.endswith(",") else line
+        for line in lines[1:]
+    ]
+    rows = np.loadtxt(filled, delimiter=",", ndmin=2) if filled else np.zeros((0, len(names)))
+    return structured(rows, [(name, name in WHOLE) for name in names])

@@ -1,0 +1,251 @@
+"""Materials that hardly change their volume: rubber and soft tissue."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from ._materials import Material
+from ._words import Vector
+
+
+class NeoHookeIsochoric(Material):
+    """Neo-Hooke with separate volume: nearly incompressible rubber, moderate strain.
+
+    ``W = mu/2 (I1bar - 3) + W_vol(J)``
+
+    Parameters
+    ----------
+    mu : float
+        Shear modulus.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume: "simo-taylor" (default), "miehe", "logarithmic", "quadratic" or "liu".
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.NeoHookeIsochoric(mu=0.5, bulk_modulus=1000.0, volumetric="quadratic")
+    NeoHookeIsochoric(mu=0.5, bulk_modulus=1000.0, volumetric='quadratic')
+    """
+
+    model = "neo-hooke-isochoric"
+    mu: float
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class MooneyRivlin(Material):
+    """Mooney and Rivlin: rubber, moderate strain.
+
+    ``W = c10 (I1bar - 3) + c01 (I2bar - 3) + W_vol(J)``
+
+    Parameters
+    ----------
+    c10, c01 : float
+        Moduli of the first and the second invariant; 2 (c10 + c01) is the shear modulus.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> E = np.diag([0.2, 0.1, -0.1])
+    >>> rubber = emmy.MooneyRivlin(c10=0.25, c01=0.0, bulk_modulus=100.0)
+    >>> bool(np.isclose(rubber.energy(E), emmy.NeoHookeIsochoric(mu=0.5, bulk_modulus=100.0).energy(E)))
+    True
+    """
+
+    model = "mooney-rivlin"
+    c10: float
+    c01: float
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class Yeoh(Material):
+    """Yeoh: filled rubber.
+
+    ``W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + W_vol(J)``
+
+    Parameters
+    ----------
+    c10, c20, c30 : float
+        Linear, quadratic and cubic modulus; 2 c10 is the shear modulus.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.Yeoh(c10=0.3, c20=-0.01, c30=0.001, bulk_modulus=500.0).c20
+    -0.01
+    """
+
+    model = "yeoh"
+    c10: float
+    c20: float
+    c30: float
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class Gent(Material):
+    """Gent: rubber with limited extensibility. A step in which I1bar - 3 reaches `jm` fails.
+
+    ``W = -mu jm/2 ln(1 - (I1bar - 3)/jm) + W_vol(J)``
+
+    Parameters
+    ----------
+    mu : float
+        Shear modulus at small strain.
+    jm : float
+        Limit of I1bar - 3.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.Gent(mu=0.5, jm=50.0, bulk_modulus=500.0).jm
+    50.0
+    """
+
+    model = "gent"
+    mu: float
+    jm: float
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class ArrudaBoyce(Material):
+    """Arruda and Boyce: rubber, eight chains of rigid links.
+
+    Parameters
+    ----------
+    mu : float
+        Shear modulus at small strain.
+    lambda_m : float
+        Locking stretch of a chain, above 1.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> emmy.ArrudaBoyce(mu=0.5, lambda_m=3.0, bulk_modulus=500.0).lambda_m
+    3.0
+    """
+
+    model = "arruda-boyce"
+    mu: float
+    lambda_m: float
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class Ogden(Material):
+    """Ogden: rubber, any strain.
+
+    ``W = sum_p mu_p/alpha_p (l_1^alpha_p + l_2^alpha_p + l_3^alpha_p - 3) + W_vol(J)``
+
+    Parameters
+    ----------
+    mu, alpha : list of float
+        Moduli and exponents, one a term; half the sum of mu_p alpha_p is the shear modulus.
+    bulk_modulus : float
+        Bulk modulus.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range, or the lists have different lengths.
+
+    Examples
+    --------
+    >>> E = np.diag([0.2, 0.1, -0.1])
+    >>> rubber = emmy.Ogden(mu=[0.5], alpha=[2.0], bulk_modulus=100.0)
+    >>> bool(np.isclose(rubber.energy(E), emmy.NeoHookeIsochoric(mu=0.5, bulk_modulus=100.0).energy(E)))
+    True
+    """
+
+    model = "ogden"
+    mu: Sequence[float] | NDArray[Any]
+    alpha: Sequence[float] | NDArray[Any]
+    bulk_modulus: float
+    volumetric: str | None = None
+
+
+class HolzapfelGasserOgden(Material):
+    """Holzapfel, Gasser and Ogden: soft tissue, a matrix with fibres that bear tension only.
+
+    ``W = mu/2 (I1bar - 3) + k1/(2 k2) sum_f (exp(k2 <E_f>^2) - 1) + W_vol(J)``
+
+    Parameters
+    ----------
+    mu : float
+        Shear modulus of the matrix.
+    k1, k2 : float
+        Stiffness of the fibres, and its growth with the strain.
+    bulk_modulus : float
+        Bulk modulus.
+    fibres : list of vector
+        Direction of each family of fibres.
+    kappa : float, optional
+        Dispersion of the fibres: 0 (default) parallel, 1/3 in all directions alike.
+    volumetric : str, optional
+        Law of volume, as in `NeoHookeIsochoric`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> artery = emmy.HolzapfelGasserOgden(mu=7.6e-3, k1=1.0, k2=0.8, bulk_modulus=10.0, fibres=[[1, 0, 0]])
+    >>> artery.fibres
+    ((1, 0, 0),)
+    """
+
+    model = "holzapfel-gasser-ogden"
+    mu: float
+    k1: float
+    k2: float
+    bulk_modulus: float
+    fibres: Sequence[Vector] | NDArray[Any]
+    kappa: float | None = None
+    volumetric: str | None = None

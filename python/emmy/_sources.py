@@ -1,0 +1,347 @@
+"""Where meshes come from."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _convert, _emmy
+from . import _words as words
+from ._errors import EmmyWarning, fault
+
+
+class Sources:
+    """Where meshes come from."""
+
+    _native: _emmy.Mesh
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        cells: Mapping[str, ArrayLike],
+        *,
+        cell_groups: Mapping[str, ArrayLike] | None = None,
+        facet_groups: Mapping[str, Any] | None = None,
+        node_groups: Mapping[str, ArrayLike] | None = None,
+    ) -> None:
+        blocks = [(kind, words.integers(nodes, f"cells.{kind}")) for kind, nodes in cells.items()]
+        for kind, nodes in blocks:
+            if nodes.ndim != 2:
+                raise fault(f"cells.{kind}", f"expected an array of shape (n, nodes), found {nodes.shape}")
+        nodes_of_mesh = words.array(points, (None, 3), "points")
+        for kind, nodes in blocks:
+            wrong = nodes >= len(nodes_of_mesh)
+            if wrong.any():
+                row = int(np.argmax(wrong.any(axis=1)))
+                number = nodes[row][wrong[row]][0]
+                raise fault(f"cells.{kind}[{row}]", f"there is no node {number} among {len(nodes_of_mesh)} points")
+        is_plane = not any(_convert.dimension(kind) == 3 for kind, _ in blocks)
+        self._native = _emmy.Mesh.from_arrays(
+            nodes_of_mesh,
+            blocks,
+            {name: words.integers(group, f"cell_groups.{name}") for name, group in (cell_groups or {}).items()},
+            {name: _facets(group, f"facet_groups.{name}", is_plane) for name, group in (facet_groups or {}).items()},
+            {name: words.integers(group, f"node_groups.{name}") for name, group in (node_groups or {}).items()},
+        )
+        self._warn()
+
+    @classmethod
+    def _of(cls, native: _emmy.Mesh) -> Self:
+        mesh = cls.__new__(cls)
+        mesh._native = native
+        return mesh
+
+    def _warn(self) -> None:
+        for note in self._native.notes:
+            warnings.warn(note, EmmyWarning, stacklevel=3)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], links: Sequence[str] = ()) -> Self:
+        """Mesh from a file of Gmsh, Abaqus, Nastran or VTK.
+
+        Parameters
+        ----------
+        path : str or path
+            File.
+        links : list of str, optional
+            Groups of lines that are links, not edges.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        MeshError
+            If the file cannot be read.
+
+        Examples
+        --------
+        >>> path = emmy.Mesh.box((2, 1, 1), (2, 1, 1)).write("box.vtu")
+        >>> emmy.Mesh.read(path).n_cells
+        2
+        """
+        mesh = cls._of(_emmy.Mesh.read(os.fspath(path), list(links)))
+        mesh._warn()
+        return mesh
+
+    def write(self, path: str | os.PathLike[str]) -> str:
+        """Writes the mesh with all groups as a VTU file.
+
+        Parameters
+        ----------
+        path : str or path
+            File, which must not exist.
+
+        Returns
+        -------
+        str
+            The path.
+
+        Raises
+        ------
+        FileExistsError
+            If the file exists.
+
+        Examples
+        --------
+        >>> emmy.Mesh.l_block(1.0).write("l-block.vtu")
+        'l-block.vtu'
+        """
+        with open(path, "xb") as file:
+            file.write(self._native.vtu())
+        return os.fspath(path)
+
+    @classmethod
+    def from_gmsh(cls, model: str | None = None, *, links: Sequence[str] = ()) -> Self:
+        """Mesh of the current model of Gmsh, or of a named one, with its physical groups.
+
+        Parameters
+        ----------
+        model : str, optional
+            Name of the model.
+        links : list of str, optional
+            Groups of lines that are links, not edges.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        ImportError
+            If Gmsh is not installed.
+        MeshError
+            If the mesh cannot be used.
+
+        Examples
+        --------
+        >>> import gmsh
+        >>> gmsh.initialize(interruptible=False)
+        >>> gmsh.option.setNumber("General.Terminal", 0)
+        >>> _ = gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        >>> gmsh.model.occ.synchronize()
+        >>> _ = gmsh.model.addPhysicalGroup(3, [1], name="body")
+        >>> gmsh.model.mesh.generate(3)
+        >>> list(emmy.Mesh.from_gmsh().cells)
+        ['tet4']
+        >>> gmsh.finalize()
+        """
+        return _convert.from_gmsh(cls.read, model, links)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any, *, links: Sequence[str] = ()) -> Self:
+        """Mesh of meshio; cell sets, point sets and Gmsh's physical groups become groups.
+
+        Parameters
+        ----------
+        mesh : meshio.Mesh
+            The mesh. Cells of lower dimension are facets, edges and points of groups.
+        links : list of str, optional
+            Groups of lines that are links, not edges.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        MeshError
+            If it has cells that Emmy does not have.
+
+        Examples
+        --------
+        >>> box = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
+        >>> emmy.Mesh.from_meshio(box.to_meshio()).groups == box.groups
+        True
+        """
+        return cls(**_convert.from_meshio(mesh, links))
+
+    @classmethod
+    def from_pyvista(cls, grid: Any, *, links: Sequence[str] = ()) -> Self:
+        """Mesh of PyVista; arrays ``group:NAME`` and ``facets:NAME`` become groups.
+
+        Parameters
+        ----------
+        grid : pyvista.DataSet
+            The grid.
+        links : list of str, optional
+            Groups of lines that are links, not edges.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        MeshError
+            If it has cells that Emmy does not have.
+
+        Examples
+        --------
+        >>> box = emmy.Mesh.box((1, 1, 1), (2, 2, 2))
+        >>> emmy.Mesh.from_pyvista(box.to_pyvista()).groups == box.groups
+        True
+        """
+        return cls(**_convert.from_pyvista(grid, links))
+
+    @classmethod
+    def l_block(cls, cell_size: float) -> Self:
+        """The L-shaped block of Betsch and Steinmann (2001); groups "body", "face-a" (y = 10), "face-b" (x = 6).
+
+        Parameters
+        ----------
+        cell_size : float
+            Edge of its hex8 cells: 1, 1/2, 1/3, ...
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            For another cell size.
+
+        Examples
+        --------
+        >>> emmy.Mesh.l_block(cell_size=1.0).n_cells
+        117
+        """
+        return cls._of(_emmy.Mesh.l_block(cell_size))
+
+    @classmethod
+    def box(cls, size: Sequence[float], cells: Sequence[int]) -> Self:
+        """A block of hex8 cells with a corner at the origin; groups "body", "x-min", "x-max", ... "z-max".
+
+        Parameters
+        ----------
+        size : vector
+            Its edges.
+        cells : three int
+            Number of cells along each edge.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a size or a number is not positive.
+
+        Examples
+        --------
+        >>> emmy.Mesh.box((2, 8, 2), (2, 8, 2)).n_nodes
+        81
+        """
+        return cls._of(_emmy.Mesh.box(list(size), list(cells)))
+
+    @classmethod
+    def rectangle(cls, size: Sequence[float], cells: Sequence[int]) -> Self:
+        """A body in plane strain of quad4 cells with a corner at the origin; groups "body", "x-min", ... "y-max".
+
+        Parameters
+        ----------
+        size : two float
+            Its edges.
+        cells : two int
+            Number of cells along each edge.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a size or a number is not positive.
+
+        Examples
+        --------
+        >>> list(emmy.Mesh.rectangle((2, 1), (4, 2)).cells)
+        ['quad4']
+        """
+        return cls._of(_emmy.Mesh.rectangle(list(size), list(cells)))
+
+    @classmethod
+    def network(
+        cls,
+        points: ArrayLike,
+        links: ArrayLike,
+        groups: Mapping[str, ArrayLike] | None = None,
+        link_groups: Mapping[str, ArrayLike] | None = None,
+    ) -> Self:
+        """Links between points; group "links" of all of them.
+
+        Parameters
+        ----------
+        points : array (n, 3)
+            Points.
+        links : array of int (m, 2)
+            Pairs of points.
+        groups, link_groups : dict of str to array of int, optional
+            Groups of points and of links.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a link or a group names a point or link that is not there.
+
+        Examples
+        --------
+        >>> emmy.Mesh.network([[0, 0, 0], [1, 0, 0]], [[0, 1]], groups={"star": [0]}).group_nodes("star").tolist()
+        [0]
+        """
+        own = {name: words.integers(group, f"groups.{name}") for name, group in (groups or {}).items()}
+        own_links = {name: words.integers(group, f"link_groups.{name}") for name, group in (link_groups or {}).items()}
+        native = _emmy.Mesh.network(
+            words.array(points, (None, 3), "points"), words.integers(links, "links"), own, own_links
+        )
+        return cls._of(native)
+
+
+def _is_part(part: Any) -> bool:
+    """Whether it is an array of facets, and not the row of one facet."""
+    return (isinstance(part, tuple) and bool(part) and isinstance(part[0], str)) or np.ndim(part) == 2
+
+
+def _facets(group: Any, place: str, is_plane: bool) -> list[tuple[str, NDArray[np.int64]]]:
+    """Arrays of facets, each with the meaning of its rows: node numbers, or cell and face."""
+    if isinstance(group, tuple) and group and isinstance(group[0], str):
+        return [(group[0], words.integers(group[1], place))]
+    if isinstance(group, (list, tuple)) and group and all(map(_is_part, group)):
+        return [facets for part in group for facets in _facets(part, place, is_plane)]
+    rows = words.integers(group, place)
+    if rows.ndim != 2:
+        raise fault(place, f"expected an array of shape (n, corners) or (n, 2), found {rows.shape}")
+    return [("faces" if rows.shape[1] == 2 and not is_plane else "nodes", rows)]

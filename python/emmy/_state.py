@@ -1,0 +1,152 @@
+"""States and snapshots of motions."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _emmy
+from . import _words as words
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Positions and velocities of a body at a time.
+
+    Parameters
+    ----------
+    time : float
+        Time.
+    displacement, velocity, momentum : array (n, 3)
+        Displacement, velocity and momentum of the nodes.
+    step : int
+        Number of the step at whose end they hold.
+    displacement_low : array (n, 3), optional
+        Low part of the displacement, by which it is known beyond double precision.
+
+    Raises
+    ------
+    InputError
+        If an array has another shape.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+    >>> emmy.Motion(body, steps=(1.0, 0.1)).state.displacement.shape
+    (8, 3)
+    """
+
+    time: float
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    momentum: NDArray[np.float64]
+    step: int = 0
+    displacement_low: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "velocity", "momentum", "displacement_low"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, words.array(value, (None, 3), name))
+
+    def _tuple(self) -> tuple[Any, ...]:
+        return (self.time, self.displacement, self.velocity, self.momentum, self.step, self.displacement_low)
+
+
+class Snapshot:
+    """Everything that determines the rest of a motion; one that goes on from it is equal in every bit.
+
+    `Motion.snapshot` makes it. It can be pickled.
+
+    Examples
+    --------
+    >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+    >>> motion = emmy.Motion(body, steps=(1.0, 0.1), initial=emmy.Initial(velocity=(1, 0, 0)))
+    >>> step = motion.step(0.1)
+    >>> emmy.Motion(body, steps=(1.0, 0.1), start=motion.snapshot()).time
+    0.1
+    """
+
+    def __init__(self, native: _emmy.Snapshot) -> None:
+        self._native = native
+
+    @property
+    def time(self) -> float:
+        """Time of the snapshot."""
+        return self._native.time
+
+    @property
+    def number(self) -> int:
+        """Number of the step at whose end it was made."""
+        return self._native.number
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the snapshot to a file.
+
+        Parameters
+        ----------
+        path : str or path
+            File; one that exists is replaced once the new one is complete.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body, steps=(1.0, 0.1)).snapshot().save("start.emmy")
+        >>> emmy.Snapshot.load("start.emmy")
+        <emmy.Snapshot: step 0, t = 0.0>
+        """
+        part = f"{os.fspath(path)}.part"
+        with open(part, "wb") as file:
+            file.write(bytes(self))
+        os.replace(part, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Reads a snapshot that `save` has written.
+
+        Parameters
+        ----------
+        path : str or path
+            File.
+
+        Returns
+        -------
+        Snapshot
+
+        Raises
+        ------
+        ResultsError
+            If the file is no snapshot, or damaged.
+
+        Examples
+        --------
+        >>> import pathlib
+        >>> _ = pathlib.Path("damaged.emmy").write_bytes(b"nothing")
+        >>> try:
+        ...     emmy.Snapshot.load("damaged.emmy")
+        ... except emmy.ResultsError:
+        ...     print("damaged")
+        damaged
+        """
+        with open(path, "rb") as file:
+            return cls(_emmy.Snapshot.from_bytes(file.read()))
+
+    def __bytes__(self) -> bytes:
+        return bytes(self._native)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_bytes, (bytes(self),)
+
+    def __repr__(self) -> str:
+        return f"<emmy.Snapshot: step {self.number}, t = {self.time}>"
+
+
+def _from_bytes(content: bytes) -> Snapshot:
+    return Snapshot(_emmy.Snapshot.from_bytes(content))

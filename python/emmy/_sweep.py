@@ -1,0 +1,256 @@
+"""Sweeps: a motion with every combination of some parameters."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _emmy, _rows
+from ._errors import Error, fault
+from ._history import record_array
+from ._motion import NO_PLAN, Motion
+from ._progress import Progress
+from ._rows import Row
+from ._run import StrPath, call, flags, toml
+from ._studies import Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Runs over combinations of parameters.
+
+    Attributes
+    ----------
+    parameters : dict of str to list
+        Values of each parameter.
+    columns : list of str
+        Names of the results.
+    table : structured array
+        A row for each run, with its parameters and its results; the last parameter changes fastest. The results of a
+        failed run are those of its last good step, or NaN if there is none.
+    failures : dict of int to str
+        Message of each failed run by its row.
+    path : pathlib.Path or None
+        CSV file of the rows.
+
+    Examples
+    --------
+    >>> def make(speed):
+    ...     mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    ...     body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2))
+    ...     return emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(speed, 0, 0)))
+    >>> sweep = emmy.sweep(make, {"speed": [1.0, 2.0, 3.0]})
+    >>> np.round(sweep.table["kinetic_energy"], 9).tolist()          # m v^2/2
+    [1.0, 4.0, 9.0]
+    """
+
+    parameters: dict[str, list[Any]]
+    columns: list[str]
+    table: NDArray[Any]
+    failures: dict[int, str]
+    path: Path | None = None
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+
+def sweep(
+    problem: StrPath | Problem | Callable[..., Motion],
+    parameters: Mapping[str, Sequence[Any]],
+    *,
+    workers: int | None = None,
+    until: float | None = None,
+    output: StrPath | None = None,
+    progress: bool = False,
+    resume: bool = False,
+    measure: Callable[[Motion], Mapping[str, float]] | None = None,
+) -> Sweep:
+    """Runs a motion with every combination of values of some parameters, several at a time.
+
+    Parameters
+    ----------
+    problem : str, path, Problem or function
+        Input file, whose keys are the parameters; or a function ``make(**parameters)`` that makes a `Motion` with a
+        plan. Motions run on threads; the function itself must allow that.
+    parameters : dict of str to list
+        Values: of dotted keys of the input such as "region.0.density", or of arguments of the function. The last
+        parameter changes fastest. Results do not depend on the number of workers.
+    workers : int, optional
+        Runs at a time; as many as there are threads if not given.
+    until : float, optional
+        End of the runs.
+    output : str or path, optional
+        Of a file: the directory of the sweep, by default that of the input with "-sweep" added. Of a function: a CSV
+        file of the rows, each written when its run ends.
+    progress : bool, optional
+        Whether to show a bar, of tqdm if it is installed.
+    resume : bool, optional
+        Whether to continue the interrupted sweep in `output`: only runs without a row.
+    measure : function, optional
+        Further results of a motion at its end, as a dict of numbers; with a function as `problem` only.
+
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    InputError
+        If the input or a key is bad.
+    ResultsError
+        If `output` exists and `resume` is not given, or holds another sweep.
+
+    Examples
+    --------
+    >>> sweep = emmy.sweep(emmy.new("spinning-block"), {"region.0.density": [1, 2], "time.scheme": ["DGM"]}, until=0.2)
+    >>> sweep.table["region.0.density"].tolist(), len(sweep.failures)
+    ([1, 2], 0)
+    """
+    values = {name: list(own) for name, own in parameters.items()}
+    for name, own in values.items():
+        if not own:
+            raise fault(f"parameters.{name}", "has no values")
+    if not values:
+        raise fault("parameters", "there is no parameter")
+    if callable(problem):
+        path = None if output is None else Path(output)
+        return _of_function(problem, values, workers, until, path, progress, resume, measure)
+    if measure is not None:
+        raise TypeError("measure: only with a function that makes the motion")
+    return _of_file(problem, values, workers, until, output, progress, resume)
+
+
+def _runs(values: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """All combinations; the last parameter changes fastest."""
+    return [dict(zip(values, own, strict=True)) for own in itertools.product(*values.values())]
+
+
+def _of_file(
+    problem: StrPath | Problem,
+    values: dict[str, list[Any]],
+    workers: int | None,
+    until: float | None,
+    output: StrPath | None,
+    progress: bool,
+    resume: bool,
+) -> Sweep:
+    """A sweep of the library."""
+    path = problem.path if isinstance(problem, Problem) else Path(problem)
+    changes = problem._changes if isinstance(problem, Problem) else {}
+    end = problem._until if until is None and isinstance(problem, Problem) else until
+    directory = Path(f"{path.stem}-sweep" if output is None else output)
+    texts = {key: ",".join(map(toml, own)) for key, own in values.items()}
+    fixed = flags(set=changes)
+    varied = [f"--set={key}={text}" for key, text in texts.items()]
+    failed: Error | None = None
+    try:
+        given: dict[str, Any] = {
+            "threads": workers,
+            "until": end,
+            "output": directory,
+            "resume": resume,
+            "quiet": not progress,
+        }
+        call("sweep", path, progress=progress, more=fixed + varied, **given)
+    except Error as error:
+        failed = error
+    if failed is not None and not _rows.has_failures(directory / "sweep.csv"):
+        raise failed
+    table, failures = _rows.of_library(directory / "sweep.csv", _runs(values))
+    names = [name for name in table.dtype.names or () if name not in values]
+    return Sweep(values, names, table, failures, directory / "sweep.csv")
+
+
+def _of_function(
+    make: Callable[..., Motion],
+    values: dict[str, list[Any]],
+    workers: int | None,
+    until: float | None,
+    path: Path | None,
+    progress: bool,
+    resume: bool,
+    measure: Callable[[Motion], Mapping[str, float]] | None,
+) -> Sweep:
+    """A sweep on threads: the library releases Python's lock in each step."""
+    runs = _runs(values)
+    file = None if path is None else _rows.RowFile(path, runs, resume)
+    rows: dict[int, Row] = {} if file is None else file.rows
+    stop = threading.Event()
+    missing = [index for index in range(len(runs)) if index not in rows]
+
+    def one(index: int) -> tuple[int, Row]:
+        return index, _run(make, runs[index], until, stop, measure)
+
+    with (
+        ThreadPoolExecutor(workers or _emmy.threads(), initializer=_emmy.on_one_thread) as pool,
+        Progress(progress, len(runs), "runs") as bar,
+    ):
+        futures = {pool.submit(one, index) for index in missing}
+        try:
+            for index, row in _as_done(futures):
+                rows[index] = row
+                if file is not None:
+                    file.add(index, row)
+                bar.to(len(rows), f"{sum(message is not None for _, message in rows.values())} failed")
+        except BaseException:
+            stop.set()
+            for future in futures:
+                future.cancel()
+            raise
+    ordered = [rows[index] for index in range(len(runs))]
+    if file is not None:
+        file.write()
+    names = list(dict.fromkeys(name for row, _ in ordered for name in row))
+    columns: dict[str, list[Any]] = {name: [run[name] for run in runs] for name in values}
+    columns |= {name: [row.get(name, np.nan) for row, _ in ordered] for name in names if name not in values}
+    failures = {index: message for index, (_, message) in enumerate(ordered) if message is not None}
+    return Sweep(values, [name for name in names if name not in values], record_array(columns), failures, path)
+
+
+def _as_done(futures: set[Future[tuple[int, Row]]]) -> Iterator[tuple[int, Row]]:
+    pending = set(futures)
+    while pending:
+        # A wait without end would not hear Ctrl-C on every system.
+        done, pending = wait(pending, timeout=0.5, return_when=FIRST_COMPLETED)
+        for future in sorted(done, key=lambda future: future.exception() is not None):
+            yield future.result()
+
+
+def _run(
+    make: Callable[..., Motion],
+    parameters: Mapping[str, Any],
+    until: float | None,
+    stop: threading.Event,
+    measure: Callable[[Motion], Mapping[str, float]] | None,
+) -> Row:
+    """A run: the last row of its history, and what was measured."""
+    motion: Motion | None = None
+    message: str | None = None
+    try:
+        motion = make(**parameters)
+        if not isinstance(motion, Motion):
+            raise TypeError(f"the function of a sweep must return a Motion, not {type(motion).__name__}")
+        if not motion._native.has_plan:
+            raise RuntimeError(NO_PLAN)
+        end = motion._native.end if until is None else until
+        if end > motion._native.end:
+            motion.extend(end)
+        while not stop.is_set() and motion._native.advance(0.1, end):
+            pass
+    except Error as error:
+        message = str(error)
+    if motion is None:
+        return {}, message
+    last = motion.history[-1]
+    row = {name: last[name].item() for name in last.dtype.names}
+    if measure is not None and message is None:
+        row |= {name: float(value) for name, value in measure(motion).items()}
+    return row, message

@@ -1,0 +1,50 @@
+"""Regions, supports, loads and masses from the tables of an input file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from . import _links, _materials, _rubber
+from ._materials import Material
+from ._parts import Load, Mass, Region, Support, Viscosity
+
+
+def material(tree: dict[str, Any]) -> Material:
+    """The material of a table such as `{"neo-hooke": {...}}`."""
+    ((model, parameters),) = tree.items()
+    modules = (_materials, _rubber, _links)
+    classes = [value for module in modules for value in vars(module).values() if getattr(value, "model", None) == model]
+    own: type[Material] = classes[0]
+    return own(**{"lambda_" if key == "lambda" else key: value for key, value in parameters.items()})
+
+
+def regions(tree: dict[str, Any]) -> tuple[Region, ...]:
+    """The regions of an input."""
+    return tuple(map(_region, _tables(tree, "region")))
+
+
+def supports(tree: dict[str, Any]) -> tuple[Support, ...]:
+    """The supports of an input."""
+    return tuple(Support(**table) for table in _tables(tree, "support"))
+
+
+def loads(tree: dict[str, Any]) -> tuple[Load, ...]:
+    """The loads of an input."""
+    return tuple(Load(**table) for table in _tables(tree, "load"))
+
+
+def masses(tree: dict[str, Any]) -> tuple[Mass, ...]:
+    """The point masses of an input."""
+    return tuple(Mass(**table) for table in _tables(tree, "mass"))
+
+
+def _tables(tree: dict[str, Any], key: str) -> list[dict[str, Any]]:
+    given = tree.get(key, [])
+    return [given] if isinstance(given, dict) else given
+
+
+def _region(table: dict[str, Any]) -> Region:
+    own = dict(table)
+    if "viscosity" in own:
+        own["viscosity"] = Viscosity(**own["viscosity"])
+    return Region(material(own.pop("material")), **own)

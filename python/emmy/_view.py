@@ -1,0 +1,206 @@
+"""What can be seen of a motion at its present state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _emmy, _notebook
+from ._body import Body
+from ._emmy import Step
+from ._history import Event, structured
+from ._state import Snapshot, State
+
+
+class MotionView:
+    """State, history and fields of a motion."""
+
+    _body: Body
+    _native: _emmy.Motion
+    _rows: NDArray[np.float64]
+
+    @property
+    def body(self) -> Body:
+        """The body."""
+        return self._body
+
+    @property
+    def time(self) -> float:
+        """Time reached."""
+        return self._native.time
+
+    @property
+    def number(self) -> int:
+        """Number of the last step."""
+        return self._native.number
+
+    @property
+    def scheme(self) -> str:
+        """Scheme in time."""
+        return self._native.scheme
+
+    @property
+    def degree(self) -> int:
+        """Degree of the time elements."""
+        return self._native.degree
+
+    @property
+    def record(self) -> Step:
+        """The last step, or the start."""
+        return self._native.record()
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacement of the nodes, array (n, 3), a copy."""
+        return self._native.displacement
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocity of the nodes, array (n, 3), a copy."""
+        return self._native.velocity
+
+    @property
+    def momentum(self) -> NDArray[np.float64]:
+        """Momentum of the nodes, array (n, 3), a copy."""
+        return self._native.momentum
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Current positions of the nodes, array (n, 3), a copy."""
+        return self._native.positions
+
+    @property
+    def state(self) -> State:
+        """Displacements and velocities, a copy."""
+        return State(*self._native.state())
+
+    @property
+    def history(self) -> NDArray[Any]:
+        """The columns of `history.csv`, a structured array with a row for the start and one a step."""
+        self._rows = np.concatenate([self._rows, self._native.rows(len(self._rows))])
+        return structured(self._rows, [(name, is_whole) for name, _, _, is_whole in self._native.columns])
+
+    @property
+    def columns(self) -> dict[str, tuple[str, str]]:
+        """Dimension and meaning of each column of the history."""
+        return {name: (dimension, meaning) for name, dimension, meaning, _ in self._native.columns}
+
+    @property
+    def events(self) -> list[Event]:
+        """Steps that were cut or rejected, supports that were released, and more."""
+        return [Event(*event) for event in self._native.events()]
+
+    @property
+    def newton_residuals(self) -> NDArray[np.float64]:
+        """Residuals of Newton's iteration in the last step."""
+        return np.asarray(self._native.newton_residuals, dtype=np.float64)
+
+    def field(self, name: str) -> NDArray[np.float64]:
+        """A field at the present state.
+
+        Parameters
+        ----------
+        name : str
+            Name; `fields` lists them.
+
+        Returns
+        -------
+        array (n,) or (n, components)
+            Values at the nodes, or in the cells.
+
+        Raises
+        ------
+        InputError
+            If there is no such field, or the body cannot have it.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body).field("cell_volume_ratio").tolist()
+        [1.0]
+        """
+        return self._native.field(name)
+
+    def fields(self, *names: str) -> dict[str, NDArray[np.float64]]:
+        """Several fields at the present state; without names all that the body can have.
+
+        Parameters
+        ----------
+        *names : str
+            Names.
+
+        Returns
+        -------
+        dict of str to array
+
+        Raises
+        ------
+        InputError
+            As `field`.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body).fields("velocity")["velocity"].shape
+        (8, 3)
+        """
+        return {name: self._native.field(name) for name in names or self._native.field_names()}
+
+    def to_pyvista(self, *names: str) -> Any:
+        """Reference points, displacement, groups and the fields asked for, as a grid of PyVista.
+
+        Parameters
+        ----------
+        *names : str
+            Names of fields.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed.
+        InputError
+            As `field`.
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body).to_pyvista("cell_volume_ratio").cell_data["cell_volume_ratio"].tolist()
+        [1.0]
+        """
+        grid = self._body.mesh.to_pyvista()
+        grid.point_data["displacement"] = self.displacement
+        for name in names:
+            data = grid.cell_data if self._native.fields_at[name] == "cells" else grid.point_data
+            data[name] = self._native.field(name)
+        return grid
+
+    def snapshot(self) -> Snapshot:
+        """Everything that determines the rest of the motion.
+
+        Returns
+        -------
+        Snapshot
+
+        Examples
+        --------
+        >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+        >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        >>> emmy.Motion(body).snapshot().number
+        0
+        """
+        return Snapshot(self._native.snapshot())
+
+    def __repr__(self) -> str:
+        return f"<emmy.Motion: {self.scheme}, degree {self.degree}, step {self.number}, t = {self.time:.6g}>"
+
+    def _repr_html_(self) -> str:
+        return _notebook.motion(self)

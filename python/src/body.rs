@@ -1,0 +1,384 @@
+//! Bodies and problems.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use emmy::equilibrium;
+use emmy_io::input::{self, Overrides, Tree};
+use numpy::ndarray::{Array3, ArrayView2};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::function::Callables;
+use crate::mesh::{Mesh, table_of, vectors};
+use crate::snapshot::{StateArrays, StateTuple, arrays, tuple};
+use crate::tree::tree;
+use crate::{errors, pool};
+
+/// Checks a table of a section of the input alone.
+#[pyfunction]
+pub(crate) fn check(py: Python<'_>, section: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    let tree = tree(value, "", &mut Callables::default())?;
+    input::check(section, &tree).map_err(|error| errors::input(py, &error))
+}
+
+/// Places of the components of a symmetric tensor in a matrix.
+const COMPONENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+/// Stored energies of a material at Green-Lagrange strains `(n, 3, 3)`.
+#[pyfunction]
+pub(crate) fn energy<'py>(
+    py: Python<'py>,
+    material: &Bound<'py, PyAny>,
+    strains: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let energies = responses(py, material, &strains)?.into_iter().map(|(energy, _)| energy);
+    Ok(PyArray1::from_iter(py, energies))
+}
+
+/// Second Piola-Kirchhoff stresses of a material at Green-Lagrange strains, both `(n, 3, 3)`.
+#[pyfunction]
+pub(crate) fn stress<'py>(
+    py: Python<'py>,
+    material: &Bound<'py, PyAny>,
+    strains: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let mut stresses = Array3::zeros(strains.as_array().dim());
+    for (n, (_, stress)) in responses(py, material, &strains)?.into_iter().enumerate() {
+        for ((i, j), component) in COMPONENTS.into_iter().zip(stress) {
+            stresses[[n, i, j]] = component;
+            stresses[[n, j, i]] = component;
+        }
+    }
+    Ok(PyArray3::from_owned_array(py, stresses))
+}
+
+/// Energy and stress at each strain.
+fn responses(
+    py: Python<'_>,
+    material: &Bound<'_, PyAny>,
+    strains: &PyReadonlyArray3<'_, f64>,
+) -> PyResult<Vec<(f64, [f64; 6])>> {
+    let tree = tree(material, "", &mut Callables::default())?;
+    let region = input::material_region(&tree).map_err(|error| errors::input(py, &error))?;
+    let response = |strain: ArrayView2<'_, f64>| {
+        let mut stress = [0.0; 6];
+        let strain = COMPONENTS.map(|(i, j)| 0.5 * (strain[[i, j]] + strain[[j, i]]));
+        let energy = region.strain_energy(&strain, &mut stress);
+        energy.map(|energy| (energy, stress))
+    };
+    let responses = strains.as_array().outer_iter().map(response).collect::<Option<Vec<_>>>();
+    responses.ok_or_else(|| errors::argument(py, "material", "a material of links has no strain tensor"))
+}
+
+/// Version of Emmy.
+#[pyfunction]
+pub(crate) fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}
+
+/// A body; immutable.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Body {
+    /// The sections of the input that describe it.
+    tree: Vec<(String, Tree)>,
+    pub(crate) callables: Callables,
+    pub(crate) problem: Arc<input::Problem>,
+}
+
+/// A plan that a problem needs and a body does not have.
+fn any_time() -> (String, Tree) {
+    let phase = vec![("until".to_string(), Tree::Number(1.0)), ("size".to_string(), Tree::Number(1.0))];
+    let steps = Tree::List(vec![Tree::Table(phase)]);
+    let time = vec![("scheme".to_string(), Tree::Text("DGM".to_string())), ("steps".to_string(), steps)];
+    ("time".to_string(), Tree::Table(time))
+}
+
+/// A start that permits every motion of the supports; the motion says what its start is.
+fn any_start() -> (String, Tree) {
+    ("equilibrium".to_string(), Tree::Table(Vec::new()))
+}
+
+/// The entries of a table.
+pub(crate) fn entries(tree: Tree) -> Vec<(String, Tree)> {
+    match tree {
+        Tree::Table(entries) => entries,
+        _ => Vec::new(),
+    }
+}
+
+impl Body {
+    /// The problem of the body with further sections of the input; it shares the body.
+    pub(crate) fn problem(
+        &self,
+        py: Python<'_>,
+        further: Vec<(String, Tree)>,
+    ) -> PyResult<Arc<input::Problem>> {
+        let overrides = &Overrides::default();
+        let tree = Tree::Table([self.tree.clone(), further].concat());
+        let problem = pool::work(py, || input::build(&tree, overrides, Some(&self.problem)))?;
+        if let Some(raised) = self.callables.take_raised() {
+            return Err(raised);
+        }
+        problem.map(Arc::new).map_err(|error| errors::input(py, &error))
+    }
+
+    pub(crate) fn inner(&self) -> &emmy::body::Body {
+        &self.problem.body
+    }
+
+    /// Degrees of freedom of the nodes of the mesh; incompatible modes have further ones.
+    pub(crate) fn n_mesh_dofs(&self) -> usize {
+        self.inner().mesh().n_dofs()
+    }
+
+    /// A displacement `(n, 3)` as the library has it.
+    fn displacement(&self, py: Python<'_>, u: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<f64>> {
+        let n = self.n_mesh_dofs();
+        if n < self.inner().n_dofs() {
+            let message = "a body with incompatible modes has internal nodes, whose forces and stiffness no array of the \
+                           mesh holds; emmy.modes and emmy.equilibrium take them into account";
+            return Err(errors::argument(py, "regions", message));
+        }
+        let Some(u) = u else { return Ok(vec![0.0; n]) };
+        let wanted = (n / 3, 3);
+        if u.as_array().dim() != wanted {
+            let (rows, columns) = u.as_array().dim();
+            let message = format!("a displacement has the shape {wanted:?}, not ({rows}, {columns})");
+            return Err(errors::argument(py, "displacement", &message));
+        }
+        Ok(u.as_array().iter().copied().collect())
+    }
+}
+
+/// Rows of a sparse matrix: numbers, columns, ends of the rows, number of rows.
+type Sparse<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, usize);
+
+/// The matrix of 3x3 blocks, by rows.
+fn sparse<'py>(py: Python<'py>, rows: &[Vec<(u32, [f64; 9])>]) -> Sparse<'py> {
+    let (mut numbers, mut columns, mut ends) = (Vec::new(), Vec::new(), vec![0]);
+    for row in rows {
+        for i in 0..3 {
+            for (column, block) in row {
+                for j in 0..3 {
+                    numbers.push(block[3 * i + j]);
+                    columns.push(i64::from(3 * column) + j as i64);
+                }
+            }
+            ends.push(numbers.len() as i64);
+        }
+    }
+    let [columns, ends] = [columns, ends].map(|list| PyArray1::from_vec(py, list));
+    (PyArray1::from_vec(py, numbers), columns, ends, 3 * rows.len())
+}
+
+#[pymethods]
+impl Body {
+    #[new]
+    fn new(py: Python<'_>, sections: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut callables = Callables::default();
+        let sections = entries(tree(sections, "", &mut callables)?);
+        let whole = Tree::Table([sections.clone(), vec![any_time(), any_start()]].concat());
+        let problem = pool::work(py, || input::build(&whole, &Overrides::default(), None))?;
+        if let Some(raised) = callables.take_raised() {
+            return Err(raised);
+        }
+        let problem = problem.map_err(|error| errors::input(py, &error))?;
+        Ok(Body { tree: sections, callables, problem: Arc::new(problem) })
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.callables.traverse(&visit)
+    }
+
+    fn __clear__(&self) {
+        self.callables.clear();
+    }
+
+    #[getter]
+    fn n_dofs(&self) -> usize {
+        self.inner().n_dofs()
+    }
+
+    /// Held components of the nodes.
+    #[getter]
+    fn fixed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
+        table_of(py, self.inner().fixed()[..self.n_mesh_dofs()].to_vec(), 3)
+    }
+
+    #[getter]
+    fn total_mass(&self) -> f64 {
+        self.inner().lumped_mass().iter().sum()
+    }
+
+    /// Centre of mass in the reference configuration.
+    #[getter]
+    fn center_of_mass(&self) -> [f64; 3] {
+        let body = self.inner();
+        let mut sum = [0.0; 3];
+        let mut mass = 0.0;
+        for (m, point) in body.lumped_mass().iter().zip(body.mesh().points()) {
+            mass += m;
+            (0..3).for_each(|d| sum[d] += m * point[d]);
+        }
+        sum.map(|sum| sum / mass)
+    }
+
+    #[getter]
+    fn mesh(&self) -> Mesh {
+        Mesh::of(self.inner().mesh().clone())
+    }
+
+    /// Static equilibrium under the loads at t = 0.
+    fn equilibrium<'py>(
+        &self,
+        py: Python<'py>,
+        load_steps: usize,
+        settings: &Bound<'py, PyAny>,
+    ) -> PyResult<StateTuple<'py>> {
+        let mut further = entries(tree(settings, "", &mut Callables::default())?);
+        let load_steps = vec![("load_steps".to_string(), Tree::Whole(load_steps as i64))];
+        further.push(("equilibrium".to_string(), Tree::Table(load_steps)));
+        further.push(any_time());
+        let problem = self.problem(py, further)?;
+        let state = pool::work(py, || problem.start_state(&mut []))?;
+        if let Some(raised) = self.callables.take_raised() {
+            return Err(raised);
+        }
+        tuple(py, &self.problem.body, &state.map_err(|error| errors::start(py, error))?)
+    }
+
+    /// What `emmy check` prints about the body.
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        pool::work(py, || emmy_cli::report_on_body(&self.problem))
+    }
+
+    /// The sections of the body as TOML.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.problem.resolved
+    }
+
+    /// Remarks of the reader on the body; that nothing moves it is one on a motion.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let notes = self.problem.notes.iter();
+        let of_motion = [input::NOTHING_MOVES, input::UNLOADED];
+        notes.filter(|note| !of_motion.contains(&note.as_str())).cloned().collect()
+    }
+
+    /// Consistent mass matrix.
+    fn mass<'py>(&self, py: Python<'py>) -> PyResult<Sparse<'py>> {
+        self.displacement(py, None)?;
+        let body = self.inner();
+        let pattern = body.pattern();
+        let block = |position: usize| {
+            let mass = body.mass()[position];
+            std::array::from_fn(|entry| if entry % 4 == 0 { mass } else { 0.0 })
+        };
+        let row = |row: usize| pattern.row(row).iter().copied().zip(pattern.range(row).map(block)).collect();
+        let rows: Vec<Vec<(u32, [f64; 9])>> = (0..pattern.n_rows()).map(row).collect();
+        Ok(sparse(py, &rows))
+    }
+
+    /// Stiffness at a displacement.
+    #[pyo3(signature = (u=None))]
+    fn stiffness<'py>(
+        &self,
+        py: Python<'py>,
+        u: Option<PyReadonlyArray2<'py, f64>>,
+    ) -> PyResult<Sparse<'py>> {
+        let displacement = self.displacement(py, u)?;
+        let rows = pool::work(py, || equilibrium::stiffness(self.inner(), &displacement))?;
+        Ok(sparse(py, &rows.map_err(|error| errors::library(py, &error))?))
+    }
+
+    /// Internal force of a displacement.
+    fn internal_force<'py>(
+        &self,
+        py: Python<'py>,
+        u: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let displacement = self.displacement(py, Some(u))?;
+        let force = pool::work(py, || equilibrium::internal_force(self.inner(), &displacement))?;
+        vectors(py, &force.map_err(|error| errors::library(py, &error))?)
+    }
+
+    /// Strain energy of a displacement.
+    fn strain_energy(&self, py: Python<'_>, u: PyReadonlyArray2<'_, f64>) -> PyResult<f64> {
+        let displacement = self.displacement(py, Some(u))?;
+        pool::work(py, || self.inner().strain_energy(&displacement))
+    }
+
+    /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `rigid`.
+    #[pyo3(signature = (count, state=None))]
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        state: Option<StateArrays<'py>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let state = state.map(|state| arrays(py, self.inner(), state)).transpose()?;
+        let found = pool::work(py, || match &state {
+            Some(state) => emmy::modes::modes_about(self.inner(), state, count),
+            None => emmy::modes::modes(self.inner(), count),
+        })?;
+        let modes = found.map_err(|error| errors::library(py, &error))?;
+        let table = PyDict::new(py);
+        let list = |number: fn(&emmy::modes::Mode) -> f64| PyArray1::from_iter(py, modes.iter().map(number));
+        table.set_item("frequencies", list(|mode| mode.frequency()))?;
+        table.set_item("rigid", modes.iter().filter(|mode| mode.angular_frequency == 0.0).count())?;
+        let masses = modes.iter().flat_map(|mode| mode.effective_mass).collect();
+        table.set_item("effective_masses", table_of(py, masses, 3)?)?;
+        let n = self.n_mesh_dofs();
+        let shapes: Vec<f64> = modes.iter().flat_map(|mode| mode.shape[..n].iter().copied()).collect();
+        table.set_item("shapes", PyArray1::from_vec(py, shapes).reshape([modes.len(), n / 3, 3])?)?;
+        Ok(table)
+    }
+
+    /// Whether a load, support, mass or region refers to a function.
+    #[getter]
+    fn has_functions(&self) -> bool {
+        !self.callables.is_empty()
+    }
+}
+
+/// An input file, read and checked.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Problem {
+    pub(crate) problem: Arc<input::Problem>,
+}
+
+#[pymethods]
+impl Problem {
+    #[new]
+    #[pyo3(signature = (path, set, until=None))]
+    fn new(py: Python<'_>, path: PathBuf, set: Vec<String>, until: Option<f64>) -> PyResult<Self> {
+        let overrides = Overrides { set, until, ..Overrides::default() };
+        let problem = pool::work(py, || input::read(&path, &overrides))?;
+        Ok(Problem { problem: Arc::new(problem.map_err(|error| errors::input(py, &error))?) })
+    }
+
+    /// The input with all values in effect.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.problem.resolved
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.problem.notes.clone()
+    }
+
+    #[getter]
+    fn title(&self) -> Option<&str> {
+        self.problem.title.as_deref()
+    }
+
+    /// Its mesh.
+    fn mesh(&self) -> Mesh {
+        Mesh::of(self.problem.body.mesh().clone())
+    }
+}

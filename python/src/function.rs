@@ -1,0 +1,285 @@
+//! Functions of Python as histories and fields.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use emmy::body::{self, TimeFunction};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyTypeError;
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// Functions of one body, and what the first of them that failed has raised.
+#[derive(Debug, Default, Clone)]
+pub(crate) struct Callables {
+    functions: Vec<Arc<Callable>>,
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl Callables {
+    /// The exception that a function has raised since the last call.
+    pub(crate) fn take_raised(&self) -> Option<PyErr> {
+        self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Whether a function has failed.
+    pub(crate) fn has_raised(&self) -> bool {
+        self.raised.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// Whether there are no functions.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.functions.is_empty()
+    }
+
+    /// Shows the functions to the garbage collector.
+    pub(crate) fn traverse(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        for function in &self.functions {
+            // Nobody holds the lock while the collector runs, which needs the lock of the interpreter.
+            if let Ok(function) = function.function.try_lock() {
+                visit.call(&*function)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets the functions go.
+    pub(crate) fn clear(&self) {
+        for function in &self.functions {
+            function.function.lock().unwrap_or_else(PoisonError::into_inner).take();
+        }
+    }
+
+    /// A function at a path; the same function at several places is one, which is asked once.
+    fn add(&mut self, py: Python<'_>, function: &Py<PyAny>, name: &str, path: &str) -> Arc<Callable> {
+        let is_same = |own: &&Arc<Callable>| own.function(py).is_some_and(|own| own.is(function));
+        if let Some(own) = self.functions.iter().find(is_same) {
+            return own.clone();
+        }
+        let callable = Callable {
+            function: Mutex::new(Some(function.clone_ref(py))),
+            name: name.to_string(),
+            path: path.to_string(),
+            raised: self.raised.clone(),
+            last: Mutex::default(),
+        };
+        let callable = Arc::new(callable);
+        self.functions.push(callable.clone());
+        callable
+    }
+}
+
+/// A function of Python where it stands in the input.
+struct Callable {
+    function: Mutex<Option<Py<PyAny>>>,
+    name: String,
+    path: String,
+    raised: Arc<Mutex<Option<PyErr>>>,
+    /// Times and values of the last call: loads with one function ask for the same times.
+    last: Mutex<(Vec<f64>, Vec<f64>)>,
+}
+
+impl fmt::Debug for Callable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of {}", self.name, self.path)
+    }
+}
+
+impl Callable {
+    fn function(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        let function = self.function.lock().unwrap_or_else(PoisonError::into_inner);
+        function.as_ref().map(|function| function.clone_ref(py))
+    }
+
+    /// Keeps the first exception; without a value the step fails, and the exception ends the march.
+    fn fail(&self, py: Python<'_>, error: PyErr, time: f64) {
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        if raised.is_none() {
+            let place = errors::place(py, &self.path).unwrap_or_default();
+            let _ = error
+                .value(py)
+                .call_method1("add_note", (format!("in {place} ({}) at t = {time}", self.name),));
+            *raised = Some(error);
+        }
+    }
+
+    /// Whether a function of the body has failed before: then none is called.
+    fn is_over(&self) -> bool {
+        self.raised.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// The values at some times; NaN after an exception. The lock of the interpreter is taken once.
+    fn values(&self, times: &[f64], values: &mut [f64]) {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.0 == times {
+            return values.copy_from_slice(&last.1);
+        }
+        values.fill(f64::NAN);
+        if !self.is_over() {
+            Python::attach(|py| {
+                for (value, &time) in values.iter_mut().zip(times) {
+                    *value = self.call(py, time);
+                    if value.is_nan() {
+                        break;
+                    }
+                }
+            });
+        }
+        if values.iter().all(|value| value.is_finite()) {
+            let (old_times, old_values) = &mut *last;
+            old_times.clear();
+            old_times.extend_from_slice(times);
+            old_values.clear();
+            old_values.extend_from_slice(values);
+        }
+    }
+
+    fn call(&self, py: Python<'_>, time: f64) -> f64 {
+        let Some(function) = self.function(py) else { return f64::NAN };
+        let value = function.call1(py, (time,)).and_then(|value| number(value.bind(py), &self.name));
+        match value {
+            Ok(value) if value.is_finite() => value,
+            Ok(value) => {
+                let message = format!("{} returned {value} at t = {time}", self.name);
+                self.fail(py, errors::not_finite(py, &self.path, &message, time), time);
+                f64::NAN
+            }
+            Err(error) => {
+                self.fail(py, error, time);
+                f64::NAN
+            }
+        }
+    }
+
+    /// The vectors at some points and a time; NaN after an exception.
+    fn vectors(&self, points: &[[f64; 3]], time: f64, vectors: &mut [[f64; 3]]) {
+        vectors.fill([f64::NAN; 3]);
+        if self.is_over() {
+            return;
+        }
+        Python::attach(|py| match self.call_at(py, points, time) {
+            Ok(values) => vectors.copy_from_slice(&values),
+            Err(error) => self.fail(py, error, time),
+        });
+    }
+
+    fn call_at(&self, py: Python<'_>, points: &[[f64; 3]], time: f64) -> PyResult<Vec<[f64; 3]>> {
+        let Some(function) = self.function(py) else { return Ok(vec![[f64::NAN; 3]; points.len()]) };
+        let array = PyArray2::from_owned_array(py, numpy::ndarray::arr2(points));
+        let values = function.bind(py).call1((array, time))?;
+        let values = py.import("numpy")?.call_method1("asarray", (&values, "float64"))?;
+        let wanted = (points.len(), 3);
+        let shape = values.getattr("shape")?;
+        let Ok(values) = values.extract::<PyReadonlyArray2<'_, f64>>() else {
+            return Err(PyTypeError::new_err(shape_message(&self.name, &shape, wanted)?));
+        };
+        let view = values.as_array();
+        if view.dim() != wanted {
+            return Err(PyTypeError::new_err(shape_message(&self.name, &shape, wanted)?));
+        }
+        if let Some(value) = view.iter().find(|value| !value.is_finite()) {
+            let message = format!("{} returned {value} at t = {time}", self.name);
+            return Err(errors::not_finite(py, &self.path, &message, time));
+        }
+        Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
+    }
+}
+
+fn shape_message(name: &str, shape: &Bound<'_, PyAny>, (n, _): (usize, usize)) -> PyResult<String> {
+    Ok(format!("{name} must return an array of shape ({n}, 3), not {}", shape.str()?))
+}
+
+/// The number that a history has returned.
+fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
+    // An array of one number has `__float__` too, but is no number.
+    let is_array =
+        value.hasattr("ndim")? && value.getattr("ndim")?.extract::<usize>().is_ok_and(|ndim| ndim > 0);
+    let number = if is_array { None } else { value.extract::<f64>().ok() };
+    match number {
+        Some(number) => Ok(number),
+        None => {
+            let kind = value.get_type().name()?;
+            Err(PyTypeError::new_err(format!("{name} must return a number, not {kind}")))
+        }
+    }
+}
+
+/// Numbers that tell functions of one name apart.
+static COUNT: AtomicU64 = AtomicU64::new(0);
+
+/// A function of time in place of a history.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Function {
+    value: Py<PyAny>,
+    rate: Option<Py<PyAny>>,
+    name: String,
+    number: u64,
+}
+
+#[pymethods]
+impl Function {
+    #[new]
+    #[pyo3(signature = (value, rate, name))]
+    fn new(value: Py<PyAny>, rate: Option<Py<PyAny>>, name: String) -> Self {
+        Function { value, rate, name, number: COUNT.fetch_add(1, Ordering::Relaxed) }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.value)?;
+        visit.call(&self.rate)
+    }
+}
+
+impl Function {
+    /// The function as the library sees it; its text is that of the input, and a number.
+    pub(crate) fn time_function(
+        &self,
+        py: Python<'_>,
+        path: &str,
+        callables: &mut Callables,
+    ) -> TimeFunction {
+        let text = format!("<function {}>{}", self.name, self.number);
+        let value = callables.add(py, &self.value, &self.name, path);
+        let rate = self
+            .rate
+            .as_ref()
+            .map(|rate| callables.add(py, rate, &format!("the rate of {}", self.name), path));
+        let function = TimeFunction::of_times(&text, move |times, values| value.values(times, values));
+        match rate {
+            Some(rate) => function.with_rate(move |times, rates| rate.values(times, rates)),
+            None => function,
+        }
+    }
+}
+
+/// A function of reference points and time in place of a vector.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Field {
+    function: Py<PyAny>,
+    name: String,
+    number: u64,
+}
+
+#[pymethods]
+impl Field {
+    #[new]
+    fn new(function: Py<PyAny>, name: String) -> Self {
+        Field { function, name, number: COUNT.fetch_add(1, Ordering::Relaxed) }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.function)
+    }
+}
+
+impl Field {
+    /// The field as the library sees it.
+    pub(crate) fn field(&self, py: Python<'_>, path: &str, callables: &mut Callables) -> body::Field {
+        let text = format!("<function {}>{}", self.name, self.number);
+        let function = callables.add(py, &self.function, &self.name, path);
+        body::Field::of_points(&text, move |points, time, vectors| function.vectors(points, time, vectors))
+    }
+}

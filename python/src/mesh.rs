@@ -1,0 +1,338 @@
+//! Meshes in memory.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use emmy::mesh::{self, CellKind, Facet, MeshBuilder};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn};
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::{errors, pool};
+
+/// A mesh; immutable.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Mesh {
+    pub(crate) mesh: Arc<mesh::Mesh>,
+    notes: Vec<String>,
+}
+
+/// Numbers of the members of groups by name.
+type Groups<'py> = BTreeMap<String, PyReadonlyArrayDyn<'py, i64>>;
+
+/// Facets of groups by name: `nodes`, by their nodes, or `faces`, as cells with the numbers of their faces.
+type FacetGroups<'py> = BTreeMap<String, Vec<(String, PyReadonlyArray2<'py, i64>)>>;
+
+/// Group of all links of a mesh.
+const LINKS: &str = "links";
+
+impl Mesh {
+    fn new(mesh: mesh::Mesh, notes: Vec<String>) -> Self {
+        Mesh { mesh: Arc::new(mesh), notes }
+    }
+
+    /// A mesh of the library.
+    pub(crate) fn of(mesh: mesh::Mesh) -> Self {
+        Mesh::new(mesh, Vec::new())
+    }
+
+    /// Kinds of cells in the order of their first cells.
+    fn kinds(&self) -> Vec<CellKind> {
+        let mut kinds: Vec<CellKind> = Vec::new();
+        self.mesh.cells().for_each(|cell| {
+            if !kinds.contains(&cell.kind) {
+                kinds.push(cell.kind);
+            }
+        });
+        kinds
+    }
+
+    /// A mesh of the library, or its error.
+    fn made(py: Python<'_>, mesh: emmy::Result<mesh::Mesh>) -> PyResult<Self> {
+        mesh.map(|mesh| Mesh::new(mesh, Vec::new())).map_err(|error| errors::library(py, &error))
+    }
+}
+
+#[pymethods]
+impl Mesh {
+    /// A mesh of arrays; numbers of nodes and cells must have been checked to be in the range of 32 bits.
+    #[staticmethod]
+    fn from_arrays(
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        cells: Vec<(String, PyReadonlyArray2<'_, i64>)>,
+        cell_groups: Groups<'_>,
+        facet_groups: FacetGroups<'_>,
+        node_groups: Groups<'_>,
+    ) -> PyResult<Self> {
+        let mut builder = MeshBuilder::new();
+        for row in points.as_array().rows() {
+            builder.point([row[0], row[1], row[2]]);
+        }
+        let fail = |error: emmy::Error| errors::library(py, &error);
+        let mut kinds = Vec::new();
+        for (name, nodes) in &cells {
+            let kind = CellKind::ALL.into_iter().find(|kind| kind.name() == name);
+            let kind = kind.ok_or_else(|| {
+                let known: Vec<&str> = CellKind::ALL.iter().map(|kind| kind.name()).collect();
+                let message = format!("{name:?} is not a kind of cell; there is {}", known.join(", "));
+                errors::argument(py, "mesh.cells", &message)
+            })?;
+            for row in nodes.as_array().rows() {
+                let cell = builder.cell(kind, &whole(row.iter())).map_err(fail)?;
+                kinds.push(kind);
+                if kind.dimension() == 1 {
+                    builder.cell_group(LINKS, [cell]);
+                }
+            }
+        }
+        for (name, members) in &cell_groups {
+            let members = whole(members.as_array().iter());
+            if let Some(cell) = members.iter().find(|&&cell| cell as usize >= kinds.len()) {
+                let message = format!("there is no cell {cell} among {}, counted from 0", kinds.len());
+                return Err(errors::argument(py, &format!("mesh.cell_groups.{name}"), &message));
+            }
+            builder.cell_group(name, members);
+        }
+        let n_nodes = points.as_array().nrows();
+        for (name, members) in &node_groups {
+            let members = whole(members.as_array().iter());
+            if let Some(node) = members.iter().find(|&&node| node as usize >= n_nodes) {
+                let message = format!("there is no node {node} among {n_nodes}, counted from 0");
+                return Err(errors::argument(py, &format!("mesh.node_groups.{name}"), &message));
+            }
+            builder.node_group(name, members);
+        }
+        for (name, parts) in &facet_groups {
+            for (how, rows) in parts {
+                let rows = rows.as_array();
+                let mut rows = rows.rows().into_iter().map(|row| whole(row.iter()));
+                if how == "nodes" {
+                    builder.facet_group_by_nodes(name, rows.collect());
+                    continue;
+                }
+                let facet = |row: Vec<u32>| {
+                    let [cell, face] = row[..] else { return None };
+                    let kind: &CellKind = kinds.get(cell as usize)?;
+                    ((face as usize) < kind.facets().len()).then_some(Facet { cell, local: face as u8 })
+                };
+                let facets: Option<Vec<Facet>> = rows.try_fold(Vec::new(), |mut all, row| {
+                    all.push(facet(row)?);
+                    Some(all)
+                });
+                let facets = facets.ok_or_else(|| {
+                    let message =
+                        "a row must be the number of a cell and of one of its faces, counted from 0";
+                    errors::argument(py, &format!("mesh.facet_groups.{name}"), message)
+                })?;
+                builder.facet_group(name, facets);
+            }
+        }
+        let built = pool::work(py, || {
+            let turned = builder.orient_plane_cells();
+            let mesh = builder.build()?;
+            mesh::check(&mesh)?;
+            Ok((mesh, turned))
+        })?;
+        let (mesh, turned) = built.map_err(fail)?;
+        let note = (turned > 0).then(|| format!("{turned} clockwise plane cells are turned over"));
+        Ok(Mesh::new(mesh, note.into_iter().collect()))
+    }
+
+    /// A mesh from a file; lines in the groups `links` are cells.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf, links: Vec<String>) -> PyResult<Self> {
+        let file = pool::work(py, || emmy_io::mesh::read_with_links(&path, &links))?;
+        let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
+        Ok(Mesh::new(file.mesh, file.notes))
+    }
+
+    /// A mesh from the bytes of a VTU file.
+    #[staticmethod]
+    fn from_vtu(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        let file = emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &[LINKS.to_string()]);
+        let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
+        Ok(Mesh::new(file.mesh, file.notes))
+    }
+
+    #[staticmethod]
+    fn l_block(py: Python<'_>, cell_size: f64) -> PyResult<Self> {
+        Mesh::made(py, mesh::l_block(cell_size))
+    }
+
+    #[staticmethod]
+    fn r#box(py: Python<'_>, size: [f64; 3], cells: [usize; 3]) -> PyResult<Self> {
+        Mesh::made(py, mesh::block(size, cells))
+    }
+
+    #[staticmethod]
+    fn rectangle(py: Python<'_>, size: [f64; 2], cells: [usize; 2]) -> PyResult<Self> {
+        Mesh::made(py, mesh::rectangle(size, cells))
+    }
+
+    /// The mesh as a VTU file with all groups.
+    fn vtu<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let text = pool::work(py, || emmy_io::vtk::mesh_file(&self.mesh))?;
+        Ok(PyBytes::new(py, text.as_bytes()))
+    }
+
+    /// Links between points, with the group `links` of all of them.
+    #[staticmethod]
+    fn network<'py>(
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        links: PyReadonlyArray2<'py, i64>,
+        groups: Groups<'py>,
+        link_groups: Groups<'py>,
+    ) -> PyResult<Self> {
+        let cells = vec![(CellKind::Line2.name().to_string(), links)];
+        Mesh::from_arrays(py, points, cells, link_groups, FacetGroups::new(), groups)
+    }
+
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, self.mesh.points().as_flattened())
+    }
+
+    /// Nodes of the cells by kind.
+    #[getter]
+    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        for kind in self.kinds() {
+            let cells = self.mesh.cells().filter(|cell| cell.kind == kind);
+            let nodes = cells.flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node)));
+            table.set_item(kind.name(), table_of(py, nodes.collect(), kind.n_nodes())?)?;
+        }
+        Ok(table)
+    }
+
+    /// Numbers of the cells by kind.
+    #[getter]
+    fn cell_numbers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        for kind in self.kinds() {
+            let cells = self.mesh.cells().enumerate().filter(|(_, cell)| cell.kind == kind);
+            table.set_item(kind.name(), PyArray1::from_iter(py, cells.map(|(number, _)| number as i64)))?;
+        }
+        Ok(table)
+    }
+
+    #[getter]
+    fn n_nodes(&self) -> usize {
+        self.mesh.n_nodes()
+    }
+
+    #[getter]
+    fn n_cells(&self) -> usize {
+        self.mesh.n_cells()
+    }
+
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// Names of the groups with the kinds of their members.
+    #[getter]
+    fn group_names(&self) -> BTreeMap<String, Vec<&'static str>> {
+        let groups = self.mesh.groups();
+        let kinds = |name: &str| {
+            let has = [
+                ("cells", groups.cells.contains_key(name)),
+                ("facets", groups.facets.contains_key(name)),
+                ("nodes", groups.nodes.contains_key(name)),
+            ];
+            has.into_iter().filter(|(_, has)| *has).map(|(kind, _)| kind).collect()
+        };
+        groups.names().into_iter().map(|name| (name.to_string(), kinds(name))).collect()
+    }
+
+    fn cell_group<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        numbers(py, self.mesh.groups().cells(name))
+    }
+
+    fn node_group<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let nodes = self.mesh.groups().nodes.get(name);
+        let nodes = nodes.ok_or_else(|| PyKeyError::new_err(name.to_string()))?;
+        numbers(py, Ok(nodes))
+    }
+
+    /// Cells and faces of a group of facets, `(n, 2)`.
+    fn facet_group<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let facets =
+            self.mesh.groups().facets(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
+        let pairs = facets.iter().flat_map(|facet| [i64::from(facet.cell), i64::from(facet.local)]);
+        table_of(py, pairs.collect(), 2)
+    }
+
+    /// Nodes of each facet of a group.
+    fn facet_nodes(&self, name: &str) -> PyResult<Vec<Vec<u32>>> {
+        let facets =
+            self.mesh.groups().facets(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
+        Ok(facets.iter().map(|&facet| self.mesh.facet_nodes(facet).collect()).collect())
+    }
+
+    /// Nodes of a group with members of any kind.
+    fn group_nodes<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let nodes = self.mesh.group_nodes(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
+        numbers(py, Ok(&nodes))
+    }
+
+    fn nearest_node(&self, point: [f64; 3]) -> usize {
+        self.mesh.nearest_node(point)
+    }
+
+    /// Nodes of each facet on the boundary.
+    fn boundary(&self) -> Vec<Vec<u32>> {
+        self.mesh.boundary()
+    }
+
+    fn scaled(&self, py: Python<'_>, factor: f64) -> PyResult<Self> {
+        let mesh =
+            mesh::Mesh::clone(&self.mesh).scaled(factor).map_err(|error| errors::library(py, &error))?;
+        Ok(Mesh::new(mesh, self.notes.clone()))
+    }
+
+    /// Worst values of the measures of quality, with their cells.
+    fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let quality = mesh::quality(&self.mesh);
+        let table = PyDict::new(py);
+        for (name, worst) in [
+            ("jacobian_ratio", quality.jacobian_ratio),
+            ("scaled_jacobian", quality.scaled_jacobian),
+            ("aspect_ratio", quality.aspect_ratio),
+        ] {
+            table.set_item(name, (worst.value, worst.cell))?;
+        }
+        table.set_item("volume", quality.volume)?;
+        table.set_item("inverted", quality.inverted)?;
+        Ok(table)
+    }
+}
+
+fn whole<'a>(row: impl Iterator<Item = &'a i64>) -> Vec<u32> {
+    // A number out of range belongs to no node: the builder says so.
+    row.map(|&node| u32::try_from(node).unwrap_or(u32::MAX)).collect()
+}
+
+fn numbers<'py>(py: Python<'py>, members: emmy::Result<&[u32]>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let members = members.map_err(|error| PyKeyError::new_err(error.to_string()))?;
+    Ok(PyArray1::from_iter(py, members.iter().map(|&member| i64::from(member))))
+}
+
+/// An array of three columns.
+pub(crate) fn vectors<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    table_of(py, numbers.to_vec(), 3)
+}
+
+/// An array of a number of columns.
+pub(crate) fn table_of<T: numpy::Element>(
+    py: Python<'_>,
+    numbers: Vec<T>,
+    columns: usize,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
+    let rows = numbers.len() / columns.max(1);
+    PyArray1::from_vec(py, numbers).reshape([rows, columns])
+}

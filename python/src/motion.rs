@@ -1,0 +1,473 @@
+//! Motions.
+
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Duration;
+
+use emmy::body::{FieldName, Fields, Place};
+use emmy::motion::{MarchError, State};
+use emmy_io::checkpoint::{Checkpoint, Identity};
+use emmy_io::directory;
+use emmy_io::input::{Problem, Tree};
+use emmy_io::results::Results;
+use emmy_io::summary::Status;
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::adjoint::{Goal, GoalError, Gradient, Parameter};
+use crate::body::{Body, entries};
+use crate::function::Callables;
+use crate::mesh::{table_of, vectors};
+use crate::running::{Running, Start};
+use crate::snapshot::{Snapshot, StateArrays, StateTuple, arrays, tuple};
+use crate::step::{Step, is_whole};
+use crate::tree::tree;
+use crate::{errors, plan, pool};
+
+/// A motion. It is locked while it works, and the lock is only ever tried.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Motion {
+    body: Py<Body>,
+    callables: Callables,
+    work: Mutex<Work>,
+}
+
+struct Work {
+    running: Running,
+    /// The sections of the input that describe the motion.
+    further: Vec<(String, Tree)>,
+    has_plan: bool,
+}
+
+/// Where a motion starts.
+#[derive(FromPyObject)]
+enum Given<'py> {
+    Snapshot(Py<Snapshot>),
+    State(StateArrays<'py>),
+}
+
+impl Motion {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Work>> {
+        match self.work.try_lock() {
+            Ok(work) => Ok(work),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "the motion is at work in another thread, or in a function that it calls",
+            )),
+            Err(TryLockError::Poisoned(_)) => {
+                Err(PyRuntimeError::new_err("the motion was left inside a failed step"))
+            }
+        }
+    }
+
+    /// What a march has raised: the exception of a function, else the error of the step or of an observer.
+    fn raised(&self, py: Python<'_>, error: MarchError) -> PyErr {
+        self.callables.take_raised().unwrap_or_else(|| errors::march(py, error))
+    }
+
+    /// Passes the present state to a function.
+    pub(crate) fn with_state<T>(&self, work: impl FnOnce(&State) -> T) -> PyResult<T> {
+        Ok(work(self.lock()?.running.motion().state()))
+    }
+
+    fn array<'py>(&self, py: Python<'py>, of: fn(&State) -> &[f64]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let work = self.lock()?;
+        let motion = work.running.motion();
+        vectors(py, &of(motion.state())[..motion.body().mesh().n_dofs()])
+    }
+}
+
+impl Work {
+    fn step(&self) -> Step {
+        let recorder = &self.running.recorder;
+        let record = self.running.motion().record();
+        let row = recorder.rows[recorder.rows.len() - recorder.names.len()..].to_vec();
+        let solver = record.solver.map(|solver| solver.to_string());
+        let counts = (record.cuts, record.rejections, record.releases, record.degree, solver);
+        Step::with(recorder.names.clone(), row, counts)
+    }
+
+    /// The fields of the body, computed on first use.
+    fn fields(&mut self) -> Arc<Fields> {
+        if let Some(fields) = &self.running.fields {
+            return fields.clone();
+        }
+        let fields = Arc::new(Fields::new(self.running.motion().body()));
+        self.running.fields.insert(fields).clone()
+    }
+
+    /// The run to which a snapshot belongs.
+    fn identity(&mut self) -> Identity {
+        let problem = self.running.cell.borrow_owner();
+        self.running.identity.get_or_insert_with(|| Identity::new(problem)).clone()
+    }
+}
+
+/// A field by its name.
+fn field(py: Python<'_>, fields: &Fields, name: &str) -> PyResult<FieldName> {
+    let unknown = || {
+        let known: Vec<&str> = FieldName::ALL.map(FieldName::name).to_vec();
+        errors::argument(py, "name", &format!("{name:?} is not a field; there is {}", known.join(", ")))
+    };
+    let found = FieldName::from_name(name).ok_or_else(unknown)?;
+    match fields.has(found) {
+        true => Ok(found),
+        false => Err(errors::argument(py, "name", &format!("the body has no field {name:?}"))),
+    }
+}
+
+#[pymethods]
+impl Motion {
+    #[new]
+    #[pyo3(signature = (sections, body, start, adjoint))]
+    fn new(
+        py: Python<'_>,
+        sections: &Bound<'_, PyAny>,
+        body: Py<Body>,
+        start: Option<Given<'_>>,
+        adjoint: bool,
+    ) -> PyResult<Self> {
+        let own = body.get();
+        let callables = own.callables.clone();
+        let mut further = entries(tree(sections, "", &mut Callables::default())?);
+        let (state, snapshot) = match start {
+            Some(Given::State(given)) => (Some(arrays(py, own.inner(), given)?), None),
+            Some(Given::Snapshot(snapshot)) => (None, Some(snapshot.get().checkpoint.clone())),
+            None => (None, None),
+        };
+        let at =
+            snapshot.as_ref().map(|own| own.snapshot.state.time).or(state.as_ref().map(|state| state.time));
+        let has_plan = plan::begin_at(&mut further, at);
+        let problem = own.problem(py, further.clone())?;
+        let snapshot = snapshot.map(|snapshot| fitting(py, &problem, snapshot)).transpose()?;
+        let start: &Start<'_> = &|problem: &Problem| {
+            if let Some(snapshot) = &snapshot {
+                let mut motion = emmy::motion::Motion::resumed(
+                    &problem.body,
+                    problem.scheme,
+                    problem.newton,
+                    snapshot.snapshot.clone(),
+                )?;
+                motion.allow_cuts(problem.smallest_step);
+                return Ok(motion);
+            }
+            match &state {
+                Some(state) => {
+                    let settings = problem.newton;
+                    let state = state.clone();
+                    let mut motion =
+                        emmy::motion::Motion::starting(&problem.body, problem.scheme, settings, state)?;
+                    motion.allow_cuts(problem.smallest_step);
+                    Ok(motion)
+                }
+                None => problem.motion(&mut []),
+            }
+        };
+        if snapshot.is_none() {
+            let stable = pool::work(py, || problem.critical_step(state.as_ref()))?;
+            stable.map_err(|error| errors::input(py, &error))?;
+        }
+        let running = pool::work(py, || Running::new(problem.clone(), callables.clone(), adjoint, start))?;
+        let running = match running {
+            Ok(running) => running,
+            Err(error) => return Err(callables.take_raised().unwrap_or_else(|| errors::start(py, error))),
+        };
+        Ok(Motion { callables, work: Mutex::new(Work { running, further, has_plan }), body })
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.body)
+    }
+
+    #[getter]
+    fn time(&self) -> PyResult<f64> {
+        Ok(self.lock()?.running.motion().time())
+    }
+
+    #[getter]
+    fn number(&self) -> PyResult<usize> {
+        Ok(self.lock()?.running.motion().state().step)
+    }
+
+    #[getter]
+    fn scheme(&self) -> PyResult<String> {
+        Ok(self.lock()?.running.motion().scheme().to_string())
+    }
+
+    #[getter]
+    fn degree(&self) -> PyResult<usize> {
+        Ok(self.lock()?.running.motion().scheme().degree())
+    }
+
+    #[getter]
+    fn has_plan(&self) -> PyResult<bool> {
+        Ok(self.lock()?.has_plan)
+    }
+
+    /// End of the plan.
+    #[getter]
+    fn end(&self) -> PyResult<f64> {
+        Ok(self.lock()?.running.plan.end())
+    }
+
+    #[getter]
+    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.array(py, |state| &state.displacement)
+    }
+
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.array(py, |state| &state.velocity)
+    }
+
+    #[getter]
+    fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.array(py, |state| &state.momentum)
+    }
+
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let work = self.lock()?;
+        let motion = work.running.motion();
+        let points = motion.body().mesh().points().as_flattened();
+        let positions = points.iter().zip(&motion.state().displacement).map(|(x, u)| x + u);
+        table_of(py, positions.collect(), 3)
+    }
+
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<StateTuple<'py>> {
+        let work = self.lock()?;
+        let motion = work.running.motion();
+        tuple(py, motion.body(), motion.state())
+    }
+
+    /// The last step, or the start.
+    fn record(&self) -> PyResult<Step> {
+        Ok(self.lock()?.step())
+    }
+
+    /// Name, dimension and meaning of each column of the history, and whether its numbers are whole.
+    #[getter]
+    fn columns(&self) -> PyResult<Vec<(String, String, String, bool)>> {
+        let work = self.lock()?;
+        let columns = emmy_io::history::HistoryColumns::of(work.running.problem());
+        let tuple = |own: emmy_io::history::ColumnInfo| {
+            let whole = is_whole(&own.name);
+            (own.name, own.dimension, own.meaning, whole)
+        };
+        Ok(columns.described().map(tuple).collect())
+    }
+
+    /// Rows of the history from one on.
+    fn rows<'py>(&self, py: Python<'py>, first: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let work = self.lock()?;
+        let recorder = &work.running.recorder;
+        let columns = recorder.names.len();
+        table_of(py, recorder.rows.get(first * columns..).unwrap_or_default().to_vec(), columns)
+    }
+
+    /// Step, time, kind and message of each event.
+    fn events(&self) -> PyResult<Vec<(usize, f64, &'static str, String)>> {
+        let work = self.lock()?;
+        let events = work.running.recorder.events.iter();
+        Ok(events.map(|event| (event.step, event.time, event.kind.name(), event.message.clone())).collect())
+    }
+
+    #[getter]
+    fn newton_residuals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, self.lock()?.running.motion().stepper().newton_history()))
+    }
+
+    /// One step of a size.
+    fn step(&self, py: Python<'_>, size: f64) -> PyResult<Step> {
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(errors::argument(py, "size", &format!("must be positive and finite, not {size}")));
+        }
+        let mut work = self.lock()?;
+        let running = &mut work.running;
+        pool::work(py, || running.step(size))?.map_err(|error| self.raised(py, error))?;
+        Ok(work.step())
+    }
+
+    /// The next step of the plan; `None` at its end.
+    fn next(&self, py: Python<'_>) -> PyResult<Option<Step>> {
+        let mut work = self.lock()?;
+        if !work.has_plan {
+            return Ok(None);
+        }
+        let running = &mut work.running;
+        let steps = pool::work(py, || running.advance(Duration::ZERO, None))?;
+        let steps = steps.map_err(|error| self.raised(py, error))?;
+        Ok((steps > 0).then(|| work.step()))
+    }
+
+    /// Steps of the plan during a wall time in seconds, at least one; returns their number, 0 at the end of the plan or at a
+    /// time.
+    fn advance(&self, py: Python<'_>, seconds: f64, until: Option<f64>) -> PyResult<usize> {
+        let mut work = self.lock()?;
+        let slice =
+            Duration::try_from_secs_f64(seconds).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let running = &mut work.running;
+        let steps = pool::work(py, || running.advance(slice, until))?;
+        steps.map_err(|error| self.raised(py, error))
+    }
+
+    /// Moves the end of the plan.
+    fn extend(&self, py: Python<'_>, until: f64, size: Option<f64>) -> PyResult<()> {
+        let mut work = self.lock()?;
+        let now = work.running.motion().time();
+        if !(until > now && until.is_finite()) {
+            let message = format!("the plan must end after the present time, {now}, not at {until}");
+            return Err(errors::argument(py, "until", &message));
+        }
+        if !work.has_plan && size.is_none() {
+            return Err(errors::argument(py, "size", "the motion has no plan: give the size of the steps"));
+        }
+        let mut further = work.further.clone();
+        let plan = work.has_plan.then(|| work.running.plan.clone());
+        plan::extend(&mut further, plan.as_ref(), now, until, size);
+        let problem = self.body.get().problem(py, further.clone())?;
+        work.running.plan = problem.plan.clone();
+        (work.further, work.has_plan) = (further, true);
+        Ok(())
+    }
+
+    /// A field at the present state.
+    fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let mut work = self.lock()?;
+        let fields = work.fields();
+        let name = field(py, &fields, name)?;
+        let state = work.running.motion().state();
+        let values = pool::work(py, || fields.at(&state.displacement, &state.velocity, &[name]))?;
+        let numbers = values.into_iter().flat_map(|values| values.numbers).collect();
+        match name.components().len() {
+            1 => Ok(PyArray1::from_vec(py, numbers).into_any()),
+            n => Ok(table_of(py, numbers, n)?.into_any()),
+        }
+    }
+
+    /// Names of the fields that the body has.
+    fn field_names(&self) -> PyResult<Vec<&'static str>> {
+        let fields = self.lock()?.fields();
+        Ok(FieldName::ALL.into_iter().filter(|&name| fields.has(name)).map(FieldName::name).collect())
+    }
+
+    /// Whether a field has values at `nodes` or in `cells`, by its name.
+    #[getter]
+    fn fields_at<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = PyDict::new(py);
+        for name in FieldName::ALL {
+            table.set_item(name.name(), if name.place() == Place::Cells { "cells" } else { "nodes" })?;
+        }
+        Ok(table)
+    }
+
+    fn snapshot(&self) -> PyResult<Snapshot> {
+        let mut work = self.lock()?;
+        let checkpoint = Checkpoint {
+            identity: work.identity(),
+            snapshot: work.running.motion().snapshot(),
+            frames: Vec::new(),
+            history_checksum: 0,
+            wall_seconds: 0.0,
+            extremes: Vec::new(),
+        };
+        Ok(Snapshot { checkpoint })
+    }
+
+    /// Opens the files of a run, with a table `output`; everything that `emmy run` writes is then written.
+    fn open(&self, py: Python<'_>, output: &Bound<'_, PyAny>) -> PyResult<()> {
+        let mut work = self.lock()?;
+        let mut further = work.further.clone();
+        let given = entries(tree(output, "output", &mut Callables::default())?);
+        plan::add_output(&mut further, given);
+        let problem = self.body.get().problem(py, further)?;
+        let running = &mut work.running;
+        let opened = pool::work(py, || -> Result<(), MarchError> {
+            let failed = |error: directory::DirectoryError| MarchError::Observer(Box::new(error));
+            directory::check_run(&problem).map_err(failed)?;
+            let results = Results::create(&problem).map_err(failed)?;
+            running.plan = problem.plan.clone();
+            running.open(results)
+        })?;
+        opened.map_err(|error| errors::march(py, error))
+    }
+
+    /// Ends the files of a run and returns the summary as JSON.
+    fn close(&self, py: Python<'_>, status: &str, message: Option<String>) -> PyResult<String> {
+        let all =
+            [Status::Done, Status::NoConvergence, Status::LimitExceeded, Status::Interrupted, Status::Failed];
+        let status = all.into_iter().find(|own| own.name() == status);
+        let status = status.ok_or_else(|| PyValueError::new_err("not a status of a run"))?;
+        let mut work = self.lock()?;
+        let running = &mut work.running;
+        let ended = pool::work(py, || {
+            let mut results = running.results.take()?;
+            Some((results.finish(running.motion(), status, message.as_deref()), results.report()))
+        })?;
+        let Some((ended, report)) = ended else { return Ok("null".to_string()) };
+        if let Some(error) = ended.error {
+            return Err(errors::results(py, &format!("the results cannot be written: {error}")));
+        }
+        report.map_err(|error| errors::results(py, &format!("no report was written: {error}")))?;
+        Ok(ended.summary.to_string())
+    }
+
+    /// Derivatives of a goal.
+    fn gradient(
+        &self,
+        py: Python<'_>,
+        goal: &Goal,
+        parameters: Vec<PyRef<'_, Parameter>>,
+    ) -> PyResult<Gradient> {
+        let work = self.lock()?;
+        let trajectory = trajectory(&work)?;
+        let n_dofs = work.running.motion().body().mesh().n_dofs();
+        check_goal(py, &work, goal)?;
+        let parameters: Vec<_> = parameters.iter().map(|own| own.parameter.clone()).collect();
+        let gradient = pool::work(py, || trajectory.gradient(&goal.goal, &parameters))?;
+        let gradient = gradient.map_err(|error| errors::library(py, &error))?;
+        Ok(Gradient { gradient, n_dofs })
+    }
+
+    /// Error of a goal.
+    fn goal_error(&self, py: Python<'_>, goal: &Goal) -> PyResult<GoalError> {
+        let work = self.lock()?;
+        let trajectory = trajectory(&work)?;
+        check_goal(py, &work, goal)?;
+        let error = pool::work(py, || trajectory.goal_error(&goal.goal))?;
+        Ok(GoalError { error: error.map_err(|error| errors::library(py, &error))? })
+    }
+}
+
+/// The trajectory of a motion that has done a step.
+fn trajectory(work: &Work) -> PyResult<&emmy::adjoint::Trajectory<'_>> {
+    match &work.running.cell.borrow_dependent().trajectory {
+        None => Err(PyRuntimeError::new_err("the motion keeps no trajectory; make it with adjoint=True")),
+        Some(trajectory) if trajectory.n_steps() == 0 => {
+            Err(PyRuntimeError::new_err("the motion has done no step, of which a goal depends"))
+        }
+        Some(trajectory) => Ok(trajectory),
+    }
+}
+
+fn check_goal(py: Python<'_>, work: &Work, goal: &Goal) -> PyResult<()> {
+    match work.running.motion().state().displacement.len() == goal.goal.displacement.len() {
+        true => Ok(()),
+        false => Err(errors::argument(py, "goal", "it belongs to a body with another number of nodes")),
+    }
+}
+
+/// A snapshot for a problem; the memory of another scheme, degree or solver is left out.
+fn fitting(py: Python<'_>, problem: &Problem, mut snapshot: Checkpoint) -> PyResult<Checkpoint> {
+    let now = Identity::new(problem);
+    if now.mesh != snapshot.identity.mesh {
+        let message =
+            format!("the snapshot belongs to another mesh: {}, here {}", snapshot.identity.mesh, now.mesh);
+        return Err(errors::argument(py, "start", &message));
+    }
+    if !snapshot.identity.has_same_stepper(&now) {
+        (snapshot.snapshot.memory, snapshot.snapshot.control) = (None, None);
+    }
+    Ok(snapshot)
+}

@@ -1,0 +1,92 @@
+//! States and snapshots.
+
+use emmy::body::Body;
+use emmy::motion::State;
+use emmy_io::checkpoint::{self, Checkpoint};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::errors;
+use crate::mesh::vectors;
+
+/// Time, displacement, velocity, momentum, step, low part of the displacement.
+pub(crate) type StateTuple<'py> = (f64, Array<'py>, Array<'py>, Array<'py>, usize, Array<'py>);
+type Array<'py> = Bound<'py, PyArray2<f64>>;
+
+/// The same, given.
+pub(crate) type StateArrays<'py> = (
+    f64,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray2<'py, f64>,
+    usize,
+    Option<PyReadonlyArray2<'py, f64>>,
+);
+
+/// The arrays of a state at the nodes of the mesh.
+pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResult<StateTuple<'py>> {
+    let n = body.mesh().n_dofs();
+    let array = |numbers: &[f64]| match numbers {
+        [] => vectors(py, &vec![0.0; n]),
+        numbers => vectors(py, &numbers[..n]),
+    };
+    let [displacement, velocity] = [array(&state.displacement)?, array(&state.velocity)?];
+    let [momentum, low] = [array(&state.momentum)?, array(&state.displacement_low)?];
+    Ok((state.time, displacement, velocity, momentum, state.step, low))
+}
+
+/// The state of a body with given arrays.
+pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyResult<State> {
+    let (time, displacement, velocity, momentum, step, low) = given;
+    let n = body.mesh().n_dofs();
+    let numbers = |array: &PyReadonlyArray2<'_, f64>, name: &str| -> PyResult<Vec<f64>> {
+        let array = array.as_array();
+        if array.dim() != (n / 3, 3) {
+            let (rows, columns) = array.dim();
+            let message = format!("must have the shape ({}, 3), not ({rows}, {columns})", n / 3);
+            return Err(errors::argument(py, &format!("start.{name}"), &message));
+        }
+        Ok(array.iter().copied().collect())
+    };
+    let displaced = State::displaced(body, time, numbers(&displacement, "displacement")?, &[]);
+    let mut state = displaced.map_err(|error| errors::library(py, &error))?;
+    state.step = step;
+    state.velocity[..n].copy_from_slice(&numbers(&velocity, "velocity")?);
+    state.momentum[..n].copy_from_slice(&numbers(&momentum, "momentum")?);
+    if let Some(low) = low {
+        state.displacement_low[..n].copy_from_slice(&numbers(&low, "displacement_low")?);
+    }
+    Ok(state)
+}
+
+/// Everything that determines the rest of a motion.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Snapshot {
+    pub(crate) checkpoint: Checkpoint,
+}
+
+#[pymethods]
+impl Snapshot {
+    #[getter]
+    fn time(&self) -> f64 {
+        self.checkpoint.snapshot.state.time
+    }
+
+    #[getter]
+    fn number(&self) -> usize {
+        self.checkpoint.snapshot.state.step
+    }
+
+    fn __bytes__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = checkpoint::bytes(&self.checkpoint).map_err(|error| errors::results(py, &error))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        let read = checkpoint::parse(bytes);
+        let checkpoint = read.map_err(|reason| errors::results(py, &format!("the snapshot {reason}")))?;
+        Ok(Snapshot { checkpoint })
+    }
+}

@@ -1,0 +1,137 @@
+//! Rows of the history.
+
+use std::sync::Arc;
+
+use pyo3::exceptions::{PyAttributeError, PyKeyError};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+/// Counts of a step that are not columns.
+pub(crate) type Counts = (usize, usize, usize, usize, Option<String>);
+
+/// A step, with the columns of the history as attributes.
+#[pyclass(frozen, module = "emmy._emmy")]
+pub(crate) struct Step {
+    names: Arc<Vec<String>>,
+    row: Vec<f64>,
+    /// Cuts, rejections, releases, degree, linear solver.
+    counts: Counts,
+}
+
+impl Step {
+    pub(crate) fn with(names: Arc<Vec<String>>, row: Vec<f64>, counts: Counts) -> Self {
+        Step { names, row, counts }
+    }
+
+    fn number_of(&self, name: &str) -> Option<f64> {
+        let at = self.names.iter().position(|own| own == name)?;
+        self.row.get(at).copied()
+    }
+
+    fn vector(&self, name: &str) -> [f64; 3] {
+        ["x", "y", "z"].map(|axis| self.number_of(&format!("{name}_{axis}")).unwrap_or(f64::NAN))
+    }
+}
+
+/// Columns of whole numbers.
+pub(crate) fn is_whole(name: &str) -> bool {
+    matches!(name, "step" | "newton_iterations" | "degree")
+}
+
+#[pymethods]
+impl Step {
+    #[new]
+    fn new(names: Vec<String>, row: Vec<f64>, counts: Counts) -> Self {
+        Step { names: Arc::new(names), row, counts }
+    }
+
+    /// Number of the step; 0 at the start.
+    #[getter]
+    fn number(&self) -> usize {
+        self.row.first().map_or(0, |&number| number as usize)
+    }
+
+    #[getter]
+    fn linear_momentum<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
+        numpy::PyArray1::from_slice(py, &self.vector("linear_momentum"))
+    }
+
+    #[getter]
+    fn angular_momentum<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
+        numpy::PyArray1::from_slice(py, &self.vector("angular_momentum"))
+    }
+
+    #[getter]
+    fn cuts(&self) -> usize {
+        self.counts.0
+    }
+
+    #[getter]
+    fn rejections(&self) -> usize {
+        self.counts.1
+    }
+
+    #[getter]
+    fn releases(&self) -> usize {
+        self.counts.2
+    }
+
+    #[getter]
+    fn degree(&self) -> usize {
+        self.counts.3
+    }
+
+    #[getter]
+    fn solver(&self) -> Option<&str> {
+        self.counts.4.as_deref()
+    }
+
+    /// The columns of the history.
+    fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let number = self.number_of(name).filter(|_| name != "step").ok_or_else(|| {
+            PyAttributeError::new_err(format!(
+                "a step has no attribute {name:?}; it has {}",
+                self.names[1..].join(", ")
+            ))
+        })?;
+        match is_whole(name) {
+            true => Ok((number as i64).into_pyobject(py)?.into_any()),
+            false => Ok(number.into_pyobject(py)?.into_any()),
+        }
+    }
+
+    /// A column by its name.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        match name {
+            "step" => Ok(self.number().into_pyobject(py)?.into_any()),
+            name => self.__getattr__(py, name).map_err(|_| PyKeyError::new_err(name.to_string())),
+        }
+    }
+
+    fn __dir__(&self) -> Vec<String> {
+        let own =
+            ["number", "linear_momentum", "angular_momentum", "cuts", "rejections", "releases", "solver"];
+        self.names[1..].iter().cloned().chain(own.map(String::from)).collect()
+    }
+
+    fn __eq__(&self, other: &Step) -> bool {
+        self.names == other.names && self.row == other.row && self.counts == other.counts
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let own = slf.get();
+        let arguments = (own.names.to_vec(), own.row.clone(), own.counts.clone()).into_pyobject(slf.py())?;
+        Ok((slf.get_type().into_any(), arguments))
+    }
+
+    fn __repr__(&self) -> String {
+        let of = |name| self.number_of(name).unwrap_or(f64::NAN);
+        format!(
+            "<emmy.Step {}: t = {}, T + V = {}, energy residual {:.1e}>",
+            self.number(),
+            of("time"),
+            of("total_energy"),
+            of("energy_residual")
+        )
+    }
+}

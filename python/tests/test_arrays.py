@@ -1,0 +1,191 @@
+"""Arrays, and meshes of other packages."""
+
+import emmy
+import numpy as np
+import pytest
+
+#: Corners, edges and faces of the cells, in the order of VTK.
+HEX = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+HEX_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+HEX_FACES = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)]
+TET = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+TET_EDGES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+WEDGE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)]
+WEDGE_EDGES = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)]
+PYRAMID = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 1)]
+PYRAMID_EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)]
+TRI = TET[:3]
+QUAD = HEX[:4]
+
+KINDS = {
+    "hex8": (HEX, []),
+    "hex20": (HEX, HEX_EDGES),
+    "hex27": (HEX, [*HEX_EDGES, *HEX_FACES, tuple(range(8))]),
+    "tet4": (TET, []),
+    "tet10": (TET, TET_EDGES),
+    "wedge6": (WEDGE, []),
+    "wedge15": (WEDGE, WEDGE_EDGES),
+    "pyramid5": (PYRAMID, []),
+    "pyramid13": (PYRAMID, PYRAMID_EDGES),
+    "tri3": (TRI, []),
+    "tri6": (TRI, TET_EDGES[:3]),
+    "quad4": (QUAD, []),
+    "quad8": (QUAD, HEX_EDGES[:4]),
+    "quad9": (QUAD, [*HEX_EDGES[:4], (0, 1, 2, 3)]),
+}
+
+
+def one_cell(kind):
+    """A mesh of one cell with groups of every kind; its first facet is in a group."""
+    corners, between = KINDS[kind]
+    corners = np.array(corners, dtype=float)
+    points = np.vstack([corners, *(corners[list(nodes)].mean(axis=0) for nodes in between)])
+    is_plane = kind.startswith(("tri", "quad"))
+    first = {"tet": [0, 1, 3], "wed": [0, 1, 2]}.get(kind[:3], [0, 1] if is_plane else [0, 1, 2, 3])
+    return emmy.Mesh(
+        points,
+        {kind: [range(len(points))]},
+        cell_groups={"all of it": [0]},
+        facet_groups={"face": [first]},
+        node_groups={"corner": [0]},
+    )
+
+
+def assert_same(one, other):
+    assert np.array_equal(one.points, other.points)
+    assert list(one.cells) == list(other.cells)
+    for kind, nodes in one.cells.items():
+        assert np.array_equal(nodes, other.cells[kind])
+    assert one.groups == other.groups
+    for name in one.groups:
+        assert np.array_equal(one.group_nodes(name), other.group_nodes(name))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_round_trips(kind, tmp_path):
+    mesh = one_cell(kind)
+    assert mesh.groups == {"all of it": ("cells",), "corner": ("nodes",), "face": ("facets",)}
+    mesh.write("mesh.vtu")
+    assert_same(mesh, emmy.Mesh.read("mesh.vtu"))
+    pytest.importorskip("meshio")
+    from emmy import _convert
+    from meshio._mesh import topological_dimension
+
+    if _convert.OF_NAME[kind].meshio in topological_dimension:
+        assert_same(mesh, emmy.Mesh.from_meshio(mesh.to_meshio()))
+    else:
+        with pytest.raises(emmy.InputError, match=f"meshio .* cannot hold cells of the kind '{kind}'"):
+            mesh.to_meshio()
+    pytest.importorskip("pyvista")
+    assert_same(mesh, emmy.Mesh.from_pyvista(mesh.to_pyvista()))
+
+
+def test_round_trip_of_built_in_meshes():
+    pytest.importorskip("meshio")
+    pytest.importorskip("pyvista")
+    for mesh in (emmy.Mesh.l_block(1.0), emmy.Mesh.box((1, 2, 3), (2, 3, 4)), emmy.Mesh.rectangle((1, 2), (3, 4))):
+        assert_same(mesh, emmy.Mesh.from_meshio(mesh.to_meshio()))
+        assert_same(mesh, emmy.Mesh.from_pyvista(mesh.to_pyvista()))
+
+
+def test_gmsh():
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.addBox(0, 0, 0, 2, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1], name="body")
+        gmsh.model.addPhysicalGroup(2, [1], name="x-min")
+        gmsh.model.mesh.generate(3)
+        before = gmsh.option.getNumber("Mesh.Binary")
+        mesh = emmy.Mesh.from_gmsh()
+        assert gmsh.option.getNumber("Mesh.Binary") == before
+        assert mesh.groups == {"body": ("cells",), "x-min": ("facets",)}
+        assert np.all(mesh.points[mesh.group_nodes("x-min"), 0] == 0.0)
+        meshio = pytest.importorskip("meshio")
+        gmsh.write("box.msh")
+        assert emmy.Mesh.from_meshio(meshio.read("box.msh")).groups == mesh.groups
+    finally:
+        gmsh.finalize()
+
+
+def test_gmsh_without_a_model():
+    gmsh = pytest.importorskip("gmsh")
+    assert not gmsh.isInitialized()
+    with pytest.raises(RuntimeError, match="gmsh.initialize"):
+        emmy.Mesh.from_gmsh()
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        np.array(TET, dtype=np.float32),
+        np.asfortranarray(np.array(TET, dtype=float)),
+        np.repeat(np.array(TET, dtype=float), 2, axis=0)[::2],
+        [list(point) for point in TET],
+        np.array(TET, dtype=np.int32),
+    ],
+    ids=["float32", "Fortran", "strided", "lists", "int32"],
+)
+@pytest.mark.parametrize("kind", [np.int32, np.uint8, np.int64, np.uint64])
+def test_arrays_that_are_taken(points, kind):
+    mesh = emmy.Mesh(points, {"tet4": np.array([[0, 1, 2, 3]], dtype=kind)})
+    assert np.array_equal(mesh.points, np.array(TET, dtype=float))
+    assert mesh.points.dtype == np.float64 and mesh.points.flags.c_contiguous
+    assert mesh.cells["tet4"].dtype == np.int64
+
+
+def test_a_read_only_array_is_taken():
+    points = np.array(TET, dtype=float)
+    points.flags.writeable = False
+    assert emmy.Mesh(points, {"tet4": [[0, 1, 2, 3]]}).n_nodes == 4
+
+
+def test_arrays_of_a_motion_are_copies(spinning):
+    kept = spinning.displacement
+    before = kept.copy()
+    spinning.step(0.05)
+    assert np.array_equal(kept, before)
+    changed = spinning.displacement
+    changed[:] = 1e6
+    assert np.abs(spinning.displacement).max() < 10
+    assert changed.flags.c_contiguous and changed.flags.writeable
+
+
+def test_history(spinning):
+    history = spinning.run()
+    assert history.shape == (21,)
+    assert history["step"].dtype == np.int64 and history["newton_iterations"].dtype == np.int64
+    assert history["step"].tolist() == list(range(21))
+    assert history["time"] == pytest.approx(np.arange(21) * 0.05)
+    assert set(spinning.columns) == set(history.dtype.names)
+    pandas = pytest.importorskip("pandas")
+    assert len(pandas.DataFrame(history)) == 21
+
+
+def test_velocities_as_an_array():
+    from bodies import free_block
+
+    body = free_block()
+    velocity = np.cross([0.0, 0.0, 2.0], body.mesh.points)
+    one = emmy.Motion(body, steps=(0.5, 0.1), initial=velocity)
+    other = emmy.Motion(body, steps=(0.5, 0.1), initial=emmy.Initial(angular_velocity=(0, 0, 2)))
+    assert one.momentum == pytest.approx(other.momentum, abs=1e-14)
+    one.run(), other.run()
+    assert one.displacement == pytest.approx(other.displacement, abs=1e-12)
+
+
+def test_matrices(beam):
+    pytest.importorskip("scipy")
+    mass, stiffness = beam.mass(), beam.stiffness()
+    assert mass.shape == stiffness.shape == (beam.n_dofs, beam.n_dofs)
+    # A rigid translation has the mass and no force.
+    along = np.tile([0.0, 1.0, 0.0], beam.n_dofs // 3)
+    assert along @ (mass @ along) == pytest.approx(4.0, rel=1e-13)
+    assert np.abs(stiffness @ along).max() < 1e-9
+    # Derivative of the internal force.
+    rng = np.random.default_rng(1)
+    shift = 1e-6 * rng.standard_normal((beam.n_dofs // 3, 3))
+    difference = (beam.internal_force(shift) - beam.internal_force(-shift)).ravel() / 2
+    assert difference == pytest.approx(stiffness @ shift.ravel(), abs=1e-9)

@@ -1,0 +1,100 @@
+"""The listings of Python in README.md, the book and the README of the package.
+
+The listings of a page run in order, in one folder, with one set of variables:
+
+| listing | test |
+|---|---|
+| `python` | is run |
+| `text python` | lines that the listing before it prints, except for numbers; `...` stands for any others |
+| `toml NAME` | is written to NAME |
+| `python FILE` | is a part of FILE, which another test runs; `cargo test -p emmy-cli --test cli listings` checks that |
+
+`UPDATE_LISTINGS=1 pytest python/tests/test_book.py` writes the present output into the pages.
+"""
+
+import contextlib
+import io
+import os
+import re
+from pathlib import Path
+
+import emmy
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FENCE = re.compile(r"^```([^\n]+)\n(.*?)^```$", flags=re.M | re.S)
+PAGES = sorted(
+    str(path.relative_to(ROOT))
+    for path in [ROOT / "README.md", ROOT / "python/README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("book/src/**/*.md")]
+    if re.search(r"^```python$", path.read_text(encoding="utf-8"), flags=re.M)
+)
+
+
+def without_numbers(line):
+    return " ".join(re.sub(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?", "#", line).split())
+
+
+def shown(output, listing):
+    """The shown lines of an output with their present text."""
+    lines = iter(output.splitlines())
+    now = []
+    for line in listing.splitlines():
+        if line != "...":
+            line = next((own.rstrip() for own in lines if without_numbers(own) == without_numbers(line)), None)
+        if line is None:
+            return output
+        now.append(line)
+    return "".join(f"{line}\n" for line in now)
+
+
+def run_page(page):
+    """Runs the listings of a page; its variables."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    variables = {"__name__": "__main__"}
+    output, parts, end = "", [], 0
+    for found in FENCE.finditer(text):
+        words, listing = found[1].split(), found[2]
+        if words == ["python"]:
+            line = text[: found.start(2)].count("\n")
+            printed = io.StringIO()
+            with contextlib.redirect_stdout(printed):
+                exec(compile("\n" * line + listing, str(ROOT / page), "exec"), variables)
+            output = printed.getvalue()
+        elif words == ["text", "python"]:
+            now = shown(output, listing)
+            if "UPDATE_LISTINGS" in os.environ:
+                parts += [text[end : found.start(2)], now]
+                end = found.end(2)
+            else:
+                assert without_numbers(now) == without_numbers(listing), f"{page}:\n{output}"
+        elif len(words) == 2 and words[0] == "toml":
+            Path(words[1]).write_text(listing, encoding="utf-8")
+    if parts:
+        (ROOT / page).write_text("".join([*parts, text[end:]]), encoding="utf-8")
+    return variables
+
+
+@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.filterwarnings("default")
+def test_listings(page):
+    for package in ("gmsh", "matplotlib", "pandas", "pyvista", "scipy"):
+        pytest.importorskip(package)
+    own = run_page(page)
+    assert "emmy" in own
+
+
+def test_there_are_pages():
+    assert {"README.md", "book/src/index.md", "book/src/python.md", "python/README.md"} <= set(PAGES)
+
+
+def test_the_readme_has_one_problem_three_times():
+    own = run_page("README.md")
+    run = emmy.run("pulled.toml", set={"output.every": 0})
+    history = own["motion"].history
+    for column in history.dtype.names:
+        if column != "wall_seconds":
+            assert np.array_equal(history[column], run.history[column], equal_nan=True), column
+    # The work of the load, by `examples/first_program.rs`; then nothing changes it.
+    free = history["total_energy"][history["time"] > 0.2 - 1e-9]
+    assert free == pytest.approx(0.498328687637499, rel=1e-12)

@@ -1,0 +1,147 @@
+"""Files: inputs as objects, runs, results."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import emmy
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).parents[2] / "examples"
+INPUTS = sorted(FOLDER.glob("*.toml"))
+
+
+def without_time(history):
+    return {name: history[name] for name in history.dtype.names if name != "wall_seconds"}
+
+
+def assert_equal(one, other):
+    one, other = without_time(one), without_time(other)
+    assert list(one) == list(other)
+    for name in one:
+        assert np.array_equal(one[name], other[name], equal_nan=True), name
+
+
+def end(tree):
+    """So late that a few steps are done."""
+    time = tree["time"]
+    return 10 * time["steps"][0]["size"] if "steps" in time else time["until"] / 50
+
+
+def motion(body, tree):
+    """A motion by its arguments, from the tables of an input."""
+    time, output = tree["time"], tree.get("output", {})
+    steps = [(phase["until"], phase["size"]) for phase in time["steps"]] if "steps" in time else None
+    adaptive = dict(time["adaptive"]) if "adaptive" in time else None
+    initial = tree.get("initial", [])
+    return emmy.Motion(
+        body,
+        time["scheme"],
+        time["degree"],
+        steps=steps,
+        until=time.get("until"),
+        adaptive=emmy.Adaptive(adaptive.pop("tolerance"), **adaptive) if adaptive else None,
+        smallest_step=time.get("smallest_step"),
+        initial=[emmy.Initial(**own) for own in ([initial] if isinstance(initial, dict) else initial)],
+        equilibrium=tree.get("equilibrium"),
+        limits=tree.get("limits"),
+        solver=tree.get("solver", {}).get("kind", "auto"),
+        probes={probe["name"]: {**probe} for probe in output.get("probes", [])},
+        extremes=output.get("extremes"),
+        values=output.get("values"),
+        reactions=output.get("reactions"),
+        **tree["newton"],
+    )
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
+def test_inputs_as_objects(path):
+    if "time" not in tomllib.loads(path.read_text()):
+        pytest.skip("a static analysis")
+    problem = emmy.load(path)
+    until = end(tomllib.loads(problem.toml))
+    problem = emmy.load(path, until=until)
+    tree = tomllib.loads(problem.toml)
+    changes = {"output.interval": None} if "interval" in tree["output"] else {}
+    there = emmy.run(path, until=until, set=changes | {"output.every": 0}, output="run").history
+    assert len(there) > 1
+    assert_equal(problem.motion().run(), there)
+    own = problem.body
+    body = emmy.Body(own.mesh, own.regions, own.supports, own.loads, own.masses)
+    assert_equal(motion(body, tree).run(), there)
+
+
+def test_files_of_a_motion_are_those_of_a_run():
+    emmy.new("l-block")
+    problem = emmy.load("l-block.toml", until=0.1)
+    problem.motion().run(output="own", every=2)
+    run = emmy.run("l-block.toml", until=0.1, output="run")
+    own = emmy.Run("own")
+    assert_equal(own.history, run.history)
+    assert np.array_equal(own.newton, run.newton)
+    assert own.frames.times.tolist() == run.frames.times.tolist()
+    for one, other in zip(own.frames, run.frames, strict=True):
+        assert one.path.read_bytes() == other.path.read_bytes()
+    assert own.status == run.status == "done"
+
+
+def test_a_motion_from_memory_can_be_resumed(spinning):
+    spinning.run(output="out", until=0.5, checkpoint_every=1)
+    assert emmy.Run("out").history["time"][-1] == 0.5
+    run = emmy.resume("out", until=1.0)
+    spinning.run()
+    assert_equal(run.history, spinning.history)
+    assert emmy.report("out").exists()
+
+
+def test_a_run_of_nothing():
+    with pytest.raises(emmy.ResultsError, match="holds no run"):
+        emmy.Run(".")
+
+
+def test_output_is_not_overwritten_in_silence(spinning):
+    Path("out").mkdir()
+    Path("out/thesis.tex").write_text("mine")
+    with pytest.raises(emmy.Error, match="out"):
+        spinning.run(output="out")
+    assert [path.name for path in Path("out").iterdir()] == ["thesis.tex"]
+
+
+def test_set_removes_and_sets_every_kind_of_value():
+    emmy.new("l-block")
+    text = emmy.load(
+        "l-block.toml",
+        set={
+            "title": 'a "quote" and a \\',
+            "newton.max_iterations": 30,
+            "load.0.traction": np.array([1.0, 2.5, -3.0]),
+            "output.probes": [{"name": "end", "point": (0, 10, 0)}],
+            "output.every": None,
+        },
+    ).toml
+    tree = tomllib.loads(text)
+    assert tree["title"] == 'a "quote" and a \\'
+    assert tree["newton"]["max_iterations"] == 30
+    assert tree["load"][0]["traction"] == [1.0, 2.5, -3.0]
+    assert tree["output"]["probes"][0]["name"] == "end"
+    assert tree["output"]["every"] == 1
+
+
+def test_the_command_line():
+    answer = subprocess.run([sys.executable, "-m", "emmy", "--version"], capture_output=True, text=True)
+    assert answer.returncode == 0 and answer.stdout.strip() == f"emmy {emmy.__version__}"
+    answer = subprocess.run([sys.executable, "-m", "emmy", "run", "none.toml"], capture_output=True, text=True)
+    assert answer.returncode == 2 and "none.toml" in answer.stderr and answer.stdout == ""
+
+
+def test_lists():
+    assert {item.name for item in emmy.materials()} >= {material.model for material in classes()}
+    named = {item.name for item in emmy.materials()} - {"energy"}
+    assert named == {material.model for material in classes()} - {"energy"}
+
+
+def classes():
+    own = [value for value in vars(emmy).values() if isinstance(value, type) and issubclass(value, emmy.Material)]
+    return [value for value in own if value is not emmy.Material]

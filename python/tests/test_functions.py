@@ -1,0 +1,149 @@
+"""Functions of Python as histories and fields."""
+
+import gc
+import weakref
+
+import emmy
+import numpy as np
+import pytest
+
+from bodies import rubber
+
+
+def beam(**load):
+    mesh = emmy.Mesh.box((1, 4, 1), (1, 4, 1))
+    return emmy.Body(
+        mesh, emmy.Region(rubber(), density=1.0), emmy.Support("y-min", fix="xyz"), emmy.Load("y-max", **load)
+    )
+
+
+def pushed(until=0.5, **load):
+    return emmy.Motion(beam(**load), degree=2, steps=(until, 0.05))
+
+
+def test_a_function_that_says_1_is_no_history():
+    one, other = pushed(force=(1, 0, 3), history=lambda t: 1.0), pushed(force=(1, 0, 3))
+    one.run(), other.run()
+    energy = other.history["total_energy"]
+    assert one.history["total_energy"] == pytest.approx(energy, abs=1e-12 * energy.max())
+
+
+def test_a_function_is_its_expression():
+    one = pushed(force=(1, 0, 3), history=lambda t: np.sin(4 * t))
+    other = pushed(force=(1, 0, 3), history="sin(4*t)")
+    one.run(), other.run()
+    assert one.displacement == pytest.approx(other.displacement, abs=1e-12)
+
+
+def test_a_field_of_the_traction():
+    area = 1.0
+    one = pushed(traction=lambda points, t: np.tile([1.0 / area, 0.0, 0.0], (len(points), 1)) * np.sin(4 * t))
+    other = pushed(force=(1, 0, 0), history="sin(4*t)")
+    one.run(), other.run()
+    assert one.displacement == pytest.approx(other.displacement, abs=1e-10)
+
+
+def test_a_driven_support():
+    mesh = emmy.Mesh.box((1, 4, 1), (1, 4, 1))
+    region = emmy.Region(rubber(), density=1.0)
+
+    def motion(move):
+        body = emmy.Body(mesh, region, emmy.Support("y-min", fix="xz", move={"y": move}))
+        motion = emmy.Motion(body, degree=2, steps=(0.5, 0.05))
+        motion.run()
+        return motion.displacement
+
+    one = motion((lambda t: 0.1 * t**2, lambda t: 0.2 * t))
+    assert one == pytest.approx(motion("0.1*t^2"), abs=1e-12)
+
+
+class Mine(Exception):
+    pass
+
+
+def fails_at(time):
+    def history(t):
+        if t > time:
+            raise Mine(f"at {t}")
+        return 1.0
+
+    return history
+
+
+@pytest.mark.parametrize("plan", [{"steps": (0.5, 0.05)}, {"until": 0.5, "adaptive": 1e-3}])
+@pytest.mark.parametrize("observers", [[], [lambda step, motion: False]])
+def test_an_exception_comes_out_as_it_is(plan, observers):
+    motion = emmy.Motion(beam(force=(1, 0, 0), history=fails_at(0.2)), **plan)
+    with pytest.raises(Mine, match="at 0.2") as raised:
+        motion.run(observers=observers)
+    assert any("loads[0].history" in note for note in raised.value.__notes__)
+    assert motion.time <= 0.2 + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("value", "error"),
+    [(None, TypeError), (np.ones(2), TypeError), ("1", TypeError), (True, TypeError), (1j, TypeError)],
+)
+def test_what_is_no_number_shows_in_the_body(value, error):
+    with pytest.raises(error, match=r"loads\[0\].history"):
+        beam(force=(1, 0, 0), history=lambda t: value)
+
+
+def test_nan_ends_the_step():
+    motion = pushed(force=(1, 0, 0), history=lambda t: 1.0 if t < 0.2 else float("nan"))
+    with pytest.raises(emmy.ConvergenceError, match=r"loads\[0\].history.*nan"):
+        motion.run()
+    assert motion.time <= 0.2 + 1e-12
+
+
+def test_a_field_of_the_wrong_shape():
+    for value in (np.zeros(3), np.zeros((1, 3)), None):
+        with pytest.raises(TypeError, match=r"must return an array of shape \(4, 3\)") as raised:
+            beam(traction=lambda points, t, value=value: value)
+        assert any("loads[0].traction" in note for note in raised.value.__notes__)
+
+
+def test_a_wrong_signature_shows_in_the_body():
+    with pytest.raises(TypeError):
+        beam(force=(1, 0, 0), history=lambda: 1.0)
+
+
+def test_a_motion_at_work_is_not_asked():
+    motions = []
+
+    def history(t):
+        return motions[0].time if motions else 1.0
+
+    motions.append(pushed(force=(1, 0, 0), history=history))
+    with pytest.raises(RuntimeError, match="at work"):
+        motions[0].run()
+
+
+def test_a_cycle_is_collected():
+    class History:
+        def __call__(self, t):
+            return 1.0
+
+    history = History()
+    body = beam(force=(1, 0, 0), history=history)
+    history.body = body
+    gone = weakref.ref(history)
+    del body, history
+    gc.collect()
+    assert gone() is None
+
+
+def test_observers_stop_and_see_every_step():
+    motion = pushed(force=(1, 0, 0))
+    seen = []
+    motion.run(observers=[lambda step, motion: seen.append(step.number), lambda step, motion: step.number == 4])
+    assert seen == [1, 2, 3, 4] and motion.number == 4
+    motion.run()
+    assert motion.time == pytest.approx(0.5)
+
+
+def test_an_observer_may_look_at_the_motion():
+    motion = pushed(force=(1, 0, 0))
+    tips = []
+    motion.run(observers=[lambda step, motion: tips.append(motion.displacement[:, 0].max())])
+    assert len(tips) == 10 and tips[-1] == motion.displacement[:, 0].max()

@@ -1,0 +1,88 @@
+"""Pages in notebooks, and progress."""
+
+import re
+import sys
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import emmy
+import numpy as np
+from emmy import _notebook
+
+from bodies import spinning_block
+
+
+class Balanced(HTMLParser):
+    """Checks that every tag is closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.open = []
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in ("br",):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def checked(page):
+    parser = Balanced()
+    parser.feed(page)
+    assert parser.open == []
+    pictures = re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL)
+    for picture in pictures:
+        for line in ElementTree.fromstring(picture).iter("polyline"):
+            places = np.array([point.split(",") for point in line.attrib["points"].split()], dtype=float)
+            assert np.all((places >= 0) & (places <= [_notebook.WIDTH, _notebook.HEIGHT]))
+    return len(pictures)
+
+
+def test_motion(spinning):
+    assert checked(spinning._repr_html_()) == 0
+    history = spinning.run()
+    page = spinning._repr_html_()
+    assert checked(page) == 2
+    worst = np.abs(history["energy_residual"]).max()
+    largest = (history["kinetic_energy"] + np.abs(history["strain_energy"])).max()
+    assert f"worst energy residual of a step {worst / largest:.1e}" in page
+
+
+def test_run(spinning):
+    spinning.run(output="out")
+    page = emmy.Run("out")._repr_html_()
+    assert checked(page) == 2
+    assert "<iframe srcdoc=" in page and "done" in page
+
+
+def test_no_peak_is_lost():
+    values = np.zeros(100_000)
+    values[61_803] = 1.0
+    chosen = _notebook._fewer(values)
+    assert len(chosen) <= _notebook.MOST_POINTS and 61_803 in chosen
+
+
+def test_progress_without_tqdm(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    spinning_block().run(progress=True)
+    captured = capsys.readouterr()
+    assert captured.out == "" and "t 1 of 1  step 20" in captured.err
+
+
+def test_progress_with_tqdm(capsys):
+    import pytest
+
+    pytest.importorskip("tqdm")
+    spinning_block().run(progress=True)
+    captured = capsys.readouterr()
+    assert captured.out == "" and "100%" in captured.err
+
+
+def test_nothing_is_printed(capfd, spinning):
+    spinning.run(output="out")
+    emmy.new("l-block")
+    emmy.run("l-block.toml", until=0.05)
+    emmy.check("l-block.toml")
+    captured = capfd.readouterr()
+    assert captured.out == "" and captured.err == ""

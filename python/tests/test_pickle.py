@@ -1,0 +1,122 @@
+"""Pickles, copies and snapshots."""
+
+import copy
+import pickle
+from pathlib import Path
+
+import emmy
+import numpy as np
+import pytest
+
+from bodies import rubber, spinning_block
+
+
+def again(value):
+    return pickle.loads(pickle.dumps(value))
+
+
+def ramp(t):
+    return min(t, 1.0)
+
+
+def test_parts():
+    load = emmy.Load("y-max", force=np.array([1.0, 0.0, 0.0]), history=[(0, 0), (1, 1)])
+    parts = [
+        rubber(),
+        emmy.Ogden(mu=[1.0, -0.5], alpha=[2.0, -2.0], bulk_modulus=10.0),
+        emmy.Region(rubber(), density=1.0, group="body", viscosity=emmy.Viscosity(time=1e-3)),
+        emmy.Support("y-min", fix="xyz"),
+        load,
+        emmy.Mass("y-max", 2.0),
+        emmy.Initial(velocity=(1, 2, 3)),
+        emmy.Adaptive(1e-4, max_size=0.1),
+    ]
+    for part in parts:
+        assert again(part) == part
+        assert eval(repr(part), vars(emmy)) == part
+
+
+def test_body(beam):
+    own = emmy.Body(beam.mesh, beam.regions, beam.supports, emmy.Load("y-max", force=(1, 0, 0), history=ramp))
+    other = again(own)
+    assert other.regions == own.regions and other.loads == own.loads
+    assert np.array_equal(other.mesh.points, own.mesh.points) and other.mesh.groups == own.mesh.groups
+    one, two = (emmy.Motion(body, steps=(0.2, 0.05)) for body in (own, other))
+    one.run(), two.run()
+    assert np.array_equal(one.displacement, two.displacement)
+
+
+def test_mesh_of_links():
+    mesh = emmy.Mesh.network([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1], [1, 2]], {"end": [2]}, {"first": [0]})
+    other = again(mesh)
+    assert other.groups == mesh.groups and np.array_equal(other.cells["line2"], mesh.cells["line2"])
+
+
+def test_state_step_and_history(spinning):
+    spinning.run()
+    step, state = again(spinning.record), again(spinning.state)
+    assert step == spinning.record and step.time == spinning.time
+    assert np.array_equal(state.displacement, spinning.displacement) and state.step == 20
+    assert np.array_equal(again(spinning.history), spinning.history)
+
+
+def test_motion(spinning):
+    with pytest.raises(TypeError, match=r"a Motion cannot be pickled; pickle motion.snapshot\(\) and the body"):
+        pickle.dumps(spinning)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_copy(spinning, copied):
+    for _ in range(7):
+        next(spinning)
+    other = copied(spinning)
+    assert other.time == spinning.time and other.number == 7
+    next(spinning)
+    assert other.number == 7
+    spinning.run(), other.run()
+    assert np.array_equal(other.displacement, spinning.displacement)
+
+
+def test_copy_of_an_extended_motion(spinning):
+    spinning.run()
+    spinning.extend(1.5, 0.1)
+    other = copy.copy(spinning)
+    spinning.run(), other.run()
+    assert other.time == 1.5 and np.array_equal(other.displacement, spinning.displacement)
+
+
+@pytest.mark.parametrize("plan", [{"steps": (1.0, 0.05)}, {"steps": None, "until": 1.0, "adaptive": 1e-4}])
+def test_a_snapshot_goes_on_in_every_bit(plan):
+    whole = spinning_block(**plan)
+    while whole.time < 0.4:
+        next(whole)
+    snapshot = whole.snapshot()
+    snapshot.save("a.emmy")
+    whole.run()
+    for start in (snapshot, again(snapshot), emmy.Snapshot.load("a.emmy")):
+        rest = emmy.Motion(whole.body, **{"steps": None} | plan, start=start)
+        assert rest.time == snapshot.time and rest.number == snapshot.number
+        rest.run()
+        assert np.array_equal(rest.displacement, whole.displacement)
+        assert rest.number == whole.number
+
+
+def test_a_state_as_the_start(spinning):
+    for _ in range(10):
+        next(spinning)
+    rest = emmy.Motion(spinning.body, steps=(1.0, 0.05), start=spinning.state)
+    spinning.run(), rest.run()
+    assert rest.displacement == pytest.approx(spinning.displacement, abs=1e-9)
+
+
+def test_damaged_snapshots(spinning):
+    content = bytes(spinning.snapshot())
+    for damaged in (b"", content[:-1], content[: len(content) // 2], bytes([content[0] ^ 1]) + content[1:]):
+        Path("damaged.emmy").write_bytes(damaged)
+        with pytest.raises(emmy.ResultsError):
+            emmy.Snapshot.load("damaged.emmy")
+
+
+def test_a_snapshot_of_another_body(spinning, beam):
+    with pytest.raises(emmy.Error):
+        emmy.Motion(beam, steps=(1.0, 0.1), start=spinning.snapshot())

@@ -1,0 +1,130 @@
+"""Sweeps."""
+
+import csv
+import threading
+from pathlib import Path
+
+import emmy
+import numpy as np
+import pytest
+
+from bodies import free_block, rubber
+
+
+def make(speed, size=0.5):
+    return emmy.Motion(free_block(), steps=(1.0, size), initial=emmy.Initial(velocity=(speed, 0, 0)))
+
+
+VALUES = {"speed": [1.0, 2.0, 3.0], "size": [0.5, 0.25]}
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_order_is_that_of_the_parameters(workers):
+    sweep = emmy.sweep(make, VALUES, workers=workers)
+    assert sweep.table["speed"].tolist() == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
+    assert sweep.table["size"].tolist() == [0.5, 0.25] * 3
+    assert sweep.table["step"].tolist() == [2, 4] * 3
+    # A block of mass 2 in free flight.
+    assert sweep.table["kinetic_energy"] == pytest.approx(sweep.table["speed"] ** 2, rel=1e-12)
+    assert sweep.failures == {} and "linear_momentum_x" in sweep.columns and len(sweep) == 6
+
+
+def test_failed_runs_have_a_message():
+    def sometimes(limit):
+        initial = emmy.Initial(angular_velocity=(1, 2, 3))
+        return emmy.Motion(free_block(), "FE(1)", steps=(1.0, 0.1), initial=initial, limits={"energy": limit})
+
+    sweep = emmy.sweep(sometimes, {"limit": [1e-16, 1.0]})
+    assert list(sweep.failures) == [0] and "limit" in sweep.failures[0]
+    assert sweep.table["time"][1] == 1.0 and sweep.table["time"][0] < 1.0
+
+
+def test_bad_parameters_are_failures_and_bugs_are_not():
+    def dense(density):
+        body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=density))
+        return emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(1, 0, 0)))
+
+    sweep = emmy.sweep(dense, {"density": [1.0, -1.0]})
+    assert "density" in sweep.failures[1] and np.isnan(sweep.table["kinetic_energy"][1])
+    with pytest.raises(ZeroDivisionError):
+        emmy.sweep(lambda x: make(1 / x), {"x": [1.0, 0.0]})
+    with pytest.raises(TypeError, match="must return a Motion"):
+        emmy.sweep(lambda x: None, {"x": [1.0]})
+
+
+def test_measures_and_ends():
+    sweep = emmy.sweep(
+        make, {"speed": [1.0, 2.0]}, until=0.5, measure=lambda motion: {"way": motion.displacement[0, 0]}
+    )
+    assert sweep.table["way"] == pytest.approx([0.5, 1.0], rel=1e-12)
+    assert sweep.columns[-1] == "way"
+
+
+def test_an_interrupted_sweep_goes_on():
+    calls = []
+
+    def counted(speed, size):
+        calls.append((speed, size))
+        return make(speed, size)
+
+    def stopped(speed, size):
+        if speed == 3.0:
+            raise KeyboardInterrupt
+        return counted(speed, size)
+
+    with pytest.raises(KeyboardInterrupt):
+        emmy.sweep(stopped, VALUES, workers=1, output="sweep.csv")
+    with pytest.raises(emmy.ResultsError, match="resume=True"):
+        emmy.sweep(counted, VALUES, output="sweep.csv")
+    # A line that was cut when the process was killed.
+    with open("sweep.csv", "a") as file:
+        file.write("5,3.0,0.")
+    calls.clear()
+    sweep = emmy.sweep(counted, VALUES, output="sweep.csv", resume=True)
+    assert sorted(calls) == [(3.0, 0.25), (3.0, 0.5)]
+    whole = emmy.sweep(make, VALUES)
+    for name in whole.table.dtype.names:
+        if name != "wall_seconds":
+            assert np.array_equal(sweep.table[name], whole.table[name]), name
+    rows = list(csv.DictReader(Path("sweep.csv").read_text().splitlines()))
+    assert [row["run"] for row in rows] == ["1", "2", "3", "4", "5", "6"]
+    with pytest.raises(emmy.ResultsError, match="another sweep"):
+        emmy.sweep(make, {"speed": [7.0], "size": [0.5]}, output="sweep.csv", resume=True)
+
+
+def test_runs_are_side_by_side():
+    meeting = threading.Barrier(2, timeout=20)
+
+    def meet(x):
+        meeting.wait()
+        return make(x)
+
+    assert emmy.sweep(meet, {"x": [1.0, 2.0]}, workers=2).failures == {}
+
+
+def test_a_file():
+    path = emmy.new("spinning-block")
+    values = {"region.0.density": [0.5, 2.0], "time.scheme": ["DGM", "AS(5)"]}
+    sweep = emmy.sweep(path, values, until=0.5, output="sweep")
+    assert sweep.table["region.0.density"].tolist() == [0.5, 0.5, 2.0, 2.0]
+    assert sweep.table["time.scheme"].tolist() == ["DGM", "AS(5)"] * 2
+    alone = emmy.load(path, set={"region.0.density": 2.0}, until=0.5).motion().run()
+    assert sweep.table["total_energy"][2] == alone["total_energy"][-1]
+    again = emmy.sweep(emmy.load(path), values, until=0.5, output="sweep", resume=True)
+    assert np.array_equal(again.table["total_energy"], sweep.table["total_energy"])
+
+
+def test_a_file_with_failures():
+    path = emmy.new("spinning-block")
+    sweep = emmy.sweep(path, {"newton.max_iterations": [1, 20]}, until=0.2, output="sweep")
+    assert list(sweep.failures) == [0] and "step" in sweep.failures[0]
+    assert sweep.table["status"].tolist() == ["failed", "completed"]
+
+
+def test_mistakes():
+    with pytest.raises(emmy.InputError, match="nonsense"):
+        emmy.sweep(emmy.new("spinning-block"), {"nonsense": [1]}, until=0.2)
+    with pytest.raises(emmy.InputError, match="no values"):
+        emmy.sweep(make, {"speed": []})
+    with pytest.raises(TypeError, match="measure"):
+        emmy.sweep("spinning-block.toml", {"time.degree": [1]}, measure=dict)
