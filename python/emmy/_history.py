@@ -22,7 +22,7 @@ class Event(NamedTuple):
     time : float
         Its time.
     kind : str
-        "cut", "grown", "rejected", "degree", "release", "lost-frames" or "rounding-floor".
+        "cut", "grown", "rejected", "degree", "release", "lost-frames", "rounding-floor" or "unresolved".
     message : str
         What happened.
 

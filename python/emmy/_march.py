@@ -18,12 +18,11 @@ def march(motion: Motion, until: float | None, observers: Sequence[Observer], pr
     """Marches to the end of the plan or to a time; whether it came there."""
     native = motion._native
     end = native.end if until is None else min(until, native.end)
-    start = native.time
-    with Progress(progress, end - start, "t") as bar:
+    with Progress(progress, end, "t", start=native.time) as bar:
         while native.advance(0.0 if observers else SLICE, until):
             step = native.record()
             if progress:
-                bar.to(native.time - start, f"step {native.number}, energy balance {step.energy_residual:.0e}")
+                bar.to(native.time, f"step {native.number}, energy balance {step.energy_residual:.0e}")
             # Every observer sees the step, also if an earlier one stops the run.
             if any([observer(step, motion) for observer in observers]):  # noqa: C419
                 return native.time >= end

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
@@ -14,7 +15,7 @@ from . import _words as words
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body
 from ._emmy import Step
-from ._errors import ConvergenceError, LimitExceeded
+from ._errors import ConvergenceError, EmmyWarning, LimitExceeded
 from ._march import march
 from ._parts import Adaptive, Initial
 from ._state import Snapshot, State
@@ -123,6 +124,7 @@ class Motion(MotionView):
         native_start = start._native if isinstance(start, Snapshot) else start._tuple() if start is not None else None
         self._native = _emmy.Motion(tree, body._native, native_start, adjoint)
         self._rows = self._native.rows(0)
+        _warn(self._native.notes)
 
     @classmethod
     def _of(
@@ -142,6 +144,7 @@ class Motion(MotionView):
         if step is None:
             if not self._native.has_plan:
                 raise RuntimeError(NO_PLAN)
+            _warn(self._native.doubts())
             raise StopIteration
         return step
 
@@ -268,6 +271,7 @@ class Motion(MotionView):
             if given is not None:
                 raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
             march(self, until, tuple(observers), progress)
+            _warn(self._native.doubts())
             return self.history
         self._native.open(words.tree(words.plain(given, "output"), "output"))
         status, message = "failed", None
@@ -288,6 +292,7 @@ class Motion(MotionView):
             raise
         finally:
             self._native.close(status, message)
+        _warn(self._native.doubts())
         return self.history
 
     def gradient(self, goal: Goal, parameters: Sequence[Parameter] = ()) -> Gradient:
@@ -366,6 +371,11 @@ class Motion(MotionView):
 
     def __reduce__(self) -> tuple[Any, ...]:
         raise TypeError("a Motion cannot be pickled; pickle motion.snapshot() and the body")
+
+
+def _warn(messages: Iterable[str]) -> None:
+    for message in messages:
+        warnings.warn(message, EmmyWarning, stacklevel=3)
 
 
 def _moving(body: Body, velocity: ArrayLike, start: Snapshot | State | None) -> State:

@@ -26,7 +26,7 @@ class Viscosity(Table):
     Raises
     ------
     InputError
-        In `Region`, if none is given, or a value is not positive.
+        If none is given, or a value is not positive; in `Region`, if a material of links has another than ``time``.
 
     Examples
     --------
@@ -38,9 +38,6 @@ class Viscosity(Table):
     time: float | None = None
     shear: float | None = None
     bulk: float | None = None
-
-    def _check(self) -> None:
-        """The region checks it, since a material of links restricts it."""
 
 
 class Region(Table):

@@ -8,10 +8,10 @@ from typing import Any, Self
 
 
 class Progress:
-    """Shows how far something is."""
+    """Shows how far something is, from a start to a total."""
 
-    def __init__(self, is_on: bool, total: float, unit: str) -> None:
-        self._total, self._unit, self._at = total, unit, 0.0
+    def __init__(self, is_on: bool, total: float, unit: str, start: float = 0.0) -> None:
+        self._total, self._unit, self._at = total, unit, start
         self._is_on = is_on
         self._bar: Any = None
         if is_on:
@@ -20,7 +20,7 @@ class Progress:
             except ImportError:
                 return
             form = "{l_bar}{bar}| {n:.6g}/{total:.6g} [{elapsed}<{remaining}{postfix}]"
-            self._bar = tqdm(total=total, desc=unit, bar_format=form, leave=True)
+            self._bar = tqdm(total=total, initial=start, desc=unit, bar_format=form, leave=True)
 
     def to(self, at: float, note: str) -> None:
         """Moves to a place."""

@@ -7,7 +7,6 @@ import json
 import os
 import xml.etree.ElementTree as xml
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any, overload
 
@@ -27,7 +26,7 @@ class Frame:
     time : float
         Time.
     path : pathlib.Path
-        File.
+        File: a `.vtu` file, or the `.vtkhdf` file of all frames.
 
     Examples
     --------
@@ -35,9 +34,10 @@ class Frame:
     0.5
     """
 
-    def __init__(self, time: float, path: str | os.PathLike[str]) -> None:
+    def __init__(self, time: float, path: str | os.PathLike[str], index: int | None = None) -> None:
         self.time = time
         self.path = Path(path)
+        self._index = index
 
     def to_pyvista(self) -> Any:
         """The frame as a grid of PyVista.
@@ -65,7 +65,12 @@ class Frame:
             import pyvista
         except ImportError:
             raise missing("to_pyvista", "PyVista", "emmy-fem[pyvista]") from None
-        return pyvista.read(self.path)
+        if self._index is None:
+            return pyvista.read(self.path)
+        reader = _series(self.path)
+        reader.SetStep(self._index)
+        reader.Update()
+        return pyvista.wrap(reader.GetOutput())
 
     def __repr__(self) -> str:
         return f"<emmy.Frame: t = {self.time:.6g}, {self.path}>"
@@ -177,28 +182,39 @@ class Run:
         """Path of the input with all defaults."""
         return self._directory / "input.toml"
 
-    @cached_property
-    def _collection(self) -> Path:
-        found = sorted(self._directory.glob("*.pvd"))
-        if not found:
-            own = sorted(self._directory.glob("*.vtkhdf"))
-            hint = f"; its frames are in {own[0]}, for a reader of VTKHDF" if own else ""
-            raise ResultsError(f"{self._directory} has no .vtu frames{hint}")
-        return found[0]
-
     @property
     def frames(self) -> Frames:
-        """Frames in `.vtu` files."""
-        entries = xml.fromstring(_read(self._collection)).iter("DataSet")
-        return Frames(
-            [Frame(float(entry.attrib["timestep"]), self._directory / entry.attrib["file"]) for entry in entries]
-        )
+        """Frames in `.vtu` files, or in a `.vtkhdf` file, which PyVista reads."""
+        for path in sorted(self._directory.glob("*.pvd")):
+            entries = xml.fromstring(_read(path)).iter("DataSet")
+            return Frames([Frame(float(own.attrib["timestep"]), self._directory / own.attrib["file"]) for own in entries])
+        for path in sorted(self._directory.glob("*.vtkhdf")):
+            return Frames([Frame(time, path, index) for index, time in enumerate(_times(_series(path)))])
+        raise ResultsError(f"{self._directory} has no frames")
 
     def __repr__(self) -> str:
         return f"<emmy.Run: {self._directory}, {self.status}>"
 
     def _repr_html_(self) -> str:
         return _notebook.run(self)
+
+
+def _series(path: Path) -> Any:
+    """A reader of the frames in a `.vtkhdf` file."""
+    try:
+        from vtkmodules.vtkIOHDF import vtkHDFReader
+    except ImportError:
+        raise missing("frames", "PyVista", "emmy-fem[pyvista]") from None
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    return reader
+
+
+def _times(reader: Any) -> list[float]:
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+
+    return [float(time) for time in reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())]
 
 
 def _read(path: Path) -> str:

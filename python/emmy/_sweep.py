@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +24,7 @@ from ._run import StrPath, call, flags, toml
 from ._studies import Problem
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
     """Runs over combinations of parameters.
 
@@ -37,7 +38,7 @@ class Sweep:
         A row for each run, with its parameters and its results; the last parameter changes fastest. The results of a
         failed run are those of its last good step, or NaN if there is none.
     failures : dict of int to str
-        Message of each failed run by its row.
+        Message of each failed run by its row in `table`, counted from 0.
     path : pathlib.Path or None
         CSV file of the rows.
 
@@ -60,6 +61,9 @@ class Sweep:
 
     def __len__(self) -> int:
         return len(self.table)
+
+    def __repr__(self) -> str:
+        return f"<emmy.Sweep over {', '.join(self.parameters)}: {len(self)} runs, {len(self.failures)} failed>"
 
 
 def sweep(
@@ -107,6 +111,13 @@ def sweep(
         If the input or a key is bad.
     ResultsError
         If `output` exists and `resume` is not given, or holds another sweep.
+    TypeError
+        If the function has other parameters.
+
+    Notes
+    -----
+    An `emmy.Error` fails its run only. Any other exception of the function or of `measure` ends the sweep; the rows in
+    `output` stay, and `resume=True` continues it.
 
     Examples
     --------
@@ -181,6 +192,7 @@ def _of_function(
 ) -> Sweep:
     """A sweep on threads: the library releases Python's lock in each step."""
     runs = _runs(values)
+    _check_parameters(make, runs[0])
     file = None if path is None else _rows.RowFile(path, runs, resume)
     rows: dict[int, Row] = {} if file is None else file.rows
     stop = threading.Event()
@@ -213,6 +225,17 @@ def _of_function(
     columns |= {name: [row.get(name, np.nan) for row, _ in ordered] for name in names if name not in values}
     failures = {index: message for index, (_, message) in enumerate(ordered) if message is not None}
     return Sweep(values, [name for name in names if name not in values], record_array(columns), failures, path)
+
+
+def _check_parameters(make: Callable[..., Motion], parameters: Mapping[str, Any]) -> None:
+    try:
+        signature = inspect.signature(make)
+    except ValueError:  # of some builtins
+        return
+    try:
+        signature.bind(**parameters)
+    except TypeError as error:
+        raise TypeError(f"parameters: {error}") from None
 
 
 def _as_done(futures: set[Future[tuple[int, Row]]]) -> Iterator[tuple[int, Row]]:

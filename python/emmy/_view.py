@@ -93,6 +93,11 @@ class MotionView:
         return [Event(*event) for event in self._native.events()]
 
     @property
+    def notes(self) -> list[str]:
+        """What was noticed when the motion was made."""
+        return self._native.notes
+
+    @property
     def newton_residuals(self) -> NDArray[np.float64]:
         """Residuals of Newton's iteration in the last step."""
         return np.asarray(self._native.newton_residuals, dtype=np.float64)

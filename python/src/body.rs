@@ -261,26 +261,29 @@ impl Body {
         &self.problem.resolved
     }
 
-    /// Remarks of the reader on the body; that nothing moves it is one on a motion.
+    /// Remarks of the reader on the body; that nothing moves it concerns a motion.
     #[getter]
-    fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let notes = self.problem.notes.iter();
         let of_motion = [input::NOTHING_MOVES, input::UNLOADED];
         notes.filter(|note| !of_motion.contains(&note.as_str())).cloned().collect()
     }
 
-    /// Consistent mass matrix.
-    fn mass<'py>(&self, py: Python<'py>) -> PyResult<Sparse<'py>> {
-        self.displacement(py, None)?;
+    /// Consistent mass matrix of the nodes of the mesh; internal nodes of incompatible modes are massless.
+    fn mass<'py>(&self, py: Python<'py>) -> Sparse<'py> {
         let body = self.inner();
         let pattern = body.pattern();
+        let n_nodes = body.mesh().n_nodes();
         let block = |position: usize| {
             let mass = body.mass()[position];
             std::array::from_fn(|entry| if entry % 4 == 0 { mass } else { 0.0 })
         };
-        let row = |row: usize| pattern.row(row).iter().copied().zip(pattern.range(row).map(block)).collect();
-        let rows: Vec<Vec<(u32, [f64; 9])>> = (0..pattern.n_rows()).map(row).collect();
-        Ok(sparse(py, &rows))
+        let row = |row: usize| {
+            let row = pattern.row(row).iter().copied().zip(pattern.range(row).map(block));
+            row.filter(|&(column, _)| (column as usize) < n_nodes).collect()
+        };
+        let rows: Vec<Vec<(u32, [f64; 9])>> = (0..n_nodes).map(row).collect();
+        sparse(py, &rows)
     }
 
     /// Stiffness at a displacement.

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use emmy::body::{self, TimeFunction};
+use emmy::motion::ObserverResult;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -25,9 +26,12 @@ impl Callables {
         self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Whether a function has failed.
-    pub(crate) fn has_raised(&self) -> bool {
-        self.raised.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    /// Ends a march after an exception; smaller steps would not help.
+    pub(crate) fn check(&self) -> ObserverResult {
+        match *self.raised.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(_) => Err("a function of the body failed".into()),
+            None => Ok(()),
+        }
     }
 
     /// Whether there are no functions.

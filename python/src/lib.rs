@@ -1,8 +1,7 @@
 //! The private module `emmy._emmy`: the library behind the package `emmy` of Python.
 //!
-//! It contains no mathematics and knows no key of the input: the package hands over trees with the words of the input
-//! file, which `emmy_io::input` checks. Everything that takes longer than a microsecond runs without the lock of the
-//! interpreter, in a thread pool of Emmy's own.
+//! This layer only translates. The package passes trees with the words of the input file, and `emmy_io::input` checks
+//! them. All work of more than a microsecond releases the lock of the interpreter and runs in Emmy's own thread pool.
 
 mod adjoint;
 mod body;
@@ -14,9 +13,11 @@ mod plan;
 mod pool;
 mod running;
 mod snapshot;
+mod starting;
 mod step;
 mod tree;
 mod verbs;
+mod work;
 
 use pyo3::prelude::*;
 

@@ -1,13 +1,12 @@
 //! Motions.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
 use emmy::body::{FieldName, Fields, Place};
 use emmy::motion::{MarchError, State};
-use emmy_io::checkpoint::{Checkpoint, Identity};
+use emmy_io::checkpoint::Checkpoint;
 use emmy_io::directory;
-use emmy_io::input::{Problem, Tree};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use numpy::{PyArray1, PyArray2};
@@ -20,10 +19,11 @@ use crate::adjoint::{Goal, GoalError, Gradient, Parameter};
 use crate::body::{Body, entries};
 use crate::function::Callables;
 use crate::mesh::{table_of, vectors};
-use crate::running::{Running, Start};
-use crate::snapshot::{Snapshot, StateArrays, StateTuple, arrays, tuple};
+use crate::snapshot::{Snapshot, StateTuple, tuple};
+use crate::starting::{self, Given};
 use crate::step::{Step, is_whole};
 use crate::tree::tree;
+use crate::work::Work;
 use crate::{errors, plan, pool};
 
 /// A motion. It is locked while it works, and the lock is only ever tried.
@@ -32,20 +32,6 @@ pub(crate) struct Motion {
     body: Py<Body>,
     callables: Callables,
     work: Mutex<Work>,
-}
-
-struct Work {
-    running: Running,
-    /// The sections of the input that describe the motion.
-    further: Vec<(String, Tree)>,
-    has_plan: bool,
-}
-
-/// Where a motion starts.
-#[derive(FromPyObject)]
-enum Given<'py> {
-    Snapshot(Py<Snapshot>),
-    State(StateArrays<'py>),
 }
 
 impl Motion {
@@ -61,7 +47,7 @@ impl Motion {
         }
     }
 
-    /// What a march has raised: the exception of a function, else the error of the step or of an observer.
+    /// The exception that ends a march: that of a function of the body, or else the error itself.
     fn raised(&self, py: Python<'_>, error: MarchError) -> PyErr {
         self.callables.take_raised().unwrap_or_else(|| errors::march(py, error))
     }
@@ -75,32 +61,6 @@ impl Motion {
         let work = self.lock()?;
         let motion = work.running.motion();
         vectors(py, &of(motion.state())[..motion.body().mesh().n_dofs()])
-    }
-}
-
-impl Work {
-    fn step(&self) -> Step {
-        let recorder = &self.running.recorder;
-        let record = self.running.motion().record();
-        let row = recorder.rows[recorder.rows.len() - recorder.names.len()..].to_vec();
-        let solver = record.solver.map(|solver| solver.to_string());
-        let counts = (record.cuts, record.rejections, record.releases, record.degree, solver);
-        Step::with(recorder.names.clone(), row, counts)
-    }
-
-    /// The fields of the body, computed on first use.
-    fn fields(&mut self) -> Arc<Fields> {
-        if let Some(fields) = &self.running.fields {
-            return fields.clone();
-        }
-        let fields = Arc::new(Fields::new(self.running.motion().body()));
-        self.running.fields.insert(fields).clone()
-    }
-
-    /// The run to which a snapshot belongs.
-    fn identity(&mut self) -> Identity {
-        let problem = self.running.cell.borrow_owner();
-        self.running.identity.get_or_insert_with(|| Identity::new(problem)).clone()
     }
 }
 
@@ -128,52 +88,8 @@ impl Motion {
         start: Option<Given<'_>>,
         adjoint: bool,
     ) -> PyResult<Self> {
-        let own = body.get();
-        let callables = own.callables.clone();
-        let mut further = entries(tree(sections, "", &mut Callables::default())?);
-        let (state, snapshot) = match start {
-            Some(Given::State(given)) => (Some(arrays(py, own.inner(), given)?), None),
-            Some(Given::Snapshot(snapshot)) => (None, Some(snapshot.get().checkpoint.clone())),
-            None => (None, None),
-        };
-        let at =
-            snapshot.as_ref().map(|own| own.snapshot.state.time).or(state.as_ref().map(|state| state.time));
-        let has_plan = plan::begin_at(&mut further, at);
-        let problem = own.problem(py, further.clone())?;
-        let snapshot = snapshot.map(|snapshot| fitting(py, &problem, snapshot)).transpose()?;
-        let start: &Start<'_> = &|problem: &Problem| {
-            if let Some(snapshot) = &snapshot {
-                let mut motion = emmy::motion::Motion::resumed(
-                    &problem.body,
-                    problem.scheme,
-                    problem.newton,
-                    snapshot.snapshot.clone(),
-                )?;
-                motion.allow_cuts(problem.smallest_step);
-                return Ok(motion);
-            }
-            match &state {
-                Some(state) => {
-                    let settings = problem.newton;
-                    let state = state.clone();
-                    let mut motion =
-                        emmy::motion::Motion::starting(&problem.body, problem.scheme, settings, state)?;
-                    motion.allow_cuts(problem.smallest_step);
-                    Ok(motion)
-                }
-                None => problem.motion(&mut []),
-            }
-        };
-        if snapshot.is_none() {
-            let stable = pool::work(py, || problem.critical_step(state.as_ref()))?;
-            stable.map_err(|error| errors::input(py, &error))?;
-        }
-        let running = pool::work(py, || Running::new(problem.clone(), callables.clone(), adjoint, start))?;
-        let running = match running {
-            Ok(running) => running,
-            Err(error) => return Err(callables.take_raised().unwrap_or_else(|| errors::start(py, error))),
-        };
-        Ok(Motion { callables, work: Mutex::new(Work { running, further, has_plan }), body })
+        let work = starting::start(py, body.get(), sections, start, adjoint)?;
+        Ok(Motion { callables: body.get().callables.clone(), work: Mutex::new(work), body })
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
@@ -301,6 +217,17 @@ impl Motion {
         Ok((steps > 0).then(|| work.step()))
     }
 
+    /// Remarks of the reader that concern the motion.
+    #[getter]
+    fn notes(&self) -> PyResult<Vec<String>> {
+        Ok(self.lock()?.notes.clone())
+    }
+
+    /// Doubts about the steps since the last call.
+    fn doubts(&self) -> PyResult<Vec<String>> {
+        Ok(self.lock()?.doubts())
+    }
+
     /// Steps of the plan during a wall time in seconds, at least one; returns their number, 0 at the end of the plan or at a
     /// time.
     fn advance(&self, py: Python<'_>, seconds: f64, until: Option<f64>) -> PyResult<usize> {
@@ -421,9 +348,9 @@ impl Motion {
         parameters: Vec<PyRef<'_, Parameter>>,
     ) -> PyResult<Gradient> {
         let work = self.lock()?;
-        let trajectory = trajectory(&work)?;
+        let trajectory = work.trajectory()?;
         let n_dofs = work.running.motion().body().mesh().n_dofs();
-        check_goal(py, &work, goal)?;
+        work.check_goal(py, goal)?;
         let parameters: Vec<_> = parameters.iter().map(|own| own.parameter.clone()).collect();
         let gradient = pool::work(py, || trajectory.gradient(&goal.goal, &parameters))?;
         let gradient = gradient.map_err(|error| errors::library(py, &error))?;
@@ -433,41 +360,9 @@ impl Motion {
     /// Error of a goal.
     fn goal_error(&self, py: Python<'_>, goal: &Goal) -> PyResult<GoalError> {
         let work = self.lock()?;
-        let trajectory = trajectory(&work)?;
-        check_goal(py, &work, goal)?;
+        let trajectory = work.trajectory()?;
+        work.check_goal(py, goal)?;
         let error = pool::work(py, || trajectory.goal_error(&goal.goal))?;
         Ok(GoalError { error: error.map_err(|error| errors::library(py, &error))? })
     }
-}
-
-/// The trajectory of a motion that has done a step.
-fn trajectory(work: &Work) -> PyResult<&emmy::adjoint::Trajectory<'_>> {
-    match &work.running.cell.borrow_dependent().trajectory {
-        None => Err(PyRuntimeError::new_err("the motion keeps no trajectory; make it with adjoint=True")),
-        Some(trajectory) if trajectory.n_steps() == 0 => {
-            Err(PyRuntimeError::new_err("the motion has done no step, of which a goal depends"))
-        }
-        Some(trajectory) => Ok(trajectory),
-    }
-}
-
-fn check_goal(py: Python<'_>, work: &Work, goal: &Goal) -> PyResult<()> {
-    match work.running.motion().state().displacement.len() == goal.goal.displacement.len() {
-        true => Ok(()),
-        false => Err(errors::argument(py, "goal", "it belongs to a body with another number of nodes")),
-    }
-}
-
-/// A snapshot for a problem; the memory of another scheme, degree or solver is left out.
-fn fitting(py: Python<'_>, problem: &Problem, mut snapshot: Checkpoint) -> PyResult<Checkpoint> {
-    let now = Identity::new(problem);
-    if now.mesh != snapshot.identity.mesh {
-        let message =
-            format!("the snapshot belongs to another mesh: {}, here {}", snapshot.identity.mesh, now.mesh);
-        return Err(errors::argument(py, "start", &message));
-    }
-    if !snapshot.identity.has_same_stepper(&now) {
-        (snapshot.snapshot.memory, snapshot.snapshot.control) = (None, None);
-    }
-    Ok(snapshot)
 }

@@ -3,19 +3,19 @@
 use emmy::motion::{Phase, StepPlan};
 use emmy_io::input::Tree;
 
-/// A table of a tree, created if it is missing.
-fn table<'a>(sections: &'a mut Vec<(String, Tree)>, key: &str) -> &'a mut Vec<(String, Tree)> {
-    let at = sections.iter().position(|(own, _)| own == key).unwrap_or_else(|| {
-        sections.push((key.to_string(), Tree::Table(Vec::new())));
-        sections.len() - 1
-    });
-    if !matches!(sections[at].1, Tree::Table(_)) {
-        sections[at].1 = Tree::Table(Vec::new());
-    }
-    match &mut sections[at].1 {
-        Tree::Table(entries) => entries,
-        _ => unreachable!("it was made a table"),
-    }
+use crate::body::entries;
+
+/// Changes the entries of a table, which is created if it is missing.
+fn edit<T>(
+    sections: &mut Vec<(String, Tree)>,
+    key: &str,
+    change: impl FnOnce(&mut Vec<(String, Tree)>) -> T,
+) -> T {
+    let at = sections.iter().position(|(own, _)| own == key);
+    let mut table = at.map_or(Vec::new(), |at| entries(sections.remove(at).1));
+    let value = change(&mut table);
+    sections.insert(at.unwrap_or(sections.len()), (key.to_string(), Tree::Table(table)));
+    value
 }
 
 fn set(entries: &mut Vec<(String, Tree)>, key: &str, value: Tree) {
@@ -52,12 +52,13 @@ pub(crate) fn begin_at(sections: &mut Vec<(String, Tree)>, start: Option<f64>) -
     if !has(sections, "time") && has(sections, "equilibrium") {
         return true;
     }
-    let time = table(sections, "time");
-    let start = start.filter(|&start| start > 0.0);
+    edit(sections, "time", |time| {
+        has(time, "adaptive") || begin_steps_at(time, start.filter(|&start| start > 0.0))
+    })
+}
+
+fn begin_steps_at(time: &mut Vec<(String, Tree)>, start: Option<f64>) -> bool {
     let lead = start.map(|start| Phase { until: start, size: start });
-    if has(time, "adaptive") {
-        return true;
-    }
     let Some((_, steps)) = time.iter_mut().find(|(key, _)| key == "steps") else {
         let end = Phase { until: start.unwrap_or(0.0) + 1.0, size: 1.0 };
         set(time, "steps", Tree::List(lead.into_iter().chain([end]).map(phase).collect()));
@@ -83,10 +84,16 @@ pub(crate) fn extend(
     end: f64,
     size: Option<f64>,
 ) {
-    let time = table(sections, "time");
-    if has(time, "adaptive") {
-        return set(time, "until", Tree::Number(end));
-    }
+    edit(sections, "time", |time| match has(time, "adaptive") {
+        true => set(time, "until", Tree::Number(end)),
+        false => {
+            set(time, "steps", Tree::List(phases(plan, now, end, size).into_iter().map(phase).collect()))
+        }
+    });
+}
+
+/// The phases of a plan with its end at another time.
+fn phases(plan: Option<&StepPlan>, now: f64, end: f64, size: Option<f64>) -> Vec<Phase> {
     let before = plan.map_or(&[][..], StepPlan::phases);
     let mut phases: Vec<Phase> = before.iter().copied().filter(|phase| phase.until < end).collect();
     if plan.is_none() && now > 0.0 {
@@ -103,11 +110,10 @@ pub(crate) fn extend(
         },
         (None, None, None) => {}
     }
-    set(time, "steps", Tree::List(phases.into_iter().map(phase).collect()));
+    phases
 }
 
 /// Adds the keys of a table `output`.
 pub(crate) fn add_output(sections: &mut Vec<(String, Tree)>, given: Vec<(String, Tree)>) {
-    let output = table(sections, "output");
-    given.into_iter().for_each(|(key, value)| set(output, &key, value));
+    edit(sections, "output", |output| given.into_iter().for_each(|(key, value)| set(output, &key, value)));
 }

@@ -1,5 +1,6 @@
 //! A motion together with its body, and what is kept of its steps.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,7 @@ pub(crate) struct Recorder {
 
 impl Observer for Recorder {
     fn observe(&mut self, view: View<'_>) -> ObserverResult {
+        self.callables.check()?;
         let row = self.columns.row(view, self.started.elapsed().as_secs_f64());
         self.rows.extend(row.numbers.iter().map(|number| number.value()));
         Ok(limits::check(&self.limits, view.motion.statistics())?)
@@ -64,7 +66,7 @@ impl Observer for Recorder {
     /// After an exception in a function, smaller steps do not help.
     fn notice(&mut self, event: &Event) -> ObserverResult {
         self.events.push(event.clone());
-        if self.callables.has_raised() { Err("a function of the body failed".into()) } else { Ok(()) }
+        self.callables.check()
     }
 }
 
@@ -113,13 +115,7 @@ impl Running {
         let (recorder, results) = (&mut self.recorder, &mut self.results);
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
             let mut trajectory = trajectory.as_mut().map(Watched);
-            let view = View {
-                body: motion.body(),
-                state: motion.state(),
-                record: motion.record(),
-                newton_residuals: motion.stepper().newton_history(),
-                motion,
-            };
+            let view = motion.view();
             for observer in observers(recorder, results, &mut trajectory) {
                 observer.observe(view).map_err(MarchError::Observer)?;
             }
@@ -129,15 +125,7 @@ impl Running {
 
     /// Shows the present state to results that begin here.
     pub(crate) fn open(&mut self, mut results: Results) -> Result<(), MarchError> {
-        let motion = self.motion();
-        let view = View {
-            body: motion.body(),
-            state: motion.state(),
-            record: motion.record(),
-            newton_residuals: motion.stepper().newton_history(),
-            motion,
-        };
-        results.observe(view).map_err(MarchError::Observer)?;
+        results.observe(self.motion().view()).map_err(MarchError::Observer)?;
         self.results = Some(results);
         Ok(())
     }
@@ -146,11 +134,14 @@ impl Running {
     pub(crate) fn advance(&mut self, slice: Duration, until: Option<f64>) -> Result<usize, MarchError> {
         let begin = Instant::now();
         let plan = match until {
-            Some(until) => self.plan.clone().with_end_at(until),
-            None => self.plan.clone(),
+            Some(until) => Cow::Owned(self.plan.clone().with_end_at(until)),
+            None => Cow::Borrowed(&self.plan),
         };
         let (recorder, results) = (&mut self.recorder, &mut self.results);
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
+            motion.follow(&plan)?;
+            // A function that fails later in the plan fails when the motion comes there.
+            recorder.callables.take_raised();
             let mut trajectory = trajectory.as_mut().map(Watched);
             let mut observers = observers(recorder, results, &mut trajectory);
             let mut steps = 0;

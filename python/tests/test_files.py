@@ -145,3 +145,25 @@ def test_lists():
 def classes():
     own = [value for value in vars(emmy).values() if isinstance(value, type) and issubclass(value, emmy.Material)]
     return [value for value in own if value is not emmy.Material]
+
+
+def test_frames_in_one_file():
+    def fly(name, **files):
+        body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+        emmy.Motion(body, steps=(1.0, 0.25), initial=emmy.Initial(velocity=(0, 0, 1))).run(output=name, **files)
+        return emmy.Run(name).frames
+
+    frames, series = fly("frames", format="vtu"), fly("series", format="vtkhdf")
+    assert frames.times.tolist() == series.times.tolist() == [0, 0.25, 0.5, 0.75, 1]
+    for one, other in zip(frames, series, strict=True):
+        one, other = one.to_pyvista(), other.to_pyvista()
+        np.testing.assert_array_equal(one.point_data["displacement"], other.point_data["displacement"])
+    # A free flight with velocity 1.
+    np.testing.assert_allclose(series[-1].to_pyvista().point_data["displacement"], np.tile([0.0, 0.0, 1.0], (8, 1)), atol=1e-12)
+
+
+def test_runs_without_frames():
+    body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
+    emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1))).run(output="none", every=0)
+    with pytest.raises(emmy.ResultsError, match="none has no frames"):
+        emmy.Run("none").frames

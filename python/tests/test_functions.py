@@ -77,7 +77,9 @@ def test_an_exception_comes_out_as_it_is(plan, observers):
     with pytest.raises(Mine, match="at 0.2") as raised:
         motion.run(observers=observers)
     assert any("loads[0].history" in note for note in raised.value.__notes__)
-    assert motion.time <= 0.2 + 1e-12
+    # The steps before it are done, although a plan looks ahead.
+    earliest = 0.15 if "steps" in plan else 0.1
+    assert earliest - 1e-12 <= motion.time <= 0.2 + 1e-12
 
 
 @pytest.mark.parametrize(
@@ -93,7 +95,7 @@ def test_nan_ends_the_step():
     motion = pushed(force=(1, 0, 0), history=lambda t: 1.0 if t < 0.2 else float("nan"))
     with pytest.raises(emmy.ConvergenceError, match=r"loads\[0\].history.*nan"):
         motion.run()
-    assert motion.time <= 0.2 + 1e-12
+    assert 0.1 < motion.time <= 0.2 + 1e-12
 
 
 def test_a_field_of_the_wrong_shape():

@@ -128,3 +128,14 @@ def test_mistakes():
         emmy.sweep(make, {"speed": []})
     with pytest.raises(TypeError, match="measure"):
         emmy.sweep("spinning-block.toml", {"time.degree": [1]}, measure=dict)
+
+
+def test_parameters_are_those_of_the_function():
+    with pytest.raises(TypeError, match="parameters: got an unexpected keyword argument 'sped'"):
+        emmy.sweep(lambda speed: pytest.fail("a run"), {"sped": [1.0]})
+    with pytest.raises(TypeError, match="parameters: missing a required argument: 'size'"):
+        emmy.sweep(lambda speed, size: pytest.fail("a run"), {"speed": [1.0]})
+
+
+def test_a_sweep_shows_itself_in_a_line():
+    assert repr(emmy.sweep(make, {"speed": [1.0, 2.0], "size": [0.5]})) == "<emmy.Sweep over speed, size: 2 runs, 0 failed>"

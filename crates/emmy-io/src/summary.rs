@@ -46,6 +46,36 @@ impl Status {
     }
 }
 
+/// Fewer correct digits than these cause a warning.
+const FEW_DIGITS: f64 = 6.0;
+
+/// Warnings about the results of a run.
+///
+/// ```
+/// use emmy::motion::RunStatistics;
+/// use emmy_io::summary::warnings;
+/// let sound = RunStatistics { steps: 10, ..Default::default() };
+/// assert!(warnings(&sound).is_empty());
+/// let missed = warnings(&RunStatistics { unresolved_loads: 2, ..sound });
+/// assert!(missed[0].starts_with("2 of 10 steps did not resolve a load or a moving support"));
+/// ```
+pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let digits = statistics.digits_left();
+    if digits < FEW_DIGITS {
+        warnings.push(format!(
+            "rounding leaves {digits:.1} correct digits of energy and momenta: the body is very stiff for steps of this size"
+        ));
+    }
+    if statistics.unresolved_loads > 0 {
+        let (missed, steps) = (statistics.unresolved_loads, statistics.steps);
+        warnings.push(format!(
+            "{missed} of {steps} steps did not resolve a load or a moving support; the events say which one was first, and near which time"
+        ));
+    }
+    warnings
+}
+
 /// The part of a summary that is known before the run starts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SummaryHeader {

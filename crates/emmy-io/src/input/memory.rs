@@ -113,7 +113,7 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 }
 
 /// Checks a table of a section alone: its keys, kinds and ranges. Groups and the mesh are not looked for. Sections:
-/// `region`, `material`, `load`, `support`, `mass`, `initial`, `adaptive`.
+/// `region`, `material`, `viscosity`, `load`, `support`, `mass`, `initial`, `adaptive`.
 ///
 /// ```
 /// use emmy_io::input::{Tree, check};
@@ -125,29 +125,22 @@ pub fn material_region(tree: &Tree) -> Result<Region, InputError> {
 /// # Errors
 /// [`InputError`] with the first fault, whose place is a path in the table.
 pub fn check(section: &str, tree: &Tree) -> Result<(), InputError> {
-    let mut node = tree.node("");
-    let described: &'static Section = match section {
-        "region" => &region::REGION,
-        "material" => &material::MATERIAL,
-        "load" => &load::LOAD,
-        "support" => &support::SUPPORT,
-        "mass" => &nodal::MASS,
-        "initial" => &initial::INITIAL,
-        "adaptive" => &adaptive::ADAPTIVE,
+    type Read = fn(Item<'_>, Context<'_>) -> Result<(), Fault>;
+    let (described, read): (&'static Section, Read) = match section {
+        "region" => (&region::REGION, |item, _| region::read(item).map(drop)),
+        "material" => (&material::MATERIAL, |item, _| material::region(item, 1.0).map(drop)),
+        "viscosity" => (&region::VISCOSITY, |item, _| region::viscosity(item, None).map(drop)),
+        "load" => (&load::LOAD, |item, context| load::read(item, context).map(drop)),
+        "support" => (&support::SUPPORT, |item, context| match nodal::is_spring_alone(&item) {
+            true => nodal::check_spring(item),
+            false => support::read(item, context).map(drop),
+        }),
+        "mass" => (&nodal::MASS, |item, _| nodal::check_mass(item)),
+        "initial" => (&initial::INITIAL, |item, _| initial::read(item).map(drop)),
+        "adaptive" => (&adaptive::ADAPTIVE, |item, _| adaptive::check(&item)),
         other => return Err(Fault::new(format!("`{other}` is not a section of the input")).into()),
     };
+    let mut node = tree.node("");
     complete::fill(&mut node, described)?;
-    let item = Item::of(section, &node);
-    let context = Context { directory: Path::new(""), end: 1.0 };
-    match section {
-        "region" => region::read(item).map(drop),
-        "material" => material::region(item, 1.0).map(drop),
-        "load" => load::read(item, context).map(drop),
-        "support" if nodal::is_spring_alone(&item) => nodal::check_spring(item),
-        "support" => support::read(item, context).map(drop),
-        "mass" => nodal::check_mass(item),
-        "initial" => initial::read(item).map(drop),
-        _ => adaptive::check(&item),
-    }?;
-    Ok(())
+    Ok(read(Item::of(section, &node), Context { directory: Path::new(""), end: 1.0 })?)
 }

@@ -23,6 +23,7 @@ mod material;
 mod measured;
 mod memory;
 mod nodal;
+mod parts;
 mod plausible;
 mod problem;
 mod quantities;

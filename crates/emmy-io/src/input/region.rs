@@ -43,7 +43,7 @@ pub(super) static REGION: Described = Described::new(|| {
     Section { rule: Rule::Region, ..section }
 });
 
-static VISCOSITY: Described = Described::new(|| {
+pub(super) static VISCOSITY: Described = Described::new(|| {
     let doc = "Viscosity of Kelvin and Voigt: a stress linear in the strain rate; links have `time` alone";
     Section::new("`viscosity`", doc)
         .may(
@@ -93,17 +93,19 @@ pub(super) fn read(item: Item<'_>) -> Result<Placed<Region>, Fault> {
         None => region,
     };
     let region = match table.get("viscosity") {
-        Some(item) => region.with_viscosity(viscosity(item, material)?),
+        Some(item) => {
+            let link = material::given(&material).find(|model| model.is_link());
+            region.with_viscosity(viscosity(item, link.map(|model| model.name))?)
+        }
         None => region,
     };
     let region = region.with_formulation(formulation::read(&table)?);
     Placed::new(&table, region)
 }
 
-/// The viscosity: a time, viscosities, or both.
-fn viscosity(item: Item<'_>, material: Item<'_>) -> Result<Viscosity, Fault> {
+/// The viscosity: a time, viscosities, or both; of a material of links, by its name, a time.
+pub(super) fn viscosity(item: Item<'_>, link: Option<&str>) -> Result<Viscosity, Fault> {
     let table = item.table(&VISCOSITY)?;
-    let link = material::given(&material).find(|model| model.is_link()).map(|model| model.name);
     let number = |key: &str| {
         let Some(item) = table.get(key) else { return Ok(0.0) };
         match link.filter(|_| key != "time") {

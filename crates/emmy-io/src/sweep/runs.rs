@@ -86,8 +86,7 @@ fn numbers(columns: &[String], problem: &Problem, motion: &Motion<'_>, seconds: 
     let statistics = motion.statistics();
     let summary = SummaryHeader::new(problem).summary(statistics, &[], Status::Done, None, seconds);
     let history = HistoryColumns::of(problem);
-    let (body, state, record) = (motion.body(), motion.state(), motion.record());
-    let last = history.row(View { body, state, record, newton_residuals: &[], motion }, seconds);
+    let last = history.row(motion.view(), seconds);
     let last: Vec<(String, Number)> = history.names().into_iter().zip(last.numbers).collect();
     let in_summary = |name: &str| match &summary[name] {
         Value::Number(number) => match number.as_u64() {

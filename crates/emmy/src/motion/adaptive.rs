@@ -4,6 +4,7 @@ use super::adaptivity::Controller;
 use super::control::Control;
 use super::degree_choice::{DegreeChoice, MAX_WORK_RATIO, MIN_TELLING_ERROR, size_of};
 use super::failure::{may_shrink_after, placed};
+use super::resolution::Unresolved;
 use super::{Adaptivity, EventKind, MarchError, Motion, Observer, StepPlan};
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -81,9 +82,9 @@ impl<'a> Motion<'a> {
                     control.controller.accept(size, error, outcome.newton.iterations as f64 > limit);
                     control.estimator.accept(size);
                     let is_met = size == left;
-                    self.conclude(size, if is_met { stop.time } else { self.state.time + size }, &outcome);
+                    let end = if is_met { stop.time } else { self.state.time + size };
+                    self.conclude(size, end, &outcome, missed);
                     self.record.local_error = error;
-                    self.record.is_unresolved = missed;
                     self.statistics.add(self.body, &self.state, &self.record);
                     if is_met && stop.is_kink {
                         control.estimator.restart(&self.state)?;
@@ -103,13 +104,12 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// The largest size up to a given one that resolves all functions of time, and whether even the shortest step
-    /// misses something.
+    /// The largest size up to a given one that resolves all functions of time, and what even the shortest step misses.
     ///
     /// # Errors
     /// [`Error::SmallestStep`] if this needs steps below the smallest size.
-    fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, bool)> {
-        let Some(resolution) = &mut self.resolution else { return Ok((size, false)) };
+    fn resolved_size(&mut self, control: &Control<'_>, size: f64) -> Result<(f64, Option<Unresolved>)> {
+        let Some(resolution) = &mut self.resolution else { return Ok((size, None)) };
         resolution.set_degree(self.scheme.degree());
         let time = self.state.time;
         let tolerance = control.adaptivity.tolerance;
@@ -122,7 +122,7 @@ impl<'a> Motion<'a> {
             let cause = Error::Unresolved { what: missed.to_string(), size: smallest };
             return Err(self.smallest_step_error(smallest, cause));
         }
-        Ok((resolved.max(smallest), resolution.missed_within(time, resolved, tolerance, length).is_some()))
+        Ok((resolved.max(smallest), resolution.missed_within(time, resolved, tolerance, length)))
     }
 
     /// Advances the state and estimates the error.

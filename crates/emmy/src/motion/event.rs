@@ -38,6 +38,8 @@ pub enum EventKind {
     Release,
     /// Newton's iteration ended at its rounding floor, for the first time.
     RoundingFloor,
+    /// A step does not resolve a function of time, for the first time.
+    Unresolved,
 }
 
 impl EventKind {
@@ -50,6 +52,7 @@ impl EventKind {
             EventKind::Degree => "degree",
             EventKind::Release => "release",
             EventKind::RoundingFloor => "rounding-floor",
+            EventKind::Unresolved => "unresolved",
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::failure::may_shrink_after;
 use super::stepping::{SAME_TIME, SmallestStep};
 use super::{
-    EventKind, MarchError, Motion, Observer, PlannedStep, Record, Resolution, StepPlan, Subdivision, View,
+    EventKind, MarchError, Motion, Observer, PlannedStep, Record, Resolution, StepPlan, Subdivision,
 };
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -63,8 +63,12 @@ impl Motion<'_> {
         Ok(self.step_along(plan, observers)?.then_some(&self.record))
     }
 
-    /// Prepares the steps of a plan, unless the motion follows it already.
-    fn follow(&mut self, plan: &StepPlan) -> Result<()> {
+    /// Prepares the steps of a plan, unless the motion follows it already; every march does so first. Smooth functions of
+    /// time are evaluated over the whole plan, for their largest values.
+    ///
+    /// # Errors
+    /// Those of the first size of adaptive steps.
+    pub fn follow(&mut self, plan: &StepPlan) -> Result<()> {
         if self.plan.as_ref() != Some(plan) {
             self.planned = None;
             self.resolution = Resolution::new(self.body, self.scheme, plan);
@@ -202,11 +206,7 @@ impl Motion<'_> {
 
     pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
-        let body = self.body;
-        let state = &self.state;
-        let record = &self.record;
-        let newton_residuals = self.stepper.newton_history();
-        let view = View { body, state, record, newton_residuals, motion: self };
+        let view = self.view();
         observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)
     }
 }

@@ -16,6 +16,7 @@ pub(crate) mod resolution;
 mod samples;
 mod snapshot;
 mod statistics;
+mod step;
 mod stepping;
 pub(crate) mod subdivision;
 

@@ -32,6 +32,28 @@ pub struct View<'a> {
     pub motion: &'a Motion<'a>,
 }
 
+impl Motion<'_> {
+    /// The motion as observers see it.
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    /// let body = Body::builder(mesh::block([1.0; 3], [1; 3])?).region(rubber).build()?;
+    /// let motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?;
+    /// assert_eq!(motion.view().record.time, 0.0);
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn view(&self) -> View<'_> {
+        View {
+            body: self.body(),
+            state: self.state(),
+            record: self.record(),
+            newton_residuals: self.stepper().newton_history(),
+            motion: self,
+        }
+    }
+}
+
 /// Error of an observer.
 ///
 /// ```

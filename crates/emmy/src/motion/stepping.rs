@@ -2,8 +2,6 @@
 
 use super::control::Control;
 use super::degree_choice::degree_of;
-use super::failure::placed;
-use super::plan::SHORTEST;
 use super::{
     Event, EventKind, PlannedStep, Record, Resolution, RunStatistics, Snapshot, StepPlan, Subdivision,
 };
@@ -12,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
 use crate::number::short;
 use crate::time::classic::static_reactions;
-use crate::time::{Memory, Scheme, State, StepOutcome, Stepper};
+use crate::time::{Memory, Scheme, State, Stepper};
 
 /// A body in motion: its state, and the stepper that advances it.
 ///
@@ -38,11 +36,11 @@ pub struct Motion<'a> {
     pub(super) stepper: Box<dyn Stepper + 'a>,
     pub(super) state: State,
     /// The state before the last step.
-    last: State,
+    pub(super) last: State,
     pub(super) record: Record,
     pub(super) statistics: RunStatistics,
     /// Reactions in the last step; empty before the first.
-    reactions: Vec<Reaction>,
+    pub(super) reactions: Vec<Reaction>,
     /// Smallest size of a cut step; `None`: failing steps are not cut.
     pub(super) smallest: Option<SmallestStep>,
     pub(super) subdivision: Subdivision,
@@ -55,11 +53,11 @@ pub struct Motion<'a> {
     /// The planned step in progress: of the plan, or the rest of one where the motion starts inside it.
     pub(super) planned: Option<PlannedStep>,
     pub(super) releases: usize,
-    was_at_rounding_floor: bool,
+    pub(super) was_at_rounding_floor: bool,
     /// Cuts, rejections and releases since the last good step.
     pub(super) cuts: usize,
     pub(super) rejections: usize,
-    released: usize,
+    pub(super) released: usize,
     /// Events that observers have not seen yet.
     pub(super) events: Vec<Event>,
 }
@@ -325,87 +323,6 @@ impl<'a> Motion<'a> {
     /// Notes an event at the present time.
     pub(super) fn note(&mut self, kind: EventKind, step: usize, message: String) {
         self.events.push(Event { step, time: self.state.time, kind, message });
-    }
-
-    /// Advances by one step of a size and records it. A released support holds until the first step that starts at the
-    /// time of release or after it.
-    ///
-    /// # Errors
-    /// As [`Stepper::advance`], after a release also as [`Scheme::stepper`]; state and record then belong to the last
-    /// good step.
-    pub fn step(&mut self, step_size: f64) -> Result<&Record> {
-        self.step_with_end(step_size, self.state.time + step_size)
-    }
-
-    /// Advances by one step that ends at a time.
-    ///
-    /// # Errors
-    /// As [`Motion::step`].
-    pub fn step_to(&mut self, end: f64) -> Result<&Record> {
-        self.step_with_end(end - self.state.time, end)
-    }
-
-    /// Advances by a step of a plan, exactly to its end.
-    ///
-    /// # Errors
-    /// As [`Motion::step`].
-    pub fn step_of_plan(&mut self, step: &PlannedStep) -> Result<&Record> {
-        self.step_with_end(step.size, step.end)
-    }
-
-    /// Advances by one step of a size; the time at its end may differ from the sum by rounding.
-    pub(super) fn step_with_end(&mut self, step_size: f64, end: f64) -> Result<&Record> {
-        self.release(SAME_TIME * step_size)?;
-        let outcome = self.advance(step_size);
-        let outcome = outcome.map_err(|error| placed(error, self.body, &self.state, step_size))?;
-        let missed =
-            self.resolution.as_ref().and_then(|resolution| resolution.unresolved(self.state.time, step_size));
-        self.conclude(step_size, end, &outcome);
-        self.record.is_unresolved = missed.is_some();
-        self.statistics.add(self.body, &self.state, &self.record);
-        Ok(&self.record)
-    }
-
-    /// Advances the state. A state that is not finite is rejected, even if its residual is small.
-    ///
-    /// # Errors
-    /// As [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.
-    pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
-        let time = self.state.time;
-        if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
-            return Err(Error::NoDuration { time, step_size });
-        }
-        self.last.copy_from(&self.state);
-        let outcome = self.stepper.advance(&mut self.state, step_size);
-        // A given motion may fail at the end of the step.
-        let outcome = outcome.inspect_err(|_| self.state.copy_from(&self.last))?;
-        let lists = [&self.state.displacement, &self.state.velocity, &self.state.momentum];
-        let dof = lists.iter().find_map(|list| list.iter().position(|value| !value.is_finite()));
-        if dof.is_none() && outcome.strain_state.strain_energy.is_finite() {
-            return Ok(outcome);
-        }
-        self.state.copy_from(&self.last);
-        let node = dof.unwrap_or(0) / 3;
-        let position = self.state.position(self.body, node);
-        Err(Error::NotANumber { step: self.state.step + 1, time: time + step_size, node, position })
-    }
-
-    /// Records the step that led to the present state.
-    pub(super) fn conclude(&mut self, step_size: f64, end: f64, outcome: &StepOutcome) {
-        self.state.time = end;
-        self.state.step += 1;
-        self.record = self.record.after(self.body, &self.state, step_size, outcome);
-        self.reactions.clear();
-        self.reactions.extend_from_slice(self.stepper.reactions());
-        self.record.cuts = std::mem::take(&mut self.cuts);
-        self.record.rejections = std::mem::take(&mut self.rejections);
-        self.record.releases = std::mem::take(&mut self.released);
-        self.record.degree = self.scheme.degree();
-        if self.record.at_rounding_floor && !self.was_at_rounding_floor {
-            self.was_at_rounding_floor = true;
-            let message = "Newton's iteration ended at the rounding floor, above the tolerance; the end of the run says how many digits are left";
-            self.note(EventKind::RoundingFloor, self.state.step, message.to_string());
-        }
     }
 }
 

@@ -111,7 +111,7 @@ fn a_step_that_begins_inside_a_planned_one_ends_with_it_even_if_it_is_cut() {
     while motion.time() < 0.1 {
         sizes.push(motion.next_step(&plan, &mut []).unwrap().unwrap().step_size);
     }
-    // The rest of the planned step in equal parts, not a part of what is left each time.
+    // Equal substeps fill the rest of the planned step.
     assert_eq!(motion.time(), 0.1);
     let halvings = |size: &f64| (0.099 / size).log2();
     assert!(

@@ -6,13 +6,10 @@ use emmy::body::FieldName;
 use emmy::motion::{Extreme, RunStatistics};
 use emmy_io::input::Problem;
 use emmy_io::results::Results;
-use emmy_io::summary::Status;
+use emmy_io::summary::{self, Status};
 
 use crate::host::{Host, message};
 use crate::print::number;
-
-/// Fewer correct digits than these cause a warning.
-const FEW_DIGITS: f64 = 6.0;
 
 /// The end of a run.
 #[derive(Debug, Clone, Copy)]
@@ -137,21 +134,8 @@ impl Closing<'_> {
 
     /// Prints warnings about the results.
     pub(super) fn warnings(&self) {
-        let statistics = self.results.statistics();
-        if statistics.digits_left() < FEW_DIGITS {
-            let digits = statistics.digits_left();
-            message!(
-                self.host,
-                "warning: rounding leaves {digits:.1} correct digits of energy and momenta: the body is very stiff for steps of this size"
-            );
-        }
-        if statistics.unresolved_loads > 0 {
-            let missed = statistics.unresolved_loads;
-            let steps = statistics.steps;
-            message!(
-                self.host,
-                "warning: {missed} of {steps} steps did not resolve a load or a moving support; `emmy check` says which, and near which time"
-            );
+        for warning in summary::warnings(self.results.statistics()) {
+            message!(self.host, "warning: {warning}");
         }
     }
 

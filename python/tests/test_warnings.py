@@ -1,0 +1,67 @@
+"""What is doubtful is said in a warning."""
+
+import warnings
+
+import emmy
+import numpy as np
+import pytest
+
+from bodies import free_block, spinning_block
+
+
+def messages(work):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        work()
+    assert all(issubclass(own.category, emmy.EmmyWarning) and own.filename == __file__ for own in caught)
+    return [str(own.message) for own in caught]
+
+
+def test_a_body_that_nothing_moves():
+    told = messages(lambda: emmy.Motion(free_block(), steps=(1.0, 0.5)))
+    assert told == ["nothing moves this body: there is no load, no support that moves, and no initial velocity"]
+    moving = np.tile([1.0, 0.0, 0.0], (12, 1))
+    assert messages(lambda: emmy.Motion(free_block(), steps=(1.0, 0.5), initial=moving)) == []
+
+
+def test_a_probe_far_from_its_node():
+    made = []
+    told = messages(lambda: made.append(spinning_block(probes={"far": (9.0, 0.0, 0.0)})))
+    assert len(told) == 1 and "far" in told[0] and told == made[0].notes
+
+
+def test_steps_that_were_halved():
+    motion = spinning_block(steps=(1.0, 0.5), max_iterations=4)
+    told = messages(motion.run)
+    halvings = sum(event.kind == "cut" for event in motion.events)
+    assert halvings > 0
+    assert told == [f"steps failed and were halved, {halvings} times in all; the events say where and why"]
+    # Nothing new happens after the end.
+    assert messages(motion.run) == []
+
+
+@pytest.mark.parametrize("march", [emmy.Motion.run, list])
+def test_steps_that_miss_a_pulse(march):
+    pulse = emmy.Load("x-max", force=(1, 0, 0), history="exp(-((t - 0.53)/0.001)^2)")
+    own = free_block()
+    motion = emmy.Motion(emmy.Body(own.mesh, own.regions, loads=pulse), steps=(1.0, 0.1))
+    told = messages(lambda: march(motion))
+    assert told == [
+        "1 of 10 steps did not resolve a load or a moving support; "
+        "the events say which one was first, and near which time"
+    ]
+    (event,) = motion.events
+    assert (event.step, event.kind) == (6, "unresolved")
+    assert event.message.startswith("a step of 0.1 does not resolve load")
+
+
+def test_velocities_as_an_array_with_incompatible_modes():
+    mesh = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
+    rubber = emmy.NeoHooke(lambda_=1000.0, mu=500.0)
+    body = emmy.Body(mesh, emmy.Region(rubber, density=1.0, formulation="incompatible-modes"))
+    motion = emmy.Motion(body, steps=(1.0, 0.5), initial=np.tile([1.0, 0.0, 0.0], (12, 1)))
+    assert body.mass().shape == (36, 36) and body.mass().sum() == pytest.approx(3 * 2.0)
+    motion.run()
+    # Free flight of a mass of 2.
+    np.testing.assert_allclose(motion.displacement, np.tile([1.0, 0.0, 0.0], (12, 1)), atol=1e-12)
+    assert motion.record.kinetic_energy == pytest.approx(1.0, abs=1e-12)
