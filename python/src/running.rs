@@ -9,7 +9,7 @@ use emmy::body::Fields;
 use emmy::motion::{Event, MarchError, Motion, Observer, ObserverResult, StepPlan, View};
 use emmy_io::checkpoint::Identity;
 use emmy_io::history::HistoryColumns;
-use emmy_io::input::{Problem, StartError};
+use emmy_io::input::{Limits, Problem, StartError};
 use emmy_io::limits;
 use emmy_io::results::Results;
 use self_cell::self_cell;
@@ -39,6 +39,7 @@ pub(crate) struct Running {
     pub(crate) cell: Cell,
     pub(crate) plan: StepPlan,
     pub(crate) recorder: Recorder,
+    guard: Guard,
     pub(crate) results: Option<Results>,
     pub(crate) fields: Option<Arc<Fields>>,
     pub(crate) identity: Option<Identity>,
@@ -51,21 +52,36 @@ pub(crate) struct Recorder {
     pub(crate) rows: Vec<f64>,
     pub(crate) events: Vec<Event>,
     started: Instant,
-    callables: Callables,
-    limits: emmy_io::input::Limits,
 }
 
 impl Observer for Recorder {
     fn observe(&mut self, view: View<'_>) -> ObserverResult {
-        self.callables.check()?;
         let row = self.columns.row(view, self.started.elapsed().as_secs_f64());
         self.rows.extend(row.numbers.iter().map(|number| number.value()));
+        Ok(())
+    }
+
+    fn notice(&mut self, event: &Event) -> ObserverResult {
+        self.events.push(event.clone());
+        Ok(())
+    }
+}
+
+/// Ends a march after an exception in a function, or beyond a limit; the last observer, so that all others have seen the
+/// step.
+pub(crate) struct Guard {
+    callables: Callables,
+    limits: Limits,
+}
+
+impl Observer for Guard {
+    fn observe(&mut self, view: View<'_>) -> ObserverResult {
+        self.callables.check()?;
         Ok(limits::check(&self.limits, view.motion.statistics())?)
     }
 
-    /// After an exception in a function, smaller steps do not help.
-    fn notice(&mut self, event: &Event) -> ObserverResult {
-        self.events.push(event.clone());
+    /// A failed step is not tried again with a smaller size after an exception.
+    fn notice(&mut self, _: &Event) -> ObserverResult {
         self.callables.check()
     }
 }
@@ -96,8 +112,10 @@ impl Running {
             Ok(Moving { motion, trajectory })
         })?;
         let (rows, events, started) = (Vec::new(), Vec::new(), Instant::now());
-        let recorder = Recorder { columns, names, rows, events, started, callables, limits };
-        let mut running = Running { cell, plan, recorder, results: None, fields: None, identity: None };
+        let recorder = Recorder { columns, names, rows, events, started };
+        let guard = Guard { callables, limits };
+        let mut running =
+            Running { cell, plan, recorder, guard, results: None, fields: None, identity: None };
         running.show()?;
         Ok(running)
     }
@@ -112,11 +130,11 @@ impl Running {
 
     /// Shows the present state to all observers, as a march does after each step.
     fn show(&mut self) -> Result<(), MarchError> {
-        let (recorder, results) = (&mut self.recorder, &mut self.results);
+        let (recorder, results, guard) = (&mut self.recorder, &mut self.results, &mut self.guard);
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
             let mut trajectory = trajectory.as_mut().map(Watched);
             let view = motion.view();
-            for observer in observers(recorder, results, &mut trajectory) {
+            for observer in observers(recorder, results, &mut trajectory, guard) {
                 observer.observe(view).map_err(MarchError::Observer)?;
             }
             Ok(())
@@ -137,13 +155,13 @@ impl Running {
             Some(until) => Cow::Owned(self.plan.clone().with_end_at(until)),
             None => Cow::Borrowed(&self.plan),
         };
-        let (recorder, results) = (&mut self.recorder, &mut self.results);
+        let (recorder, results, guard) = (&mut self.recorder, &mut self.results, &mut self.guard);
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
             motion.follow(&plan)?;
             // A function that fails later in the plan fails when the motion comes there.
-            recorder.callables.take_raised();
+            guard.callables.take_raised();
             let mut trajectory = trajectory.as_mut().map(Watched);
-            let mut observers = observers(recorder, results, &mut trajectory);
+            let mut observers = observers(recorder, results, &mut trajectory, guard);
             let mut steps = 0;
             while until.is_none_or(|until| motion.time() < until - ROUNDING * until.abs()) {
                 if motion.next_step(&plan, &mut observers)?.is_none() {
@@ -172,9 +190,11 @@ fn observers<'c, 'a: 'c>(
     recorder: &'c mut Recorder,
     results: &'c mut Option<Results>,
     trajectory: &'c mut Option<Watched<'_, 'a>>,
+    guard: &'c mut Guard,
 ) -> Vec<&'c mut dyn Observer> {
     let mut observers: Vec<&mut dyn Observer> = vec![recorder];
     observers.extend(results.as_mut().map(|results| results as &mut dyn Observer));
     observers.extend(trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer));
+    observers.push(guard);
     observers
 }
