@@ -109,29 +109,34 @@ class Motion(MotionView):
     ) -> None:
         if not isinstance(body, Body):
             raise TypeError(f"body: {type(body).__name__} is not an emmy.Body")
+        given: Snapshot | State | NDArray[np.float64] | None = start
         if isinstance(initial, np.ndarray):
-            start, initial = _moving(body, initial, start), ()
+            if start is not None:
+                raise TypeError("initial velocities and start=... exclude each other")
+            given, initial = body._nodal(initial, "initial"), ()
         outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
         tree = _plan.tree(
             scheme, degree, steps, until, adaptive, smallest_step, tolerance, max_iterations, solver,
             words.each(initial, Initial, "initial"), equilibrium, limits, outputs, title, units,
         )  # fmt: skip
-        self._make(body, tree, start, adjoint)
+        self._make(body, tree, given, adjoint)
 
-    def _make(self, body: Body, tree: dict[str, Any], start: Snapshot | State | None, adjoint: bool) -> None:
-        self._body, self._tree, self._adjoint = body, tree, adjoint
-        self._extensions: list[tuple[float, float | None]] = []
-        native_start = start._native if isinstance(start, Snapshot) else start._tuple() if start is not None else None
-        self._native = _emmy.Motion(tree, body._native, native_start, adjoint)
+    def _make(
+        self, body: Body, tree: dict[str, Any], start: Snapshot | State | NDArray[np.float64] | None, adjoint: bool
+    ) -> None:
+        native: Any = start
+        if isinstance(start, Snapshot):
+            native = start._native
+        elif isinstance(start, State):
+            native = start._tuple()
+        self._body, self._native = body, _emmy.Motion(tree, body._native, native, adjoint)
         self._rows = self._native.rows(0)
         _warn(self._native.notes)
 
     @classmethod
-    def _of(
-        cls, body: Body, tree: dict[str, Any], start: Snapshot | State | None = None, adjoint: bool = False
-    ) -> Motion:
+    def _of(cls, body: Body, tree: dict[str, Any], adjoint: bool) -> Motion:
         motion = cls.__new__(cls)
-        motion._make(body, tree, start, adjoint)
+        motion._make(body, tree, None, adjoint)
         return motion
 
     def __iter__(self) -> Iterator[Step]:
@@ -144,7 +149,7 @@ class Motion(MotionView):
         if step is None:
             if not self._native.has_plan:
                 raise RuntimeError(NO_PLAN)
-            _warn(self._native.doubts())
+            _warn(self._native.warnings())
             raise StopIteration
         return step
 
@@ -201,7 +206,6 @@ class Motion(MotionView):
         4
         """
         self._native.extend(until, size)
-        self._extensions.append((until, size))
 
     def run(
         self,
@@ -271,7 +275,7 @@ class Motion(MotionView):
             if given is not None:
                 raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
             march(self, until, tuple(observers), progress)
-            _warn(self._native.doubts())
+            _warn(self._native.warnings())
             return self.history
         self._native.open(words.tree(words.plain(given, "output"), "output"))
         status, message = "failed", None
@@ -292,7 +296,7 @@ class Motion(MotionView):
             raise
         finally:
             self._native.close(status, message)
-        _warn(self._native.doubts())
+        _warn(self._native.warnings())
         return self.history
 
     def gradient(self, goal: Goal, parameters: Sequence[Parameter] = ()) -> Gradient:
@@ -360,10 +364,9 @@ class Motion(MotionView):
         return _adjoint.goal_error(self, goal)
 
     def __copy__(self) -> Motion:
-        tree = {key: value for key, value in self._tree.items() if key not in ("initial", "equilibrium")}
-        motion = Motion._of(self._body, tree, self.snapshot(), self._adjoint)
-        for until, size in self._extensions:
-            motion.extend(until, size)
+        motion = type(self).__new__(type(self))
+        motion._body, motion._native = self._body, self._native.copy()
+        motion._rows = motion._native.rows(0)
         return motion
 
     def __deepcopy__(self, memory: dict[int, Any]) -> Motion:
@@ -376,14 +379,3 @@ class Motion(MotionView):
 def _warn(messages: Iterable[str]) -> None:
     for message in messages:
         warnings.warn(message, EmmyWarning, stacklevel=3)
-
-
-def _moving(body: Body, velocity: ArrayLike, start: Snapshot | State | None) -> State:
-    """The undeformed body with given velocities; fixed components do not move."""
-    if start is not None:
-        raise TypeError("initial velocities and start=... exclude each other")
-    own = np.where(body.fixed, 0.0, body._nodal(velocity, "initial"))
-    data, indices, pointers, size = body._native.mass()
-    rows = np.repeat(np.arange(size), np.diff(pointers))
-    momentum = np.bincount(rows, data * own.ravel()[indices], size).astype(np.float64).reshape(-1, 3)
-    return State(0.0, np.zeros_like(own), own, momentum)

@@ -288,7 +288,7 @@ class Problem:
         >>> next(motion).time
         0.01
         """
-        return Motion._of(self._body, self._tree, adjoint=adjoint)
+        return Motion._of(self._body, self._tree, adjoint)
 
     def __repr__(self) -> str:
         return f"<emmy.Problem: {self._path}>"

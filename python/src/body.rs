@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::function::Callables;
 use crate::mesh::{Mesh, table_of, vectors};
-use crate::snapshot::{StateArrays, StateTuple, arrays, tuple};
+use crate::snapshot::{StateArrays, StateTuple, arrays, nodal, tuple};
 use crate::tree::tree;
 use crate::{errors, pool};
 
@@ -119,9 +119,6 @@ impl Body {
         let overrides = &Overrides::default();
         let tree = Tree::Table([self.tree.clone(), further].concat());
         let problem = pool::work(py, || input::build(&tree, overrides, Some(&self.problem)))?;
-        if let Some(raised) = self.callables.take_raised() {
-            return Err(raised);
-        }
         problem.map(Arc::new).map_err(|error| errors::input(py, &error))
     }
 
@@ -142,14 +139,7 @@ impl Body {
                            mesh holds; emmy.modes and emmy.equilibrium take them into account";
             return Err(errors::argument(py, "regions", message));
         }
-        let Some(u) = u else { return Ok(vec![0.0; n]) };
-        let wanted = (n / 3, 3);
-        if u.as_array().dim() != wanted {
-            let (rows, columns) = u.as_array().dim();
-            let message = format!("a displacement has the shape {wanted:?}, not ({rows}, {columns})");
-            return Err(errors::argument(py, "displacement", &message));
-        }
-        Ok(u.as_array().iter().copied().collect())
+        u.map_or(Ok(vec![0.0; n]), |u| nodal(py, self.inner(), &u, "u"))
     }
 }
 
@@ -157,21 +147,24 @@ impl Body {
 type Sparse<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, usize);
 
 /// The matrix of 3x3 blocks, by rows.
-fn sparse<'py>(py: Python<'py>, rows: &[Vec<(u32, [f64; 9])>]) -> Sparse<'py> {
-    let (mut numbers, mut columns, mut ends) = (Vec::new(), Vec::new(), vec![0]);
-    for row in rows {
-        for i in 0..3 {
-            for (column, block) in row {
-                for j in 0..3 {
-                    numbers.push(block[3 * i + j]);
-                    columns.push(i64::from(3 * column) + j as i64);
+fn sparse<'py>(py: Python<'py>, rows: &[Vec<(u32, [f64; 9])>]) -> PyResult<Sparse<'py>> {
+    let (numbers, columns, ends) = pool::work(py, || {
+        let (mut numbers, mut columns, mut ends) = (Vec::new(), Vec::new(), vec![0]);
+        for row in rows {
+            for i in 0..3 {
+                for (column, block) in row {
+                    for j in 0..3 {
+                        numbers.push(block[3 * i + j]);
+                        columns.push(i64::from(3 * column) + j as i64);
+                    }
                 }
+                ends.push(numbers.len() as i64);
             }
-            ends.push(numbers.len() as i64);
         }
-    }
+        (numbers, columns, ends)
+    })?;
     let [columns, ends] = [columns, ends].map(|list| PyArray1::from_vec(py, list));
-    (PyArray1::from_vec(py, numbers), columns, ends, 3 * rows.len())
+    Ok((PyArray1::from_vec(py, numbers), columns, ends, 3 * rows.len()))
 }
 
 #[pymethods]
@@ -182,9 +175,6 @@ impl Body {
         let sections = entries(tree(sections, "", &mut callables)?);
         let whole = Tree::Table([sections.clone(), vec![any_time(), any_start()]].concat());
         let problem = pool::work(py, || input::build(&whole, &Overrides::default(), None))?;
-        if let Some(raised) = callables.take_raised() {
-            return Err(raised);
-        }
         let problem = problem.map_err(|error| errors::input(py, &error))?;
         Ok(Body { tree: sections, callables, problem: Arc::new(problem) })
     }
@@ -244,9 +234,6 @@ impl Body {
         further.push(any_time());
         let problem = self.problem(py, further)?;
         let state = pool::work(py, || problem.start_state(&mut []))?;
-        if let Some(raised) = self.callables.take_raised() {
-            return Err(raised);
-        }
         tuple(py, &self.problem.body, &state.map_err(|error| errors::start(py, error))?)
     }
 
@@ -257,8 +244,8 @@ impl Body {
 
     /// The sections of the body as TOML.
     #[getter]
-    fn toml(&self) -> &str {
-        &self.problem.resolved
+    fn toml(&self) -> String {
+        input::body_sections(&self.problem.resolved)
     }
 
     /// Remarks of the reader on the body; that nothing moves it concerns a motion.
@@ -270,7 +257,7 @@ impl Body {
     }
 
     /// Consistent mass matrix of the nodes of the mesh; internal nodes of incompatible modes are massless.
-    fn mass<'py>(&self, py: Python<'py>) -> Sparse<'py> {
+    fn mass<'py>(&self, py: Python<'py>) -> PyResult<Sparse<'py>> {
         let body = self.inner();
         let pattern = body.pattern();
         let n_nodes = body.mesh().n_nodes();
@@ -282,7 +269,7 @@ impl Body {
             let row = pattern.row(row).iter().copied().zip(pattern.range(row).map(block));
             row.filter(|&(column, _)| (column as usize) < n_nodes).collect()
         };
-        let rows: Vec<Vec<(u32, [f64; 9])>> = (0..n_nodes).map(row).collect();
+        let rows: Vec<Vec<(u32, [f64; 9])>> = pool::work(py, || (0..n_nodes).map(row).collect())?;
         sparse(py, &rows)
     }
 
@@ -295,7 +282,7 @@ impl Body {
     ) -> PyResult<Sparse<'py>> {
         let displacement = self.displacement(py, u)?;
         let rows = pool::work(py, || equilibrium::stiffness(self.inner(), &displacement))?;
-        Ok(sparse(py, &rows.map_err(|error| errors::library(py, &error))?))
+        sparse(py, &rows.map_err(|error| errors::library(py, &error))?)
     }
 
     /// Internal force of a displacement.
@@ -312,7 +299,12 @@ impl Body {
     /// Strain energy of a displacement.
     fn strain_energy(&self, py: Python<'_>, u: PyReadonlyArray2<'_, f64>) -> PyResult<f64> {
         let displacement = self.displacement(py, Some(u))?;
-        pool::work(py, || self.inner().strain_energy(&displacement))
+        let state = pool::work(py, || self.inner().strain_state(&displacement))?;
+        if state.smallest_determinant > 0.0 {
+            return Ok(state.strain_energy);
+        }
+        let message = format!("a cell is turned inside out: det F = {:.3e}", state.smallest_determinant);
+        Err(errors::argument(py, "mesh", &message))
     }
 
     /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `rigid`.

@@ -7,7 +7,7 @@ use emmy_io::input::{InputError, Place, StartError};
 use emmy_io::limits::LimitExceeded;
 use emmy_io::message::{shown, with_causes};
 use pyo3::call::PyCallArgs;
-use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 
 /// An exception of a class of `emmy._errors`.
@@ -59,6 +59,7 @@ pub(crate) fn argument(py: Python<'_>, place: &str, message: &str) -> PyErr {
 pub(crate) fn library(py: Python<'_>, error: &Error) -> PyErr {
     let place = match error {
         Error::InvertedCell { .. }
+        | Error::Inverted { .. }
         | Error::EmptyMesh
         | Error::NodeOutOfRange { .. }
         | Error::WrongNodeCount { .. }
@@ -91,8 +92,8 @@ struct Whereabouts {
 impl Whereabouts {
     fn read(&mut self, error: &Error) {
         match error {
-            Error::SmallestStep { step, start, cause, .. } => {
-                (self.step, self.time) = (Some(*step), Some(*start));
+            Error::SmallestStep { step, start, step_size, cause } => {
+                (self.step, self.time) = (Some(*step), Some(start + step_size));
                 self.cause = Some(cause.to_string());
                 self.read(cause);
             }
@@ -132,7 +133,10 @@ pub(crate) fn march(py: Python<'_>, error: MarchError) -> PyErr {
         MarchError::Step(error) => step(py, &error),
         MarchError::Observer(error) => match error.downcast::<LimitExceeded>() {
             Ok(limit) => made(py, "LimitExceeded", (limit.to_string(),)),
-            Err(error) => results(py, &error),
+            Err(error) => match error.downcast::<Error>() {
+                Ok(error) => library(py, &error),
+                Err(error) => results(py, &error),
+            },
         },
     }
 }
@@ -176,6 +180,9 @@ pub(crate) fn failure(py: Python<'_>, failure: Failure) -> PyErr {
         Failure::Study { message, help } => {
             made(py, "ConvergenceError", (format!("{message}; {help}"), None::<usize>, None::<f64>))
         }
+        Failure::Files { message, help: None } => results(py, &message),
+        Failure::Files { message, help: Some(help) } => results(py, &format!("{message}; {help}")),
+        internal @ Failure::Internal(_) => PyRuntimeError::new_err(internal.to_string()),
         Failure::Limit(message) => made(py, "LimitExceeded", (message,)),
         Failure::Interrupted { message, help } => PyKeyboardInterrupt::new_err(format!("{message}; {help}")),
         other => results(py, &other),

@@ -1,5 +1,6 @@
 //! Functions of Python as histories and fields.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,27 +14,40 @@ use pyo3::prelude::*;
 
 use crate::errors;
 
-/// Functions of one body, and what the first of them that failed has raised.
+thread_local! {
+    /// The first exception of a function in the present work: the library calls functions on the thread that does it.
+    static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
+
+/// Does some work, and returns the first exception of a function in it as well.
+pub(crate) fn with_exception<T>(work: impl FnOnce() -> T) -> (T, Option<PyErr>) {
+    // Of the work in which this one is done: a function may step another motion.
+    let outer = RAISED.take();
+    let value = work();
+    (value, RAISED.replace(outer))
+}
+
+/// Forgets an exception of the present work.
+pub(crate) fn forget_exception() {
+    RAISED.take();
+}
+
+/// Ends a march after an exception; smaller steps would not help.
+pub(crate) fn check_exception() -> ObserverResult {
+    if has_raised() { Err("a function of the body failed".into()) } else { Ok(()) }
+}
+
+fn has_raised() -> bool {
+    RAISED.with_borrow(Option::is_some)
+}
+
+/// The functions of a body.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Callables {
     functions: Vec<Arc<Callable>>,
-    raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 impl Callables {
-    /// The exception that a function has raised since the last call.
-    pub(crate) fn take_raised(&self) -> Option<PyErr> {
-        self.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-
-    /// Ends a march after an exception; smaller steps would not help.
-    pub(crate) fn check(&self) -> ObserverResult {
-        match *self.raised.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(_) => Err("a function of the body failed".into()),
-            None => Ok(()),
-        }
-    }
-
     /// Whether there are no functions.
     pub(crate) fn is_empty(&self) -> bool {
         self.functions.is_empty()
@@ -67,7 +81,6 @@ impl Callables {
             function: Mutex::new(Some(function.clone_ref(py))),
             name: name.to_string(),
             path: path.to_string(),
-            raised: self.raised.clone(),
             last: Mutex::default(),
         };
         let callable = Arc::new(callable);
@@ -81,7 +94,6 @@ struct Callable {
     function: Mutex<Option<Py<PyAny>>>,
     name: String,
     path: String,
-    raised: Arc<Mutex<Option<PyErr>>>,
     /// Times and values of the last call: loads with one function ask for the same times.
     last: Mutex<(Vec<f64>, Vec<f64>)>,
 }
@@ -100,40 +112,38 @@ impl Callable {
 
     /// Keeps the first exception; without a value the step fails, and the exception ends the march.
     fn fail(&self, py: Python<'_>, error: PyErr, time: f64) {
-        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-        if raised.is_none() {
-            let place = errors::place(py, &self.path).unwrap_or_default();
-            let _ = error
-                .value(py)
-                .call_method1("add_note", (format!("in {place} ({}) at t = {time}", self.name),));
-            *raised = Some(error);
+        if has_raised() {
+            return;
         }
-    }
-
-    /// Whether a function of the body has failed before: then none is called.
-    fn is_over(&self) -> bool {
-        self.raised.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+        let place = errors::place(py, &self.path).unwrap_or_default();
+        let note = format!("in {place} ({}) at t = {time}", self.name);
+        let _ = error.value(py).call_method1("add_note", (note,));
+        RAISED.set(Some(error));
     }
 
     /// The values at some times; NaN after an exception. The lock of the interpreter is taken once.
     fn values(&self, times: &[f64], values: &mut [f64]) {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if last.0 == times {
-            return values.copy_from_slice(&last.1);
+        // Not locked during a call: the function may step another motion with the same function.
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (old_times, old_values) = &*last()
+            && old_times == times
+        {
+            return values.copy_from_slice(old_values);
         }
         values.fill(f64::NAN);
-        if !self.is_over() {
-            Python::attach(|py| {
-                for (value, &time) in values.iter_mut().zip(times) {
-                    *value = self.call(py, time);
-                    if value.is_nan() {
-                        break;
-                    }
-                }
-            });
+        if has_raised() {
+            return;
         }
+        Python::attach(|py| {
+            for (value, &time) in values.iter_mut().zip(times) {
+                *value = self.call(py, time);
+                if value.is_nan() {
+                    break;
+                }
+            }
+        });
         if values.iter().all(|value| value.is_finite()) {
-            let (old_times, old_values) = &mut *last;
+            let (old_times, old_values) = &mut *last();
             old_times.clear();
             old_times.extend_from_slice(times);
             old_values.clear();
@@ -161,7 +171,7 @@ impl Callable {
     /// The vectors at some points and a time; NaN after an exception.
     fn vectors(&self, points: &[[f64; 3]], time: f64, vectors: &mut [[f64; 3]]) {
         vectors.fill([f64::NAN; 3]);
-        if self.is_over() {
+        if has_raised() {
             return;
         }
         Python::attach(|py| match self.call_at(py, points, time) {

@@ -50,8 +50,10 @@ impl Mesh {
     }
 
     /// A mesh of the library, or its error.
-    fn made(py: Python<'_>, mesh: emmy::Result<mesh::Mesh>) -> PyResult<Self> {
-        mesh.map(|mesh| Mesh::new(mesh, Vec::new())).map_err(|error| errors::library(py, &error))
+    fn made(py: Python<'_>, mesh: impl FnOnce() -> emmy::Result<mesh::Mesh> + Send) -> PyResult<Self> {
+        pool::work(py, mesh)?
+            .map(|mesh| Mesh::new(mesh, Vec::new()))
+            .map_err(|error| errors::library(py, &error))
     }
 }
 
@@ -137,7 +139,8 @@ impl Mesh {
             Ok((mesh, turned))
         })?;
         let (mesh, turned) = built.map_err(fail)?;
-        let note = (turned > 0).then(|| format!("{turned} clockwise plane cells are turned over"));
+        let note = (turned > 0)
+            .then(|| format!("{turned} plane cells were clockwise; their node order was reversed"));
         Ok(Mesh::new(mesh, note.into_iter().collect()))
     }
 
@@ -152,24 +155,25 @@ impl Mesh {
     /// A mesh from the bytes of a VTU file.
     #[staticmethod]
     fn from_vtu(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
-        let file = emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &[LINKS.to_string()]);
+        let parse = || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &[LINKS.to_string()]);
+        let file = pool::work(py, parse)?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))
     }
 
     #[staticmethod]
     fn l_block(py: Python<'_>, cell_size: f64) -> PyResult<Self> {
-        Mesh::made(py, mesh::l_block(cell_size))
+        Mesh::made(py, || mesh::l_block(cell_size))
     }
 
     #[staticmethod]
     fn r#box(py: Python<'_>, size: [f64; 3], cells: [usize; 3]) -> PyResult<Self> {
-        Mesh::made(py, mesh::block(size, cells))
+        Mesh::made(py, || mesh::block(size, cells))
     }
 
     #[staticmethod]
     fn rectangle(py: Python<'_>, size: [f64; 2], cells: [usize; 2]) -> PyResult<Self> {
-        Mesh::made(py, mesh::rectangle(size, cells))
+        Mesh::made(py, || mesh::rectangle(size, cells))
     }
 
     /// The mesh as a VTU file with all groups.
@@ -285,19 +289,18 @@ impl Mesh {
     }
 
     /// Nodes of each facet on the boundary.
-    fn boundary(&self) -> Vec<Vec<u32>> {
-        self.mesh.boundary()
+    fn boundary(&self, py: Python<'_>) -> PyResult<Vec<Vec<u32>>> {
+        pool::work(py, || self.mesh.boundary())
     }
 
     fn scaled(&self, py: Python<'_>, factor: f64) -> PyResult<Self> {
-        let mesh =
-            mesh::Mesh::clone(&self.mesh).scaled(factor).map_err(|error| errors::library(py, &error))?;
-        Ok(Mesh::new(mesh, self.notes.clone()))
+        let mesh = pool::work(py, || mesh::Mesh::clone(&self.mesh).scaled(factor))?;
+        Ok(Mesh::new(mesh.map_err(|error| errors::library(py, &error))?, self.notes.clone()))
     }
 
     /// Worst values of the measures of quality, with their cells.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let quality = mesh::quality(&self.mesh);
+        let quality = pool::work(py, || mesh::quality(&self.mesh))?;
         let table = PyDict::new(py);
         for (name, worst) in [
             ("jacobian_ratio", quality.jacobian_ratio),

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use emmy::body::{FieldName, Fields, Place};
 use emmy::motion::{MarchError, State};
-use emmy_io::checkpoint::Checkpoint;
 use emmy_io::directory;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -20,7 +19,7 @@ use crate::body::{Body, entries};
 use crate::function::Callables;
 use crate::mesh::{table_of, vectors};
 use crate::snapshot::{Snapshot, StateTuple, tuple};
-use crate::starting::{self, Given};
+use crate::starting::{self, Begin, Given};
 use crate::step::{Step, is_whole};
 use crate::tree::tree;
 use crate::work::Work;
@@ -30,7 +29,6 @@ use crate::{errors, plan, pool};
 #[pyclass(frozen, module = "emmy._emmy")]
 pub(crate) struct Motion {
     body: Py<Body>,
-    callables: Callables,
     work: Mutex<Work>,
 }
 
@@ -41,15 +39,10 @@ impl Motion {
             Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
                 "the motion is at work in another thread, or in a function that it calls",
             )),
-            Err(TryLockError::Poisoned(_)) => {
-                Err(PyRuntimeError::new_err("the motion was left inside a failed step"))
-            }
+            Err(TryLockError::Poisoned(_)) => Err(PyRuntimeError::new_err(
+                "an internal error interrupted a step; this motion cannot be used any more",
+            )),
         }
-    }
-
-    /// The exception that ends a march: that of a function of the body, or else the error itself.
-    fn raised(&self, py: Python<'_>, error: MarchError) -> PyErr {
-        self.callables.take_raised().unwrap_or_else(|| errors::march(py, error))
     }
 
     /// Passes the present state to a function.
@@ -88,8 +81,9 @@ impl Motion {
         start: Option<Given<'_>>,
         adjoint: bool,
     ) -> PyResult<Self> {
-        let work = starting::start(py, body.get(), sections, start, adjoint)?;
-        Ok(Motion { callables: body.get().callables.clone(), work: Mutex::new(work), body })
+        let begin = Begin::new(py, body.get(), start)?;
+        let work = starting::start(py, body.get(), sections, begin, adjoint)?;
+        Ok(Motion { work: Mutex::new(work), body })
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
@@ -201,7 +195,7 @@ impl Motion {
         }
         let mut work = self.lock()?;
         let running = &mut work.running;
-        pool::work(py, || running.step(size))?.map_err(|error| self.raised(py, error))?;
+        pool::work(py, || running.step(size))?.map_err(|error| errors::march(py, error))?;
         Ok(work.step())
     }
 
@@ -213,7 +207,7 @@ impl Motion {
         }
         let running = &mut work.running;
         let steps = pool::work(py, || running.advance(Duration::ZERO, None))?;
-        let steps = steps.map_err(|error| self.raised(py, error))?;
+        let steps = steps.map_err(|error| errors::march(py, error))?;
         Ok((steps > 0).then(|| work.step()))
     }
 
@@ -223,9 +217,15 @@ impl Motion {
         Ok(self.lock()?.notes.clone())
     }
 
-    /// Doubts about the steps since the last call.
-    fn doubts(&self) -> PyResult<Vec<String>> {
-        Ok(self.lock()?.doubts())
+    /// Warnings about the steps since the last call.
+    fn warnings(&self) -> PyResult<Vec<String>> {
+        Ok(self.lock()?.warnings())
+    }
+
+    /// A motion that continues from the present state with the same plan.
+    fn copy(&self, py: Python<'_>) -> PyResult<Self> {
+        let work = starting::copy(py, self.body.get(), &mut *self.lock()?)?;
+        Ok(Motion { work: Mutex::new(work), body: self.body.clone_ref(py) })
     }
 
     /// Steps of the plan during a wall time in seconds, at least one; returns their number, 0 at the end of the plan or at a
@@ -236,7 +236,7 @@ impl Motion {
             Duration::try_from_secs_f64(seconds).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let running = &mut work.running;
         let steps = pool::work(py, || running.advance(slice, until))?;
-        steps.map_err(|error| self.raised(py, error))
+        steps.map_err(|error| errors::march(py, error))
     }
 
     /// Moves the end of the plan.
@@ -250,12 +250,12 @@ impl Motion {
         if !work.has_plan && size.is_none() {
             return Err(errors::argument(py, "size", "the motion has no plan: give the size of the steps"));
         }
-        let mut further = work.further.clone();
+        let mut sections = work.sections.clone();
         let plan = work.has_plan.then(|| work.running.plan.clone());
-        plan::extend(&mut further, plan.as_ref(), now, until, size);
-        let problem = self.body.get().problem(py, further.clone())?;
+        plan::extend(&mut sections, plan.as_ref(), now, until, size);
+        let problem = self.body.get().problem(py, sections.clone())?;
         work.running.plan = problem.plan.clone();
-        (work.further, work.has_plan) = (further, true);
+        (work.sections, work.has_plan) = (sections, true);
         Ok(())
     }
 
@@ -290,25 +290,17 @@ impl Motion {
     }
 
     fn snapshot(&self) -> PyResult<Snapshot> {
-        let mut work = self.lock()?;
-        let checkpoint = Checkpoint {
-            identity: work.identity(),
-            snapshot: work.running.motion().snapshot(),
-            frames: Vec::new(),
-            history_checksum: 0,
-            wall_seconds: 0.0,
-            extremes: Vec::new(),
-        };
+        let checkpoint = self.lock()?.checkpoint();
         Ok(Snapshot { checkpoint })
     }
 
     /// Opens the files of a run, with a table `output`; everything that `emmy run` writes is then written.
     fn open(&self, py: Python<'_>, output: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut work = self.lock()?;
-        let mut further = work.further.clone();
+        let mut sections = work.sections.clone();
         let given = entries(tree(output, "output", &mut Callables::default())?);
-        plan::add_output(&mut further, given);
-        let problem = self.body.get().problem(py, further)?;
+        plan::add_output(&mut sections, given);
+        let problem = self.body.get().problem(py, sections)?;
         let running = &mut work.running;
         let opened = pool::work(py, || -> Result<(), MarchError> {
             let failed = |error: directory::DirectoryError| MarchError::Observer(Box::new(error));

@@ -46,33 +46,30 @@ fn until(tree: &Tree) -> Option<f64> {
     entries.iter().find(|(key, _)| key == "until").and_then(|(_, value)| number(value))
 }
 
-/// Lets the plan begin at a time: phases before it are left out, and one that the motion does not do leads there. A
-/// motion without a plan gets one that it does not follow. Returns whether there is a plan.
-pub(crate) fn begin_at(sections: &mut Vec<(String, Tree)>, start: Option<f64>) -> bool {
+/// Adds a plan that a motion without one does not follow, from a start on. Returns whether there was a plan.
+pub(crate) fn complete(sections: &mut Vec<(String, Tree)>, start: f64) -> bool {
     if !has(sections, "time") && has(sections, "equilibrium") {
         return true;
     }
     edit(sections, "time", |time| {
-        has(time, "adaptive") || begin_steps_at(time, start.filter(|&start| start > 0.0))
+        let is_planned = has(time, "adaptive") || has(time, "steps");
+        if !is_planned {
+            let start = start.max(0.0);
+            let lead = (start > 0.0).then_some(Phase { until: start, size: start });
+            let end = Phase { until: start + 1.0, size: 1.0 };
+            set(time, "steps", Tree::List(lead.into_iter().chain([end]).map(phase).collect()));
+        }
+        is_planned
     })
 }
 
-fn begin_steps_at(time: &mut Vec<(String, Tree)>, start: Option<f64>) -> bool {
-    let lead = start.map(|start| Phase { until: start, size: start });
-    let Some((_, steps)) = time.iter_mut().find(|(key, _)| key == "steps") else {
-        let end = Phase { until: start.unwrap_or(0.0) + 1.0, size: 1.0 };
-        set(time, "steps", Tree::List(lead.into_iter().chain([end]).map(phase).collect()));
-        return false;
-    };
-    if let (Tree::List(phases), Some(lead)) = (steps, lead) {
-        let is_before = |tree: &Tree| until(tree).is_some_and(|until| until <= lead.until);
-        // A plan that ends before the start is left as it is: it has no steps.
-        if !phases.iter().all(is_before) {
-            phases.retain(|tree| !is_before(tree));
-            phases.insert(0, phase(lead));
-        }
-    }
-    true
+/// Makes the plan begin at a time: one phase, which the motion never does, replaces what is before it.
+pub(crate) fn begin_at(sections: &mut Vec<(String, Tree)>, start: f64) {
+    edit(sections, "time", |time| {
+        let Some((_, Tree::List(phases))) = time.iter_mut().find(|(key, _)| key == "steps") else { return };
+        phases.retain(|tree| until(tree).is_none_or(|until| until > start));
+        phases.insert(0, phase(Phase { until: start, size: start }));
+    });
 }
 
 /// Moves the end of a plan: earlier phases are cut, or the last one is continued, with steps of another size from the old
@@ -113,7 +110,12 @@ fn phases(plan: Option<&StepPlan>, now: f64, end: f64, size: Option<f64>) -> Vec
     phases
 }
 
-/// Adds the keys of a table `output`.
+/// Adds the keys of a table `output`; `every` and `interval` replace each other.
 pub(crate) fn add_output(sections: &mut Vec<(String, Tree)>, given: Vec<(String, Tree)>) {
-    edit(sections, "output", |output| given.into_iter().for_each(|(key, value)| set(output, &key, value)));
+    edit(sections, "output", |output| {
+        for (key, value) in given {
+            output.retain(|(own, _)| ![("every", "interval"), ("interval", "every")].contains(&(&key, own)));
+            set(output, &key, value);
+        }
+    });
 }

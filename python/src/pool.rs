@@ -7,6 +7,8 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::function;
+
 struct Pool {
     /// The process that started its threads.
     process: u32,
@@ -26,10 +28,11 @@ thread_local! {
 /// Does some work in the pool, without the lock of the interpreter.
 ///
 /// # Errors
-/// `RuntimeError` if the threads cannot be started, `ValueError` for a wrong `EMMY_NUM_THREADS`.
+/// The first exception of a function of the body in it; `RuntimeError` if the threads cannot be started, `ValueError` for a wrong `EMMY_NUM_THREADS`.
 pub(crate) fn work<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = current()?;
-    Ok(py.detach(|| pool.install(work)))
+    let (value, raised) = py.detach(|| pool.install(|| function::with_exception(work)));
+    raised.map_or(Ok(value), Err)
 }
 
 pub(crate) fn current() -> PyResult<Arc<ThreadPool>> {

@@ -14,7 +14,7 @@ use emmy_io::limits;
 use emmy_io::results::Results;
 use self_cell::self_cell;
 
-use crate::function::Callables;
+use crate::function::{check_exception, forget_exception};
 
 /// The parts that borrow the body.
 pub(crate) struct Moving<'a> {
@@ -69,20 +69,17 @@ impl Observer for Recorder {
 
 /// Ends a march after an exception in a function, or beyond a limit; the last observer, so that all others have seen the
 /// step.
-pub(crate) struct Guard {
-    callables: Callables,
-    limits: Limits,
-}
+pub(crate) struct Guard(Limits);
 
 impl Observer for Guard {
     fn observe(&mut self, view: View<'_>) -> ObserverResult {
-        self.callables.check()?;
-        Ok(limits::check(&self.limits, view.motion.statistics())?)
+        check_exception()?;
+        Ok(limits::check(&self.0, view.motion.statistics())?)
     }
 
     /// A failed step is not tried again with a smaller size after an exception.
     fn notice(&mut self, _: &Event) -> ObserverResult {
-        self.callables.check()
+        check_exception()
     }
 }
 
@@ -99,7 +96,6 @@ impl Running {
     /// A motion at its start, of which the first row is kept.
     pub(crate) fn new(
         problem: Arc<Problem>,
-        callables: Callables,
         with_adjoint: bool,
         start: &Start<'_>,
     ) -> Result<Self, StartError> {
@@ -113,7 +109,7 @@ impl Running {
         })?;
         let (rows, events, started) = (Vec::new(), Vec::new(), Instant::now());
         let recorder = Recorder { columns, names, rows, events, started };
-        let guard = Guard { callables, limits };
+        let guard = Guard(limits);
         let mut running =
             Running { cell, plan, recorder, guard, results: None, fields: None, identity: None };
         running.show()?;
@@ -159,7 +155,7 @@ impl Running {
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
             motion.follow(&plan)?;
             // A function that fails later in the plan fails when the motion comes there.
-            guard.callables.take_raised();
+            forget_exception();
             let mut trajectory = trajectory.as_mut().map(Watched);
             let mut observers = observers(recorder, results, &mut trajectory, guard);
             let mut steps = 0;

@@ -36,19 +36,27 @@ pub(crate) fn tuple<'py>(py: Python<'py>, body: &Body, state: &State) -> PyResul
     Ok((state.time, displacement, velocity, momentum, state.step, low))
 }
 
+/// The numbers of an array `(n, 3)` for the nodes of a body.
+pub(crate) fn nodal(
+    py: Python<'_>,
+    body: &Body,
+    array: &PyReadonlyArray2<'_, f64>,
+    name: &str,
+) -> PyResult<Vec<f64>> {
+    let (array, n) = (array.as_array(), body.mesh().n_nodes());
+    if array.dim() == (n, 3) {
+        return Ok(array.iter().copied().collect());
+    }
+    let (rows, columns) = array.dim();
+    Err(errors::argument(py, name, &format!("must have the shape ({n}, 3), not ({rows}, {columns})")))
+}
+
 /// The state of a body with given arrays.
 pub(crate) fn arrays(py: Python<'_>, body: &Body, given: StateArrays<'_>) -> PyResult<State> {
     let (time, displacement, velocity, momentum, step, low) = given;
     let n = body.mesh().n_dofs();
-    let numbers = |array: &PyReadonlyArray2<'_, f64>, name: &str| -> PyResult<Vec<f64>> {
-        let array = array.as_array();
-        if array.dim() != (n / 3, 3) {
-            let (rows, columns) = array.dim();
-            let message = format!("must have the shape ({}, 3), not ({rows}, {columns})", n / 3);
-            return Err(errors::argument(py, &format!("start.{name}"), &message));
-        }
-        Ok(array.iter().copied().collect())
-    };
+    let numbers =
+        |array: &PyReadonlyArray2<'_, f64>, name: &str| nodal(py, body, array, &format!("start.{name}"));
     let displaced = State::displaced(body, time, numbers(&displacement, "displacement")?, &[]);
     let mut state = displaced.map_err(|error| errors::library(py, &error))?;
     state.step = step;

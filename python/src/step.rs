@@ -28,6 +28,11 @@ impl Step {
         self.row.get(at).copied()
     }
 
+    /// Names of the columns without the number of the step.
+    fn columns(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().skip(1).map(String::as_str)
+    }
+
     fn vector(&self, name: &str) -> [f64; 3] {
         ["x", "y", "z"].map(|axis| self.number_of(&format!("{name}_{axis}")).unwrap_or(f64::NAN))
     }
@@ -91,7 +96,7 @@ impl Step {
         let number = self.number_of(name).filter(|_| name != "step").ok_or_else(|| {
             PyAttributeError::new_err(format!(
                 "a step has no attribute {name:?}; it has {}",
-                self.names[1..].join(", ")
+                self.columns().collect::<Vec<_>>().join(", ")
             ))
         })?;
         match is_whole(name) {
@@ -111,7 +116,7 @@ impl Step {
     fn __dir__(&self) -> Vec<String> {
         let own =
             ["number", "linear_momentum", "angular_momentum", "cuts", "rejections", "releases", "solver"];
-        self.names[1..].iter().cloned().chain(own.map(String::from)).collect()
+        self.columns().chain(own).map(String::from).collect()
     }
 
     fn __eq__(&self, other: &Step) -> bool {

@@ -1,5 +1,6 @@
 //! The verbs of the command line.
 
+use std::ffi::OsString;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -20,7 +21,7 @@ enum Text {
     Message(String),
 }
 
-/// The package as the surroundings of a verb.
+/// The package as the environment of a verb.
 struct Package<'a> {
     texts: std::sync::Mutex<Sender<Text>>,
     is_interrupted: &'a AtomicBool,
@@ -29,7 +30,7 @@ struct Package<'a> {
 impl Package<'_> {
     fn send(&self, text: Text) -> io::Result<()> {
         let texts = self.texts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        texts.send(text).map_err(|_| io::Error::other("nobody listens"))
+        texts.send(text).map_err(|_| io::Error::other("the receiver of the output is gone"))
     }
 }
 
@@ -50,7 +51,7 @@ impl Host for Package<'_> {
 /// Runs a verb and returns what it prints; messages go to a function. Only the main thread hears signals, so the verb runs
 /// in another one.
 #[pyfunction]
-pub(crate) fn verb(py: Python<'_>, argv: Vec<String>, messages: Option<Py<PyAny>>) -> PyResult<String> {
+pub(crate) fn verb(py: Python<'_>, argv: Vec<OsString>, messages: Option<Py<PyAny>>) -> PyResult<String> {
     let is_interrupted = AtomicBool::new(false);
     let (sender, texts) = channel();
     let host = Package { texts: std::sync::Mutex::new(sender), is_interrupted: &is_interrupted };
@@ -103,6 +104,6 @@ pub(crate) fn verb(py: Python<'_>, argv: Vec<String>, messages: Option<Py<PyAny>
 
 /// The program `emmy`: its exit code.
 #[pyfunction]
-pub(crate) fn main(py: Python<'_>, argv: Vec<String>) -> u8 {
+pub(crate) fn main(py: Python<'_>, argv: Vec<OsString>) -> u8 {
     py.detach(|| emmy_cli::exit_code(argv))
 }

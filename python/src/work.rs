@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use emmy::adjoint::Trajectory;
 use emmy::body::Fields;
-use emmy_io::checkpoint::Identity;
+use emmy::motion::RunStatistics;
+use emmy_io::checkpoint::{Checkpoint, Identity};
 use emmy_io::input::Tree;
 use emmy_io::summary;
 use pyo3::exceptions::PyRuntimeError;
@@ -19,15 +20,25 @@ use crate::step::Step;
 pub(crate) struct Work {
     pub(crate) running: Running,
     /// The sections of the input that describe the motion.
-    pub(crate) further: Vec<(String, Tree)>,
+    pub(crate) sections: Vec<(String, Tree)>,
     pub(crate) has_plan: bool,
     /// Remarks of the reader that concern the motion.
     pub(crate) notes: Vec<String>,
-    /// The step up to which doubts were told, and the halvings before it.
-    pub(crate) told: (usize, usize),
+    /// Statistics up to the last warnings.
+    warned_up_to: RunStatistics,
 }
 
 impl Work {
+    pub(crate) fn new(
+        running: Running,
+        sections: Vec<(String, Tree)>,
+        has_plan: bool,
+        notes: Vec<String>,
+    ) -> Self {
+        let warned_up_to = running.motion().statistics().clone();
+        Work { running, sections, has_plan, notes, warned_up_to }
+    }
+
     /// The last step, or the start.
     pub(crate) fn step(&self) -> Step {
         let recorder = &self.running.recorder;
@@ -53,21 +64,36 @@ impl Work {
         self.running.identity.get_or_insert_with(|| Identity::new(problem)).clone()
     }
 
-    /// Doubts about the steps since the last call.
-    pub(crate) fn doubts(&mut self) -> Vec<String> {
-        let statistics = self.running.motion().statistics();
-        let (steps, cuts) = std::mem::replace(&mut self.told, (statistics.steps, statistics.cuts));
-        if statistics.steps == steps {
-            return Vec::new();
+    /// Everything that determines the rest of the motion.
+    pub(crate) fn checkpoint(&mut self) -> Checkpoint {
+        Checkpoint {
+            identity: self.identity(),
+            snapshot: self.running.motion().snapshot(),
+            frames: Vec::new(),
+            history_checksum: 0,
+            wall_seconds: 0.0,
+            extremes: Vec::new(),
         }
-        let mut doubts = summary::warnings(statistics);
-        if statistics.cuts > cuts {
-            let halvings = statistics.cuts - cuts;
-            doubts.push(format!(
-                "steps failed and were halved, {halvings} times in all; the events say where and why"
-            ));
+    }
+
+    /// Warnings about the steps since the last call.
+    pub(crate) fn warnings(&mut self) -> Vec<String> {
+        let now = self.running.motion().statistics().clone();
+        let before = std::mem::replace(&mut self.warned_up_to, now.clone());
+        let mut warnings = summary::warnings(&RunStatistics {
+            steps: now.steps - before.steps,
+            unresolved_loads: now.unresolved_loads - before.unresolved_loads,
+            rounding: if now.rounding > before.rounding { now.rounding } else { 0.0 },
+            ..Default::default()
+        });
+        if now.cuts > before.cuts {
+            let times = match now.cuts - before.cuts {
+                1 => "once".to_string(),
+                cuts => format!("{cuts} times"),
+            };
+            warnings.push(format!("failed steps were halved {times}; see `motion.events`"));
         }
-        doubts
+        warnings
     }
 
     /// The trajectory of a motion that has done a step.

@@ -40,8 +40,15 @@ pub(crate) const INTERRUPTED: u8 = 130;
 pub enum Failure {
     /// Faults in the input, with lines.
     Input(InputError),
-    /// Bad input of another kind: arguments, or files that Emmy must not overwrite.
+    /// Bad input of another kind, such as arguments.
     Usage {
+        /// The reason.
+        message: String,
+        /// Advice.
+        help: Option<String>,
+    },
+    /// Results that are missing, damaged, of another input, or that Emmy must not overwrite.
+    Files {
         /// The reason.
         message: String,
         /// Advice.
@@ -95,7 +102,7 @@ impl Failure {
     /// Exit code of the program.
     pub fn code(&self) -> u8 {
         match self {
-            Failure::Input(_) | Failure::Usage { .. } => 2,
+            Failure::Input(_) | Failure::Usage { .. } | Failure::Files { .. } => 2,
             Failure::NoConvergence(_) | Failure::Study { .. } => 3,
             Failure::Limit(_) => 4,
             Failure::Interrupted { .. } => INTERRUPTED,
@@ -110,6 +117,7 @@ impl Failure {
             Failure::Input(error) => error.to_string(),
             Failure::NoConvergence(error) => with_causes(&**error),
             Failure::Usage { message, .. }
+            | Failure::Files { message, .. }
             | Failure::Study { message, .. }
             | Failure::Interrupted { message, .. }
             | Failure::Limit(message)
@@ -121,7 +129,7 @@ impl Failure {
     /// Advice, or which results exist; faults of the input have their own.
     pub fn help(&self) -> Option<&str> {
         match self {
-            Failure::Usage { help, .. } => help.as_deref(),
+            Failure::Usage { help, .. } | Failure::Files { help, .. } => help.as_deref(),
             Failure::Study { help, .. } | Failure::Interrupted { help, .. } => Some(help),
             Failure::NoConvergence(_) => Some("the results up to the step before are written"),
             Failure::Limit(_) => Some("the results up to this step are written"),
@@ -169,7 +177,7 @@ impl From<InputError> for Failure {
 
 impl From<DirectoryError> for Failure {
     fn from(error: DirectoryError) -> Self {
-        Failure::Usage { message: error.to_string(), help: None }
+        Failure::Files { message: error.to_string(), help: None }
     }
 }
 

@@ -1,10 +1,10 @@
-//! The surroundings of a verb: where its text goes, and whether it should stop.
+//! The environment of a verb: where its text goes, and whether it should stop.
 
 use std::{fmt, io};
 
 use crate::failure::Failure;
 
-/// The surroundings of a verb: the program with its terminal, or another program that calls [`crate::run_verb`].
+/// The environment of a verb: the program with its terminal, or another program that calls [`crate::run_verb`].
 ///
 /// A verb calls it from any of its threads.
 ///

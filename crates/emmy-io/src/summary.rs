@@ -70,7 +70,7 @@ pub fn warnings(statistics: &RunStatistics) -> Vec<String> {
     if statistics.unresolved_loads > 0 {
         let (missed, steps) = (statistics.unresolved_loads, statistics.steps);
         warnings.push(format!(
-            "{missed} of {steps} steps did not resolve a load or a moving support; the events say which one was first, and near which time"
+            "{missed} of {steps} steps did not resolve a load or a moving support; the first one is in the events"
         ));
     }
     warnings

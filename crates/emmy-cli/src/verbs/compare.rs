@@ -96,6 +96,6 @@ fn lines(runs: &[Run]) -> String {
 
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
-        Failure::Usage { message: error.to_string(), help: None }
+        Failure::Files { message: error.to_string(), help: None }
     }
 }

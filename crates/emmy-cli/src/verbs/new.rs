@@ -98,5 +98,5 @@ fn not_written(file: &str, error: &std::io::Error) -> Failure {
         ErrorKind::AlreadyExists => format!("{file} exists already and was not changed"),
         _ => format!("cannot write {file}: {error}"),
     };
-    Failure::Usage { message, help: None }
+    Failure::Files { message, help: None }
 }

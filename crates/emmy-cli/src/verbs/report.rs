@@ -27,7 +27,7 @@ impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
         match error {
             ReportError::System { .. } => Failure::Other(format!("the report cannot be written: {error}")),
-            error => Failure::Usage { message: error.to_string(), help: None },
+            error => Failure::Files { message: error.to_string(), help: None },
         }
     }
 }

@@ -44,27 +44,27 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
 /// Resumes the run in the calling thread.
 fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     if !arguments.directory.join("input.toml").is_file() {
-        return Err(usage(
+        return Err(unusable(
             format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
             "name the output directory of a run",
         ));
     }
     let lock = Lock::take(&arguments.directory)?;
     let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
-        .map_err(|error| usage(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
+        .map_err(|error| unusable(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
     note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
     let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
     let identity = Identity::new(&problem);
     let same = checkpoint.identity.check(&identity);
-    same.map_err(|mismatch| Failure::Usage { message: mismatch.to_string(), help: None })?;
+    same.map_err(|mismatch| Failure::Files { message: mismatch.to_string(), help: None })?;
     check_end(&problem, &checkpoint)?;
     settle(&problem, &mut checkpoint, &identity);
     let snapshot = checkpoint.snapshot.clone();
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
     let results = Results::resume(&problem, lock, &checkpoint);
-    let results = results.map_err(|error| usage(error.to_string(), "nothing was changed"))?;
+    let results = results.map_err(|error| unusable(error.to_string(), "nothing was changed"))?;
     if !arguments.options.quiet {
         let state = motion.state();
         message!(host, "resuming after step {}, t = {}", state.step, number(state.time));
@@ -72,8 +72,8 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     march((&problem, &arguments.options, host), &mut motion, results, Motion::march_on)
 }
 
-fn usage(message: String, help: &str) -> Failure {
-    Failure::Usage { message, help: Some(help.to_string()) }
+fn unusable(message: String, help: &str) -> Failure {
+    Failure::Files { message, help: Some(help.to_string()) }
 }
 
 /// The problem of the input in the directory, with the changes of the command line.
@@ -102,7 +102,7 @@ fn check_end(problem: &Problem, checkpoint: &Checkpoint) -> Result<(), Failure> 
         format!("the run has already reached t = {time} (step {}); its plan ends at t = {end}", state.step);
     let longer = if problem.is_static() { "" } else { "give a later end with --until T; " };
     let help = format!("{longer}`emmy report {}` writes the report again", directory.display());
-    Err(usage(message, &help))
+    Err(Failure::Usage { message, help: Some(help) })
 }
 
 /// Whether the run up to a time ended before all its files were written.

@@ -118,7 +118,7 @@ impl From<SweepError> for Failure {
             }
             SweepError::System(_) => return Failure::Other(error.to_string()),
         };
-        Failure::Usage { message: error.to_string(), help: help.map(String::from) }
+        Failure::Files { message: error.to_string(), help: help.map(String::from) }
     }
 }
 

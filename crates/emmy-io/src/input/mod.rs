@@ -59,3 +59,4 @@ pub(crate) use set::alternatives;
 pub use settings::{Limits, Output};
 pub use shape::meshes;
 pub use start::{Start, StartError};
+pub use write::body_sections;

@@ -26,6 +26,36 @@ pub(super) fn toml(root: &Node) -> String {
     text
 }
 
+/// Headers of the sections that describe a body.
+const OF_BODY: [&str; 5] = ["[mesh]", "[[region]]", "[[mass]]", "[[support]]", "[[load]]"];
+
+/// The sections of a resolved input that describe the body, without those of its motion. A comment explains the names of
+/// functions, which no file can hold.
+///
+/// ```
+/// let resolved = "[mesh]\nfile = \"a.msh\"\n\n[[load]]\nhistory = \"<function hat>\"\n\n[time]\nscheme = \"DGM\"\n";
+/// let body = emmy_io::input::body_sections(resolved);
+/// assert!(body.starts_with("# ") && body.ends_with("[[load]]\nhistory = \"<function hat>\"\n"));
+/// ```
+pub fn body_sections(resolved: &str) -> String {
+    let mut sections: Vec<String> = Vec::new();
+    for part in resolved.split("\n\n") {
+        match sections.last_mut() {
+            // Inside a text of several lines.
+            Some(last) if !part.starts_with('[') => *last += &format!("\n\n{part}"),
+            _ => sections.push(part.to_string()),
+        }
+    }
+    sections.retain(|section| OF_BODY.iter().any(|header| section.starts_with(header)));
+    let text = format!("{}\n", sections.join("\n\n").trim_end());
+    if text.contains("\"<function ") {
+        return format!(
+            "# `<function NAME>` stands for a function of a program, which no file can hold.\n\n{text}"
+        );
+    }
+    text
+}
+
 /// Tables and lists of tables get a header of their own.
 fn is_section(node: &Node) -> bool {
     let table = |node: &Node| matches!(node.value, Value::Table(_));

@@ -49,9 +49,6 @@ pub(super) const POINTS_OF_SIGNALS: usize = 4;
 const TIMES: usize = 1000;
 const MAX_EVALUATIONS: usize = 100_000;
 
-/// The same of a costly field; a step names a value that is not finite.
-const COSTLY_TIMES: usize = 4;
-
 impl FieldLoad {
     /// The load; `None` if it is not a field. `section`: thickness of plane cells, `density_of_cell`: mass per measure of
     /// each cell, `point_masses: [n_nodes]`.
@@ -120,15 +117,18 @@ impl FieldLoad {
         (3 * points.len(), move |times: &[f64], values: &mut [f64]| set(&points, times, values))
     }
 
-    /// A point and a time of a span at which the load is not a finite number.
+    /// A point and a time of a span at which the load is not a finite number; of a costly field, at the start of the span
+    /// only, because a step names a value that is not finite.
     pub(super) fn find_not_finite(&self, span: [f64; 2]) -> Option<([f64; 3], f64)> {
+        if self.field.is_costly() {
+            return self.not_finite_among(1, 0, span);
+        }
         let n_points = self.points.len().max(1);
-        let n_times = if self.field.is_costly() { COSTLY_TIMES } else { TIMES };
-        let few = self.not_finite_among(n_points.div_ceil(POINTS_OF_SIGNALS), n_times, span);
-        few.or_else(|| self.not_finite_among(1, (MAX_EVALUATIONS / n_points).clamp(1, n_times), span))
+        let few = self.not_finite_among(n_points.div_ceil(POINTS_OF_SIGNALS), TIMES, span);
+        few.or_else(|| self.not_finite_among(1, (MAX_EVALUATIONS / n_points).clamp(1, TIMES), span))
     }
 
-    /// The same among every so many points, at so many times.
+    /// The same among every so many points, at the start and at so many further times.
     fn not_finite_among(
         &self,
         every: usize,
@@ -137,7 +137,7 @@ impl FieldLoad {
     ) -> Option<([f64; 3], f64)> {
         let points: Vec<[f64; 3]> = self.points.iter().step_by(every).copied().collect();
         let mut values = vec![[0.0; 3]; points.len()];
-        let times = (0..=n_times).map(|i| start + (end - start) * i as f64 / n_times as f64);
+        let times = (0..=n_times).map(|i| start + (end - start) * i as f64 / n_times.max(1) as f64);
         times.filter(|&time| self.time_function.value(time) != 0.0).find_map(|time| {
             self.field.set_at(&points, time, &mut values);
             let place = values.iter().position(|value| value.iter().any(|x| !x.is_finite()))?;

@@ -1,6 +1,6 @@
 //! Displacement that is given by its acceleration.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::TimeFunction;
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::quadrature::{Quadrature, gauss};
 /// ```
 ///
 /// Between the entries of a table it is a cubic polynomial. A smooth acceleration is integrated on equal panels by a
-/// Gauss rule.
+/// Gauss rule, a costly one on fewer panels, and only up to the times that were asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Integrated {
     acceleration: TimeFunction,
@@ -45,17 +45,27 @@ struct Cubic {
     path: Path,
 }
 
-/// The path at the ends of equal panels.
-#[derive(Debug, Clone, PartialEq)]
+/// Equal panels.
+#[derive(Debug)]
 struct Panels {
     start: f64,
     size: f64,
-    paths: Vec<Path>,
+    /// Number of panels in the span; a time after it is reached from the last one.
+    n: usize,
     points: Quadrature<1>,
+    known: Mutex<Known>,
 }
 
-/// Binary logarithm of the smallest number of panels in the span.
+/// The path at the ends of the panels that are integrated.
+#[derive(Debug, Clone, PartialEq)]
+struct Known {
+    paths: Vec<Path>,
+    sums: [Sum; 2],
+}
+
+/// Binary logarithm of the smallest number of panels in the span, also for a costly function.
 const PANELS: i32 = 14;
+const COSTLY_PANELS: i32 = 9;
 
 /// Gauss points of a panel.
 const POINTS: usize = 10;
@@ -75,6 +85,9 @@ impl Integrated {
         };
         let text = acceleration.text().map(|text| format!("acceleration {text}").into());
         let integrated = Integrated { acceleration: acceleration.clone(), pieces, text };
+        if acceleration.is_costly() {
+            return Ok(integrated);
+        }
         let Path { velocity, displacement } = integrated.at(end);
         match velocity.is_finite() && displacement.is_finite() {
             true => Ok(integrated),
@@ -140,18 +153,44 @@ impl Cubic {
 impl Panels {
     /// Panels whose size is a power of two, so that a span of another length mostly has the same ones.
     fn new(acceleration: &TimeFunction, start: f64, end: f64) -> Self {
-        let size = 2f64.powi((end - start).max(f64::MIN_POSITIVE).log2().floor() as i32 - PANELS);
-        let mut panels = Panels { start, size, paths: vec![Path::default()], points: gauss(POINTS) };
-        let mut sums = [Sum::default(); 2];
-        for panel in 0..((end - start) / size).ceil() as usize {
-            let path = panels.paths[panel];
-            let [change, distance] = panels.change(acceleration, start + panel as f64 * size, size);
+        let panels = if acceleration.is_costly() { COSTLY_PANELS } else { PANELS };
+        let size = 2f64.powi((end - start).max(f64::MIN_POSITIVE).log2().floor() as i32 - panels);
+        let known = Mutex::new(Known { paths: vec![Path::default()], sums: Default::default() });
+        Panels { start, size, n: ((end - start) / size).ceil() as usize, points: gauss(POINTS), known }
+    }
+
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The path at the start of a panel.
+    fn path(&self, acceleration: &TimeFunction, panel: usize) -> Path {
+        let mut known = {
+            let known = self.known();
+            match known.paths.get(panel) {
+                Some(path) => return *path,
+                None => known.clone(),
+            }
+        };
+        // Not locked: the function may ask for this path itself.
+        let Known { paths, sums } = &mut known;
+        for panel in paths.len() - 1..panel {
+            let path = paths[panel];
+            let [change, distance] =
+                self.change(acceleration, self.start + panel as f64 * self.size, self.size);
             sums[0].add(change);
-            sums[1].add(path.velocity * size);
+            sums[1].add(path.velocity * self.size);
             sums[1].add(distance);
-            panels.paths.push(Path { velocity: sums[0].value, displacement: sums[1].value });
+            paths.push(Path { velocity: sums[0].value, displacement: sums[1].value });
         }
-        panels
+        let path = paths[panel];
+        let is_finite = path.velocity.is_finite() && path.displacement.is_finite();
+        let mut before = self.known();
+        // After a failed call it may have values again.
+        if is_finite && before.paths.len() < known.paths.len() {
+            *before = known;
+        }
+        path
     }
 
     /// Changes of velocity and displacement from rest in a part of a panel.
@@ -172,8 +211,8 @@ impl Panels {
         if time <= self.start {
             return Path::default();
         }
-        let mut panel = (((time - self.start) / self.size) as usize).min(self.paths.len() - 1);
-        let mut path = self.paths[panel];
+        let mut panel = (((time - self.start) / self.size) as usize).min(self.n);
+        let mut path = self.path(acceleration, panel);
         loop {
             let from = self.start + panel as f64 * self.size;
             let length = (time - from).min(self.size);
@@ -188,8 +227,22 @@ impl Panels {
     }
 }
 
+impl Clone for Panels {
+    fn clone(&self) -> Self {
+        let known = Mutex::new(self.known().clone());
+        Panels { known, points: self.points.clone(), ..*self }
+    }
+}
+
+/// What is integrated already does not count.
+impl PartialEq for Panels {
+    fn eq(&self, other: &Self) -> bool {
+        (self.start, self.size, self.n) == (other.start, other.size, other.n)
+    }
+}
+
 /// A sum with its rounding error (Neumaier 1974, Z. Angew. Math. Mech. 54, 39-51).
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Sum {
     high: f64,
     low: f64,
@@ -234,6 +287,30 @@ mod tests {
             assert!((path.value(time) / (0.5 * a * time * time) - 1.0).abs() < 1e-15, "{time}");
             assert!((path.rate(time) / (a * time) - 1.0).abs() < 1e-15, "{time}");
         }
+    }
+
+    #[test]
+    fn a_costly_acceleration_is_called_when_it_is_needed() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let calls = Arc::new(AtomicUsize::new(0));
+        let count = calls.clone();
+        let law = TimeFunction::of_times("sine", move |times, values| {
+            count.fetch_add(times.len(), Ordering::Relaxed);
+            values
+                .iter_mut()
+                .zip(times)
+                .for_each(|(value, t)| *value = if *t < 2.0 { (20.0 * t).sin() } else { f64::NAN });
+        });
+        let path = TimeFunction::from_acceleration(&law, [0.0, 4.0]).unwrap();
+        assert_eq!(calls.load(Ordering::Relaxed), 0);
+        // u = t/20 - sin(20 t)/400.
+        for t in [1.9, 0.3] {
+            assert!((path.value(t) - (t / 20.0 - (20.0 * t).sin() / 400.0)).abs() < 1e-15, "{t}");
+        }
+        // 512 panels of 10 points in the span, half of which is needed, and a part of a panel for each time.
+        assert!(calls.load(Ordering::Relaxed) <= 10 * 256 + 20);
+        assert!(path.value(2.5).is_nan());
+        assert!(path.value(1.9).is_finite());
     }
 
     #[test]
