@@ -167,3 +167,29 @@ def test_runs_without_frames():
     emmy.Motion(body, steps=(1.0, 0.5), initial=emmy.Initial(velocity=(0, 0, 1))).run(output="none", every=0)
     with pytest.raises(emmy.ResultsError, match="none has no frames"):
         emmy.Run("none").frames
+
+
+def test_a_body_as_toml():
+    path = emmy.new("spinning-block")
+    problem = emmy.load(path)
+    text = problem.body.to_toml()
+    motion = """
+time = { scheme = "DGM", steps = [{ until = 0.1, size = 0.05 }] }
+"""
+    Path("other.toml").write_text(motion + text)
+    assert set(tomllib.loads(text)) <= {"mesh", "region", "support", "load", "mass"}
+    problem.body.mesh.write("mesh.vtu")
+    assert emmy.load("other.toml").body.to_toml() == text
+    block = emmy.Body(
+        emmy.Mesh.box((1, 1, 1), (1, 1, 1)),
+        emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1),
+        loads=emmy.Load("x-max", force=(1, 0, 0), history=abs),
+    )
+    assert block.to_toml().startswith("# `<function NAME>` stands for a function of a program")
+    assert tomllib.loads(block.to_toml())["load"][0]["history"] == "<function abs>"
+
+
+def test_frames_by_time_replace_frames_by_steps():
+    problem = emmy.load(emmy.new("spinning-block"), until=0.2)
+    problem.motion().run(output="out", interval=0.1)
+    assert emmy.Run("out").frames.times.tolist() == [0.0, 0.1, 0.2]

@@ -120,3 +120,69 @@ def test_damaged_snapshots(spinning):
 def test_a_snapshot_of_another_body(spinning, beam):
     with pytest.raises(emmy.Error):
         emmy.Motion(beam, steps=(1.0, 0.1), start=spinning.snapshot())
+
+
+def swinging(**arguments):
+    body = spinning_block().body
+    load = emmy.Load("x-max", force=(1, 2, 3), history="sin(9*t)")
+    initial = emmy.Initial(angular_velocity=(0.5, 1.0, 2.0))
+    return emmy.Motion(emmy.Body(body.mesh, body.regions, loads=load), initial=initial, **arguments)
+
+
+def test_a_snapshot_stays_on_the_grid_of_the_plan():
+    # 0.1 i differs from sums of 0.1 in its last bits.
+    plan = (2.0, 0.1)
+    whole = swinging(steps=plan).run()
+    for steps in (1, 3, 6, 0):
+        motion = swinging(steps=plan)
+        for _ in range(steps):
+            next(motion)
+        if steps == 0:
+            motion.run(until=0.95)
+        snapshot = pickle.loads(pickle.dumps(motion.snapshot()))
+        rest = emmy.Motion(motion.body, steps=plan, start=snapshot).run()
+        if steps == 0:
+            # Off the grid, the steps begin there.
+            np.testing.assert_allclose(rest["time"][:3], [0.95, 1.05, 1.15], rtol=1e-15)
+            continue
+        first = len(whole) - len(rest)
+        for name in ("time", "total_energy", "angular_momentum_x"):
+            np.testing.assert_array_equal(rest[name], whole[name][first:])
+
+
+def test_a_plan_may_begin_where_steps_by_hand_ended():
+    motion = swinging()
+    for _ in range(10):
+        motion.step(0.1)
+    assert motion.time == 0.9999999999999999
+    other = emmy.Motion(motion.body, steps=[(1.0, 0.1), (2.0, 0.1)], start=motion.snapshot())
+    other.run()
+    assert other.number == 20 and other.time == 2.0
+
+
+def test_a_start_before_the_plan():
+    state = swinging().state
+    early = emmy.State(-1.0, state.displacement, state.velocity, state.momentum)
+    with pytest.raises(emmy.InputError, match="start: a plan begins at t = 0, but the state is one at t = -1"):
+        emmy.Motion(swinging().body, steps=(1.0, 0.1), start=early)
+
+
+def test_a_copy_keeps_a_plan_that_was_extended():
+    motion = swinging(steps=(0.5, 0.1))
+    motion.run(until=1.0)
+    other = copy.copy(motion)
+    assert other.time == 1.0 and list(other) == []
+    motion.extend(1.5)
+    again = copy.copy(motion)
+    np.testing.assert_array_equal(again.run()["total_energy"][1:], motion.run()["total_energy"][-5:])
+
+
+def test_velocities_of_driven_nodes_are_those_of_their_motion():
+    mesh = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
+    support = emmy.Support("y-min", move={"x": "2*t"}, fix="yz")
+    body = emmy.Body(mesh, emmy.Region(rubber(), density=1.0), support)
+    motion = emmy.Motion(body, steps=(1.0, 0.5), initial=np.tile([5.0, 5.0, 5.0], (12, 1)))
+    driven = mesh.group_nodes("y-min")
+    np.testing.assert_array_equal(motion.velocity[driven], np.tile([2.0, 0.0, 0.0], (4, 1)))
+    np.testing.assert_array_equal(np.delete(motion.velocity, driven, axis=0), np.full((8, 3), 5.0))
+    np.testing.assert_allclose(motion.momentum, (body.mass() @ motion.velocity.ravel()).reshape(-1, 3), atol=1e-14)

@@ -132,7 +132,7 @@ def test_mistakes():
 
 def test_parameters_are_those_of_the_function():
     with pytest.raises(TypeError, match="parameters: got an unexpected keyword argument 'sped'"):
-        emmy.sweep(lambda speed: pytest.fail("a run"), {"sped": [1.0]})
+        emmy.sweep(lambda speed: pytest.fail("a run"), {"speed": [1.0], "sped": [1.0]})
     with pytest.raises(TypeError, match="parameters: missing a required argument: 'size'"):
         emmy.sweep(lambda speed, size: pytest.fail("a run"), {"speed": [1.0]})
 

@@ -31,7 +31,7 @@ def test_a_probe_far_from_its_node():
 
 
 def test_steps_that_were_halved():
-    motion = spinning_block(steps=(1.0, 0.5), max_iterations=4)
+    motion = spinning_block(steps=(2.0, 0.5), max_iterations=3)
     told = messages(motion.run)
     halvings = sum(event.kind == "cut" for event in motion.events)
     assert halvings > 0
