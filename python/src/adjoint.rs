@@ -34,11 +34,12 @@ impl Goal {
         Ok(Goal { goal: goal(body.inner(), node, direction) })
     }
 
-    fn of(&self, py: Python<'_>, state: &State) -> PyResult<f64> {
-        if state.displacement.len() != self.goal.displacement.len() {
-            return Err(errors::argument(py, "goal", "it belongs to a body with another number of nodes"));
+    /// Checks that it belongs to the body of a state.
+    pub(crate) fn check(&self, py: Python<'_>, state: &State) -> PyResult<()> {
+        match state.displacement.len() == self.goal.displacement.len() {
+            true => Ok(()),
+            false => Err(errors::argument(py, "goal", "it belongs to a body with another number of nodes")),
         }
-        Ok(self.goal.value(state))
     }
 }
 
@@ -55,7 +56,10 @@ impl Goal {
     }
 
     fn value(&self, py: Python<'_>, motion: &Motion) -> PyResult<f64> {
-        motion.with_state(|state| self.of(py, state))?
+        motion.with_state(|state| {
+            self.check(py, state)?;
+            Ok(self.goal.value(state))
+        })?
     }
 }
 

@@ -342,7 +342,7 @@ impl Motion {
         let work = self.lock()?;
         let trajectory = work.trajectory()?;
         let n_dofs = work.running.motion().body().mesh().n_dofs();
-        work.check_goal(py, goal)?;
+        goal.check(py, work.running.motion().state())?;
         let parameters: Vec<_> = parameters.iter().map(|own| own.parameter.clone()).collect();
         let gradient = pool::work(py, || trajectory.gradient(&goal.goal, &parameters))?;
         let gradient = gradient.map_err(|error| errors::library(py, &error))?;
@@ -353,7 +353,7 @@ impl Motion {
     fn goal_error(&self, py: Python<'_>, goal: &Goal) -> PyResult<GoalError> {
         let work = self.lock()?;
         let trajectory = work.trajectory()?;
-        work.check_goal(py, goal)?;
+        goal.check(py, work.running.motion().state())?;
         let error = pool::work(py, || trajectory.goal_error(&goal.goal))?;
         Ok(GoalError { error: error.map_err(|error| errors::library(py, &error))? })
     }

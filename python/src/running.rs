@@ -84,9 +84,9 @@ impl Observer for Guard {
 }
 
 /// A trajectory that observes.
-struct Watched<'b, 'a>(&'b mut Trajectory<'a>);
+struct TrajectoryObserver<'b, 'a>(&'b mut Trajectory<'a>);
 
-impl Observer for Watched<'_, '_> {
+impl Observer for TrajectoryObserver<'_, '_> {
     fn observe(&mut self, view: View<'_>) -> ObserverResult {
         Ok(self.0.record(view.motion)?)
     }
@@ -128,7 +128,7 @@ impl Running {
     fn show(&mut self) -> Result<(), MarchError> {
         let (recorder, results, guard) = (&mut self.recorder, &mut self.results, &mut self.guard);
         self.cell.with_dependent_mut(|_, Moving { motion, trajectory }| {
-            let mut trajectory = trajectory.as_mut().map(Watched);
+            let mut trajectory = trajectory.as_mut().map(TrajectoryObserver);
             let view = motion.view();
             for observer in observers(recorder, results, &mut trajectory, guard) {
                 observer.observe(view).map_err(MarchError::Observer)?;
@@ -156,7 +156,7 @@ impl Running {
             motion.follow(&plan)?;
             // A function that fails later in the plan fails when the motion comes there.
             forget_exception();
-            let mut trajectory = trajectory.as_mut().map(Watched);
+            let mut trajectory = trajectory.as_mut().map(TrajectoryObserver);
             let mut observers = observers(recorder, results, &mut trajectory, guard);
             let mut steps = 0;
             while until.is_none_or(|until| motion.time() < until - ROUNDING * until.abs()) {
@@ -185,7 +185,7 @@ const ROUNDING: f64 = 1e-12;
 fn observers<'c, 'a: 'c>(
     recorder: &'c mut Recorder,
     results: &'c mut Option<Results>,
-    trajectory: &'c mut Option<Watched<'_, 'a>>,
+    trajectory: &'c mut Option<TrajectoryObserver<'_, 'a>>,
     guard: &'c mut Guard,
 ) -> Vec<&'c mut dyn Observer> {
     let mut observers: Vec<&mut dyn Observer> = vec![recorder];

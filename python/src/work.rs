@@ -11,7 +11,6 @@ use emmy_io::summary;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::adjoint::Goal;
 use crate::errors;
 use crate::running::Running;
 use crate::step::Step;
@@ -104,14 +103,6 @@ impl Work {
                 Err(PyRuntimeError::new_err("the motion has not done a step yet"))
             }
             Some(trajectory) => Ok(trajectory),
-        }
-    }
-
-    /// Checks that a goal belongs to the body.
-    pub(crate) fn check_goal(&self, py: Python<'_>, goal: &Goal) -> PyResult<()> {
-        match self.running.motion().state().displacement.len() == goal.goal.displacement.len() {
-            true => Ok(()),
-            false => Err(errors::argument(py, "goal", "it belongs to a body with another number of nodes")),
         }
     }
 }
