@@ -232,7 +232,9 @@ def of_whole_input() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        error.faults[:] = [fault._replace(place=in_words_of_python(fault.place)) for fault in error.faults]
+        # The words of single tables are replaced already.
+        places = [_replaced(fault.place, _WORDS_OF_WHOLE) for fault in error.faults]
+        error.faults[:] = [fault._replace(place=place) for fault, place in zip(error.faults, places, strict=True)]
         raise
 
 
