@@ -235,8 +235,9 @@ ENDS = []
 
 
 @settings(max_examples=500, deadline=None)
-@given(st.dictionaries(st.sampled_from(SETTINGS), VALUES, min_size=1, max_size=2))
-def random_motion(arguments):
+@given(*[st.dictionaries(st.sampled_from(SETTINGS), VALUES, max_size=1)] * 2)
+def random_motion(one, other):
+    arguments = one | other
     try:
         emmy.Motion(BODY, **{"steps": (0.1, 0.1)} | arguments)
     except (emmy.InputError, TypeError) as error:

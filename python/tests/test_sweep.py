@@ -77,7 +77,9 @@ def test_measures_come_back_from_the_file():
     rows = list(csv.DictReader(Path("sweep.csv").read_text().splitlines()))
     assert [row["speed"] for row in rows] == ["1.0", "1.0", "1.5", "1.5", "2.0", "2.0"]
     assert {row["size"] for row in rows} == {"0.5", "0.25"}
-    again = emmy.sweep(lambda speed, size: pytest.fail("a run"), values, measure=measure, output="sweep.csv", resume=True)
+    again = emmy.sweep(
+        lambda speed, size: pytest.fail("a run"), values, measure=measure, output="sweep.csv", resume=True
+    )
     assert again.table.dtype == sweep.table.dtype and np.array_equal(again.table, sweep.table)
     assert sweep.table["mode"].tolist() == [3.0] * 6 and sweep.table["iteration"].tolist() == [0.5] * 6
     assert sweep.parameters == {"speed": [1.0, 1.5, 2.0], "size": [0.5, 0.25]}
@@ -194,4 +196,7 @@ def test_parameters_are_those_of_the_function():
 
 
 def test_a_sweep_shows_itself_in_a_line():
-    assert repr(emmy.sweep(make, {"speed": [1.0, 2.0], "size": [0.5]})) == "<emmy.Sweep over speed, size: 2 runs, 0 failed>"
+    assert (
+        repr(emmy.sweep(make, {"speed": [1.0, 2.0], "size": [0.5]}))
+        == "<emmy.Sweep over speed, size: 2 runs, 0 failed>"
+    )
