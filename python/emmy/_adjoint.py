@@ -62,7 +62,8 @@ class Goal:
         >>> emmy.Goal.displacement_at(body, node=0, direction=(0, 1, 0)).value(emmy.Motion(body))
         0.0
         """
-        return cls(_emmy.Goal.displacement_at(body._native, node, words.array(direction, (3,), "direction").tolist()))
+        own = words.count(node, 0, "node")
+        return cls(_emmy.Goal.displacement_at(body._native, own, words.array(direction, (3,), "direction").tolist()))
 
     @classmethod
     def velocity_at(cls, body: Body, node: int, direction: words.Vector) -> Self:
@@ -94,7 +95,8 @@ class Goal:
         >>> emmy.Goal.velocity_at(body, node=0, direction=(0, 1, 0)).value(motion)
         3.0
         """
-        return cls(_emmy.Goal.velocity_at(body._native, node, words.array(direction, (3,), "direction").tolist()))
+        own = words.count(node, 0, "node")
+        return cls(_emmy.Goal.velocity_at(body._native, own, words.array(direction, (3,), "direction").tolist()))
 
     def value(self, motion: Motion) -> float:
         """Value at the present state of a motion.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numbers
-import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _emmy
 from . import _words as words
-from ._errors import EmmyWarning, missing
+from ._errors import missing, of_whole_input, warn
 from ._mesh import Mesh
 from ._parts import Load, Mass, Region, Support
 
@@ -71,9 +70,9 @@ class Body:
         self._try_histories()
         parts = {"region": self._regions, "support": self._supports, "load": self._loads, "mass": self._masses}
         tables = {key: [part._tree() for part in own] for key, own in parts.items() if own}
-        self._native = _emmy.Body({"mesh": mesh._native} | tables)
-        for note in self.notes:
-            warnings.warn(note, EmmyWarning, stacklevel=2)
+        with of_whole_input():
+            self._native = _emmy.Body({"mesh": mesh._native} | tables)
+        warn(self.notes)
 
     def _try_histories(self) -> None:
         for index, load in enumerate(self._loads):
@@ -131,7 +130,7 @@ class Body:
 
     @property
     def notes(self) -> list[str]:
-        """What was noticed when the body was made."""
+        """Notes of the reader on the body."""
         return self._native.notes
 
     def mass(self) -> Any:
@@ -155,13 +154,13 @@ class Body:
         """
         return _sparse(self._native.mass())
 
-    def stiffness(self, displacement: ArrayLike | None = None) -> Any:
+    def stiffness(self, u: ArrayLike | None = None) -> Any:
         """Stiffness: derivative of the internal forces by the displacement.
 
         Parameters
         ----------
-        displacement : array (n, 3), optional
-            Where to take it; the reference configuration if not given.
+        u : array (n, 3), optional
+            Displacement at which to take it; the reference configuration if not given.
 
         Returns
         -------
@@ -181,16 +180,14 @@ class Body:
         >>> bool(np.abs(body.stiffness() @ np.tile([1.0, 0.0, 0.0], 8)).max() < 1e-14)      # no force in a translation
         True
         """
-        return _sparse(
-            self._native.stiffness(None if displacement is None else self._nodal(displacement, "displacement"))
-        )
+        return _sparse(self._native.stiffness(None if u is None else self._nodal(u, "u")))
 
-    def internal_force(self, displacement: ArrayLike) -> NDArray[np.float64]:
+    def internal_force(self, u: ArrayLike) -> NDArray[np.float64]:
         """Internal forces.
 
         Parameters
         ----------
-        displacement : array (n, 3)
+        u : array (n, 3)
             Displacement of the nodes.
 
         Returns
@@ -211,14 +208,14 @@ class Body:
         >>> float(np.abs(body.internal_force(np.zeros((8, 3)))).max())
         0.0
         """
-        return self._native.internal_force(self._nodal(displacement, "displacement"))
+        return self._native.internal_force(self._nodal(u, "u"))
 
-    def strain_energy(self, displacement: ArrayLike) -> float:
+    def strain_energy(self, u: ArrayLike) -> float:
         """Strain energy.
 
         Parameters
         ----------
-        displacement : array (n, 3)
+        u : array (n, 3)
             Displacement of the nodes.
 
         Returns
@@ -240,7 +237,7 @@ class Body:
         >>> round(body.strain_energy(mesh.points * [stretch - 1, 0, 0]), 12)
         0.025
         """
-        return self._native.strain_energy(self._nodal(displacement, "displacement"))
+        return self._native.strain_energy(self._nodal(u, "u"))
 
     def to_toml(self) -> str:
         """The body in the words of an input file. Functions have no place in a file: they are named.
@@ -282,8 +279,11 @@ def _sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) 
 
 
 def _try_history(function: Any, place: str) -> None:
-    value = function(0.0)
+    value = given = function(0.0)
+    if getattr(given, "ndim", None) == 0 and hasattr(given, "item"):
+        # Splines of SciPy return arrays without axes.
+        value = given.item()
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(
-            f"{place}: the function {words.name_of(function)} returned {type(value).__name__} in place of a number"
+            f"{place}: the function {words.name_of(function)} returned {type(given).__name__} in place of a number"
         )

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,7 +85,7 @@ class InputError(Error, ValueError):
     """
 
     def __init__(self, faults: list[Fault]) -> None:
-        self.faults = [fault._replace(place=in_words_of_python(fault.place)) for fault in map(_fault, faults)]
+        self.faults = [fault if isinstance(fault, Fault) else _fault(fault) for fault in faults]
         super().__init__(self.faults)
 
     def __str__(self) -> str:
@@ -136,7 +141,7 @@ class ConvergenceError(Error, RuntimeError):
     node : int or None
         Node with the largest residual.
     position : array (3,) or None
-        Its current position.
+        Its position, or that of the inverted cell, at the end of the last good step.
     cause : str
         Why the last attempt failed.
 
@@ -152,7 +157,7 @@ class ConvergenceError(Error, RuntimeError):
         step: int | None = None,
         time: float | None = None,
         node: int | None = None,
-        position: tuple[float, float, float] | NDArray[np.float64] | None = None,
+        position: Sequence[float] | NDArray[np.float64] | None = None,
         cause: str = "",
     ) -> None:
         super().__init__(message, step, time, node, position, cause)
@@ -160,7 +165,7 @@ class ConvergenceError(Error, RuntimeError):
         self.step = step
         self.time = time
         self.node = node
-        self.position = position
+        self.position = None if position is None else np.asarray(position, dtype=np.float64)
         self.cause = cause
 
     def __str__(self) -> str:
@@ -197,30 +202,63 @@ def missing(function: str, module: str, extra: str) -> ImportError:
     return ImportError(f"{function} needs {module}: pip install {extra}")
 
 
-# From keys of the input to arguments, in this order.
+# From keys of any table to arguments, in this order.
 _WORDS = [
+    (r"^mesh\.(?=cells|cell_groups|facet_groups|node_groups|points)", ""),
+    (r"\bmaterial\.[a-z][a-z-]*", "material"),
+    (r"(^|\.)lambda$", r"\1lambda_"),
+]
+
+# From tables of a whole input to arguments of `Body` and `Motion`, in this order.
+_WORDS_OF_WHOLE = [
     (r"^(load|region|support)(?=\[)", r"\1s"),
     (r"^mass(?=\[)", "masses"),
     (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
     (r"^time$", "steps"),
     (r"^(time|newton|output)\.", ""),
     (r"^solver\.kind", "solver"),
-    (r"^mesh\.(?=cells|cell_groups|facet_groups|node_groups|points)", ""),
     (r"^units\.system", "units"),
-    (r"\bmaterial\.[a-z][a-z-]*", "material"),
-    (r"(^|\.)lambda$", r"\1lambda_"),
 ]
 
 
 def in_words_of_python(place: str) -> str:
-    """The argument for a key of the input; other places, such as lines of files, stay."""
+    """The argument of `Body` or `Motion` for a key of a whole input; other places, such as lines of files, stay."""
+    return _replaced(_replaced(place, _WORDS), _WORDS_OF_WHOLE)
+
+
+@contextmanager
+def of_whole_input() -> Iterator[None]:
+    """Turns the places of faults in a whole input into arguments of `Body` and `Motion`."""
+    try:
+        yield
+    except InputError as error:
+        # The words of single tables are replaced already.
+        places = [_replaced(fault.place, _WORDS_OF_WHOLE) for fault in error.faults]
+        error.faults[:] = [fault._replace(place=place) for fault, place in zip(error.faults, places, strict=True)]
+        raise
+
+
+def _replaced(place: str, words: Iterable[tuple[str, str]]) -> str:
     if re.search(r":\d+(:\d+)?$", place):
         return place
-    for pattern, replacement in _WORDS:
+    for pattern, replacement in words:
         place = re.sub(pattern, replacement, place)
     return place
 
 
 def _fault(fault: tuple[Any, ...]) -> Fault:
+    """A fault of the reader."""
     place, message, help, group, available = fault
-    return Fault(place, message, help or "", group, None if available is None else tuple(available))
+    return Fault(_replaced(place, _WORDS), message, help or "", group, None if available is None else tuple(available))
+
+
+_PACKAGE = os.path.dirname(__file__) + os.sep
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Warns at the line that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    for message in messages:
+        warnings.warn(message, EmmyWarning, stacklevel=level)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from . import _emmy
+from . import _words as words
 from ._run import call
 
 
@@ -165,7 +167,7 @@ def new(name: str) -> Path:
     'two-body.toml'
     """
     call("new", name, progress=False)
-    return Path(f"{name}.toml")
+    return Path(re.sub(r"(\.toml)*$", ".toml", name, count=1))
 
 
 def schema() -> dict[str, Any]:
@@ -185,17 +187,17 @@ def schema() -> dict[str, Any]:
 
 
 def set_threads(number: int) -> None:
-    """Sets the number of threads, on which results do not depend.
+    """Sets the number of threads. Results do not depend on it.
 
     Parameters
     ----------
     number : int
-        Number; at the start ``EMMY_NUM_THREADS``, else the number of cores.
+        Number of threads.
 
     Raises
     ------
     InputError
-        If it is not positive.
+        If it is not between 1 and 65535.
 
     Examples
     --------
@@ -203,11 +205,11 @@ def set_threads(number: int) -> None:
     >>> emmy.threads()
     1
     """
-    _emmy.set_threads(number)
+    _emmy.set_threads(words.count(number, 1, "number", most=65535))
 
 
 def threads() -> int:
-    """Number of threads.
+    """Number of threads; by default ``EMMY_NUM_THREADS``, or the number of cores.
 
     Returns
     -------

@@ -15,7 +15,7 @@ SLICE = 0.05
 
 
 def march(motion: Motion, until: float | None, observers: Sequence[Observer], progress: bool) -> bool:
-    """Marches to the end of the plan or to a time; whether it came there."""
+    """Marches to the end of the plan or to `until`; returns True if it got there."""
     native = motion._native
     end = native.end if until is None else min(until, native.end)
     with Progress(progress, end, "t", start=native.time) as bar:

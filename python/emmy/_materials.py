@@ -269,8 +269,8 @@ class Energy(Material):
     fibre : vector, optional
         Direction of the fibres.
     **parameters : float
-        Values of the other names in the formula; one underscore at the end is dropped, so that ``lambda_`` is
-        ``lambda``.
+        Values of the other names in the formula; a trailing underscore after a Python keyword is dropped, so that
+        ``lambda_`` is ``lambda``.
 
     Raises
     ------

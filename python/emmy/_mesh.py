@@ -84,7 +84,7 @@ class Mesh(Sources):
 
     @property
     def notes(self) -> list[str]:
-        """What was noticed when the mesh was read."""
+        """Notes of the reader on the mesh."""
         return self._native.notes
 
     def group_nodes(self, name: str) -> NDArray[np.int64]:
@@ -176,7 +176,7 @@ class Mesh(Sources):
         return self._of(self._native.scaled(factor))
 
     def to_meshio(self) -> Any:
-        """The mesh as one of meshio, with groups as cell sets and point sets, and facets of groups as cells.
+        """The mesh as a `meshio.Mesh`, with groups as cell sets and point sets, and facets of groups as cells.
 
         Returns
         -------

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import os
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _adjoint, _emmy, _plan
 from . import _words as words
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body
 from ._emmy import Step
-from ._errors import ConvergenceError, EmmyWarning, LimitExceeded
+from ._errors import ConvergenceError, LimitExceeded, fault, of_whole_input, warn
 from ._march import march
 from ._parts import Adaptive, Initial
 from ._state import Snapshot, State
@@ -109,17 +109,21 @@ class Motion(MotionView):
     ) -> None:
         if not isinstance(body, Body):
             raise TypeError(f"body: {type(body).__name__} is not an emmy.Body")
+        if start is not None and not isinstance(start, (Snapshot, State)):
+            raise TypeError(f"start: {type(start).__name__} is neither an emmy.Snapshot nor an emmy.State")
+        if not isinstance(initial, np.ndarray):
+            initial = words.each(initial, Initial, "initial")
+        _check_one_start(start, initial, equilibrium)
         given: Snapshot | State | NDArray[np.float64] | None = start
         if isinstance(initial, np.ndarray):
-            if start is not None:
-                raise TypeError("initial velocities and start=... exclude each other")
             given, initial = body._nodal(initial, "initial"), ()
         outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
         tree = _plan.tree(
             scheme, degree, steps, until, adaptive, smallest_step, tolerance, max_iterations, solver,
-            words.each(initial, Initial, "initial"), equilibrium, limits, outputs, title, units,
+            initial, equilibrium, limits, outputs, title, units,
         )  # fmt: skip
         self._make(body, tree, given, adjoint)
+        warn(self.notes)
 
     def _make(
         self, body: Body, tree: dict[str, Any], start: Snapshot | State | NDArray[np.float64] | None, adjoint: bool
@@ -129,9 +133,9 @@ class Motion(MotionView):
             native = start._native
         elif isinstance(start, State):
             native = start._tuple()
-        self._body, self._native = body, _emmy.Motion(tree, body._native, native, adjoint)
+        with of_whole_input():
+            self._body, self._native = body, _emmy.Motion(tree, body._native, native, adjoint)
         self._rows = self._native.rows(0)
-        _warn(self._native.notes)
 
     @classmethod
     def _of(cls, body: Body, tree: dict[str, Any], adjoint: bool) -> Motion:
@@ -149,7 +153,7 @@ class Motion(MotionView):
         if step is None:
             if not self._native.has_plan:
                 raise RuntimeError(NO_PLAN)
-            _warn(self._native.warnings())
+            warn(self._native.warnings())
             raise StopIteration
         return step
 
@@ -205,7 +209,8 @@ class Motion(MotionView):
         >>> len(list(motion))
         4
         """
-        self._native.extend(until, size)
+        with of_whole_input():
+            self._native.extend(until, size)
 
     def run(
         self,
@@ -264,6 +269,8 @@ class Motion(MotionView):
         """
         if not self._native.has_plan:
             raise RuntimeError(NO_PLAN)
+        if until is not None and not math.isfinite(until):
+            raise fault("until", f"must be finite, not {until}")
         if until is not None and until > self._native.end:
             self.extend(until)
         files = {
@@ -275,28 +282,21 @@ class Motion(MotionView):
             if given is not None:
                 raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
             march(self, until, tuple(observers), progress)
-            _warn(self._native.warnings())
+            warn(self._native.warnings())
             return self.history
-        self._native.open(words.tree(words.plain(given, "output"), "output"))
-        status, message = "failed", None
+        with of_whole_input():
+            self._native.open(words.tree(words.plain(given, "output"), "output"))
         try:
             is_done = march(self, until, tuple(observers), progress)
-            status = "done" if is_done else "interrupted"
-        except KeyboardInterrupt:
-            status = "interrupted"
-            raise
-        except ConvergenceError as error:
-            status, message = "no-convergence", str(error)
-            raise
-        except LimitExceeded as error:
-            status, message = "limit-exceeded", str(error)
-            raise
         except BaseException as error:
-            message = f"{type(error).__name__}: {error}"
+            try:
+                self._native.close(*_ending(error))
+            except Exception as closing:
+                # The first failure is the one to mend.
+                error.add_note(f"then {type(closing).__name__}: {closing}")
             raise
-        finally:
-            self._native.close(status, message)
-        _warn(self._native.warnings())
+        self._native.close("done" if is_done else "interrupted", None)
+        warn(self._native.warnings())
         return self.history
 
     def gradient(self, goal: Goal, parameters: Sequence[Parameter] = ()) -> Gradient:
@@ -376,6 +376,28 @@ class Motion(MotionView):
         raise TypeError("a Motion cannot be pickled; pickle motion.snapshot() and the body")
 
 
-def _warn(messages: Iterable[str]) -> None:
-    for message in messages:
-        warnings.warn(message, EmmyWarning, stacklevel=3)
+def _ending(error: BaseException) -> tuple[str, str | None]:
+    """Status and message of a run that ends with an exception."""
+    match error:
+        case KeyboardInterrupt():
+            return "interrupted", None
+        case ConvergenceError():
+            return "no-convergence", str(error)
+        case LimitExceeded():
+            return "limit-exceeded", str(error)
+    return "failed", f"{type(error).__name__}: {error}"
+
+
+def _check_one_start(start: object, initial: Sequence[Initial] | NDArray[Any], equilibrium: object) -> None:
+    """Velocities as an array and `start` are whole states, beside which there is no other start."""
+    is_array = isinstance(initial, np.ndarray)
+    others = {"initial": is_array or len(initial) > 0, "equilibrium": _plan.is_given(equilibrium)}
+    if start is not None:
+        for name, is_given in others.items():
+            if is_given:
+                raise TypeError(f"start and {name} exclude each other: start has the displacements and velocities")
+    if is_array and others["equilibrium"]:
+        raise TypeError(
+            "an array as initial and equilibrium exclude each other: the array belongs to the undeformed body; "
+            "emmy.Initial gives velocities to an equilibrium"
+        )

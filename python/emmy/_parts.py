@@ -181,7 +181,8 @@ class Load(Table):
         Group on which the load acts; with `acceleration`, `body_force`, `attraction` and `drag` the whole body if not
         given.
     traction : vector or function, optional
-        Force per reference area of a group of facets; or ``f(points, t)`` with points ``(n, 3)`` and as many vectors.
+        Force per reference area of a group of facets; or a function ``f(points, t)`` that returns one vector per point,
+        both ``(n, 3)``.
     force : vector, optional
         Resultant, spread evenly over a group of facets.
     nodal_force : vector, optional

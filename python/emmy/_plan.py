@@ -45,35 +45,36 @@ def tree(
         "newton": {"tolerance": tolerance, "max_iterations": max_iterations},
         "solver": {"kind": solver},
         "initial": [item._tree() for item in initial] or None,
-        "equilibrium": _equilibrium(equilibrium),
+        "equilibrium": _equilibrium(equilibrium) if is_given(equilibrium) else None,
         "limits": limits,
         "output": output(outputs),
         "title": title,
         "units": None if units is None else {"system": units},
     }
-    return _tree({key: value for key, value in own.items() if value is not None})
-
-
-def _tree(value: dict[str, Any]) -> dict[str, Any]:
-    plain = {key: words.tree(words.plain(item, key), key) for key, item in value.items()}
-    return {key: item for key, item in plain.items() if item != {}}
+    return {key: words.tree(words.plain(value, key), key) for key, value in own.items() if value is not None}
 
 
 def phases(steps: Any) -> list[dict[str, Any]]:
     """Phases of steps from `(until, size)` or a list of such pairs."""
-    pairs = [steps] if np.ndim(steps[0] if len(steps) else 0) == 0 else list(steps)
-    for index, pair in enumerate(pairs):
-        if np.ndim(pair) != 1 or len(pair) != 2:
-            place = "steps" if pairs[0] is steps else f"steps[{index}]"
-            raise fault(place, f"expected a pair (until, size), or a list of pairs, found {pair!r}")
-    return [{"until": until, "size": size} for until, size in pairs]
+    expected = "expected a pair (until, size), or a list of pairs"
+    given = words.plain(steps, "steps")
+    if not isinstance(given, tuple):
+        raise TypeError(f"steps: {expected}, found {steps!r}")
+    is_pair = not any(isinstance(item, tuple) for item in given)
+    for index, pair in enumerate([given] if is_pair else given):
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise fault("steps" if is_pair else f"steps[{index}]", f"{expected}, found {pair!r}")
+    return [{"until": until, "size": size} for until, size in ([given] if is_pair else given)]
 
 
-def _equilibrium(value: bool | int | Mapping[str, Any] | None) -> Mapping[str, Any] | None:
-    if value is None or value is False:
-        return None
-    if value is True:
-        return {"load_steps": 10}
+def is_given(equilibrium: object) -> bool:
+    """Whether the motion starts from an equilibrium; an empty table means one with all defaults."""
+    return equilibrium is not None and not (isinstance(equilibrium, (bool, np.bool_)) and not equilibrium)
+
+
+def _equilibrium(value: Any) -> Mapping[str, Any]:
+    if isinstance(value, (bool, np.bool_)):
+        return {}
     return value if isinstance(value, Mapping) else {"load_steps": value}
 
 

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 
 class Progress:
-    """Shows how far something is, from a start to a total."""
+    """Progress display between `start` and `total`."""
 
     def __init__(self, is_on: bool, total: float, unit: str, start: float = 0.0) -> None:
         self._total, self._unit, self._at = total, unit, start

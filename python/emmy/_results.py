@@ -187,7 +187,9 @@ class Run:
         """Frames in `.vtu` files, or in a `.vtkhdf` file, which PyVista reads."""
         for path in sorted(self._directory.glob("*.pvd")):
             entries = xml.fromstring(_read(path)).iter("DataSet")
-            return Frames([Frame(float(own.attrib["timestep"]), self._directory / own.attrib["file"]) for own in entries])
+            return Frames(
+                [Frame(float(own.attrib["timestep"]), self._directory / own.attrib["file"]) for own in entries]
+            )
         for path in sorted(self._directory.glob("*.vtkhdf")):
             return Frames([Frame(time, path, index) for index, time in enumerate(_times(_series(path)))])
         raise ResultsError(f"{self._directory} has no frames")
@@ -224,14 +226,31 @@ def _read(path: Path) -> str:
         raise ResultsError(f"{path} is missing") from None
 
 
+def _whole_lines(path: Path) -> list[str]:
+    """The lines of a table; the last line of a run that is writing may not be complete."""
+    text = _read(path)
+    return text[: text.rfind("\n") + 1].splitlines()
+
+
+def stamp(path: Path) -> tuple[int, int, int] | None:
+    """Tells a file from the one that is written in its place; None if there is no file."""
+    try:
+        own = path.stat()
+    except FileNotFoundError:
+        return None
+    return own.st_ino, own.st_mtime_ns, own.st_size
+
+
 def read_rows(path: Path) -> list[list[str]]:
     """Rows of a CSV file, the header among them."""
-    return list(csv.reader(_read(path).splitlines()))
+    return list(csv.reader(_whole_lines(path)))
 
 
 def read_table(path: Path) -> NDArray[Any]:
     """A CSV file of numbers as a structured array; an empty value is NaN."""
-    lines = _read(path).splitlines()
+    lines = _whole_lines(path)
+    if not lines:
+        raise ResultsError(f"{path} is still empty")
     names = next(csv.reader(lines[:1]))
     filled = [
         ",".join(value or "nan" for value in line.split(",")) if ",," in line or line.endswith(",") else line

@@ -12,8 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import ResultsError
-from ._history import WHOLE, record_array
+from ._history import record_array
 from ._results import read_rows
+
+#: Columns of a motion with whole numbers.
+WHOLE = {"step", "newton_iterations", "degree"}
 
 #: The results of a run, and the message if it failed.
 Row = tuple[dict[str, Any], str | None]
@@ -55,7 +58,7 @@ class RowFile:
             self.rows[index] = ({name: _number(name, value) for name, value in values if value}, line[-1] or None)
 
     def _texts(self, index: int) -> list[str]:
-        return [value if isinstance(value, str) else repr(value) for value in self._runs[index].values()]
+        return [value if isinstance(value, str) else _shown(value) for value in self._runs[index].values()]
 
     def add(self, index: int, row: Row) -> None:
         """Adds a row."""
@@ -82,6 +85,15 @@ class RowFile:
         os.replace(part, self._path)
 
 
+def _shown(value: Any) -> str:
+    """The value of a parameter as text, without the types of NumPy."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return repr(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_shown, value))}]"
+    return repr(value)
+
+
 def _number(name: str, value: str) -> float | int:
     return int(value) if name in WHOLE else float(value)
 
@@ -99,11 +111,3 @@ def of_library(path: Path, runs: Sequence[Mapping[str, Any]]) -> tuple[NDArray[A
             columns[name] = [_number(name, text) if text else np.nan for text in texts]
     messages = [line[names.index("message")] for line in rows]
     return record_array(columns), {index: message for index, message in enumerate(messages) if message}
-
-
-def has_failures(path: Path) -> bool:
-    """Whether the file of a sweep has rows of failed runs, and none is missing."""
-    if not path.exists():
-        return False
-    lines = read_rows(path)
-    return len(lines) > 1 and "message" in lines[0] and any(line[lines[0].index("message")] for line in lines[1:])

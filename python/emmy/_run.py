@@ -6,14 +6,13 @@ import json
 import os
 import sys
 import tomllib
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from . import _emmy
-from ._errors import EmmyWarning
+from ._errors import warn
 from ._results import Run
 from ._words import plain
 
@@ -52,18 +51,17 @@ def flags(**given: Any) -> list[str]:
 
 
 def call(verb: str, *operands: StrPath, progress: bool = False, more: Sequence[str] = (), **given: Any) -> str:
-    """Runs a verb; its messages are progress on the standard error, or warnings."""
+    """Runs a verb; its notes and warnings are warnings, and its other messages are progress on the standard error."""
 
     def show(message: str) -> None:
-        print(message, file=sys.stderr)
-
-    def warn(message: str) -> None:
         kind, _, text = message.partition(": ")
         if kind in ("note", "warning"):
-            warnings.warn(text, EmmyWarning, stacklevel=4)
+            warn([text])
+        elif progress:
+            print(message, file=sys.stderr)
 
     argv = [verb, *flags(**given), *more, "--", *(os.fspath(operand) for operand in operands)]
-    return _emmy.verb(argv, show if progress else warn)
+    return _emmy.verb(argv, show)
 
 
 def run(
@@ -115,7 +113,7 @@ def run(
     >>> run.status, float(run.history["time"][-1])
     ('done', 0.1)
     """
-    directory = _directory(path, set or {}) if output is None else output
+    directory = directory_of(path, set or {}) if output is None else output
     given: dict[str, Any] = {
         "set": set,
         "until": until,
@@ -127,7 +125,7 @@ def run(
     return Run(directory)
 
 
-def _directory(path: StrPath, changes: Mapping[str, Any]) -> StrPath:
+def directory_of(path: StrPath, changes: Mapping[str, Any]) -> StrPath:
     """The output directory of an input: that of the changes, of the file, or its name."""
     stem = Path(path).stem
     if "output" in changes or "output.directory" in changes:

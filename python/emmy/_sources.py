@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _convert, _emmy
 from . import _words as words
-from ._errors import EmmyWarning, fault
+from ._errors import fault, warn
 
 
 class Sources:
@@ -48,17 +47,13 @@ class Sources:
             {name: _facets(group, f"facet_groups.{name}", is_plane) for name, group in (facet_groups or {}).items()},
             {name: words.integers(group, f"node_groups.{name}") for name, group in (node_groups or {}).items()},
         )
-        self._warn()
+        warn(self._native.notes)
 
     @classmethod
     def _of(cls, native: _emmy.Mesh) -> Self:
         mesh = cls.__new__(cls)
         mesh._native = native
         return mesh
-
-    def _warn(self) -> None:
-        for note in self._native.notes:
-            warnings.warn(note, EmmyWarning, stacklevel=3)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], links: Sequence[str] = ()) -> Self:
@@ -87,7 +82,7 @@ class Sources:
         2
         """
         mesh = cls._of(_emmy.Mesh.read(os.fspath(path), list(links)))
-        mesh._warn()
+        warn(mesh._native.notes)
         return mesh
 
     def write(self, path: str | os.PathLike[str]) -> str:
@@ -260,7 +255,7 @@ class Sources:
         >>> emmy.Mesh.box((2, 8, 2), (2, 8, 2)).n_nodes
         81
         """
-        return cls._of(_emmy.Mesh.box(list(size), list(cells)))
+        return cls._of(_emmy.Mesh.box(words.array(size, (3,), "size").tolist(), words.counts(cells, 3, "cells")))
 
     @classmethod
     def rectangle(cls, size: Sequence[float], cells: Sequence[int]) -> Self:
@@ -287,7 +282,8 @@ class Sources:
         >>> list(emmy.Mesh.rectangle((2, 1), (4, 2)).cells)
         ['quad4']
         """
-        return cls._of(_emmy.Mesh.rectangle(list(size), list(cells)))
+        sizes = words.array(size, (2,), "size").tolist()
+        return cls._of(_emmy.Mesh.rectangle(sizes, words.counts(cells, 2, "cells")))
 
     @classmethod
     def network(

@@ -53,13 +53,14 @@ class State:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, words.array(value, (None, 3), name))
+        object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:
         return (self.time, self.displacement, self.velocity, self.momentum, self.step, self.displacement_low)
 
 
 class Snapshot:
-    """Everything that determines the rest of a motion; one that goes on from it is equal in every bit.
+    """Everything that determines the rest of a motion; a motion continued from it is bit-identical.
 
     `Motion.snapshot` makes it. It can be pickled.
 

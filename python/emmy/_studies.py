@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,11 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _emmy
+from . import _words as words
 from ._body import Body
+from ._errors import ConvergenceError, of_whole_input, warn
 from ._history import record_array
 from ._mesh import Mesh
 from ._motion import Motion
-from ._run import StrPath, call, flags
+from ._results import read_table, stamp
+from ._run import StrPath, call, directory_of, flags
 from ._state import State
 from ._tables import loads, masses, regions, supports
 
@@ -34,7 +38,8 @@ class Convergence:
     ----------
     table : structured array
         A row for each size: ``step_size``, ``error``, ``order``, ``relative_error``, ``newton_iterations``,
-        ``wall_seconds``; NaN where there is no value.
+        ``wall_seconds``; NaN where there is no value. If a size failed, only ``convergence.csv`` is read, which has no
+        ``relative_error`` and no ``newton_iterations``.
     reference : dict
         The reference: its scheme, degree and step size.
     failures : dict of float to str
@@ -110,6 +115,8 @@ def converge(
     ------
     InputError
         If the input or a size is bad.
+    ConvergenceError
+        If the reference cannot be computed; sizes that fail are in the failures of the study.
 
     Examples
     --------
@@ -117,19 +124,48 @@ def converge(
     >>> study.step_size.tolist()
     [0.004, 0.002]
     """
+    directory = Path(f"{directory_of(path, set or {})}-convergence" if output is None else output)
+    before = stamp(directory / "convergence.csv")
     texts = {"sizes": ",".join(map(repr, map(float, sizes)))}
     if window is not None:
         texts["window"] = ",".join(map(repr, map(float, window)))
     given: dict[str, Any] = {
         "reference": reference, "reference_scheme": reference_scheme, "reference_degree": reference_degree,
-        "from": start, "to": to, "set": set, "output": output, "threads": threads,
+        "from": start, "to": to, "set": set, "output": directory, "threads": threads,
     }  # fmt: skip
-    study = json.loads(call("converge", path, progress=progress, quiet=not progress, json=True, **texts, **given))
-    rows = study["rows"]
-    names = [name for name in rows[0] if name != "message"]
-    columns = {name: [np.nan if row[name] is None else float(row[name]) for row in rows] for name in names}
-    failures = {row["step_size"]: row["message"] for row in rows if row["message"] is not None}
-    return Convergence(record_array(columns), study["reference"], failures)
+    try:
+        study = json.loads(call("converge", path, progress=progress, quiet=not progress, json=True, **texts, **given))
+    except ConvergenceError as error:
+        # Failed sizes end a complete study with an error.
+        if stamp(directory / "convergence.csv") == before:
+            raise
+        rows = read_table(directory / "convergence.csv")
+        table = _table([dict(zip(rows.dtype.names or (), row.tolist(), strict=True)) for row in rows])
+        time = tomllib.loads((directory / "study.toml").read_text(encoding="utf-8"))["time"]
+        own_reference = {
+            "scheme": reference_scheme or time["scheme"],
+            "degree": reference_degree or time["degree"],
+            "step_size": reference or 0.1 * min(map(float, sizes)),
+        }
+        return Convergence(table, own_reference, _failures(table, error.message))
+    return Convergence(_table(study["rows"]), study["reference"], {})
+
+
+_COLUMNS = ("step_size", "error", "order", "relative_error", "newton_iterations", "wall_seconds")
+
+
+def _table(rows: Sequence[Mapping[str, Any]]) -> NDArray[Any]:
+    """The table of a study from its rows; a number that a row does not have is NaN."""
+    numbers = {name: [row.get(name) for row in rows] for name in _COLUMNS}
+    return record_array({name: [np.nan if own is None else float(own) for own in numbers[name]] for name in numbers})
+
+
+def _failures(table: NDArray[Any], message: str) -> dict[float, str]:
+    """The messages of the sizes that failed, which the message of the study lists in their order."""
+    own = message.removesuffix("; the other members are written")
+    messages = [part.strip() for part in re.split(r"^h = \S+: ", own, flags=re.M)[1:]]
+    failed = table["step_size"][np.isnan(table["error"])]
+    return dict(zip(failed.tolist(), messages, strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +224,7 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     >>> modes.shapes.shape, bool(modes.frequencies[6] > 0.0)
     ((7, 20, 3), True)
     """
-    own = body._native.modes(count, None if state is None else state._tuple())
+    own = body._native.modes(words.count(count, 1, "count"), None if state is None else state._tuple())
     return Modes(own["frequencies"], own["shapes"], own["effective_masses"], own["rigid"])
 
 
@@ -223,7 +259,8 @@ def equilibrium(body: Body, load_steps: int = 10, *, tolerance: float = 1e-10, m
     True
     """
     settings = {"newton": {"tolerance": tolerance, "max_iterations": max_iterations}}
-    return State(*body._native.equilibrium(load_steps, settings))
+    with of_whole_input():
+        return State(*body._native.equilibrium(words.count(load_steps, 1, "load_steps"), settings))
 
 
 class Problem:
@@ -267,7 +304,7 @@ class Problem:
 
     @property
     def notes(self) -> list[str]:
-        """What was noticed when the input was read."""
+        """Notes of the reader on the input."""
         return self._native.notes
 
     def motion(self, *, adjoint: bool = False) -> Motion:
@@ -288,7 +325,9 @@ class Problem:
         >>> next(motion).time
         0.01
         """
-        return Motion._of(self._body, self._tree, adjoint)
+        motion = Motion._of(self._body, self._tree, adjoint)
+        warn(motion.notes)
+        return motion
 
     def __repr__(self) -> str:
         return f"<emmy.Problem: {self._path}>"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import itertools
+import math
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -15,12 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _emmy, _rows
-from ._errors import Error, fault
+from . import _words as words
+from ._errors import ConvergenceError, Error, fault
 from ._history import record_array
 from ._motion import NO_PLAN, Motion
 from ._progress import Progress
+from ._results import stamp
 from ._rows import Row
-from ._run import StrPath, call, flags, toml
+from ._run import StrPath, call, directory_of, flags, toml
 from ._studies import Problem
 
 
@@ -92,14 +95,15 @@ def sweep(
     until : float, optional
         End of the runs.
     output : str or path, optional
-        Of a file: the directory of the sweep, by default that of the input with "-sweep" added. Of a function: a CSV
-        file of the rows, each written when its run ends.
+        Of a file: the directory of the sweep, by default the output directory of the input with "-sweep" added. Of a
+        function: a CSV file of the rows, each written when its run ends.
     progress : bool, optional
         Whether to show a bar, of tqdm if it is installed.
     resume : bool, optional
         Whether to continue the interrupted sweep in `output`: only runs without a row.
     measure : function, optional
-        Further results of a motion at its end, as a dict of numbers; with a function as `problem` only.
+        Further results of a motion at its end, as a dict of numbers with names of their own; with a function as
+        `problem` only.
 
     Returns
     -------
@@ -125,7 +129,11 @@ def sweep(
     >>> sweep.table["region.0.density"].tolist(), len(sweep.failures)
     ([1, 2], 0)
     """
-    values = {name: list(own) for name, own in parameters.items()}
+    if workers is not None:
+        workers = words.count(workers, 1, "workers", most=65535)
+    if until is not None and not math.isfinite(until):
+        raise fault("until", f"must be finite, not {until}")
+    values = {name: [_plain(value) for value in own] for name, own in parameters.items()}
     for name, own in values.items():
         if not own:
             raise fault(f"parameters.{name}", "has no values")
@@ -137,6 +145,10 @@ def sweep(
     if measure is not None:
         raise TypeError("measure: only with a function that makes the motion")
     return _of_file(problem, values, workers, until, output, progress, resume)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _runs(values: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
@@ -157,27 +169,29 @@ def _of_file(
     path = problem.path if isinstance(problem, Problem) else Path(problem)
     changes = problem._changes if isinstance(problem, Problem) else {}
     end = problem._until if until is None and isinstance(problem, Problem) else until
-    directory = Path(f"{path.stem}-sweep" if output is None else output)
+    runs = _runs(values)
+    directory = Path(f"{directory_of(path, changes | runs[0])}-sweep" if output is None else output)
+    rows = directory / "sweep.csv"
+    before = stamp(rows)
     texts = {key: ",".join(map(toml, own)) for key, own in values.items()}
     fixed = flags(set=changes)
     varied = [f"--set={key}={text}" for key, text in texts.items()]
-    failed: Error | None = None
+    given: dict[str, Any] = {
+        "threads": workers,
+        "until": end,
+        "output": directory,
+        "resume": resume,
+        "quiet": not progress,
+    }
     try:
-        given: dict[str, Any] = {
-            "threads": workers,
-            "until": end,
-            "output": directory,
-            "resume": resume,
-            "quiet": not progress,
-        }
         call("sweep", path, progress=progress, more=fixed + varied, **given)
-    except Error as error:
-        failed = error
-    if failed is not None and not _rows.has_failures(directory / "sweep.csv"):
-        raise failed
-    table, failures = _rows.of_library(directory / "sweep.csv", _runs(values))
+    except ConvergenceError:
+        # Failed runs end a complete sweep with an error; their messages are in the rows.
+        if stamp(rows) == before:
+            raise
+    table, failures = _rows.of_library(rows, runs)
     names = [name for name in table.dtype.names or () if name not in values]
-    return Sweep(values, names, table, failures, directory / "sweep.csv")
+    return Sweep(values, names, table, failures, rows)
 
 
 def _of_function(
@@ -275,5 +289,15 @@ def _run(
     last = motion.history[-1]
     row = {name: last[name].item() for name in last.dtype.names}
     if measure is not None and message is None:
-        row |= {name: float(value) for name, value in measure(motion).items()}
+        row |= _measured(measure(motion), {*parameters, *row, "run", "message"})
     return row, message
+
+
+def _measured(results: Mapping[str, float], taken: set[str]) -> dict[str, float]:
+    """What a function has measured, under names that are not taken."""
+    for name in results:
+        if not isinstance(name, str):
+            raise TypeError(f"measure: the name {name!r} is not text")
+        if name in taken:
+            raise TypeError(f"measure: the name {name!r} is that of a parameter or of a column of the sweep")
+    return {name: float(value) for name, value in results.items()}

@@ -1,4 +1,4 @@
-"""What can be seen of a motion at its present state."""
+"""Read access to the present state of a motion."""
 
 from __future__ import annotations
 
@@ -79,8 +79,11 @@ class MotionView:
     @property
     def history(self) -> NDArray[Any]:
         """The columns of `history.csv`, a structured array with a row for the start and one a step."""
-        self._rows = np.concatenate([self._rows, self._native.rows(len(self._rows))])
-        return structured(self._rows, [(name, is_whole) for name, _, _, is_whole in self._native.columns])
+        # Another thread may ask for the history too.
+        rows = self._rows
+        rows = np.concatenate([rows, self._native.rows(len(rows))])
+        self._rows = rows
+        return structured(rows, [(name, is_whole) for name, _, _, is_whole in self._native.columns])
 
     @property
     def columns(self) -> dict[str, tuple[str, str]]:
@@ -94,7 +97,7 @@ class MotionView:
 
     @property
     def notes(self) -> list[str]:
-        """What was noticed when the motion was made."""
+        """Notes of the reader on the motion."""
         return self._native.notes
 
     @property
@@ -184,8 +187,9 @@ class MotionView:
         grid = self._body.mesh.to_pyvista()
         grid.point_data["displacement"] = self.displacement
         for name in names:
+            values = self._native.field(name)
             data = grid.cell_data if self._native.fields_at[name] == "cells" else grid.point_data
-            data[name] = self._native.field(name)
+            data[name] = values
         return grid
 
     def snapshot(self) -> Snapshot:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import functools
+import numbers
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, ClassVar, TypeAlias, TypeVar, dataclass_transform
@@ -84,11 +85,11 @@ class Table:
 
 
 def same(value: object, default: object) -> bool:
-    """Whether a value is the default: 1 and True, or 1 and 1.0, are not the same word."""
-    return value is default or (type(value) is type(default) and value == default) or is_zero_of(value, default)
+    """True if `value` is the default. 1 and 1.0 are equal, 1 and True are not."""
+    return value is default or (type(value) is type(default) and value == default) or are_equal_numbers(value, default)
 
 
-def is_zero_of(value: object, default: object) -> bool:
+def are_equal_numbers(value: object, default: object) -> bool:
     """Whether both are equal numbers, one a float and the other an int."""
     numbers = (int, float)
     return type(value) in numbers and type(default) in numbers and value == default
@@ -96,10 +97,17 @@ def is_zero_of(value: object, default: object) -> bool:
 
 def plain(value: Any, place: str) -> Any:
     """The value without arrays: numbers, text, tuples, dicts, tables and functions, which compare and print well."""
-    if value is None or isinstance(value, (bool, int, float, str, Table)):
-        return value
     if isinstance(value, np.generic):
-        return plain(value.item(), place)
+        # `item` of a long double is a long double.
+        return plain(float(value) if isinstance(value, np.floating) else value.item(), place)
+    if isinstance(value, int):
+        try:
+            float(value)
+        except OverflowError:
+            raise fault(place, "the number is too large") from None
+        return value
+    if value is None or isinstance(value, (float, str, Table)):
+        return value
     if isinstance(value, np.ndarray):
         if value.dtype.kind not in "fiub":
             raise TypeError(f"{place}: an array of {value.dtype} in place of numbers")
@@ -192,6 +200,24 @@ def array(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.f
         wanted = str(shape).replace("None", "n")
         raise fault(place, f"expected an array of shape {wanted}, found {given.shape}")
     return np.ascontiguousarray(given, dtype=np.float64)
+
+
+def count(value: Any, least: int, place: str, most: int = LARGEST) -> int:
+    """A whole number within a range."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
+        raise TypeError(f"{place}: {type(value).__name__} in place of a whole number")
+    own = int(value)
+    if not least <= own <= most:
+        raise fault(place, f"must be a whole number from {least} to {most}, not {own}")
+    return own
+
+
+def counts(values: Any, length: int, place: str) -> list[int]:
+    """Positive whole numbers."""
+    own = [count(value, 1, f"{place}[{index}]") for index, value in enumerate(values)]
+    if len(own) != length:
+        raise fault(place, f"expected {length} whole numbers, found {len(own)}")
+    return own
 
 
 def _regular(value: Any, place: str) -> NDArray[Any]:

@@ -80,8 +80,7 @@ def run_page(page):
 def test_listings(page):
     for package in ("gmsh", "matplotlib", "pandas", "pyvista", "scipy"):
         pytest.importorskip(package)
-    own = run_page(page)
-    assert "emmy" in own
+    run_page(page)
 
 
 def test_there_are_pages():

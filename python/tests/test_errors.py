@@ -219,7 +219,7 @@ def test_random_values_end_in_an_input_error_or_a_type_error(data):
         load = emmy.Load("x-max", **some(*kinds))
         body = emmy.Body(mesh, region, supports, load)
         emmy.Motion(body, **{"steps": (0.1, 0.1)} | some("steps", "degree", "adaptive", "probes", "limits", "solver"))
-    except (emmy.InputError, TypeError, OverflowError):
+    except (emmy.InputError, TypeError):
         pass
 
 
@@ -232,5 +232,5 @@ def test_random_values_end_in_an_input_error_or_a_type_error(data):
 def test_random_meshes_end_in_a_mesh_or_an_input_error(points, kind, cells):
     try:
         emmy.Mesh(np.array(points, dtype=float).reshape(-1, 3), {kind: cells})
-    except (emmy.InputError, ValueError, TypeError):
+    except (emmy.InputError, TypeError):
         pass

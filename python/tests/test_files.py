@@ -96,6 +96,53 @@ def test_a_motion_from_memory_can_be_resumed(spinning):
     assert emmy.report("out").exists()
 
 
+def test_a_run_that_is_writing(spinning):
+    spinning.run(output="out", until=0.2)
+    run = emmy.Run("out")
+    whole = run.history
+    content = Path("out/history.csv").read_bytes()
+    ends = [at + 1 for at, byte in enumerate(content) if byte == ord("\n")]
+    assert len(ends) == 1 + 5
+    for rows, (start, end) in enumerate(zip(ends, ends[1:], strict=False)):
+        for cut in (start, start + 1, (start + end) // 2, end - 1):
+            Path("out/history.csv").write_bytes(content[:cut])
+            assert np.array_equal(run.history, whole[:rows])
+    for content in (b"", b"step,ti"):
+        Path("out/history.csv").write_bytes(content)
+        with pytest.raises(emmy.ResultsError, match=r"history.csv is still empty"):
+            run.history
+
+
+def test_new_with_an_ending():
+    for name in ("two-body", "comet.toml", "balloon.toml.toml"):
+        path = emmy.new(name)
+        assert path == Path(f"{name.partition('.')[0]}.toml") and path.exists()
+
+
+def test_sizes_that_fail_are_in_the_table():
+    emmy.new("spinning-block")
+
+    def study(iterations, **arguments):
+        given = {"newton.max_iterations": iterations}
+        return emmy.converge("spinning-block.toml", sizes=[0.2, 0.02, 0.01], to=0.2, set=given, **arguments)
+
+    failed, whole = study(3, reference=0.001), study(20, reference=0.001)
+    assert list(failed.failures) == [0.2] and whole.failures == {}
+    assert failed.failures[0.2].startswith("no convergence in step 1, to t = 0.2")
+    assert failed.table.dtype == whole.table.dtype
+    assert failed.step_size.tolist() == [0.2, 0.02, 0.01]
+    assert np.isnan(failed.error[0]) and np.isnan(failed.order[:2]).all()
+    # Newton's iteration ends with the same digits.
+    np.testing.assert_allclose(failed.error[1:], whole.error[1:], rtol=1e-6)
+    np.testing.assert_allclose(failed.order[2], whole.order[2], rtol=1e-6)
+    for name in ("scheme", "degree", "step_size"):
+        assert failed.reference[name] == whole.reference[name], name
+    assert study(3).reference["step_size"] == study(20).reference["step_size"]
+    # An error of this call is not hidden by the table of an older one.
+    with pytest.raises(emmy.ConvergenceError, match="the reference did not converge"):
+        study(1, reference=0.005)
+
+
 def test_a_run_of_nothing():
     with pytest.raises(emmy.ResultsError, match="holds no run"):
         emmy.Run(".")
@@ -104,7 +151,7 @@ def test_a_run_of_nothing():
 def test_output_is_not_overwritten_in_silence(spinning):
     Path("out").mkdir()
     Path("out/thesis.tex").write_text("mine")
-    with pytest.raises(emmy.Error, match="out"):
+    with pytest.raises(emmy.ResultsError, match=r"^the directory out holds files .* \(such as thesis.tex\)"):
         spinning.run(output="out")
     assert [path.name for path in Path("out").iterdir()] == ["thesis.tex"]
 
@@ -159,7 +206,9 @@ def test_frames_in_one_file():
         one, other = one.to_pyvista(), other.to_pyvista()
         np.testing.assert_array_equal(one.point_data["displacement"], other.point_data["displacement"])
     # A free flight with velocity 1.
-    np.testing.assert_allclose(series[-1].to_pyvista().point_data["displacement"], np.tile([0.0, 0.0, 1.0], (8, 1)), atol=1e-12)
+    np.testing.assert_allclose(
+        series[-1].to_pyvista().point_data["displacement"], np.tile([0.0, 0.0, 1.0], (8, 1)), atol=1e-12
+    )
 
 
 def test_runs_without_frames():

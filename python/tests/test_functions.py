@@ -36,6 +36,27 @@ def test_a_function_is_its_expression():
     assert one.displacement == pytest.approx(other.displacement, abs=1e-12)
 
 
+def test_splines_of_scipy():
+    interpolate = pytest.importorskip("scipy.interpolate")
+    times = np.linspace(0.0, 1.0, 6)
+    # A spline through the points of a cubic is the cubic, and a line is a line.
+    for spline, formula in (
+        (interpolate.CubicSpline(times, times**3 - times), "t^3 - t"),
+        (interpolate.interp1d(times, 2 * times), "2*t"),
+    ):
+        assert isinstance(spline(0.0), np.ndarray)
+        one, other = pushed(force=(1, 0, 3), history=spline), pushed(force=(1, 0, 3), history=formula)
+        one.run(), other.run()
+        assert one.displacement == pytest.approx(other.displacement, abs=1e-12)
+        assert np.abs(one.displacement).max() > 1e-4
+
+
+def test_scalars_of_numpy():
+    one, other = pushed(force=(1, 0, 3), history=lambda t: np.float32(0.5)), pushed(force=(1, 0, 3), history=0.5)
+    one.run(), other.run()
+    assert one.displacement == pytest.approx(other.displacement, abs=1e-12)
+
+
 def test_a_field_of_the_traction():
     area = 1.0
     one = pushed(traction=lambda points, t: np.tile([1.0 / area, 0.0, 0.0], (len(points), 1)) * np.sin(4 * t))

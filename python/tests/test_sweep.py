@@ -60,6 +60,38 @@ def test_measures_and_ends():
     assert sweep.columns[-1] == "way"
 
 
+def test_measures_have_names_of_their_own():
+    for name in ("time", "speed", "run", "message", "newton_iterations"):
+        with pytest.raises(TypeError, match=f"measure: the name '{name}' is that of a parameter or of a column"):
+            emmy.sweep(make, {"speed": [1.0]}, measure=lambda motion, name=name: {name: 1.0})
+    with pytest.raises(TypeError, match="measure: the name 1 is not text"):
+        emmy.sweep(make, {"speed": [1.0]}, measure=lambda motion: {1: 1.0})
+
+
+def test_measures_come_back_from_the_file():
+    def measure(motion):
+        return {"cuts": motion.record.cuts, "mode": 3, "iteration": 0.5, "free": float("inf")}
+
+    values = {"speed": np.linspace(1.0, 2.0, 3), "size": (0.5, np.float32(0.25))}
+    sweep = emmy.sweep(make, values, measure=measure, output="sweep.csv")
+    rows = list(csv.DictReader(Path("sweep.csv").read_text().splitlines()))
+    assert [row["speed"] for row in rows] == ["1.0", "1.0", "1.5", "1.5", "2.0", "2.0"]
+    assert {row["size"] for row in rows} == {"0.5", "0.25"}
+    again = emmy.sweep(
+        lambda speed, size: pytest.fail("a run"), values, measure=measure, output="sweep.csv", resume=True
+    )
+    assert again.table.dtype == sweep.table.dtype and np.array_equal(again.table, sweep.table)
+    assert sweep.table["mode"].tolist() == [3.0] * 6 and sweep.table["iteration"].tolist() == [0.5] * 6
+    assert sweep.parameters == {"speed": [1.0, 1.5, 2.0], "size": [0.5, 0.25]}
+
+
+def test_parameters_that_are_lists_are_text_without_types():
+    values = {"speed": [1.0], "unused": [np.array([1.0, 2.0]), (np.float64(3.0), "a")]}
+    emmy.sweep(lambda speed, unused: make(speed), values, output="sweep.csv")
+    rows = list(csv.DictReader(Path("sweep.csv").read_text().splitlines()))
+    assert [row["unused"] for row in rows] == ["[1.0, 2.0]", "[3.0, 'a']"]
+
+
 def test_an_interrupted_sweep_goes_on():
     calls = []
 
@@ -121,6 +153,32 @@ def test_a_file_with_failures():
     assert sweep.table["status"].tolist() == ["failed", "completed"]
 
 
+def test_an_error_is_not_hidden_by_an_older_sweep():
+    path = emmy.new("spinning-block")
+    assert emmy.sweep(path, {"newton.max_iterations": [1, 20]}, until=0.2, output="sweep").failures
+    table = Path("sweep/sweep.csv").read_bytes()
+    with pytest.raises(emmy.InputError, match="nonsense"):
+        emmy.sweep(path, {"nonsense": [1]}, until=0.2, output="sweep")
+    with pytest.raises(emmy.Error, match="another input"):
+        emmy.sweep(path, {"newton.max_iterations": [2, 20]}, until=0.2, output="sweep", resume=True)
+    assert Path("sweep/sweep.csv").read_bytes() == table
+    again = emmy.sweep(path, {"newton.max_iterations": [1, 20]}, until=0.2, output="sweep", resume=True)
+    assert list(again.failures) == [0] and Path("sweep/sweep.csv").read_bytes() == table
+
+
+def test_the_directory_of_a_file():
+    path = emmy.new("spinning-block")
+    text = path.read_text()
+    assert text.count('directory = "spinning-block"') == 1
+    path.write_text(text.replace('directory = "spinning-block"', 'directory = "flights"'))
+    sweep = emmy.sweep(path, {"region.0.density": [0.5]}, until=0.1)
+    assert sweep.path == Path("flights-sweep/sweep.csv") and sweep.path.exists()
+    problem = emmy.load(path, set={"output.directory": "others"})
+    assert emmy.sweep(problem, {"region.0.density": [0.5]}, until=0.1).path == Path("others-sweep/sweep.csv")
+    assert Path("others-sweep/sweep.csv").exists()
+    assert sorted(own.name for own in Path().iterdir()) == ["flights-sweep", "others-sweep", "spinning-block.toml"]
+
+
 def test_mistakes():
     with pytest.raises(emmy.InputError, match="nonsense"):
         emmy.sweep(emmy.new("spinning-block"), {"nonsense": [1]}, until=0.2)
@@ -138,4 +196,7 @@ def test_parameters_are_those_of_the_function():
 
 
 def test_a_sweep_shows_itself_in_a_line():
-    assert repr(emmy.sweep(make, {"speed": [1.0, 2.0], "size": [0.5]})) == "<emmy.Sweep over speed, size: 2 runs, 0 failed>"
+    assert (
+        repr(emmy.sweep(make, {"speed": [1.0, 2.0], "size": [0.5]}))
+        == "<emmy.Sweep over speed, size: 2 runs, 0 failed>"
+    )

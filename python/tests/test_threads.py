@@ -39,16 +39,43 @@ def test_other_threads_run_during_a_step():
 
 
 def test_motions_side_by_side_equal_those_alone():
-    alone = spinning_block()
+    mesh = emmy.Mesh.box((1, 4, 1), (1, 4, 1))
+    push = emmy.Load("y-max", force=(20.0, 0.0, 10.0), history=lambda t: np.sin(9 * t))
+    body = emmy.Body(mesh, emmy.Region(rubber(), density=1.0), emmy.Support("y-min", fix="xyz"), push)
+
+    def motion(**arguments):
+        return emmy.Motion(body, steps=(1.0, 0.01), **arguments)
+
+    alone = motion()
     alone.run()
-    motions = [spinning_block() for _ in range(4)]
-    threads = [threading.Thread(target=motion.run) for motion in motions]
+    # One of them fails at once and again and again, while the others use the same body and function.
+    motions = [motion() for _ in range(4)]
+    failing = motion(max_iterations=1, smallest_step=0.01)
+    meeting = threading.Barrier(5, timeout=60)
+    failures = []
+
+    def run(motion):
+        meeting.wait()
+        motion.run()
+
+    def fail():
+        meeting.wait()
+        for _ in range(20):
+            try:
+                failing.run()
+            except emmy.ConvergenceError as error:
+                failures.append(error)
+
+    threads = [threading.Thread(target=run, args=(own,)) for own in motions] + [threading.Thread(target=fail)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    for motion in motions:
-        assert np.array_equal(motion.displacement, alone.displacement)
+    assert len(failures) == 20 and failing.number == 0
+    for own in motions:
+        assert own.number == 100 and np.array_equal(own.displacement, alone.displacement)
+        for name in set(alone.history.dtype.names) - {"wall_seconds"}:
+            assert np.array_equal(own.history[name], alone.history[name], equal_nan=True), name
 
 
 def test_a_motion_is_of_one_thread_at_a_time():

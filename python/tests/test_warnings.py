@@ -1,5 +1,6 @@
 """What is doubtful is said in a warning."""
 
+import copy
 import warnings
 
 import emmy
@@ -24,9 +25,40 @@ def test_a_body_that_nothing_moves():
     assert messages(lambda: emmy.Motion(free_block(), steps=(1.0, 0.5), initial=moving)) == []
 
 
+def test_a_note_is_at_the_line_of_the_caller():
+    emmy.new("spinning-block")
+    far = {"output.probes": [{"name": "far", "point": (90.0, 0.0, 0.0)}]}
+    problem = emmy.load("spinning-block.toml", set=far, until=0.2)
+    for work in (
+        problem.motion,
+        lambda: emmy.run("spinning-block.toml", set=far, until=0.2, output="run"),
+        lambda: emmy.run("spinning-block.toml", set=far, until=0.2, output="run", progress=True),
+    ):
+        (told,) = messages(work)
+        assert "far" in told
+
+
+def test_progress_is_no_warning_and_a_warning_is_no_progress(capfd):
+    emmy.new("spinning-block")
+    far = {"output.probes": [{"name": "far", "point": (90.0, 0.0, 0.0)}]}
+    told = messages(lambda: emmy.run("spinning-block.toml", set=far, until=0.2, output="run", progress=True))
+    shown = capfd.readouterr()
+    assert len(told) == 1 and told[0] not in shown.err and "note" not in shown.err
+    assert "written: " in shown.err and shown.out == ""
+
+
+def test_a_copy_is_silent():
+    made = []
+    assert len(messages(lambda: made.append(emmy.Motion(free_block(), steps=(1.0, 0.5))))) == 1
+    assert messages(lambda: copy.copy(made[0])) == [] and messages(lambda: copy.deepcopy(made[0])) == []
+
+
 def test_a_probe_far_from_its_node():
     made = []
-    told = messages(lambda: made.append(spinning_block(probes={"far": (9.0, 0.0, 0.0)})))
+    body, turning = free_block(), emmy.Initial(angular_velocity=(0, 0, 1))
+    told = messages(
+        lambda: made.append(emmy.Motion(body, steps=(1.0, 0.5), initial=turning, probes={"far": (9.0, 0.0, 0.0)}))
+    )
     assert len(told) == 1 and "far" in told[0] and told == made[0].notes
 
 
@@ -46,9 +78,7 @@ def test_steps_that_miss_a_pulse(march):
     own = free_block()
     motion = emmy.Motion(emmy.Body(own.mesh, own.regions, loads=pulse), steps=(1.0, 0.1))
     told = messages(lambda: march(motion))
-    assert told == [
-        "1 of 10 steps did not resolve a load or a moving support; the first one is in the events"
-    ]
+    assert told == ["1 of 10 steps did not resolve a load or a moving support; the first one is in the events"]
     (event,) = motion.events
     assert (event.step, event.kind) == (6, "unresolved")
     assert event.message.startswith("a step of 0.1 does not resolve load")

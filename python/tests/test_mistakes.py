@@ -1,0 +1,254 @@
+"""Mistakes of callers: each is named at its argument, and none is passed over in silence."""
+
+import pickle
+import shutil
+
+import emmy
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bodies import free_block, rubber, spinning_block
+
+
+def held_block():
+    mesh = emmy.Mesh.box((1, 2, 1), (1, 2, 1))
+    pull = emmy.Load("y-max", force=(0, 1, 0))
+    return emmy.Body(mesh, emmy.Region(rubber(), density=1.0), emmy.Support("y-min", fix="xyz"), pull)
+
+
+def places(error):
+    return [fault.place for fault in error.faults]
+
+
+@pytest.mark.parametrize(
+    ("make", "place"),
+    [
+        # Keys of a table that are also tables of a whole input.
+        (lambda: emmy.Viscosity(time=-1.0), "time"),
+        (lambda: emmy.Region(rubber(), density=1.0, viscosity=emmy.Viscosity(time=1e-3), group=""), "group"),
+        (lambda: emmy.Adaptive(1e-4, min_size=-1.0), "min_size"),
+        (lambda: emmy.NeoHooke(lambda_=-1.0, mu=1.0), "lambda_"),
+        (lambda: emmy.Energy("lambda/2*ln(J)^2", lambda_=-1.0), "formula"),
+        # Keys of a whole input.
+        (lambda: emmy.Motion(free_block(), steps=(0.0, 0.1)), "steps[0]"),
+        (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), max_iterations=0), "max_iterations"),
+        (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), solver="lu"), "solver"),
+        (lambda: emmy.Motion(free_block(), steps=(1.0, 0.1), extremes=["nonsense"]), "extremes[0]"),
+        (lambda: emmy.equilibrium(held_block(), tolerance=-1.0), "tolerance"),
+        (lambda: spinning_block().extend(2.0, -1.0), "steps[1]"),
+    ],
+)
+def test_places_are_arguments(make, place):
+    with pytest.raises(emmy.InputError) as raised:
+        make()
+    assert places(raised.value) == [place], raised.value
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert again.faults == raised.value.faults and type(again) is type(raised.value)
+
+
+@pytest.mark.parametrize("equilibrium", [True, np.True_, 5, {}, {"load_steps": 5}])
+def test_a_motion_has_one_start(equilibrium):
+    body = held_block()
+    state = emmy.equilibrium(body)
+    moving = emmy.Initial(velocity=(1, 0, 0))
+    velocity = np.tile([1.0, 0.0, 0.0], (12, 1))
+    snapshot = emmy.Motion(body, steps=(1.0, 0.1)).snapshot()
+    for start in (state, snapshot):
+        for initial in (moving, [moving], velocity):
+            with pytest.raises(TypeError, match="start and initial exclude each other"):
+                emmy.Motion(body, steps=(1.0, 0.1), start=start, initial=initial)
+        with pytest.raises(TypeError, match="start and equilibrium exclude each other"):
+            emmy.Motion(body, steps=(1.0, 0.1), start=start, equilibrium=equilibrium)
+        assert emmy.Motion(body, steps=(1.0, 0.1), start=start, initial=(), equilibrium=False).number == 0
+    with pytest.raises(TypeError, match="an array as initial and equilibrium exclude each other"):
+        emmy.Motion(body, steps=(1.0, 0.1), initial=velocity, equilibrium=equilibrium)
+    # Velocities of an equilibrium.
+    motion = emmy.Motion(body, steps=(1.0, 0.1), initial=moving, equilibrium=equilibrium)
+    assert np.abs(motion.displacement).max() > 0.0 and motion.velocity[-1, 0] == 1.0
+
+
+@pytest.mark.parametrize("equilibrium", [True, np.True_, 10, np.int64(10), {}, {"load_steps": 10}])
+def test_an_equilibrium_at_the_start(equilibrium):
+    body = held_block()
+    motion = emmy.Motion(body, steps=(1.0, 0.1), equilibrium=equilibrium)
+    assert np.array_equal(motion.displacement, emmy.equilibrium(body).displacement)
+    assert motion.displacement[:, 1].max() > 0.0
+
+
+@pytest.mark.parametrize("equilibrium", [None, False, np.False_])
+def test_no_equilibrium_at_the_start(equilibrium):
+    motion = emmy.Motion(held_block(), steps=(1.0, 0.1), equilibrium=equilibrium)
+    assert np.array_equal(motion.displacement, np.zeros((12, 3)))
+
+
+def test_a_start_is_a_snapshot_or_a_state():
+    with pytest.raises(TypeError, match=r"start: int is neither an emmy.Snapshot nor an emmy.State"):
+        emmy.Motion(free_block(), steps=(1.0, 0.1), start=5)
+
+
+HUGE = 2**70
+
+
+@pytest.mark.parametrize(
+    ("use", "place", "least"),
+    [
+        (lambda n: emmy.Goal.displacement_at(free_block(), node=n, direction=(1, 0, 0)), "node", 0),
+        (lambda n: emmy.Goal.velocity_at(free_block(), node=n, direction=(1, 0, 0)), "node", 0),
+        (lambda n: emmy.modes(held_block(), count=n), "count", 1),
+        (lambda n: emmy.equilibrium(held_block(), load_steps=n), "load_steps", 1),
+        (lambda n: emmy.Mesh.box((1, 1, 1), (1, n, 1)), "cells[1]", 1),
+        (lambda n: emmy.Mesh.rectangle((1, 1), (1, n)), "cells[1]", 1),
+        (lambda n: emmy.set_threads(n), "number", 1),
+        (lambda n: emmy.State(0.0, np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)), n), "step", 0),
+        (lambda n: emmy.sweep(lambda x: spinning_block(), {"x": [1]}, workers=n), "workers", 1),
+    ],
+    ids=["displacement_at", "velocity_at", "modes", "equilibrium", "box", "rectangle", "threads", "state", "sweep"],
+)
+def test_whole_numbers(use, place, least):
+    for number in (-1, least - 1, HUGE, np.int64(-1)):
+        with pytest.raises(
+            emmy.InputError, match=rf"must be a whole number from {least} to \d+, not {number}$"
+        ) as raised:
+            use(number)
+        assert places(raised.value) == [place]
+    for value in (1.0, True, np.True_, "1", None if place != "workers" else 2.5):
+        with pytest.raises(TypeError, match=f"{place.replace('[', '.').replace(']', '.')}: "):
+            use(value)
+
+
+def test_whole_numbers_of_numpy_are_taken():
+    assert emmy.Mesh.box((1, 1, 1), np.array([1, 2, 1])).n_cells == 2
+    assert emmy.modes(held_block(), count=np.int32(2)).frequencies.shape == (2,)
+    for make, wanted in ((emmy.Mesh.box, 3), (emmy.Mesh.rectangle, 2)):
+        with pytest.raises(emmy.InputError, match=f"expected {wanted} whole numbers, found 4"):
+            make((1,) * wanted, (1, 1, 1, 1))
+        with pytest.raises(emmy.InputError, match="size: expected an array of shape"):
+            make((1,), (1,) * wanted)
+
+
+def test_numbers_that_are_too_large():
+    with pytest.raises(emmy.InputError, match="density: the number is too large"):
+        emmy.Region(rubber(), density=10**400)
+    with pytest.raises(emmy.InputError, match="degree"):
+        emmy.Motion(free_block(), degree=10**400, steps=(1.0, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("steps", "error", "place"),
+    [
+        ({"until": 1.0, "size": 0.1}, TypeError, "steps"),
+        ("1.0", TypeError, "steps"),
+        (1.0, TypeError, "steps"),
+        ((), emmy.InputError, "steps"),
+        ((1.0, 0.1, 0.1), emmy.InputError, "steps"),
+        ([(1.0, 0.1), 2.0], emmy.InputError, r"steps\[1\]"),
+        ([(1.0, 0.1), (2.0,)], emmy.InputError, r"steps\[1\]"),
+    ],
+)
+def test_steps_are_pairs(steps, error, place):
+    with pytest.raises(error, match=rf"^{place}: expected a pair \(until, size\), or a list of pairs, found "):
+        emmy.Motion(free_block(), steps=steps)
+
+
+@pytest.mark.parametrize("steps", [[0.1, 0.05], np.array([0.1, 0.05]), [np.array([0.1, 0.05])], [[0.1, 0.05]]])
+def test_forms_of_a_pair(steps):
+    assert [step.time for step in spinning_block(steps=steps)] == [0.05, 0.1]
+
+
+@pytest.mark.parametrize("until", [float("nan"), float("inf"), -float("inf"), np.nan])
+def test_ends_are_finite(until):
+    motion = spinning_block()
+    with pytest.raises(emmy.InputError, match="until: must be finite, not"):
+        motion.run(until)
+    assert motion.number == 0
+    with pytest.raises(emmy.InputError, match="until: must be finite, not"):
+        emmy.sweep(lambda x: spinning_block(), {"x": [1]}, until=until)
+
+
+def test_a_field_that_is_not_there():
+    pytest.importorskip("pyvista")
+    motion = spinning_block()
+    for use in (motion.field, motion.fields, motion.to_pyvista):
+        with pytest.raises(emmy.InputError, match='"nonsense" is not a field; there is displacement'):
+            use("nonsense")
+
+
+@pytest.mark.parametrize("value", [True, np.True_, np.array(True), np.ones(1), np.array(1j)])
+def test_a_history_that_is_no_number(value):
+    with pytest.raises(TypeError, match=r"^loads\[0\].history: the function .*<lambda> returned"):
+        emmy.Body(
+            emmy.Mesh.box((1, 1, 1), (1, 1, 1)),
+            emmy.Region(rubber(), density=1.0),
+            loads=emmy.Load("x-max", force=(1, 0, 0), history=lambda t: value),
+        )
+
+
+def test_a_convergence_error_has_the_place():
+    motion = spinning_block(max_iterations=1, smallest_step=0.05)
+    with pytest.raises(emmy.ConvergenceError) as raised:
+        motion.run()
+    error = raised.value
+    assert isinstance(error.position, np.ndarray) and error.position.dtype == np.float64
+    # It is that of the last good step, here the start.
+    assert np.array_equal(error.position, motion.body.mesh.points[error.node])
+    again = pickle.loads(pickle.dumps(error))
+    assert np.array_equal(again.position, error.position) and again.node == error.node
+
+
+def test_the_first_of_two_errors_comes_out():
+    def break_it(step, motion):
+        shutil.rmtree("out")
+        raise ZeroDivisionError("mine")
+
+    motion = spinning_block()
+    with pytest.raises(ZeroDivisionError, match="mine") as raised:
+        motion.run(output="out", observers=[break_it])
+    (note,) = raised.value.__notes__
+    assert note.startswith("then ResultsError: ")
+
+
+def test_arguments_of_the_specification():
+    body = held_block()
+    u = 1e-3 * body.mesh.points
+    assert body.internal_force(u=u).shape == (12, 3) and body.strain_energy(u=u) > 0.0
+    for use in (body.internal_force, body.strain_energy):
+        with pytest.raises(emmy.InputError, match=r"^u: expected an array of shape \(12, 3\), found \(3,\)"):
+            use(u=np.zeros(3))
+    pytest.importorskip("scipy")
+    assert body.stiffness(u=u).shape == (36, 36)
+
+
+VALUES = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.integers(min_value=2**60), st.floats(), st.text(max_size=5),
+    st.binary(max_size=3), st.lists(st.floats(), max_size=4), st.lists(st.lists(st.integers(), max_size=4), max_size=3),
+    st.lists(st.tuples(st.floats(0, 10), st.floats(0, 1)), max_size=3), st.complex_numbers(),
+    st.dictionaries(st.sampled_from(["tip", "energy", "tolerance", "point"]), st.floats() | st.text(max_size=3)),
+)  # fmt: skip
+SETTINGS = [
+    "scheme", "degree", "steps", "until", "adaptive", "initial", "start", "tolerance", "max_iterations", "solver",
+    "smallest_step", "probes", "reactions", "extremes", "values", "limits", "title", "units", "adjoint",
+]  # fmt: skip
+BODY = held_block()
+ENDS = []
+
+
+@settings(max_examples=500, deadline=None)
+@given(*[st.dictionaries(st.sampled_from(SETTINGS), VALUES, max_size=1)] * 2)
+def random_motion(one, other):
+    arguments = one | other
+    try:
+        emmy.Motion(BODY, **{"steps": (0.1, 0.1)} | arguments)
+    except (emmy.InputError, TypeError) as error:
+        ENDS.append(type(error))
+    else:
+        ENDS.append(None)
+
+
+@pytest.mark.filterwarnings("ignore::emmy.EmmyWarning")
+def test_random_settings_end_in_an_input_error_or_a_type_error():
+    ENDS.clear()
+    random_motion()
+    # All ends are reached often.
+    assert all(ENDS.count(end) >= 10 for end in (None, emmy.InputError, TypeError)), ENDS
