@@ -1,5 +1,6 @@
 """Files: inputs as objects, runs, results."""
 
+import itertools
 import subprocess
 import sys
 import tomllib
@@ -103,7 +104,7 @@ def test_a_run_that_is_writing(spinning):
     content = Path("out/history.csv").read_bytes()
     ends = [at + 1 for at, byte in enumerate(content) if byte == ord("\n")]
     assert len(ends) == 1 + 5
-    for rows, (start, end) in enumerate(zip(ends, ends[1:], strict=False)):
+    for rows, (start, end) in enumerate(itertools.pairwise(ends)):
         for cut in (start, start + 1, (start + end) // 2, end - 1):
             Path("out/history.csv").write_bytes(content[:cut])
             assert np.array_equal(run.history, whole[:rows])
