@@ -204,7 +204,7 @@ class Motion(MotionView):
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
-        >>> motion = emmy.Motion(body, steps=(0.2, 0.1))
+        >>> motion = emmy.Motion(body, steps=(0.2, 0.1), initial=emmy.Initial(velocity=(0, 0, 1)))
         >>> motion.extend(0.4)
         >>> len(list(motion))
         4

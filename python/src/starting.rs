@@ -137,8 +137,8 @@ fn with_sections(
         stable.map_err(|error| errors::input(py, &error))?;
     }
     let is_of_motion = |note: &&String| {
-        // From a given state, the input does not say whether the body moves.
-        let is_moot = begin.state().is_some() && note.as_str() == input::NOTHING_MOVES;
+        // The input does not say whether a body moves from a given state; without a plan nothing is to move.
+        let is_moot = (begin.state().is_some() || !has_plan) && note.as_str() == input::NOTHING_MOVES;
         !is_moot && !body.notes().contains(note)
     };
     let notes = problem.notes.iter().filter(is_of_motion).cloned().collect();

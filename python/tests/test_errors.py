@@ -124,7 +124,7 @@ def test_an_inverted_cell():
 
 
 def test_a_motion_without_a_plan():
-    motion = emmy.Motion(free_block())
+    motion = emmy.Motion(free_block(), initial=emmy.Initial(velocity=(1, 0, 0)))
     message = "the motion has no plan; give steps=... or until=... with adaptive=..., or use motion.step"
     for use in (lambda: next(iter(motion)), motion.run, lambda: next(motion)):
         with pytest.raises(RuntimeError, match=message):
@@ -166,7 +166,7 @@ def test_gradients_need_the_adjoint():
     motion.run()
     with pytest.raises(RuntimeError, match="adjoint"):
         motion.gradient(goal)
-    motion = emmy.Motion(free_block(), steps=(0.2, 0.1), adjoint=True)
+    motion = emmy.Motion(free_block(), steps=(0.2, 0.1), initial=emmy.Initial(velocity=(1, 0, 0)), adjoint=True)
     with pytest.raises(RuntimeError, match="step"):
         motion.gradient(goal)
 

@@ -137,10 +137,13 @@ fn mistakes_come_back_as_failures_with_all_their_faults() {
     for (arguments, part) in [
         (vec!["fly"], "unrecognized subcommand 'fly'"),
         (vec!["run"], "required arguments were not provided"),
-        (vec!["resume", "/nowhere/at/all"], "holds no run of Emmy"),
     ] {
         let failure = run_verb(arguments, &Kept::default()).unwrap_err();
         assert!(matches!(&failure, Failure::Usage { .. }) && failure.to_string().contains(part), "{failure}");
+    }
+    for verb in ["resume", "report", "compare"] {
+        let failure = run_verb([verb, "/nowhere/at/all"], &Kept::default()).unwrap_err();
+        assert!(matches!(&failure, Failure::Files { .. }) && failure.code() == 2, "{verb}: {failure:?}");
     }
     let kept = Kept::default();
     run_verb(["--version"], &kept).unwrap();

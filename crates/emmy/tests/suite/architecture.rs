@@ -133,6 +133,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "resolution",
             "snapshot",
             "stepping",
+            "step",
             "observer",
             "samples",
             "error_norm",
