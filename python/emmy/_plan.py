@@ -35,6 +35,8 @@ def tree(
     if steps is not None:
         time["steps"] = phases(steps)
     if adaptive is not None:
+        if until is None:
+            raise fault("until", "adaptive steps need the end of the motion")
         time["adaptive"] = adaptive._tree() if isinstance(adaptive, Adaptive) else {"tolerance": adaptive}
     elif until is not None and steps is None:
         raise fault(

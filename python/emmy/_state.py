@@ -37,7 +37,7 @@ class State:
     --------
     >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
     >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
-    >>> emmy.Motion(body, steps=(1.0, 0.1)).state.displacement.shape
+    >>> emmy.Motion(body).state.displacement.shape
     (8, 3)
     """
 
@@ -99,7 +99,7 @@ class Snapshot:
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
         >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=1))
-        >>> emmy.Motion(body, steps=(1.0, 0.1)).snapshot().save("start.emmy")
+        >>> emmy.Motion(body).snapshot().save("start.emmy")
         >>> emmy.Snapshot.load("start.emmy")
         <emmy.Snapshot: step 0, t = 0.0>
         """

@@ -11,6 +11,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 
 use crate::errors;
 
@@ -211,7 +212,9 @@ fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     // An array of one number has `__float__` too, but is no number.
     let is_array =
         value.hasattr("ndim")? && value.getattr("ndim")?.extract::<usize>().is_ok_and(|ndim| ndim > 0);
-    let number = if is_array { None } else { value.extract::<f64>().ok() };
+    let is_truth = value.is_instance_of::<PyBool>()
+        || value.hasattr("dtype")? && value.getattr("dtype")?.getattr("kind")?.eq("b")?;
+    let number = if is_array || is_truth { None } else { value.extract::<f64>().ok() };
     match number {
         Some(number) => Ok(number),
         None => {

@@ -93,3 +93,21 @@ def test_a_process_ends_by_its_signal():
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=20)
     assert b"KeyboardInterrupt" in errors and process.returncode != 0
+
+
+def test_body_of_a_large_mesh():
+    """Making a body is one piece of work: Ctrl-C is heard at its end, and the package goes on."""
+    mesh = emmy.Mesh.box((1, 1, 1), (28, 28, 28))
+    region = emmy.Region(rubber(), density=1.0)
+    emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), region)
+    start = time.perf_counter()
+    emmy.Body(mesh, region)
+    alone = time.perf_counter() - start
+    interrupt_after(alone / 4)
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        emmy.Body(mesh, region)
+        # Where the body was faster than the signal.
+        time.sleep(alone)
+    assert time.perf_counter() - start < 5 * alone + 1
+    assert emmy.Body(mesh, region).n_dofs == 3 * 29**3

@@ -1,0 +1,226 @@
+"""The messages of mistakes, in full: the table of the errors of the package."""
+
+import sys
+
+import emmy
+import numpy as np
+import pytest
+
+from bodies import free_block, rubber, spinning_block
+
+TET = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
+
+
+def on_two_facets(**parts):
+    facets = {"foot": [[0, 1, 2]], "tip": [[1, 2, 3]]}
+    mesh = emmy.Mesh(TET, {"tet4": [[0, 1, 2, 3]]}, facet_groups=facets)
+    return emmy.Body(mesh, emmy.Region(rubber(), density=1.0), **parts)
+
+
+def with_history(history):
+    mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+    load = emmy.Load("x-max", force=(1, 0, 0), history=history)
+    return emmy.Motion(emmy.Body(mesh, emmy.Region(rubber(), density=1.0), loads=load), steps=(0.375, 0.125))
+
+
+def late(value):
+    def push(t):
+        if t > 0.125 and isinstance(value, type):
+            raise value("mine")
+        return 1.0 if t <= 0.125 else value
+
+    push.__qualname__ = "push"
+    return push
+
+
+def driven():
+    support = emmy.Support("x-min", move={"x": "t"})
+    return emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0), support)
+
+
+def gradient(motion):
+    return motion.gradient(emmy.Goal.displacement_at(motion.body, node=0, direction=(1, 0, 0)))
+
+
+KINDS = (
+    "exactly one of `traction`, `force`, `nodal_force`, `pressure`, `acceleration`, `body_force`, `attraction`, `drag`"
+)
+NO_PLAN = "the motion has no plan; give steps=... or until=... with adaptive=..., or use motion.step(size)"
+
+MESSAGES = [
+    (
+        lambda: emmy.Motion(free_block(), scheme="dgm", steps=(1.0, 0.1)),
+        emmy.InputError,
+        'scheme: scheme "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points, '
+        "AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences; "
+        'did you mean "DGM"?',
+    ),
+    (
+        lambda: on_two_facets(
+            supports=emmy.Support("foto", fix="x"), loads=emmy.Load("tipp", force=(1, 0, 0))
+        ),
+        emmy.UnknownGroupError,
+        "loads[0].group: the mesh has no group `tipp` of facets; did you mean `tip`?\n"
+        "supports[0].group: the mesh has no group `foto` of nodes, facets or cells; did you mean `foot`?",
+    ),
+    (lambda: emmy.Load("tip"), emmy.InputError, f"[[load]] needs one kind of load: {KINDS}"),
+    (
+        lambda: emmy.Load("tip", force=(1, 0, 0), pressure=1.0),
+        emmy.InputError,
+        f"force: [[load]] has more than one kind of load: give {KINDS}",
+    ),
+    (
+        lambda: emmy.NeoHooke(E=210e3),
+        TypeError,
+        "NeoHooke has no argument E; it has: lambda_, mu, youngs_modulus, poissons_ratio",
+    ),
+    (
+        lambda: emmy.NeoHooke(youngs_modulus=1.0, poissons_ratio=0.5),
+        emmy.InputError,
+        "poissons_ratio: neo-hooke: poissons_ratio = 0.5 must lie between -1 and 0.5 "
+        "(0.5, an incompressible material, excluded)",
+    ),
+    (
+        lambda: emmy.Region(rubber(), density=-1),
+        emmy.InputError,
+        "density: `density` must be positive, not -1",
+    ),
+    (
+        lambda: emmy.NeoHooke(lambda_=float("nan"), mu=1.0),
+        emmy.InputError,
+        "lambda_: `lambda` must be a finite number, not NaN",
+    ),
+    (
+        lambda: emmy.Mesh(TET[:, :2], {"tet4": [[0, 1, 2, 3]]}),
+        emmy.InputError,
+        "points: expected an array of shape (n, 3), found (4, 2)",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 2**40]]}),
+        emmy.InputError,
+        "cells.tet4[0]: 1099511627776 is not the number of a node or cell",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, -1]]}),
+        emmy.InputError,
+        "cells.tet4[0]: -1 is not the number of a node or cell",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 4]]}),
+        emmy.InputError,
+        "cells.tet4[0]: there is no node 4 among 4 points",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": np.array([[0.0, 1.0, 2.0, 3.0]])}),
+        TypeError,
+        "cells.tet4: an array of float64 in place of whole numbers",
+    ),
+    (
+        lambda: emmy.Mesh(TET.astype(object), {"tet4": [[0, 1, 2, 3]]}),
+        TypeError,
+        "points: an array of object in place of numbers",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 2, 1, 3]]}),
+        emmy.MeshError,
+        "mesh: cell 0 (tet4) is inverted or degenerate: det(dX/dxi) = -1 at one of its points",
+    ),
+    (
+        lambda: emmy.Motion(free_block(), steps=(1.0, 2.0, 3.0)),
+        emmy.InputError,
+        "steps: expected a pair (until, size), or a list of pairs, found (1.0, 2.0, 3.0)",
+    ),
+    (
+        lambda: emmy.Motion(free_block(), steps=(1.0, 0.0)),
+        emmy.InputError,
+        "steps[0]: `size` must be positive, not 0",
+    ),
+    (
+        lambda: emmy.Motion(free_block(), steps=[(1.0, 0.1), (0.5, 0.1)]),
+        emmy.InputError,
+        "steps[1]: phase 2 of `steps`: it ends at 0.5, but begins at 1: time goes forward",
+    ),
+    (
+        lambda: emmy.Motion(free_block(), adaptive=1e-3),
+        emmy.InputError,
+        "until: adaptive steps need the end of the motion",
+    ),
+    (lambda: list(emmy.Motion(free_block())), RuntimeError, NO_PLAN),
+    (lambda: emmy.Motion(free_block()).run(), RuntimeError, NO_PLAN),
+    (
+        lambda: with_history(lambda t: None),
+        TypeError,
+        "loads[0].history: the function <lambda>.<locals>.<lambda> returned NoneType in place of a number",
+    ),
+    (
+        lambda: with_history(lambda t: np.ones(2)),
+        TypeError,
+        "loads[0].history: the function <lambda>.<locals>.<lambda> returned ndarray in place of a number",
+    ),
+    (lambda: with_history(late(None)).run(), TypeError, "push must return a number, not NoneType"),
+    (lambda: with_history(late(np.ones(2))).run(), TypeError, "push must return a number, not ndarray"),
+    (lambda: with_history(late(np.True_)).run(), TypeError, "push must return a number, not bool"),
+    (lambda: with_history(late(ValueError)).run(), ValueError, "mine"),
+    (
+        lambda: gradient(spinning_block()),
+        RuntimeError,
+        "the motion keeps no trajectory; make it with adjoint=True",
+    ),
+    (lambda: gradient(spinning_block(adjoint=True)), RuntimeError, "the motion has not done a step yet"),
+    (
+        lambda: emmy.Motion(driven(), steps=(1.0, 0.5), adjoint=True),
+        emmy.InputError,
+        "adjoint: driven supports are not covered; supports at rest are",
+    ),
+]
+
+
+@pytest.mark.parametrize(("mistake", "kind", "message"), MESSAGES)
+def test_message(mistake, kind, message):
+    with pytest.raises(kind) as raised:
+        mistake()
+    assert type(raised.value) is kind
+    assert str(raised.value) == message
+
+
+def test_what_a_function_raises_has_a_note():
+    with pytest.raises(KeyError) as raised:
+        with_history(late(KeyError)).run()
+    (note,) = raised.value.__notes__
+    assert note.startswith("in loads[0].history (push) at t = 0.1")
+
+
+def test_a_function_that_is_not_finite():
+    with pytest.raises(emmy.ConvergenceError) as raised:
+        with_history(late(float("nan"))).run()
+    assert str(raised.value) == f"loads[0].history: push returned NaN at t = {raised.value.time!r}"
+    assert 0.125 < raised.value.time <= 0.25
+
+
+def test_a_step_that_cannot_be_done():
+    motion = spinning_block(max_iterations=1, smallest_step=0.05)
+    with pytest.raises(emmy.ConvergenceError) as raised:
+        motion.run()
+    message = str(raised.value)
+    assert message.startswith("no convergence in step 1, to t = 0.05: residual ")
+    assert message.endswith("; try a smaller step, or more iterations")
+    assert (raised.value.step, raised.value.time, motion.number, motion.time) == (1, 0.05, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("package", "use", "message"),
+    [
+        ("pyvista", lambda motion: motion.to_pyvista(), "to_pyvista needs PyVista: pip install emmy-fem[pyvista]"),
+        ("meshio", lambda motion: motion.body.mesh.to_meshio(), "to_meshio needs meshio: pip install emmy-fem[meshio]"),
+        ("scipy", lambda motion: motion.body.mass(), "a sparse matrix needs SciPy: pip install scipy"),
+        ("gmsh", lambda motion: emmy.Mesh.from_gmsh(), "from_gmsh needs Gmsh: pip install gmsh"),
+    ],
+)
+def test_a_package_that_is_missing(package, use, message, monkeypatch):
+    motion = spinning_block()
+    for name in [name for name in sys.modules if name.partition(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError) as raised:
+        use(motion)
+    assert str(raised.value) == message
