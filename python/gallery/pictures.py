@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from cycler import cycler
 
 FOLDER = os.environ.get("EMMY_GALLERY")
 if FOLDER:
@@ -16,7 +17,7 @@ if FOLDER:
 # A fixed salt: the same figure is the same file.
 matplotlib.rcParams.update({
     "svg.hashsalt": "emmy", "font.size": 9.0, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.prop_cycle": matplotlib.cycler(color=["#1f77b4", "#d95f02", "#1b9e77", "#7570b3"]),
+    "axes.prop_cycle": cycler(color=["#1f77b4", "#d95f02", "#1b9e77", "#7570b3"]),
     "axes.formatter.use_mathtext": True, "legend.frameon": False, "lines.linewidth": 1.3, "figure.autolayout": True,
 })  # fmt: skip
 
