@@ -11,7 +11,6 @@ use emmy_io::summary;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::errors;
 use crate::running::Running;
 use crate::step::Step;
 
