@@ -14,8 +14,8 @@ impl Motion<'_> {
     /// time of release or after it.
     ///
     /// # Errors
-    /// As [`Stepper::advance`], after a release also as [`Scheme::stepper`]; state and record then belong to the last
-    /// good step.
+    /// As [`Stepper::advance`](crate::time::Stepper::advance), after a release also as
+    /// [`Scheme::stepper`](crate::time::Scheme::stepper); state and record then belong to the last good step.
     pub fn step(&mut self, step_size: f64) -> Result<&Record> {
         self.step_with_end(step_size, self.state.time + step_size)
     }
@@ -51,7 +51,8 @@ impl Motion<'_> {
     /// Advances the state. A state that is not finite is rejected, even if its residual is small.
     ///
     /// # Errors
-    /// As [`Stepper::advance`], [`Error::NoDuration`], [`Error::NotANumber`]; the state is then unchanged.
+    /// As [`Stepper::advance`](crate::time::Stepper::advance), [`Error::NoDuration`], [`Error::NotANumber`]; the state is
+    /// then unchanged.
     pub(super) fn advance(&mut self, step_size: f64) -> Result<StepOutcome> {
         let time = self.state.time;
         if !(step_size > SHORTEST * time.abs() && step_size.is_finite()) {
