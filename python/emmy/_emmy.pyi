@@ -4,6 +4,11 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Body", "Field", "Function", "Goal", "GoalError", "Gradient", "Mesh", "Motion", "Parameter", "Problem", "Snapshot",
+    "Step", "check", "energy", "main", "on_one_thread", "set_threads", "stress", "threads", "verb", "version",
+]  # fmt: skip
+
 _Reals = NDArray[np.float64]
 _Integers = NDArray[np.int64]
 _Sparse = tuple[_Reals, NDArray[Any], NDArray[Any], int]
@@ -144,7 +149,7 @@ class Step:
     rejections: int
     releases: int
     solver: str | None
-    def __getattr__(self, column: str) -> Any: ...
+    def __getattribute__(self, name: str, /) -> Any: ...
     def __getitem__(self, key: str, /) -> Any: ...
 
 @final
