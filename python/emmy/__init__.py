@@ -12,11 +12,11 @@ True
 
 try:
     from . import _emmy
-except ImportError as error:
+except ImportError as _error:
     raise ImportError(
         "the compiled part of emmy-fem (emmy._emmy) is missing or does not load; another package named `emmy`, or the "
         f"source tree, may be in its place: {__path__}"
-    ) from error
+    ) from _error
 
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body

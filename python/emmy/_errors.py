@@ -85,7 +85,7 @@ class InputError(Error, ValueError):
     """
 
     def __init__(self, faults: list[Fault]) -> None:
-        self.faults = [fault if isinstance(fault, Fault) else _fault(fault) for fault in faults]
+        self.faults: list[Fault] = [fault if isinstance(fault, Fault) else _fault(fault) for fault in faults]
         super().__init__(self.faults)
 
     def __str__(self) -> str:
@@ -165,7 +165,7 @@ class ConvergenceError(Error, RuntimeError):
         self.step = step
         self.time = time
         self.node = node
-        self.position = None if position is None else np.asarray(position, dtype=np.float64)
+        self.position: NDArray[np.float64] | None = None if position is None else np.asarray(position, dtype=np.float64)
         self.cause = cause
 
     def __str__(self) -> str:

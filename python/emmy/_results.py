@@ -36,7 +36,7 @@ class Frame:
 
     def __init__(self, time: float, path: str | os.PathLike[str], index: int | None = None) -> None:
         self.time = time
-        self.path = Path(path)
+        self.path: Path = Path(path)
         self._index = index
 
     def to_pyvista(self) -> Any:
