@@ -53,7 +53,7 @@ class Goal:
         Raises
         ------
         InputError
-            If there is no such node.
+            If there is no such node, or the direction has not three numbers.
 
         Examples
         --------
@@ -85,7 +85,7 @@ class Goal:
         Raises
         ------
         InputError
-            If there is no such node.
+            If there is no such node, or the direction has not three numbers.
 
         Examples
         --------
@@ -109,6 +109,11 @@ class Goal:
         Returns
         -------
         float
+
+        Raises
+        ------
+        InputError
+            If the motion is of a body with another number of nodes.
 
         Examples
         --------
@@ -221,11 +226,12 @@ class GoalError:
 
 def gradient(motion: Motion, goal: Goal, parameters: Sequence[Parameter]) -> Gradient:
     """The gradient of a goal at the end of a motion."""
-    own = motion._native.gradient(goal._native, [parameter._native for parameter in parameters])
+    natives = [parameter._native for parameter in words.each(parameters, Parameter, "parameters")]
+    own = motion._native.gradient(words.one(goal, Goal, "goal")._native, natives)
     return Gradient(own.displacement, own.velocity, own.momentum, own.parameters)
 
 
 def goal_error(motion: Motion, goal: Goal) -> GoalError:
     """The error of a goal at the end of a motion."""
-    own = motion._native.goal_error(goal._native)
+    own = motion._native.goal_error(words.one(goal, Goal, "goal")._native)
     return GoalError(own.steps, own.total, own.size)

@@ -39,7 +39,8 @@ class Body:
     InputError
         If anything else does not fit; all mistakes at once.
     TypeError
-        If a function of a load or support returns something else than numbers at t = 0.
+        If a function of a load or support returns something else than numbers at t = 0, or an argument has another
+        type.
 
     Examples
     --------

@@ -95,6 +95,11 @@ class InputError(Error, ValueError):
 class MeshError(InputError):
     """A mesh that cannot be read, or has bad cells.
 
+    Parameters
+    ----------
+    faults : list of Fault
+        The mistakes.
+
     Examples
     --------
     >>> issubclass(emmy.MeshError, emmy.InputError)
@@ -104,6 +109,11 @@ class MeshError(InputError):
 
 class UnknownGroupError(InputError):
     """A group that the mesh does not have.
+
+    Parameters
+    ----------
+    faults : list of Fault
+        The mistakes.
 
     Attributes
     ----------
@@ -124,10 +134,12 @@ class UnknownGroupError(InputError):
 
     @property
     def group(self) -> str:
+        """Name of the first group that the mesh does not have."""
         return next((fault.group for fault in self.faults if fault.group is not None), "")
 
     @property
     def available(self) -> tuple[str, ...]:
+        """Names of the groups that the mesh has in its place."""
         return next((tuple(fault.available) for fault in self.faults if fault.available is not None), ())
 
 

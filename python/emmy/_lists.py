@@ -215,6 +215,11 @@ def threads() -> int:
     -------
     int
 
+    Raises
+    ------
+    ValueError
+        If ``EMMY_NUM_THREADS`` is not a positive whole number.
+
     Examples
     --------
     >>> emmy.threads() >= 1

@@ -10,11 +10,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _emmy
 from ._errors import InputError, fault
-from ._words import Table, Vector, plain, tree
+from ._words import Table, Vector, plain, reals, tree
 
 
 class Material(Table):
-    """A strain energy W(E) with its parameters, which are those of the input."""
+    """A strain energy W(E) with its parameters, which are those of the input: the base class of the materials.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> isinstance(emmy.Yeoh(c10=0.3, c20=-0.01, c30=0.001, bulk_modulus=500.0), emmy.Material)
+    True
+    """
 
     _section: ClassVar[str] = "material"
     #: Name of the model in the input.
@@ -49,6 +60,8 @@ class Material(Table):
         ------
         InputError
             If the last axes are not 3 and 3, or the material is one of links.
+        TypeError
+            If the array does not hold numbers.
 
         Examples
         --------
@@ -76,6 +89,8 @@ class Material(Table):
         ------
         InputError
             If the last axes are not 3 and 3, or the material is one of links.
+        TypeError
+            If the array does not hold numbers.
 
         Examples
         --------
@@ -88,10 +103,10 @@ class Material(Table):
 
 
 def _strains(strain: ArrayLike) -> NDArray[np.float64]:
-    strains = np.asarray(strain, dtype=np.float64)
+    strains = reals(strain, "strain")
     if strains.shape[-2:] != (3, 3):
         raise fault("strain", f"expected an array of shape (..., 3, 3), found {strains.shape}")
-    return np.ascontiguousarray(strains)
+    return strains
 
 
 class SaintVenantKirchhoff(Material):
@@ -101,10 +116,10 @@ class SaintVenantKirchhoff(Material):
 
     Parameters
     ----------
-    lambda_, mu : float
-        Lame's parameters; or
-    youngs_modulus, poissons_ratio : float
-        the engineering constants.
+    lambda_, mu : float, optional
+        Lame's parameters.
+    youngs_modulus, poissons_ratio : float, optional
+        Engineering constants, in place of Lame's parameters.
 
     Raises
     ------
@@ -131,10 +146,10 @@ class NeoHooke(Material):
 
     Parameters
     ----------
-    lambda_, mu : float
-        Lame's parameters at small strain; or
-    youngs_modulus, poissons_ratio : float
-        the engineering constants at small strain.
+    lambda_, mu : float, optional
+        Lame's parameters at small strain.
+    youngs_modulus, poissons_ratio : float, optional
+        Engineering constants at small strain, in place of Lame's parameters.
 
     Raises
     ------
@@ -161,10 +176,10 @@ class CiarletGeymonat(Material):
 
     Parameters
     ----------
-    lambda_, mu : float
-        Lame's parameters at small strain; or
-    youngs_modulus, poissons_ratio : float
-        the engineering constants at small strain.
+    lambda_, mu : float, optional
+        Lame's parameters at small strain.
+    youngs_modulus, poissons_ratio : float, optional
+        Engineering constants at small strain, in place of Lame's parameters.
 
     Raises
     ------
@@ -191,10 +206,10 @@ class Hencky(Material):
 
     Parameters
     ----------
-    lambda_, mu : float
-        Lame's parameters; or
-    youngs_modulus, poissons_ratio : float
-        the engineering constants.
+    lambda_, mu : float, optional
+        Lame's parameters.
+    youngs_modulus, poissons_ratio : float, optional
+        Engineering constants, in place of Lame's parameters.
 
     Raises
     ------

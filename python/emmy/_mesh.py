@@ -129,6 +129,11 @@ class Mesh(Sources):
         -------
         int
 
+        Raises
+        ------
+        InputError
+            If the point has not three coordinates.
+
         Examples
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))

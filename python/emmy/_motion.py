@@ -71,6 +71,12 @@ class Motion(MotionView):
     ------
     InputError
         If an argument is out of its range.
+    TypeError
+        If an argument has another type, or two starts are given.
+
+    Notes
+    -----
+    A motion is used by one thread at a time. While it does a step, every other use raises `RuntimeError`.
 
     Examples
     --------
@@ -257,6 +263,12 @@ class Motion(MotionView):
             If a limit is exceeded.
         RuntimeError
             If the motion has no plan, or is at work in another thread.
+        InputError
+            If `until` is not finite, or a setting of the files is out of its range.
+        TypeError
+            If files are described without `output`.
+        ResultsError
+            If the files cannot be written.
 
         Examples
         --------

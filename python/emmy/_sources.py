@@ -311,7 +311,7 @@ class Sources:
         Raises
         ------
         InputError
-            If a link or a group names a point or link that is not there.
+            If a link or a group names a point or link that is not there, or an array has the wrong shape.
 
         Examples
         --------
@@ -320,10 +320,10 @@ class Sources:
         """
         own = {name: words.integers(group, f"groups.{name}") for name, group in (groups or {}).items()}
         own_links = {name: words.integers(group, f"link_groups.{name}") for name, group in (link_groups or {}).items()}
-        native = _emmy.Mesh.network(
-            words.array(points, (None, 3), "points"), words.integers(links, "links"), own, own_links
-        )
-        return cls._of(native)
+        pairs = words.integers(links, "links")
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise fault("links", f"expected an array of shape (m, 2), found {pairs.shape}")
+        return cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
 
 
 def _is_part(part: Any) -> bool:

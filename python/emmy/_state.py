@@ -95,6 +95,11 @@ class Snapshot:
         path : str or path
             File; one that exists is replaced once the new one is complete.
 
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+
         Examples
         --------
         >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
@@ -125,6 +130,8 @@ class Snapshot:
         ------
         ResultsError
             If the file is no snapshot, or damaged.
+        OSError
+            If it cannot be read.
 
         Examples
         --------

@@ -224,7 +224,8 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     >>> modes.shapes.shape, bool(modes.frequencies[6] > 0.0)
     ((7, 20, 3), True)
     """
-    own = body._native.modes(words.count(count, 1, "count"), None if state is None else state._tuple())
+    about = None if state is None else words.one(state, State, "state")._tuple()
+    own = body._native.modes(words.count(count, 1, "count"), about)
     return Modes(own["frequencies"], own["shapes"], own["effective_masses"], own["rigid"])
 
 

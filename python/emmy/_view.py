@@ -39,7 +39,8 @@ class MotionView:
     @property
     def scheme(self) -> str:
         """Scheme in time."""
-        return self._native.scheme
+        # The library names a time element with its degree.
+        return self._native.scheme.removesuffix(f", degree {self.degree}")
 
     @property
     def degree(self) -> int:

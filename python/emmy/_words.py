@@ -190,16 +190,30 @@ def each(value: T | Iterable[T], kind: type[T], place: str) -> tuple[T, ...]:
     return items
 
 
+def one(value: Any, kind: type[T], place: str) -> T:
+    """An object of a class."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{place}: {type(value).__name__} in place of {kind.__name__}")
+    return value
+
+
 def array(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.float64]:
     """Numbers as a contiguous array of a shape; `None` is any length."""
-    given = _regular(value, place)
-    if given.dtype.kind not in "fiub" and given.size:
-        raise TypeError(f"{place}: an array of {given.dtype} in place of numbers")
+    given = reals(value, place)
     fits = given.ndim == len(shape) and all(want in (None, got) for want, got in zip(shape, given.shape, strict=True))
     if not fits:
         wanted = str(shape).replace("None", "n")
         raise fault(place, f"expected an array of shape {wanted}, found {given.shape}")
-    return np.ascontiguousarray(given, dtype=np.float64)
+    return given
+
+
+def reals(value: Any, place: str) -> NDArray[np.float64]:
+    """Numbers as a contiguous array."""
+    given = _regular(value, place)
+    if given.dtype.kind not in "fiub" and given.size:
+        raise TypeError(f"{place}: an array of {given.dtype} in place of numbers")
+    # `ascontiguousarray` would make a number an array of one dimension.
+    return np.asarray(given, dtype=np.float64, order="C")
 
 
 def count(value: Any, least: int, place: str, most: int = LARGEST) -> int:
