@@ -280,7 +280,11 @@ def _sparse(parts: tuple[NDArray[np.float64], NDArray[Any], NDArray[Any], int]) 
 
 
 def _try_history(function: Any, place: str) -> None:
-    value = given = function(0.0)
+    try:
+        value = given = function(0.0)
+    except Exception as error:
+        error.add_note(f"in {place} ({words.name_of(function)}) at t = 0")
+        raise
     if getattr(given, "ndim", None) == 0 and hasattr(given, "item"):
         # Splines of SciPy return arrays without axes.
         value = given.item()

@@ -1,5 +1,6 @@
 """The messages of mistakes, in full: the table of the errors of the package."""
 
+import pickle
 import sys
 
 import emmy
@@ -33,13 +34,48 @@ def late(value):
     return push
 
 
+def driven_by(rate):
+    def path(t):
+        return 0.0
+
+    def rate_of_path(t):
+        return 0.0 if t == 0 else rate
+
+    path.__qualname__ = "path"
+    support = emmy.Support("x-min", move={"x": (path, rate_of_path)})
+    body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0), support)
+    return emmy.Motion(body, steps=(1.0, 0.5))
+
+
+def pulled_by(late):
+    def pull(points, t):
+        return np.zeros((len(points), 3)) if t == 0 else late
+
+    pull.__qualname__ = "pull"
+    load = emmy.Load("x-max", traction=pull)
+    body = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0), loads=load)
+    return emmy.Motion(body, steps=(0.5, 0.25))
+
+
 def driven():
     support = emmy.Support("x-min", move={"x": "t"})
     return emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0), support)
 
 
+def small_block():
+    return emmy.Motion(emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0)))
+
+
+def goal(motion):
+    return emmy.Goal.displacement_at(motion.body, node=0, direction=(1, 0, 0))
+
+
 def gradient(motion):
-    return motion.gradient(emmy.Goal.displacement_at(motion.body, node=0, direction=(1, 0, 0)))
+    return motion.gradient(goal(motion))
+
+
+def goal_error(motion):
+    return motion.goal_error(goal(motion))
 
 
 KINDS = (
@@ -51,14 +87,12 @@ MESSAGES = [
     (
         lambda: emmy.Motion(free_block(), scheme="dgm", steps=(1.0, 0.1)),
         emmy.InputError,
-        'scheme: scheme "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points, '
-        "AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences; "
+        'scheme: scheme "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points'
+        ", AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences; "
         'did you mean "DGM"?',
     ),
     (
-        lambda: on_two_facets(
-            supports=emmy.Support("foto", fix="x"), loads=emmy.Load("tipp", force=(1, 0, 0))
-        ),
+        lambda: on_two_facets(supports=emmy.Support("foto", fix="x"), loads=emmy.Load("tipp", force=(1, 0, 0))),
         emmy.UnknownGroupError,
         "loads[0].group: the mesh has no group `tipp` of facets; did you mean `tip`?\n"
         "supports[0].group: the mesh has no group `foto` of nodes, facets or cells; did you mean `foot`?",
@@ -89,6 +123,90 @@ MESSAGES = [
         lambda: emmy.NeoHooke(lambda_=float("nan"), mu=1.0),
         emmy.InputError,
         "lambda_: `lambda` must be a finite number, not NaN",
+    ),
+    (
+        lambda: emmy.Region(rubber(), density=float("nan")),
+        emmy.InputError,
+        "density: `density` must be a finite number, not NaN",
+    ),
+    (
+        lambda: emmy.NeoHooke(lambda_=1.0),
+        emmy.InputError,
+        "`neo-hooke` needs exactly one pair of parameters: either `lambda` and `mu`, or `youngs_modulus` and "
+        "`poissons_ratio`",
+    ),
+    (
+        lambda: emmy.NeoHooke(lambda_="1", mu=1.0),
+        emmy.InputError,
+        "lambda_: `lambda` must be a number, not a string; numbers stand without quotes",
+    ),
+    (
+        lambda: emmy.Region(rubber(), densty=1.0),
+        TypeError,
+        "Region has no argument densty; it has: material, density, group, thickness, viscosity, formulation, pressure; "
+        "did you mean density?",
+    ),
+    (
+        lambda: emmy.Region("steel", density=1.0),
+        TypeError,
+        "material: str is not a material, such as emmy.NeoHooke",
+    ),
+    (
+        lambda: emmy.Body("bracket.msh", emmy.Region(rubber(), density=1.0)),
+        TypeError,
+        "mesh: str is not an emmy.Mesh; see Mesh.read and Mesh.from_meshio",
+    ),
+    (
+        lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), [rubber()]),
+        TypeError,
+        "regions[0]: NeoHooke in place of Region",
+    ),
+    (
+        lambda: emmy.Mesh.box((1, 1, 1), (1, 1, 1)).group_nodes("x-mn"),
+        emmy.UnknownGroupError,
+        "name: the mesh has no group `x-mn`; did you mean `x-min`?",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [0, 1, 2, 3]}),
+        emmy.InputError,
+        "cells.tet4: expected an array of shape (n, nodes), found (4,)",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 3], [0, 1]]}),
+        emmy.InputError,
+        "cells.tet4: its rows have different lengths",
+    ),
+    (lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2]]}), emmy.MeshError, "mesh: a tet4 cell has 4 nodes, not 3"),
+    (
+        lambda: emmy.Mesh(TET, {"tet5": [[0, 1, 2, 3]]}),
+        emmy.MeshError,
+        'cells: "tet5" is not a kind of cell; there is hex8, hex20, hex27, tet4, tet10, wedge6, wedge15, pyramid5, '
+        "pyramid13, tri3, tri6, quad4, quad8, quad9, line2",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 3]]}, cell_groups={"all": [1]}),
+        emmy.MeshError,
+        "cell_groups.all: there is no cell 1 among 1, counted from 0",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 3]]}, facet_groups={"tip": [[0, 7]]}),
+        emmy.MeshError,
+        "facet_groups.tip: a row must be the number of a cell and of one of its faces, counted from 0",
+    ),
+    (
+        lambda: emmy.Mesh(TET, {"tet4": [[0, 1, 2, 3]]}, node_groups={"tip": [4]}),
+        emmy.MeshError,
+        "node_groups.tip: there is no node 4 among 4, counted from 0",
+    ),
+    (
+        lambda: emmy.Mesh.network(TET, [0, 1]),
+        emmy.InputError,
+        "links: expected an array of shape (m, 2), found (2,)",
+    ),
+    (
+        lambda: emmy.Mesh(TET * np.nan, {"tet4": [[0, 1, 2, 3]]}),
+        emmy.MeshError,
+        "mesh: node 0 has a coordinate that is not a finite number",
     ),
     (
         lambda: emmy.Mesh(TET[:, :2], {"tet4": [[0, 1, 2, 3]]}),
@@ -145,7 +263,23 @@ MESSAGES = [
         emmy.InputError,
         "until: adaptive steps need the end of the motion",
     ),
+    (
+        lambda: emmy.Motion(free_block(), until=1.0),
+        emmy.InputError,
+        "until: the steps to this time are missing; give steps=(until, size), or adaptive=1e-4 beside until",
+    ),
+    (
+        lambda: emmy.Motion(free_block(), steps=(float("nan"), 0.1)),
+        emmy.InputError,
+        "steps[0]: `until` must be a finite number, not NaN",
+    ),
+    (
+        lambda: emmy.Motion(free_block()).step(0.0),
+        emmy.InputError,
+        "size: must be positive and finite, not 0",
+    ),
     (lambda: list(emmy.Motion(free_block())), RuntimeError, NO_PLAN),
+    (lambda: next(emmy.Motion(free_block())), RuntimeError, NO_PLAN),
     (lambda: emmy.Motion(free_block()).run(), RuntimeError, NO_PLAN),
     (
         lambda: with_history(lambda t: None),
@@ -162,11 +296,45 @@ MESSAGES = [
     (lambda: with_history(late(np.True_)).run(), TypeError, "push must return a number, not bool"),
     (lambda: with_history(late(ValueError)).run(), ValueError, "mine"),
     (
+        lambda: emmy.Support("foot", move={"x": np.sin}),
+        TypeError,
+        "move.x: a function comes with its rate, as a pair (function, rate): the method needs the velocity",
+    ),
+    (lambda: driven_by(None).run(), TypeError, "the rate of path must return a number, not NoneType"),
+    (
+        lambda: driven_by(float("nan")).run(),
+        emmy.ConvergenceError,
+        "supports[0].move.x: the rate of path returned NaN at t = 0.5",
+    ),
+    (lambda: pulled_by(np.zeros(3)).run(), TypeError, "pull must return an array of shape (4, 3), not (3,)"),
+    (
+        lambda: spinning_block(scheme="FE(1)", limits={"energy": 1e-15}).run(),
+        emmy.LimitExceeded,
+        "step 1, t = 0.05: the accumulated energy residual is 1.469e-2 of the largest T + V; the limit is 1e-15",
+    ),
+    (
+        lambda: pickle.dumps(spinning_block()),
+        TypeError,
+        "a Motion cannot be pickled; pickle motion.snapshot() and the body",
+    ),
+    (
         lambda: gradient(spinning_block()),
         RuntimeError,
         "the motion keeps no trajectory; make it with adjoint=True",
     ),
     (lambda: gradient(spinning_block(adjoint=True)), RuntimeError, "the motion has not done a step yet"),
+    (
+        lambda: goal_error(spinning_block()),
+        RuntimeError,
+        "the motion keeps no trajectory; make it with adjoint=True",
+    ),
+    (lambda: spinning_block(adjoint=True).gradient(5), TypeError, "goal: int in place of Goal"),
+    (lambda: emmy.modes(free_block(), state=5), TypeError, "state: int in place of State"),
+    (
+        lambda: goal(small_block()).value(spinning_block()),
+        emmy.InputError,
+        "goal: it belongs to a body with another number of nodes",
+    ),
     (
         lambda: emmy.Motion(driven(), steps=(1.0, 0.5), adjoint=True),
         emmy.InputError,
@@ -188,6 +356,10 @@ def test_what_a_function_raises_has_a_note():
         with_history(late(KeyError)).run()
     (note,) = raised.value.__notes__
     assert note.startswith("in loads[0].history (push) at t = 0.1")
+    with pytest.raises(ZeroDivisionError) as raised:
+        with_history(lambda t: 1 / t)
+    (note,) = raised.value.__notes__
+    assert note.startswith("in loads[0].history (") and note.endswith("<lambda>) at t = 0")
 
 
 def test_a_function_that_is_not_finite():
@@ -201,9 +373,10 @@ def test_a_step_that_cannot_be_done():
     motion = spinning_block(max_iterations=1, smallest_step=0.05)
     with pytest.raises(emmy.ConvergenceError) as raised:
         motion.run()
-    message = str(raised.value)
-    assert message.startswith("no convergence in step 1, to t = 0.05: residual ")
-    assert message.endswith("; try a smaller step, or more iterations")
+    assert str(raised.value) == (
+        "no convergence in step 1, to t = 0.05: residual 4.061e-2 after 1 iterations (wanted 1.030e-11), largest at "
+        "node 7 near [0, 1, 1]; try a smaller step, or more iterations"
+    )
     assert (raised.value.step, raised.value.time, motion.number, motion.time) == (1, 0.05, 0, 0.0)
 
 

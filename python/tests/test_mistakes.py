@@ -128,6 +128,29 @@ def test_whole_numbers_of_numpy_are_taken():
             make((1,), (1,) * wanted)
 
 
+@pytest.mark.parametrize("scheme", ["FE(1)", "AS(5)", "AS(5, 0.8)", "DGM", "DGM(0.8)", "trapezoidal", "Bathe"])
+def test_the_scheme_of_a_motion_is_the_word_that_makes_it(scheme):
+    motion = emmy.Motion(free_block(), scheme)
+    assert motion.scheme == scheme and motion.degree == 1
+    assert emmy.Motion(free_block(), motion.scheme, motion.degree).scheme == scheme
+
+
+def test_wrong_types_are_named():
+    block = free_block()
+    goal = emmy.Goal.displacement_at(block, node=0, direction=(1, 0, 0))
+    motion = emmy.Motion(block, adjoint=True)
+    for use, place in (
+        (lambda: motion.gradient(5), "goal"),
+        (lambda: motion.goal_error(None), "goal"),
+        (lambda: motion.gradient(goal, [5]), r"parameters\[0\]"),
+        (lambda: emmy.modes(block, state=5), "state"),
+        (lambda: rubber().energy("text"), "strain"),
+        (lambda: rubber().stress([[None] * 3] * 3), "strain"),
+    ):
+        with pytest.raises(TypeError, match=f"^{place}: "):
+            use()
+
+
 def test_numbers_that_are_too_large():
     with pytest.raises(emmy.InputError, match="density: the number is too large"):
         emmy.Region(rubber(), density=10**400)
