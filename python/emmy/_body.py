@@ -290,5 +290,5 @@ def _try_history(function: Any, place: str) -> None:
         value = given.item()
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(
-            f"{place}: the function {words.name_of(function)} returned {type(given).__name__} in place of a number"
+            f"{place}: {words.name_of(function)} returned {type(given).__name__} in place of a number"
         )

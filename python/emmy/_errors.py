@@ -261,7 +261,15 @@ def _replaced(place: str, words: Iterable[tuple[str, str]]) -> str:
 def _fault(fault: tuple[Any, ...]) -> Fault:
     """A fault of the reader."""
     place, message, help, group, available = fault
-    return Fault(_replaced(place, _WORDS), message, help or "", group, None if available is None else tuple(available))
+    place, message = _replaced(place, _WORDS), _calls(message)
+    # A scheme names itself in its message.
+    message = message.removeprefix("scheme ") if place.endswith("scheme") else message
+    return Fault(place, message, _calls(help or ""), group, None if available is None else tuple(available))
+
+
+def _calls(text: str) -> str:
+    """Commands that have a function, as calls."""
+    return re.sub(r"`emmy list (schemes|materials|elements|meshes|fields|solvers|examples)`", r"`emmy.\1()`", text)
 
 
 _PACKAGE = os.path.dirname(__file__) + os.sep

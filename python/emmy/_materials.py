@@ -59,7 +59,7 @@ class Material(Table):
         Raises
         ------
         InputError
-            If the last axes are not 3 and 3, or the material is one of links.
+            If the last axes are not 3 and 3, the material is one of links, or it has no energy at a strain.
         TypeError
             If the array does not hold numbers.
 
@@ -88,7 +88,7 @@ class Material(Table):
         Raises
         ------
         InputError
-            If the last axes are not 3 and 3, or the material is one of links.
+            If the last axes are not 3 and 3, the material is one of links, or it has no energy at a strain.
         TypeError
             If the array does not hold numbers.
 

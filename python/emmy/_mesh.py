@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import _convert, _emmy
 from . import _words as words
-from ._errors import Fault, UnknownGroupError
+from ._errors import Fault, UnknownGroupError, fault
 from ._sources import Sources
 
 
@@ -132,7 +132,7 @@ class Mesh(Sources):
         Raises
         ------
         InputError
-            If the point has not three coordinates.
+            If the point does not have three finite coordinates.
 
         Examples
         --------
@@ -140,7 +140,10 @@ class Mesh(Sources):
         >>> mesh.points[mesh.nearest_node((0.9, 1.2, 0.1))].tolist()
         [1.0, 1.0, 0.0]
         """
-        return self._native.nearest_node(words.array(point, (3,), "point").tolist())
+        place = words.array(point, (3,), "point")
+        if not np.isfinite(place).all():
+            raise fault("point", f"{place.tolist()} is not finite")
+        return self._native.nearest_node(place.tolist())
 
     def boundary(self) -> list[NDArray[np.int64]]:
         """Corner nodes of the facets on the surface.

@@ -47,8 +47,8 @@ class Region(Table):
     ----------
     material : Material
         Material, such as `NeoHooke`.
-    density : float
-        Mass per reference volume; 0 for springs and attractions only.
+    density : float, optional
+        Mass per reference volume; springs and attractions have none.
     group : str, optional
         Group of cells; with one region every cell.
     thickness : float, optional
@@ -76,7 +76,7 @@ class Region(Table):
 
     _section = "region"
     material: Material = field(kw_only=False)
-    density: float = 0.0
+    density: float | None = None
     group: str | None = None
     thickness: float = 1.0
     viscosity: Viscosity | None = None

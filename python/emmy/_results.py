@@ -195,7 +195,8 @@ class Run:
         raise ResultsError(f"{self._directory} has no frames")
 
     def __repr__(self) -> str:
-        return f"<emmy.Run: {self._directory}, {self.status}>"
+        has_summary = (self._directory / "summary.json").exists()
+        return f"<emmy.Run: {self._directory}{f', {self.status}' if has_summary else ''}>"
 
     def _repr_html_(self) -> str:
         return _notebook.run(self)

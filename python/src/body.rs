@@ -70,7 +70,16 @@ fn responses(
         energy.map(|energy| (energy, stress))
     };
     let responses = strains.as_array().outer_iter().map(response).collect::<Option<Vec<_>>>();
-    responses.ok_or_else(|| errors::argument(py, "material", "a material of links has no strain tensor"))
+    let responses = responses
+        .ok_or_else(|| errors::argument(py, "material", "a material of links has no strain tensor"))?;
+    match responses.iter().position(|(energy, _)| !energy.is_finite()) {
+        Some(at) => {
+            let strain = strains.as_array().index_axis(numpy::ndarray::Axis(0), at).to_string();
+            let strain = strain.split_whitespace().collect::<Vec<_>>().join(" ");
+            Err(errors::argument(py, "strain", &format!("the material has no energy at the strain {strain}")))
+        }
+        None => Ok(responses),
+    }
 }
 
 /// Version of Emmy.
@@ -303,8 +312,8 @@ impl Body {
         if state.smallest_determinant > 0.0 {
             return Ok(state.strain_energy);
         }
-        let message = format!("a cell is turned inside out: det F = {:.3e}", state.smallest_determinant);
-        Err(errors::argument(py, "mesh", &message))
+        let inverted = emmy::Error::Inverted { cell: state.smallest_cell, det: state.smallest_determinant };
+        Err(errors::library(py, &inverted))
     }
 
     /// Natural modes about the reference, or about a state: `frequencies`, `shapes`, `effective_masses`, `rigid`.

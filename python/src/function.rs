@@ -154,7 +154,7 @@ impl Callable {
 
     fn call(&self, py: Python<'_>, time: f64) -> f64 {
         let Some(function) = self.function(py) else { return f64::NAN };
-        let value = function.call1(py, (time,)).and_then(|value| number(value.bind(py), &self.name));
+        let value = function.call1(py, (time,)).and_then(|value| self.number(value.bind(py)));
         match value {
             Ok(value) if value.is_finite() => value,
             Ok(value) => {
@@ -167,6 +167,26 @@ impl Callable {
                 f64::NAN
             }
         }
+    }
+
+    /// The number that the function has returned.
+    fn number(&self, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+        // An array of one number has `__float__` too, but is no number.
+        let is_array =
+            value.hasattr("ndim")? && value.getattr("ndim")?.extract::<usize>().is_ok_and(|ndim| ndim > 0);
+        let is_truth = value.is_instance_of::<PyBool>()
+            || value.hasattr("dtype")? && value.getattr("dtype")?.getattr("kind")?.eq("b")?;
+        let number = if is_array || is_truth { None } else { value.extract::<f64>().ok() };
+        number.ok_or_else(|| match value.get_type().name() {
+            Ok(kind) => self.mistyped(value.py(), &format!("{kind} in place of a number")),
+            Err(error) => error,
+        })
+    }
+
+    /// The error for a value of another type.
+    fn mistyped(&self, py: Python<'_>, what: &str) -> PyErr {
+        let place = errors::place(py, &self.path).unwrap_or_default();
+        PyTypeError::new_err(format!("{place}: {} returned {what}", self.name))
     }
 
     /// The vectors at some points and a time; NaN after an exception.
@@ -185,42 +205,28 @@ impl Callable {
         let Some(function) = self.function(py) else { return Ok(vec![[f64::NAN; 3]; points.len()]) };
         let array = PyArray2::from_owned_array(py, numpy::ndarray::arr2(points));
         let values = function.bind(py).call1((array, time))?;
-        let values = py.import("numpy")?.call_method1("asarray", (&values, "float64"))?;
         let wanted = (points.len(), 3);
-        let shape = values.getattr("shape")?;
-        let Ok(values) = values.extract::<PyReadonlyArray2<'_, f64>>() else {
-            return Err(PyTypeError::new_err(shape_message(&self.name, &shape, wanted)?));
+        let instead = |what: &str| {
+            self.mistyped(py, &format!("{what} in place of an array of shape ({}, 3)", points.len()))
         };
+        let numpy = py.import("numpy")?;
+        let array = match numpy.call_method1("asarray", (&values, "float64")) {
+            // NumPy makes NaN of None.
+            Ok(array) if !values.is_none() => array,
+            _ => return Err(instead(&values.get_type().name()?.to_string())),
+        };
+        let of_shape =
+            || Ok::<_, PyErr>(instead(&format!("an array of shape {}", array.getattr("shape")?.str()?)));
+        let Ok(values) = array.extract::<PyReadonlyArray2<'_, f64>>() else { return Err(of_shape()?) };
         let view = values.as_array();
         if view.dim() != wanted {
-            return Err(PyTypeError::new_err(shape_message(&self.name, &shape, wanted)?));
+            return Err(of_shape()?);
         }
         if let Some(value) = view.iter().find(|value| !value.is_finite()) {
             let message = format!("{} returned {value} at t = {time}", self.name);
             return Err(errors::not_finite(py, &self.path, &message, time));
         }
         Ok(view.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
-    }
-}
-
-fn shape_message(name: &str, shape: &Bound<'_, PyAny>, (n, _): (usize, usize)) -> PyResult<String> {
-    Ok(format!("{name} must return an array of shape ({n}, 3), not {}", shape.str()?))
-}
-
-/// The number that a history has returned.
-fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    // An array of one number has `__float__` too, but is no number.
-    let is_array =
-        value.hasattr("ndim")? && value.getattr("ndim")?.extract::<usize>().is_ok_and(|ndim| ndim > 0);
-    let is_truth = value.is_instance_of::<PyBool>()
-        || value.hasattr("dtype")? && value.getattr("dtype")?.getattr("kind")?.eq("b")?;
-    let number = if is_array || is_truth { None } else { value.extract::<f64>().ok() };
-    match number {
-        Some(number) => Ok(number),
-        None => {
-            let kind = value.get_type().name()?;
-            Err(PyTypeError::new_err(format!("{name} must return a number, not {kind}")))
-        }
     }
 }
 

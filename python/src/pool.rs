@@ -1,6 +1,7 @@
-//! The thread pool of Emmy's own. The global pool of rayon does not survive `fork`: its threads are missing in the child.
+//! Thread pools of Emmy's own. The global pool of rayon does not survive `fork`: its threads are missing in the child.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+use std::num::NonZero;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -15,54 +16,96 @@ struct Pool {
     threads: Arc<ThreadPool>,
 }
 
-static POOL: Mutex<Option<Pool>> = Mutex::new(None);
+/// The pool of verbs, and of all threads but the main one.
+static SHARED: Mutex<Option<Pool>> = Mutex::new(None);
 
 /// Number of threads asked for by [`set_threads`].
 static ASKED: Mutex<Option<usize>> = Mutex::new(None);
 
 thread_local! {
-    /// The pool of a thread that computes alone.
+    /// The pool of the main thread, or of a thread that computes alone. The thread itself belongs to it: to wake another one
+    /// takes up to 0.1 ms.
     static OWN: RefCell<Option<Pool>> = const { RefCell::new(None) };
+    /// Whether a thread computes alone, whatever the number of threads.
+    static IS_ALONE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does some work in the pool, without the lock of the interpreter.
+/// Does some work in the pool of the present thread, without the lock of the interpreter.
 ///
 /// # Errors
-/// The first exception of a function of the body in it; `RuntimeError` if the threads cannot be started, `ValueError` for a wrong `EMMY_NUM_THREADS`.
+/// The first exception of a function of the body in it; `RuntimeError` if the threads cannot be started, `ValueError` for a
+/// wrong `EMMY_NUM_THREADS`.
 pub(crate) fn work<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    let pool = current()?;
+    let pool = current(py)?;
     let (value, raised) = py.detach(|| pool.install(|| function::with_exception(work)));
     raised.map_or(Ok(value), Err)
 }
 
-pub(crate) fn current() -> PyResult<Arc<ThreadPool>> {
-    let process = std::process::id();
-    let own = OWN
-        .with_borrow(|own| own.as_ref().filter(|own| own.process == process).map(|own| own.threads.clone()));
-    if let Some(own) = own {
+fn current(py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
+    let n = size()?;
+    if let Some(own) = OWN.with_borrow(|own| threads_of(own, n)) {
         return Ok(own);
     }
-    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(pool) = pool.as_ref().filter(|pool| pool.process == process) {
-        return Ok(pool.threads.clone());
+    // In a shared pool of one thread, others would wait for a thread that does not work in it.
+    if n > 1 && !is_main(py)? {
+        return shared();
     }
-    let threads = start(asked()?)?;
-    // The pool of the parent process has no threads here: it must not wait for them when it is dropped.
-    std::mem::forget(pool.replace(Pool { process, threads: threads.clone() }));
+    let builder = || ThreadPoolBuilder::new().num_threads(n).thread_name(|i| format!("emmy-{i}"));
+    // A thread cannot belong to a second pool after the first one was replaced.
+    let built = builder().use_current_thread().build().or_else(|_| builder().build());
+    let threads = Arc::new(built.map_err(|error| cannot_start(n, &error))?);
+    OWN.with_borrow_mut(|own| replace(own, &threads));
     Ok(threads)
 }
 
-fn start(n: usize) -> PyResult<Arc<ThreadPool>> {
-    let built = ThreadPoolBuilder::new().num_threads(n).thread_name(|i| format!("emmy-{i}")).build();
-    built.map(Arc::new).map_err(|error| PyRuntimeError::new_err(format!("cannot start {n} threads: {error}")))
+fn is_main(py: Python<'_>) -> PyResult<bool> {
+    let threading = py.import("threading")?;
+    Ok(threading.call_method0("current_thread")?.is(&threading.call_method0("main_thread")?))
 }
 
-/// `set_threads`, else `EMMY_NUM_THREADS`, else 0 for all cores.
-fn asked() -> PyResult<usize> {
+/// The pool of threads that have none of their own.
+pub(crate) fn shared() -> PyResult<Arc<ThreadPool>> {
+    let n = size()?;
+    let mut pool = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(threads) = threads_of(&pool, n) {
+        return Ok(threads);
+    }
+    let built = ThreadPoolBuilder::new().num_threads(n).thread_name(|i| format!("emmy-shared-{i}")).build();
+    let threads = Arc::new(built.map_err(|error| cannot_start(n, &error))?);
+    replace(&mut pool, &threads);
+    Ok(threads)
+}
+
+/// The threads of a pool of this process, if it has `n`.
+fn threads_of(pool: &Option<Pool>, n: usize) -> Option<Arc<ThreadPool>> {
+    let is_fit = |pool: &&Pool| pool.process == std::process::id() && pool.threads.current_num_threads() == n;
+    pool.as_ref().filter(is_fit).map(|pool| pool.threads.clone())
+}
+
+fn replace(pool: &mut Option<Pool>, threads: &Arc<ThreadPool>) {
+    let process = std::process::id();
+    let before = pool.replace(Pool { process, threads: threads.clone() });
+    // The pool of the parent process has no threads here: it must not wait for them when it is dropped.
+    if before.as_ref().is_some_and(|before| before.process != process) {
+        std::mem::forget(before);
+    }
+}
+
+fn cannot_start(n: usize, error: &rayon::ThreadPoolBuildError) -> PyErr {
+    PyRuntimeError::new_err(format!("cannot start {n} threads: {error}"))
+}
+
+/// Number of threads of the present thread's pool: `set_threads`, else `EMMY_NUM_THREADS`, else the number of cores.
+fn size() -> PyResult<usize> {
+    if IS_ALONE.get() {
+        return Ok(1);
+    }
     if let Some(n) = *ASKED.lock().unwrap_or_else(PoisonError::into_inner) {
         return Ok(n);
     }
-    let Ok(text) = std::env::var("EMMY_NUM_THREADS") else { return Ok(0) };
+    let Ok(text) = std::env::var("EMMY_NUM_THREADS") else {
+        return Ok(std::thread::available_parallelism().map_or(1, NonZero::get));
+    };
     text.trim().parse().ok().filter(|&n| n > 0).ok_or_else(|| {
         PyValueError::new_err(format!("EMMY_NUM_THREADS must be a positive whole number, not {text:?}"))
     })
@@ -70,17 +113,14 @@ fn asked() -> PyResult<usize> {
 
 /// Sets the number of threads; results do not depend on it.
 #[pyfunction]
-pub(crate) fn set_threads(n: usize) -> PyResult<()> {
+pub(crate) fn set_threads(py: Python<'_>, n: usize) -> PyResult<()> {
     if n == 0 {
         return Err(PyValueError::new_err("the number of threads must be at least 1"));
     }
-    *ASKED.lock().unwrap_or_else(PoisonError::into_inner) = Some(n);
-    let threads = start(n)?;
-    let process = std::process::id();
-    let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
-    let before = pool.replace(Pool { process, threads });
-    if before.as_ref().is_some_and(|before| before.process != process) {
-        std::mem::forget(before);
+    let before = ASKED.lock().unwrap_or_else(PoisonError::into_inner).replace(n);
+    if let Err(error) = current(py) {
+        *ASKED.lock().unwrap_or_else(PoisonError::into_inner) = before;
+        return Err(error);
     }
     Ok(())
 }
@@ -88,13 +128,11 @@ pub(crate) fn set_threads(n: usize) -> PyResult<()> {
 /// Number of threads.
 #[pyfunction]
 pub(crate) fn threads() -> PyResult<usize> {
-    Ok(current()?.current_num_threads())
+    size()
 }
 
-/// Lets the calling thread compute with one thread of its own, as the workers of a sweep do.
+/// Lets the calling thread compute alone, as the workers of a sweep do.
 #[pyfunction]
-pub(crate) fn on_one_thread() -> PyResult<()> {
-    let own = Pool { process: std::process::id(), threads: start(1)? };
-    OWN.with_borrow_mut(|pool| *pool = Some(own));
-    Ok(())
+pub(crate) fn on_one_thread() {
+    IS_ALONE.set(true);
 }

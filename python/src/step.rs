@@ -9,7 +9,40 @@ use pyo3::types::PyTuple;
 /// Counts of a step that are not columns.
 pub(crate) type Counts = (usize, usize, usize, usize, Option<String>);
 
-/// A step, with the columns of the history as attributes.
+/// A step of a motion, or its start: the row of the history, and counts.
+///
+/// Every column of the history is an attribute and a key: `step.total_energy` is `step["total_energy"]`. Steps compare and
+/// pickle by value.
+///
+/// Attributes
+/// ----------
+/// number : int
+///     Number of the step; 0 at the start.
+/// time, step_size : float
+///     Time at the end, and size.
+/// kinetic_energy, strain_energy, total_energy : float
+///     Energies.
+/// external_work : float
+///     Work of loads and supports since the start.
+/// energy_residual : float
+///     What the balance of energy lacks in the step, relative.
+/// linear_momentum, angular_momentum : array (3,)
+///     Momenta.
+/// newton_iterations, degree : int
+///     Iterations of Newton's method, and degree in time.
+/// cuts, rejections, releases : int
+///     Halvings, rejected attempts, and released supports.
+/// solver : str or None
+///     Linear solver.
+///
+/// Examples
+/// --------
+/// >>> mesh = emmy.Mesh.box((1, 1, 1), (1, 1, 1))
+/// >>> body = emmy.Body(mesh, emmy.Region(emmy.NeoHooke(lambda_=1, mu=1), density=2))
+/// >>> motion = emmy.Motion(body, initial=emmy.Initial(velocity=(0, 0, 1)))
+/// >>> step = motion.step(0.5)
+/// >>> step.number, step.time, round(step["kinetic_energy"], 12)
+/// (1, 0.5, 1.0)
 #[pyclass(frozen, module = "emmy._emmy")]
 pub(crate) struct Step {
     names: Arc<Vec<String>>,
@@ -56,36 +89,43 @@ impl Step {
         self.row.first().map_or(0, |&number| number as usize)
     }
 
+    /// Linear momentum.
     #[getter]
     fn linear_momentum<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
         numpy::PyArray1::from_slice(py, &self.vector("linear_momentum"))
     }
 
+    /// Angular momentum about the origin.
     #[getter]
     fn angular_momentum<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
         numpy::PyArray1::from_slice(py, &self.vector("angular_momentum"))
     }
 
+    /// How often the step was halved.
     #[getter]
     fn cuts(&self) -> usize {
         self.counts.0
     }
 
+    /// How often it was tried with a larger size.
     #[getter]
     fn rejections(&self) -> usize {
         self.counts.1
     }
 
+    /// Number of supports released in it.
     #[getter]
     fn releases(&self) -> usize {
         self.counts.2
     }
 
+    /// Degree in time.
     #[getter]
     fn degree(&self) -> usize {
         self.counts.3
     }
 
+    /// Linear solver, if there was a system.
     #[getter]
     fn solver(&self) -> Option<&str> {
         self.counts.4.as_deref()

@@ -55,7 +55,7 @@ pub(crate) fn verb(py: Python<'_>, argv: Vec<OsString>, messages: Option<Py<PyAn
     let is_interrupted = AtomicBool::new(false);
     let (sender, texts) = channel();
     let host = Package { texts: std::sync::Mutex::new(sender), is_interrupted: &is_interrupted };
-    let pool = pool::current()?;
+    let pool = pool::shared()?;
     let is_interrupted = &is_interrupted;
     let (ended, output, raised) = py.detach(move || {
         let mut output = String::new();

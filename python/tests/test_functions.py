@@ -1,6 +1,7 @@
 """Functions of Python as histories and fields."""
 
 import gc
+import re
 import threading
 import weakref
 
@@ -122,8 +123,10 @@ def test_nan_ends_the_step():
 
 
 def test_a_field_of_the_wrong_shape():
-    for value in (np.zeros(3), np.zeros((1, 3)), None):
-        with pytest.raises(TypeError, match=r"must return an array of shape \(4, 3\)") as raised:
+    shapes = ["an array of shape (3,)", "an array of shape (1, 3)", "NoneType", "str"]
+    for value, found in zip((np.zeros(3), np.zeros((1, 3)), None, "text"), shapes, strict=True):
+        message = f"<lambda> returned {found} in place of an array of shape (4, 3)"
+        with pytest.raises(TypeError, match=re.escape(message)) as raised:
             beam(traction=lambda points, t, value=value: value)
         assert any("loads[0].traction" in note for note in raised.value.__notes__)
 

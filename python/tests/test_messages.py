@@ -87,7 +87,7 @@ MESSAGES = [
     (
         lambda: emmy.Motion(free_block(), scheme="dgm", steps=(1.0, 0.1)),
         emmy.InputError,
-        'scheme: scheme "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points'
+        'scheme: "dgm": not a scheme; there is FE(n), AS(n), DGM, trapezoidal, Lobatto(n), n a number of points'
         ", AS(n, rho) and DGM(rho) that dissipate, and Newmark, HHT, generalized-alpha, Bathe, central-differences; "
         'did you mean "DGM"?',
     ),
@@ -284,29 +284,49 @@ MESSAGES = [
     (
         lambda: with_history(lambda t: None),
         TypeError,
-        "loads[0].history: the function <lambda>.<locals>.<lambda> returned NoneType in place of a number",
+        "loads[0].history: <lambda>.<locals>.<lambda> returned NoneType in place of a number",
     ),
     (
         lambda: with_history(lambda t: np.ones(2)),
         TypeError,
-        "loads[0].history: the function <lambda>.<locals>.<lambda> returned ndarray in place of a number",
+        "loads[0].history: <lambda>.<locals>.<lambda> returned ndarray in place of a number",
     ),
-    (lambda: with_history(late(None)).run(), TypeError, "push must return a number, not NoneType"),
-    (lambda: with_history(late(np.ones(2))).run(), TypeError, "push must return a number, not ndarray"),
-    (lambda: with_history(late(np.True_)).run(), TypeError, "push must return a number, not bool"),
+    (
+        lambda: with_history(late(None)).run(),
+        TypeError,
+        "loads[0].history: push returned NoneType in place of a number",
+    ),
+    (
+        lambda: with_history(late(np.ones(2))).run(),
+        TypeError,
+        "loads[0].history: push returned ndarray in place of a number",
+    ),
+    (
+        lambda: with_history(late(np.True_)).run(),
+        TypeError,
+        "loads[0].history: push returned bool in place of a number",
+    ),
     (lambda: with_history(late(ValueError)).run(), ValueError, "mine"),
     (
         lambda: emmy.Support("foot", move={"x": np.sin}),
         TypeError,
         "move.x: a function comes with its rate, as a pair (function, rate): the method needs the velocity",
     ),
-    (lambda: driven_by(None).run(), TypeError, "the rate of path must return a number, not NoneType"),
+    (
+        lambda: driven_by(None).run(),
+        TypeError,
+        "supports[0].move.x: the rate of path returned NoneType in place of a number",
+    ),
     (
         lambda: driven_by(float("nan")).run(),
         emmy.ConvergenceError,
         "supports[0].move.x: the rate of path returned NaN at t = 0.5",
     ),
-    (lambda: pulled_by(np.zeros(3)).run(), TypeError, "pull must return an array of shape (4, 3), not (3,)"),
+    (
+        lambda: pulled_by(np.zeros(3)).run(),
+        TypeError,
+        "loads[0].traction: pull returned an array of shape (3,) in place of an array of shape (4, 3)",
+    ),
     (
         lambda: spinning_block(scheme="FE(1)", limits={"energy": 1e-15}).run(),
         emmy.LimitExceeded,
@@ -374,7 +394,7 @@ def test_a_step_that_cannot_be_done():
     with pytest.raises(emmy.ConvergenceError) as raised:
         motion.run()
     assert str(raised.value) == (
-        "no convergence in step 1, to t = 0.05: residual 4.061e-2 after 1 iterations (wanted 1.030e-11), largest at "
+        "no convergence in step 1, to t = 0.05: residual 4.061e-2 after 1 iteration (wanted 1.030e-11), largest at "
         "node 7 near [0, 1, 1]; try a smaller step, or more iterations"
     )
     assert (raised.value.step, raised.value.time, motion.number, motion.time) == (1, 0.05, 0, 0.0)

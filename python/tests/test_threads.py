@@ -114,6 +114,25 @@ def tip():
     return motion.displacement
 
 
+def test_every_thread_computes_after_the_number_has_changed():
+    # The main thread belongs to its first pool for good; others share a pool, or have one each.
+    before, here = emmy.threads(), tip()
+    try:
+        for number in (1, 3, 1, 2):
+            emmy.set_threads(number)
+            found = [tip()]
+            others = [threading.Thread(target=lambda: found.append(tip())) for _ in range(3)]
+            for thread in others:
+                thread.start()
+            found.append(tip())
+            for thread in others:
+                thread.join(timeout=60)
+            assert emmy.schemes() and len(found) == 5, number
+            assert all(np.array_equal(there, here) for there in found)
+    finally:
+        emmy.set_threads(before)
+
+
 METHODS = multiprocessing.get_all_start_methods()
 
 

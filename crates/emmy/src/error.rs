@@ -305,8 +305,9 @@ pub enum Error {
     },
     /// Newton's iteration for an equilibrium that did not converge.
     #[error(
-        "no convergence at a load fraction of {fraction}: residual {residual:.3e} after {iterations} iterations (wanted \
-         {target:.3e}), largest at node {node} near {position}",
+        "no convergence at a load fraction of {fraction}: residual {residual:.3e} after {iterations} \
+         (wanted {target:.3e}), largest at node {node} near {position}",
+        iterations = counted(*.iterations),
         fraction = short(.fraction),
         position = short_vector(.position)
     )]
@@ -365,7 +366,7 @@ pub enum Error {
         reason: String,
     },
     /// A determinant of the deformation gradient that became zero or negative, or NaN.
-    #[error("cell {cell} is turned inside out: det F = {}; try a smaller step", short(.det))]
+    #[error("cell {cell} is turned inside out: det F = {}", short(.det))]
     Inverted {
         /// Index of the cell.
         cell: usize,
@@ -403,8 +404,9 @@ pub enum Error {
     },
     /// Newton's iteration that did not converge.
     #[error(
-        "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} iterations \
+        "no convergence in step {step}, to t = {time}: residual {residual:.3e} after {iterations} \
          (wanted {target:.3e}), largest at node {node} near {position}; try a smaller step, or more iterations",
+        iterations = counted(*.iterations),
         time = short(.time),
         position = short_vector(.position)
     )]
@@ -552,6 +554,11 @@ pub enum Error {
         /// Reason.
         reason: String,
     },
+}
+
+/// `1 iteration`, `2 iterations`.
+fn counted(n: usize) -> String {
+    format!("{n} iteration{}", if n == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

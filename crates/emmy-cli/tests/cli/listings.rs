@@ -26,10 +26,14 @@ use super::{BOX, Place};
 const ELSEWHERE: [&str; 2] = ["docs/editors.md", "book/src/paper"];
 
 /// Programs in the pages that this test does not start.
-const OTHERS: [&str; 19] = [
+const OTHERS: &[&str] = &[
     "cargo",
     "just",
     "maturin",
+    "mypy",
+    "basedpyright",
+    "ruff",
+    "pdoc",
     "pip",
     "pytest",
     "python",

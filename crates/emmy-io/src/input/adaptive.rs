@@ -96,7 +96,7 @@ fn check_beside(time: &Table<'_>, adaptive: &Item<'_>) -> Result<(), Fault> {
     beside(
         "steps",
         "`adaptive` replaces `steps`: give one of them",
-        "the end of adaptive steps is `until = T`; `--set time.steps=` takes the planned ones out",
+        "the end of adaptive steps is `until = T`; remove `steps`, on the command line with `--set time.steps=`",
     )?;
     beside(
         "smallest_step",

@@ -187,9 +187,8 @@ fn finished(mut builder: MeshBuilder, origin: &Origin<'_>, mut notes: Vec<String
     let file = || origin.file.to_path_buf();
     let turned = builder.orient_plane_cells();
     if turned > 0 {
-        let [one, many] =
-            ["cell whose nodes go round clockwise is", "cells whose nodes go round clockwise are"];
-        notes.push(format!("{} turned over", counted(turned, one, many)));
+        let [one, many] = ["cell has its nodes", "cells have their nodes"];
+        notes.push(format!("{} in clockwise order; the order was reversed", counted(turned, one, many)));
     }
     let mesh = builder.build().map_err(|reason| MeshError::Mesh { file: file(), reason })?;
     check_cells(&mesh, origin)?;
