@@ -53,7 +53,9 @@ class Goal:
         Raises
         ------
         InputError
-            If there is no such node, or the direction has not three numbers.
+            If there is no such node, or the direction has not three finite numbers.
+        TypeError
+            If `body` is not a `Body`, or `node` is not a whole number.
 
         Examples
         --------
@@ -63,7 +65,8 @@ class Goal:
         0.0
         """
         own = words.count(node, 0, "node")
-        return cls(_emmy.Goal.displacement_at(body._native, own, words.array(direction, (3,), "direction").tolist()))
+        along = words.finite(direction, (3,), "direction").tolist()
+        return cls(_emmy.Goal.displacement_at(words.one(body, Body, "body")._native, own, along))
 
     @classmethod
     def velocity_at(cls, body: Body, node: int, direction: words.Vector) -> Self:
@@ -85,7 +88,9 @@ class Goal:
         Raises
         ------
         InputError
-            If there is no such node, or the direction has not three numbers.
+            If there is no such node, or the direction has not three finite numbers.
+        TypeError
+            If `body` is not a `Body`, or `node` is not a whole number.
 
         Examples
         --------
@@ -96,7 +101,8 @@ class Goal:
         3.0
         """
         own = words.count(node, 0, "node")
-        return cls(_emmy.Goal.velocity_at(body._native, own, words.array(direction, (3,), "direction").tolist()))
+        along = words.finite(direction, (3,), "direction").tolist()
+        return cls(_emmy.Goal.velocity_at(words.one(body, Body, "body")._native, own, along))
 
     def value(self, motion: Motion) -> float:
         """Value at the present state of a motion.
@@ -114,6 +120,8 @@ class Goal:
         ------
         InputError
             If the motion is of a body with another number of nodes.
+        TypeError
+            If `motion` is not a `Motion`.
 
         Examples
         --------
@@ -123,7 +131,10 @@ class Goal:
         >>> goal.value(emmy.Motion(body, initial=emmy.Initial(velocity=(0, 0, 2))))
         2.0
         """
-        return self._native.value(motion._native)
+        # At the head of the file this import would be a cycle.
+        from ._motion import Motion
+
+        return self._native.value(words.one(motion, Motion, "motion")._native)
 
 
 class Parameter:

@@ -90,7 +90,8 @@ def assemble(points: Array, blocks: list[Block], nodes: dict[str, Array], links:
     for is_cell, block in parts:
         for name, members in () if is_cell else block.groups.items():
             rows = block.nodes[members][:, : block.kind.corners]
-            if block.kind.dimension == top - 1:
+            # A mesh of lines has no facets.
+            if top > 1 and block.kind.dimension == top - 1:
                 facet_groups.setdefault(name, []).append(("nodes", rows))
             else:
                 node_groups.setdefault(name, []).append(block.nodes[members].ravel())

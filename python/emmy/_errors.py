@@ -172,6 +172,7 @@ class ConvergenceError(Error, RuntimeError):
         position: Sequence[float] | NDArray[np.float64] | None = None,
         cause: str = "",
     ) -> None:
+        message = _calls(message)
         super().__init__(message, step, time, node, position, cause)
         self.message = message
         self.step = step
@@ -203,6 +204,9 @@ class ResultsError(Error, OSError):
     True
     """
 
+    def __str__(self) -> str:
+        return _calls(super().__str__())
+
 
 def fault(place: str, message: str, help: str = "") -> InputError:
     """An error with one mistake."""
@@ -227,6 +231,7 @@ _WORDS_OF_WHOLE = [
     (r"^mass(?=\[)", "masses"),
     (r"^time\.steps(\[\d+\])?(\.\w+)?", r"steps\1"),
     (r"^time$", "steps"),
+    (r"^output\.directory$", "output"),
     (r"^(time|newton|output)\.", ""),
     (r"^solver\.kind", "solver"),
     (r"^units\.system", "units"),
@@ -261,15 +266,51 @@ def _replaced(place: str, words: Iterable[tuple[str, str]]) -> str:
 def _fault(fault: tuple[Any, ...]) -> Fault:
     """A fault of the reader."""
     place, message, help, group, available = fault
+    place, message = _argument(place, message)
     place, message = _replaced(place, _WORDS), _calls(message)
     # A scheme names itself in its message.
     message = message.removeprefix("scheme ") if place.endswith("scheme") else message
     return Fault(place, message, _calls(help or ""), group, None if available is None else tuple(available))
 
 
+def _argument(place: str, message: str) -> tuple[str, str]:
+    """The place and the message of a fault in a flag of the command line, which is an argument here."""
+    own = re.fullmatch(r"--([a-z-]+):\d+:\d+", place)
+    message = message.removesuffix("\n\nFor more information, try '--help'.")
+    # As the parser of the command line has it.
+    found = re.match(r"(invalid value '.*') for '--([a-z-]+) <.*?>'(?=: )", message, flags=re.S)
+    if found:
+        return _name(found[2]), found[1] + message[found.end() :]
+    found = re.match(r"--([a-z-]+)(?::| (?=\S+: ))\s*", message)
+    if found and (own or not place):
+        return _name(found[1]), message[found.end() :]
+    return (_name(own[1]), message) if own else (place, message)
+
+
+def _name(flag: str) -> str:
+    """The argument for a flag of the command line."""
+    return "start" if flag == "from" else flag.replace("-", "_")
+
+
+# Flags that arguments stand for, in messages.
+_FLAGS = "set|until|step|output|threads|resume|estimate-error|sizes|window|from|to|reference(?:-scheme|-degree)?"
+
+
 def _calls(text: str) -> str:
-    """Commands that have a function, as calls."""
-    return re.sub(r"`emmy list (schemes|materials|elements|meshes|fields|solvers|examples)`", r"`emmy.\1()`", text)
+    """Commands and flags that have a function or an argument, as calls and arguments."""
+    text = re.sub(r"`emmy list (schemes|materials|elements|meshes|fields|solvers|examples)`", r"`emmy.\1()`", text)
+    value = r"(?: '?([\w.]+)=([^\s`';]*)'?| ([-\d.,]*\d|T\b|DGM\b))?"
+    return re.sub(rf"(?<![\w-])--({_FLAGS})(?![\w-]){value}", _as_argument, text)
+
+
+def _as_argument(flag: re.Match[str]) -> str:
+    name, key, item, value = _name(flag[1]), flag[2], flag[3], flag[4]
+    if name == "set" and key is not None:
+        item = f"[{item}]" if "," in item else item or "None"
+        return f'set={{"{key}": {item}}}'
+    if name in ("resume", "estimate_error"):
+        return f"{name}=True{flag[0][2 + len(flag[1]) :]}"
+    return f"{name}={f'[{value}]' if value and ',' in value else value or ''}"
 
 
 _PACKAGE = os.path.dirname(__file__) + os.sep

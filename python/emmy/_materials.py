@@ -307,7 +307,9 @@ class Energy(Material):
     parameters: tuple[tuple[str, float], ...]
 
     def __init__(self, formula: str, *, fibre: Vector | None = None, **parameters: float) -> None:
-        names = {
+        # `dataclasses.replace` gives the field of this name beside the changes.
+        kept: Any = parameters.pop("parameters") if isinstance(parameters.get("parameters"), tuple) else ()
+        names = dict(kept) | {
             name.removesuffix("_") if keyword.iskeyword(name[:-1]) else name: value
             for name, value in parameters.items()
         }

@@ -228,8 +228,8 @@ class Mesh(Sources):
         return f"<emmy.Mesh: {self.n_nodes} nodes, {count} cell{'' if count == 1 else 's'} ({kinds})>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _from_vtu, (bytes(self._native.vtu()),)
+        return _from_vtu, (bytes(self._native.vtu()), self._native.link_groups)
 
 
-def _from_vtu(content: bytes) -> Mesh:
-    return Mesh._of(_emmy.Mesh.from_vtu(content))
+def _from_vtu(content: bytes, links: list[str]) -> Mesh:
+    return Mesh._of(_emmy.Mesh.from_vtu(content, links))

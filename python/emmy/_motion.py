@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -15,7 +16,7 @@ from . import _words as words
 from ._adjoint import Goal, GoalError, Gradient, Parameter
 from ._body import Body
 from ._emmy import Step
-from ._errors import ConvergenceError, LimitExceeded, fault, of_whole_input, warn
+from ._errors import ConvergenceError, LimitExceeded, ResultsError, fault, of_whole_input, warn
 from ._march import march
 from ._parts import Adaptive, Initial
 from ._state import Snapshot, State
@@ -28,7 +29,7 @@ Observer = Callable[[Step, "Motion"], object]
 
 
 class Motion(MotionView):
-    """A body in motion. A loop over it does the steps of its plan; it can be broken and taken up again.
+    """A body in motion. A loop over it does the steps of its plan; one that was left can be resumed.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class Motion(MotionView):
     reactions, extremes, values : optional
         Groups of supports, fields and means of fields for the history, as in the input.
     equilibrium : bool, int or dict, optional
-        Whether to start from the static equilibrium; a number is that of load steps.
+        Whether to start from the static equilibrium; or the number of load steps.
     limits : dict, optional
         Largest ``energy`` and ``angular_momentum`` residual.
     title, units : str, optional
@@ -77,6 +78,9 @@ class Motion(MotionView):
     Notes
     -----
     A motion is used by one thread at a time. While it does a step, every other use raises `RuntimeError`.
+
+    ``copy.copy(motion)`` gives a motion that continues from the same state; its history, events and adjoint begin
+    there.
 
     Examples
     --------
@@ -122,11 +126,12 @@ class Motion(MotionView):
         _check_one_start(start, initial, equilibrium)
         given: Snapshot | State | NDArray[np.float64] | None = start
         if isinstance(initial, np.ndarray):
-            given, initial = body._nodal(initial, "initial"), ()
+            given, initial = words.finite(initial, (body.mesh.n_nodes, 3), "initial"), ()
         outputs = {"probes": probes, "reactions": reactions, "extremes": extremes, "values": values}
         tree = _plan.tree(
-            scheme, degree, steps, until, adaptive, smallest_step, tolerance, max_iterations, solver,
-            initial, equilibrium, limits, outputs, title, units,
+            scheme=scheme, degree=degree, steps=steps, until=until, adaptive=adaptive, smallest_step=smallest_step,
+            tolerance=tolerance, max_iterations=max_iterations, solver=solver, initial=initial, equilibrium=equilibrium,
+            limits=limits, outputs=outputs, title=title, units=units,
         )  # fmt: skip
         self._make(body, tree, given, adjoint)
         warn(self.notes)
@@ -142,6 +147,7 @@ class Motion(MotionView):
         with of_whole_input():
             self._body, self._native = body, _emmy.Motion(tree, body._native, native, adjoint)
         self._rows = self._native.rows(0)
+        self._written: dict[Path, tuple[int, int]] = {}
 
     @classmethod
     def _of(cls, body: Body, tree: dict[str, Any], adjoint: bool) -> Motion:
@@ -179,6 +185,8 @@ class Motion(MotionView):
         ------
         ConvergenceError
             If it cannot be done; the motion stays at its last step.
+        LimitExceeded
+            If a limit is exceeded; the step is done, see `record`.
         InputError
             If the size is not positive.
 
@@ -222,7 +230,7 @@ class Motion(MotionView):
         self,
         until: float | None = None,
         *,
-        observers: Iterable[Observer] = (),
+        observers: Observer | Iterable[Observer] = (),
         progress: bool = False,
         output: str | os.PathLike[str] | None = None,
         every: int | None = None,
@@ -241,12 +249,13 @@ class Motion(MotionView):
         ----------
         until : float, optional
             Time at which to stop; beyond the plan its last steps are continued.
-        observers : list of function, optional
+        observers : function or list of function, optional
             Functions ``f(step, motion)``, called after each step; a true answer stops the run.
         progress : bool, optional
             Whether to show a bar, of tqdm if it is installed.
         output : str or path, optional
-            Directory for everything that `emmy run` writes; `emmy.Run` reads it, `emmy resume` continues it.
+            Directory for everything that `emmy run` writes; `emmy.Run` reads it, `emmy resume` continues it. An earlier
+            run in it is replaced, but not steps that this motion has written.
         every, interval, fields, format, precision, checkpoint_every, log_every : optional
             Frames and other files in `output`, as in the table ``[output]`` of the input.
 
@@ -266,9 +275,9 @@ class Motion(MotionView):
         InputError
             If `until` is not finite, or a setting of the files is out of its range.
         TypeError
-            If files are described without `output`.
+            If files are described without `output`, or an observer is not a function.
         ResultsError
-            If the files cannot be written.
+            If the files cannot be written, or `output` holds steps of this motion.
 
         Examples
         --------
@@ -283,6 +292,8 @@ class Motion(MotionView):
             raise RuntimeError(NO_PLAN)
         if until is not None and not math.isfinite(until):
             raise fault("until", f"must be finite, not {until}")
+        functions = _functions(observers)
+        directory = None if output is None else self._new_directory(output)
         if until is not None and until > self._native.end:
             self.extend(until)
         files = {
@@ -290,16 +301,17 @@ class Motion(MotionView):
             "precision": precision, "checkpoint_every": checkpoint_every, "log_every": log_every,
         }  # fmt: skip
         given = _plan.output(files)
-        if output is None:
+        if directory is None:
             if given is not None:
                 raise TypeError(f"{', '.join(given)}: only with output=..., the directory of the files")
-            march(self, until, tuple(observers), progress)
+            march(self, until, functions, progress)
             warn(self._native.warnings())
             return self.history
         with of_whole_input():
             self._native.open(words.tree(words.plain(given, "output"), "output"))
+        first = self.number
         try:
-            is_done = march(self, until, tuple(observers), progress)
+            is_done = march(self, until, functions, progress)
         except BaseException as error:
             try:
                 self._native.close(*_ending(error))
@@ -307,9 +319,22 @@ class Motion(MotionView):
                 # The first failure is the one to mend.
                 error.add_note(f"then {type(closing).__name__}: {closing}")
             raise
+        finally:
+            self._written[directory] = (first, self.number)
         self._native.close("done" if is_done else "interrupted", None)
         warn(self._native.warnings())
         return self.history
+
+    def _new_directory(self, output: str | os.PathLike[str]) -> Path:
+        """The directory of results, unless it holds steps of this motion, which new results would replace."""
+        directory = Path(output).resolve()
+        first, last = self._written.get(directory, (0, 0))
+        if last > first and (directory / "history.csv").exists():
+            raise ResultsError(
+                f"{os.fspath(output)} holds the steps {first} to {last} of this motion; "
+                "name another directory, or continue it with emmy.resume"
+            )
+        return directory
 
     def gradient(self, goal: Goal, parameters: Sequence[Parameter] = ()) -> Gradient:
         """Derivatives of a goal by the state at the start and by parameters of the body.
@@ -379,6 +404,7 @@ class Motion(MotionView):
         motion = type(self).__new__(type(self))
         motion._body, motion._native = self._body, self._native.copy()
         motion._rows = motion._native.rows(0)
+        motion._written = dict(self._written)
         return motion
 
     def __deepcopy__(self, memory: dict[int, Any]) -> Motion:
@@ -398,6 +424,19 @@ def _ending(error: BaseException) -> tuple[str, str | None]:
         case LimitExceeded():
             return "limit-exceeded", str(error)
     return "failed", f"{type(error).__name__}: {error}"
+
+
+def _functions(observers: Observer | Iterable[Observer]) -> tuple[Observer, ...]:
+    """Observers as a tuple."""
+    if callable(observers):
+        return (observers,)
+    if not isinstance(observers, Iterable):
+        raise TypeError(f"observers: {type(observers).__name__} in place of a function or a list of functions")
+    functions = tuple(observers)
+    for index, function in enumerate(functions):
+        if not callable(function):
+            raise TypeError(f"observers[{index}]: {type(function).__name__} in place of a function")
+    return functions
 
 
 def _check_one_start(start: object, initial: Sequence[Initial] | NDArray[Any], equilibrium: object) -> None:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import ResultsError
+
 if TYPE_CHECKING:
     from ._results import Run
     from ._view import MotionView
@@ -28,8 +30,14 @@ def motion(view: MotionView) -> str:
 
 def run(results: Run) -> str:
     """A run: how it ended, the verdict, charts, and its report."""
-    head = f"<b>emmy.Run</b>: {html.escape(str(results.directory))}, {html.escape(results.status)}"
-    page = _page(head, results.history)
+    head = f"<b>emmy.Run</b>: {html.escape(str(results.directory))}"
+    if results._has_summary:
+        head += f", {html.escape(results.status)}"
+    try:
+        page = _page(head, results.history)
+    except ResultsError:
+        # A run that has just begun has no history yet.
+        return html.escape(repr(results))
     if not results.report.exists():
         return page
     report = html.escape(results.report.read_text(encoding="utf-8"), quote=True)

@@ -14,6 +14,7 @@ from ._parts import Adaptive, Initial
 
 
 def tree(
+    *,
     scheme: str,
     degree: int,
     steps: Any,

@@ -194,9 +194,12 @@ class Run:
             return Frames([Frame(time, path, index) for index, time in enumerate(_times(_series(path)))])
         raise ResultsError(f"{self._directory} has no frames")
 
+    @property
+    def _has_summary(self) -> bool:
+        return (self._directory / "summary.json").exists()
+
     def __repr__(self) -> str:
-        has_summary = (self._directory / "summary.json").exists()
-        return f"<emmy.Run: {self._directory}{f', {self.status}' if has_summary else ''}>"
+        return f"<emmy.Run: {self._directory}{f', {self.status}' if self._has_summary else ''}>"
 
     def _repr_html_(self) -> str:
         return _notebook.run(self)
@@ -237,7 +240,7 @@ def stamp(path: Path) -> tuple[int, int, int] | None:
     """Tells a file from the one that is written in its place; None if there is no file."""
     try:
         own = path.stat()
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     return own.st_ino, own.st_mtime_ns, own.st_size
 

@@ -14,14 +14,14 @@ from typing import Any
 from . import _emmy
 from ._errors import warn
 from ._results import Run
-from ._words import plain
+from ._words import mapping, plain
 
 StrPath = str | os.PathLike[str]
 
 
-def toml(value: Any) -> str:
+def toml(value: Any, place: str = "set") -> str:
     """A value in TOML."""
-    value = plain(value, "set")
+    value = plain(value, place)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -29,10 +29,10 @@ def toml(value: Any) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{toml(key)} = {toml(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{toml(key)} = {toml(item, f'{place}.{key}')}" for key, item in value.items()) + " }"
     if isinstance(value, tuple):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    raise TypeError(f"set: {type(value).__name__} has no place in an input")
+        return "[" + ", ".join(toml(item, f"{place}[{index}]") for index, item in enumerate(value)) + "]"
+    raise TypeError(f"{place}: {type(value).__name__} has no place in an input")
 
 
 def flags(**given: Any) -> list[str]:
@@ -41,7 +41,8 @@ def flags(**given: Any) -> list[str]:
     for name, value in given.items():
         flag = "--" + name.replace("_", "-")
         if name == "set":
-            own += [f"--set={key}={'' if item is None else toml(item)}" for key, item in (value or {}).items()]
+            changes = mapping(value or {}, "set")
+            own += [f"--set={key}={'' if item is None else toml(item, f'set.{key}')}" for key, item in changes.items()]
         elif value is True:
             own.append(flag)
         elif value is not None and value is not False:
@@ -105,6 +106,8 @@ def run(
         If a step cannot be done; the results up to it are in the directory.
     LimitExceeded
         If a limit of the input is exceeded.
+    ResultsError
+        If the results cannot be written, or the directory holds other files.
 
     Examples
     --------
@@ -127,15 +130,18 @@ def run(
 
 def directory_of(path: StrPath, changes: Mapping[str, Any]) -> StrPath:
     """The output directory of an input: that of the changes, of the file, or its name."""
-    stem = Path(path).stem
-    if "output" in changes or "output.directory" in changes:
-        own = changes.get("output.directory", (changes.get("output") or {}).get("directory"))
-        return stem if own is None else str(own)
-    try:
-        tree = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return stem
-    return str(tree.get("output", {}).get("directory", stem))
+    stem, given = Path(path).stem, mapping(changes, "set")
+    if "output" not in given and "output.directory" not in given:
+        try:
+            given = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return stem
+    table = given.get("output")
+    own = given.get("output.directory", table.get("directory") if isinstance(table, Mapping) else None)
+    if not isinstance(table, (Mapping, type(None))) or not isinstance(own, (str, os.PathLike, type(None))):
+        # The reader names the mistake.
+        call("check", path, set=changes)
+    return stem if own is None else str(own)
 
 
 def resume(
@@ -168,7 +174,7 @@ def resume(
     Raises
     ------
     ResultsError
-        If the directory holds no run that can be resumed.
+        If the directory holds no run that can be resumed, or the results cannot be written.
     InputError, ConvergenceError, LimitExceeded
         As `run`.
 

@@ -28,7 +28,9 @@ class Sources:
         facet_groups: Mapping[str, Any] | None = None,
         node_groups: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        blocks = [(kind, words.integers(nodes, f"cells.{kind}")) for kind, nodes in cells.items()]
+        blocks = [
+            (kind, words.integers(nodes, f"cells.{kind}")) for kind, nodes in words.mapping(cells, "cells").items()
+        ]
         for kind, nodes in blocks:
             if nodes.ndim != 2:
                 raise fault(f"cells.{kind}", f"expected an array of shape (n, nodes), found {nodes.shape}")
@@ -43,9 +45,12 @@ class Sources:
         self._native = _emmy.Mesh.from_arrays(
             nodes_of_mesh,
             blocks,
-            {name: words.integers(group, f"cell_groups.{name}") for name, group in (cell_groups or {}).items()},
-            {name: _facets(group, f"facet_groups.{name}", is_plane) for name, group in (facet_groups or {}).items()},
-            {name: words.integers(group, f"node_groups.{name}") for name, group in (node_groups or {}).items()},
+            _groups(cell_groups, "cell_groups"),
+            {
+                name: _facets(group, f"facet_groups.{name}", is_plane)
+                for name, group in words.mapping(facet_groups or {}, "facet_groups").items()
+            },
+            _groups(node_groups, "node_groups"),
         )
         warn(self._native.notes)
 
@@ -91,7 +96,7 @@ class Sources:
         Parameters
         ----------
         path : str or path
-            File, which must not exist.
+            File ``NAME.vtu``, which must not exist.
 
         Returns
         -------
@@ -100,6 +105,8 @@ class Sources:
 
         Raises
         ------
+        InputError
+            If the name has another ending.
         FileExistsError
             If the file exists.
 
@@ -108,6 +115,8 @@ class Sources:
         >>> emmy.Mesh.l_block(1.0).write("l-block.vtu")
         'l-block.vtu'
         """
+        if os.path.splitext(os.fspath(path))[1].lower() != ".vtu":
+            raise fault("path", "meshes are written as .vtu", "Mesh.to_meshio leads to other formats")
         with open(path, "xb") as file:
             file.write(self._native.vtu())
         return os.fspath(path)
@@ -318,24 +327,38 @@ class Sources:
         >>> emmy.Mesh.network([[0, 0, 0], [1, 0, 0]], [[0, 1]], groups={"star": [0]}).group_nodes("star").tolist()
         [0]
         """
-        own = {name: words.integers(group, f"groups.{name}") for name, group in (groups or {}).items()}
-        own_links = {name: words.integers(group, f"link_groups.{name}") for name, group in (link_groups or {}).items()}
+        own, own_links = _groups(groups, "groups"), _groups(link_groups, "link_groups")
         pairs = words.integers(links, "links")
         if pairs.ndim != 2 or pairs.shape[1] != 2:
             raise fault("links", f"expected an array of shape (m, 2), found {pairs.shape}")
         return cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
 
 
-def _is_part(part: Any) -> bool:
-    """Whether it is an array of facets, and not the row of one facet."""
-    return (isinstance(part, tuple) and bool(part) and isinstance(part[0], str)) or np.ndim(part) == 2
+def _groups(groups: Mapping[str, ArrayLike] | None, place: str) -> dict[str, NDArray[np.int64]]:
+    """Groups of numbers."""
+    given = words.mapping(groups or {}, place)
+    return {name: words.integers(group, f"{place}.{name}") for name, group in given.items()}
+
+
+def _is_named(part: Any) -> bool:
+    """Whether it is a pair of a word and an array of facets."""
+    return isinstance(part, tuple) and bool(part) and isinstance(part[0], str)
 
 
 def _facets(group: Any, place: str, is_plane: bool) -> list[tuple[str, NDArray[np.int64]]]:
     """Arrays of facets, each with the meaning of its rows: node numbers, or cell and face."""
-    if isinstance(group, tuple) and group and isinstance(group[0], str):
+    if _is_named(group):
+        if group[0] not in ("nodes", "faces"):
+            raise fault(place, f"the rows are `nodes` or `faces`, not `{group[0]}`")
+        if len(group) != 2:
+            raise fault(place, f"expected a pair (`{group[0]}`, rows), found a tuple of {len(group)}")
         return [(group[0], words.integers(group[1], place))]
-    if isinstance(group, (list, tuple)) and group and all(map(_is_part, group)):
+    # An array of facets has two axes, the row of one facet has one.
+    if (
+        isinstance(group, (list, tuple))
+        and group
+        and all(_is_named(part) or words.regular(part, place).ndim == 2 for part in group)
+    ):
         return [facets for part in group for facets in _facets(part, place, is_plane)]
     rows = words.integers(group, place)
     if rows.ndim != 2:

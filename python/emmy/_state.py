@@ -31,7 +31,9 @@ class State:
     Raises
     ------
     InputError
-        If an array has another shape.
+        If an array has another shape, or a number is not finite.
+    TypeError
+        If the time is not a number, the step no whole number, or an array does not hold numbers.
 
     Examples
     --------
@@ -49,10 +51,11 @@ class State:
     displacement_low: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "time", words.real(self.time, "time"))
         for name in ("displacement", "velocity", "momentum", "displacement_low"):
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, words.array(value, (None, 3), name))
+                object.__setattr__(self, name, words.finite(value, (None, 3), name))
         object.__setattr__(self, "step", words.count(self.step, 0, "step"))
 
     def _tuple(self) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""Studies and parts of runs: convergence, modes, equilibrium, inputs as problems, lists."""
+"""Studies and parts of runs: convergence, modes, equilibrium, inputs as problems."""
 
 from __future__ import annotations
 
@@ -117,6 +117,8 @@ def converge(
         If the input or a size is bad.
     ConvergenceError
         If the reference cannot be computed; sizes that fail are in the failures of the study.
+    ResultsError
+        If the files cannot be written, or `output` holds other files.
 
     Examples
     --------
@@ -216,6 +218,8 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     ------
     InputError
         If the number is not positive.
+    TypeError
+        If `body` is not a `Body`, or `state` is not a `State`.
 
     Examples
     --------
@@ -225,7 +229,7 @@ def modes(body: Body, count: int = 10, *, state: State | None = None) -> Modes:
     ((7, 20, 3), True)
     """
     about = None if state is None else words.one(state, State, "state")._tuple()
-    own = body._native.modes(words.count(count, 1, "count"), about)
+    own = words.one(body, Body, "body")._native.modes(words.count(count, 1, "count"), about)
     return Modes(own["frequencies"], own["shapes"], own["effective_masses"], own["rigid"])
 
 
@@ -251,6 +255,8 @@ def equilibrium(body: Body, load_steps: int = 10, *, tolerance: float = 1e-10, m
         If the body can move freely; the message names the rigid motions.
     ConvergenceError
         If there is no equilibrium.
+    TypeError
+        If `body` is not a `Body`.
 
     Examples
     --------
@@ -261,7 +267,8 @@ def equilibrium(body: Body, load_steps: int = 10, *, tolerance: float = 1e-10, m
     """
     settings = {"newton": {"tolerance": tolerance, "max_iterations": max_iterations}}
     with of_whole_input():
-        return State(*body._native.equilibrium(words.count(load_steps, 1, "load_steps"), settings))
+        native = words.one(body, Body, "body")._native
+        return State(*native.equilibrium(words.count(load_steps, 1, "load_steps"), settings))
 
 
 class Problem:

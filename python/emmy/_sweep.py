@@ -5,8 +5,9 @@ from __future__ import annotations
 import inspect
 import itertools
 import math
+import re
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from . import _emmy, _rows
 from . import _words as words
-from ._errors import ConvergenceError, Error, fault
+from ._errors import ConvergenceError, Error, InputError, fault
 from ._history import record_array
 from ._motion import NO_PLAN, Motion
 from ._progress import Progress
@@ -114,9 +115,12 @@ def sweep(
     InputError
         If the input or a key is bad.
     ResultsError
-        If `output` exists and `resume` is not given, or holds another sweep.
+        If the results cannot be written; of a function, if `output` exists and `resume` is not given; if `resume` is
+        given and `output` holds another sweep.
+    ConvergenceError
+        If no row is written.
     TypeError
-        If the function has other parameters.
+        If the function has other parameters, or an argument has another type.
 
     Notes
     -----
@@ -133,7 +137,7 @@ def sweep(
         workers = words.count(workers, 1, "workers", most=65535)
     if until is not None and not math.isfinite(until):
         raise fault("until", f"must be finite, not {until}")
-    values = {name: [_plain(value) for value in own] for name, own in parameters.items()}
+    values = {name: _values(own, f"parameters.{name}") for name, own in words.mapping(parameters, "parameters").items()}
     for name, own in values.items():
         if not own:
             raise fault(f"parameters.{name}", "has no values")
@@ -147,8 +151,10 @@ def sweep(
     return _of_file(problem, values, workers, until, output, progress, resume)
 
 
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+def _values(given: Any, place: str) -> list[Any]:
+    if isinstance(given, (str, bytes)) or not isinstance(given, Iterable):
+        raise TypeError(f"{place}: {type(given).__name__} in place of a list of values")
+    return [value.item() if isinstance(value, np.generic) else value for value in given]
 
 
 def _runs(values: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
@@ -173,7 +179,10 @@ def _of_file(
     directory = Path(f"{directory_of(path, changes | runs[0])}-sweep" if output is None else output)
     rows = directory / "sweep.csv"
     before = stamp(rows)
-    texts = {key: ",".join(map(toml, own)) for key, own in values.items()}
+    texts = {
+        key: ",".join(toml(value, f"parameters.{key}[{index}]") for index, value in enumerate(own))
+        for key, own in values.items()
+    }
     fixed = flags(set=changes)
     varied = [f"--set={key}={text}" for key, text in texts.items()]
     given: dict[str, Any] = {
@@ -189,6 +198,10 @@ def _of_file(
         # Failed runs end a complete sweep with an error; their messages are in the rows.
         if stamp(rows) == before:
             raise
+    except InputError as error:
+        # The changes of a problem have been read already.
+        error.faults[:] = [own._replace(place=re.sub("^set$", "parameters", own.place)) for own in error.faults]
+        raise
     table, failures = _rows.of_library(rows, runs)
     names = [name for name in table.dtype.names or () if name not in values]
     return Sweep(values, names, table, failures, rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import functools
+import math
 import numbers
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -183,7 +184,11 @@ def name_of(function: Callable[..., Any]) -> str:
 
 def each(value: T | Iterable[T], kind: type[T], place: str) -> tuple[T, ...]:
     """One or several objects of a class as a tuple."""
-    items: tuple[Any, ...] = (value,) if isinstance(value, kind) else tuple(value)  # type: ignore[arg-type]
+    if isinstance(value, kind):
+        return (value,)
+    if not isinstance(value, Iterable):
+        raise TypeError(f"{place}: {type(value).__name__} in place of {kind.__name__} or a list of them")
+    items = tuple(value)
     for index, item in enumerate(items):
         if not isinstance(item, kind):
             raise TypeError(f"{place}[{index}]: {type(item).__name__} in place of {kind.__name__}")
@@ -195,6 +200,31 @@ def one(value: Any, kind: type[T], place: str) -> T:
     if not isinstance(value, kind):
         raise TypeError(f"{place}: {type(value).__name__} in place of {kind.__name__}")
     return value
+
+
+def mapping(value: Any, place: str) -> Mapping[str, Any]:
+    """A dict."""
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{place}: {type(value).__name__} in place of a dict")
+    return value
+
+
+def real(value: Any, place: str) -> float:
+    """A finite number."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{place}: {type(value).__name__} in place of a number")
+    own = float(plain(value, place))
+    if not math.isfinite(own):
+        raise fault(place, f"must be finite, not {own}")
+    return own
+
+
+def finite(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.float64]:
+    """Finite numbers as a contiguous array of a shape; `None` is any length."""
+    given = array(value, shape, place)
+    if not np.isfinite(given).all():
+        raise fault(place, "must be finite")
+    return given
 
 
 def array(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.float64]:
@@ -209,7 +239,7 @@ def array(value: Any, shape: tuple[int | None, ...], place: str) -> NDArray[np.f
 
 def reals(value: Any, place: str) -> NDArray[np.float64]:
     """Numbers as a contiguous array."""
-    given = _regular(value, place)
+    given = regular(value, place)
     if given.dtype.kind not in "fiub" and given.size:
         raise TypeError(f"{place}: an array of {given.dtype} in place of numbers")
     # `ascontiguousarray` would make a number an array of one dimension.
@@ -234,7 +264,8 @@ def counts(values: Any, length: int, place: str) -> list[int]:
     return own
 
 
-def _regular(value: Any, place: str) -> NDArray[Any]:
+def regular(value: Any, place: str) -> NDArray[Any]:
+    """An array of values, whose rows have one length."""
     try:
         return np.asarray(value)
     except ValueError:
@@ -243,7 +274,7 @@ def _regular(value: Any, place: str) -> NDArray[Any]:
 
 def integers(value: Any, place: str) -> NDArray[np.int64]:
     """Whole numbers as a contiguous array."""
-    given = _regular(value, place)
+    given = regular(value, place)
     if given.size == 0:
         return np.zeros(given.shape, dtype=np.int64)
     if given.dtype.kind not in "iu":

@@ -10,6 +10,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyRe
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::prelude::*;
 
 use crate::function::Callables;
 use crate::mesh::{Mesh, table_of, vectors};
@@ -63,15 +64,17 @@ fn responses(
 ) -> PyResult<Vec<(f64, [f64; 6])>> {
     let tree = tree(material, "", &mut Callables::default())?;
     let region = input::material_region(&tree).map_err(|error| errors::input(py, &error))?;
-    let response = |strain: ArrayView2<'_, f64>| {
+    let symmetric =
+        |strain: ArrayView2<'_, f64>| COMPONENTS.map(|(i, j)| 0.5 * (strain[[i, j]] + strain[[j, i]]));
+    let tensors: Vec<[f64; 6]> = strains.as_array().outer_iter().map(symmetric).collect();
+    let response = |strain: &[f64; 6]| {
         let mut stress = [0.0; 6];
-        let strain = COMPONENTS.map(|(i, j)| 0.5 * (strain[[i, j]] + strain[[j, i]]));
-        let energy = region.strain_energy(&strain, &mut stress);
+        let energy = region.strain_energy(strain, &mut stress);
         energy.map(|energy| (energy, stress))
     };
-    let responses = strains.as_array().outer_iter().map(response).collect::<Option<Vec<_>>>();
-    let responses = responses
-        .ok_or_else(|| errors::argument(py, "material", "a material of links has no strain tensor"))?;
+    let responses =
+        pool::work(py, || tensors.par_iter().with_min_len(64).map(response).collect::<Option<Vec<_>>>())?
+            .ok_or_else(|| errors::argument(py, "material", "a material of links has no strain tensor"))?;
     match responses.iter().position(|(energy, _)| !energy.is_finite()) {
         Some(at) => {
             let strain = strains.as_array().index_axis(numpy::ndarray::Axis(0), at).to_string();

@@ -1,6 +1,6 @@
 //! Functions of Python as histories and fields.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,14 +18,21 @@ use crate::errors;
 thread_local! {
     /// The first exception of a function in the present work: the library calls functions on the thread that does it.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+    /// Number of the present work.
+    static WORK: Cell<u64> = const { Cell::new(0) };
 }
+
+/// Number of works so far.
+static WORKS: AtomicU64 = AtomicU64::new(0);
 
 /// Does some work, and returns the first exception of a function in it as well.
 pub(crate) fn with_exception<T>(work: impl FnOnce() -> T) -> (T, Option<PyErr>) {
     // Of the work in which this one is done: a function may step another motion.
-    let outer = RAISED.take();
+    let outer = (RAISED.take(), WORK.get());
+    WORK.set(WORKS.fetch_add(1, Ordering::Relaxed) + 1);
     let value = work();
-    (value, RAISED.replace(outer))
+    WORK.set(outer.1);
+    (value, RAISED.replace(outer.0))
 }
 
 /// Forgets an exception of the present work.
@@ -95,8 +102,16 @@ struct Callable {
     function: Mutex<Option<Py<PyAny>>>,
     name: String,
     path: String,
-    /// Times and values of the last call: loads with one function ask for the same times.
-    last: Mutex<(Vec<f64>, Vec<f64>)>,
+    last: Mutex<LastCall>,
+}
+
+/// Times and values of the last call: loads with one function ask for the same times.
+#[derive(Default)]
+struct LastCall {
+    /// Number of its work: later the function may have other values.
+    work: u64,
+    times: Vec<f64>,
+    values: Vec<f64>,
 }
 
 impl fmt::Debug for Callable {
@@ -126,10 +141,11 @@ impl Callable {
     fn values(&self, times: &[f64], values: &mut [f64]) {
         // Not locked during a call: the function may step another motion with the same function.
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (old_times, old_values) = &*last()
-            && old_times == times
         {
-            return values.copy_from_slice(old_values);
+            let last = last();
+            if last.work == WORK.get() && last.times == times {
+                return values.copy_from_slice(&last.values);
+            }
         }
         values.fill(f64::NAN);
         if has_raised() {
@@ -144,7 +160,8 @@ impl Callable {
             }
         });
         if values.iter().all(|value| value.is_finite()) {
-            let (old_times, old_values) = &mut *last();
+            let LastCall { work, times: old_times, values: old_values } = &mut *last();
+            *work = WORK.get();
             old_times.clear();
             old_times.extend_from_slice(times);
             old_values.clear();

@@ -152,10 +152,10 @@ impl Mesh {
         Ok(Mesh::new(file.mesh, file.notes))
     }
 
-    /// A mesh from the bytes of a VTU file.
+    /// A mesh from the bytes of a VTU file; lines in the groups `links` are cells.
     #[staticmethod]
-    fn from_vtu(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
-        let parse = || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &[LINKS.to_string()]);
+    fn from_vtu(py: Python<'_>, bytes: &[u8], links: Vec<String>) -> PyResult<Self> {
+        let parse = || emmy_io::mesh::parse_with_links("mesh.vtu".as_ref(), bytes, &links);
         let file = pool::work(py, parse)?;
         let file = file.map_err(|error| errors::argument(py, "mesh", &error.to_string()))?;
         Ok(Mesh::new(file.mesh, file.notes))
@@ -251,6 +251,14 @@ impl Mesh {
             has.into_iter().filter(|(_, has)| *has).map(|(kind, _)| kind).collect()
         };
         groups.names().into_iter().map(|name| (name.to_string(), kinds(name))).collect()
+    }
+
+    /// Names of the groups of cells with links.
+    #[getter]
+    fn link_groups(&self) -> Vec<String> {
+        let is_link = |&cell: &u32| self.mesh.cell(cell as usize).kind.dimension() == 1;
+        let groups = self.mesh.groups().cells.iter().filter(|(_, cells)| cells.iter().any(is_link));
+        groups.map(|(name, _)| name.clone()).collect()
     }
 
     fn cell_group<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<i64>>> {

@@ -113,9 +113,12 @@ fn phases(plan: Option<&StepPlan>, now: f64, end: f64, size: Option<f64>) -> Vec
 /// Adds the keys of a table `output`; `every` and `interval` replace each other.
 pub(crate) fn add_output(sections: &mut Vec<(String, Tree)>, given: Vec<(String, Tree)>) {
     edit(sections, "output", |output| {
-        for (key, value) in given {
-            output.retain(|(own, _)| ![("every", "interval"), ("interval", "every")].contains(&(&key, own)));
-            set(output, &key, value);
-        }
+        let is_given = |key: &str| given.iter().any(|(given, _)| given == key);
+        output.retain(|(own, _)| match own.as_str() {
+            "every" => !is_given("interval"),
+            "interval" => !is_given("every"),
+            _ => true,
+        });
+        given.into_iter().for_each(|(key, value)| set(output, &key, value));
     });
 }

@@ -25,7 +25,7 @@ pub(crate) type Counts = (usize, usize, usize, usize, Option<String>);
 /// external_work : float
 ///     Work of loads and supports since the start.
 /// energy_residual : float
-///     What the balance of energy lacks in the step, relative.
+///     Residual of the energy balance in the step, an energy.
 /// linear_momentum, angular_momentum : array (3,)
 ///     Momenta.
 /// newton_iterations, degree : int
@@ -154,8 +154,16 @@ impl Step {
     }
 
     fn __dir__(&self) -> Vec<String> {
-        let own =
-            ["number", "linear_momentum", "angular_momentum", "cuts", "rejections", "releases", "solver"];
+        let own = [
+            "number",
+            "linear_momentum",
+            "angular_momentum",
+            "cuts",
+            "rejections",
+            "releases",
+            "degree",
+            "solver",
+        ];
         self.columns().chain(own).map(String::from).collect()
     }
 

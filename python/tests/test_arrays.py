@@ -88,6 +88,53 @@ def test_round_trip_of_built_in_meshes():
         assert_same(mesh, emmy.Mesh.from_pyvista(mesh.to_pyvista()))
 
 
+def network_with_a_vertex(package):
+    """A network of two lines with a vertex cell in a group, in another package."""
+    points = np.array([(0.0, 0, 0), (1, 0, 0), (2, 0, 0)])
+    lines = np.array([(0, 1), (1, 2)])
+    if package == "meshio":
+        meshio = pytest.importorskip("meshio")
+        sets = {"wire": [[0, 1], []], "end": [[], [0]]}
+        return meshio.Mesh(points, [("line", lines), ("vertex", np.array([[2]]))], cell_sets=sets)
+    pyvista = pytest.importorskip("pyvista")
+    cells = np.array([2, 0, 1, 2, 1, 2, 1, 2])
+    grid = pyvista.UnstructuredGrid(cells, np.array([3, 3, 1], dtype=np.uint8), points)
+    grid.cell_data["group:wire"] = np.array([1, 1, 0], dtype=np.uint8)
+    grid.cell_data["group:end"] = np.array([0, 0, 1], dtype=np.uint8)
+    return grid
+
+
+@pytest.mark.parametrize("package", ["meshio", "pyvista"])
+def test_vertices_of_a_network_are_nodes(package):
+    given = network_with_a_vertex(package)
+    mesh = emmy.Mesh.from_meshio(given) if package == "meshio" else emmy.Mesh.from_pyvista(given)
+    assert mesh.cells["line2"].tolist() == [[0, 1], [1, 2]]
+    # A mesh of lines from arrays has the group "links" as well.
+    assert mesh.groups == {"end": ("nodes",), "links": ("cells",), "wire": ("cells",)}
+    assert mesh.group_nodes("end").tolist() == [2]
+
+
+def test_vertices_of_a_network_are_nodes_in_a_file():
+    gmsh = pytest.importorskip("gmsh")
+    meshio = pytest.importorskip("meshio")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        ends = [gmsh.model.geo.addPoint(x, 0, 0, 1.0) for x in (0.0, 2.0)]
+        gmsh.model.addPhysicalGroup(1, [gmsh.model.geo.addLine(*ends)], name="wire")
+        gmsh.model.addPhysicalGroup(0, ends[1:], name="end")
+        gmsh.model.geo.synchronize()
+        gmsh.model.mesh.generate(1)
+        gmsh.write("wire.msh")
+    finally:
+        gmsh.finalize()
+    read, given = emmy.Mesh.read("wire.msh", links=["wire"]), emmy.Mesh.from_meshio(meshio.read("wire.msh"))
+    assert read.groups == {"end": ("nodes",), "wire": ("cells",)}
+    assert given.groups == {**read.groups, "links": ("cells",)}
+    for name in read.groups:
+        assert np.array_equal(given.points[given.group_nodes(name)], read.points[read.group_nodes(name)])
+
+
 def test_gmsh():
     gmsh = pytest.importorskip("gmsh")
     gmsh.initialize(interruptible=False)

@@ -10,6 +10,8 @@ import emmy
 import numpy as np
 import pytest
 
+from bodies import rubber, spinning_block
+
 FOLDER = Path(__file__).parents[2] / "examples"
 INPUTS = sorted(FOLDER.glob("*.toml"))
 
@@ -237,6 +239,19 @@ time = { scheme = "DGM", steps = [{ until = 0.1, size = 0.05 }] }
     )
     assert block.to_toml().startswith("# `<function NAME>` stands for a function of a program")
     assert tomllib.loads(block.to_toml())["load"][0]["history"] == "<function abs>"
+
+
+def test_a_local_function_keeps_its_whole_name():
+    load = emmy.Load("y-max", force=(1, 0, 0), history=lambda t: t)
+    block = emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), emmy.Region(rubber(), density=1.0), loads=load)
+    name = "test_a_local_function_keeps_its_whole_name.<locals>.<lambda>"
+    assert tomllib.loads(block.to_toml())["load"][0]["history"] == f"<function {name}>"
+
+
+def test_every_and_interval_contradict_each_other(tmp_path):
+    with pytest.raises(emmy.InputError, match="every"):
+        spinning_block().run(output=tmp_path / "o", every=2, interval=0.1)
+    assert not (tmp_path / "o").exists()
 
 
 def test_frames_by_time_replace_frames_by_steps():

@@ -147,6 +147,22 @@ def test_a_motion_at_work_is_not_asked():
         motions[0].run()
 
 
+def test_a_function_may_have_other_values_in_another_motion():
+    # Twice the force moves a body at rest twice as far, up to the square of the small strain.
+    factor = 1.0
+    body = beam(force=(1e-6, 0, 0), history=lambda t: factor)
+    tips = []
+    for factor in (1.0, 2.0):
+        motion = emmy.Motion(body)
+        motion.step(0.1)
+        tips.append(motion.displacement[-1, 0])
+    assert tips[1] == pytest.approx(2 * tips[0], rel=1e-6)
+    tips = []
+    for factor in (1.0, 2.0):
+        tips.append(emmy.equilibrium(body).displacement[-1, 0])
+    assert tips[1] == pytest.approx(2 * tips[0], rel=1e-5)
+
+
 def test_a_cycle_is_collected():
     class History:
         def __call__(self, t):

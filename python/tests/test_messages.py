@@ -162,6 +162,21 @@ MESSAGES = [
         "regions[0]: NeoHooke in place of Region",
     ),
     (
+        lambda: emmy.Body(emmy.Mesh.box((1, 1, 1), (1, 1, 1)), rubber()),
+        TypeError,
+        "regions: NeoHooke in place of Region or a list of them",
+    ),
+    (
+        lambda: emmy.Mesh(TET, cells=[[0, 1, 2, 3]]),
+        TypeError,
+        "cells: list in place of a dict",
+    ),
+    (
+        lambda: spinning_block().run(observers=5),
+        TypeError,
+        "observers: int in place of a function or a list of functions",
+    ),
+    (
         lambda: emmy.Mesh.box((1, 1, 1), (1, 1, 1)).group_nodes("x-mn"),
         emmy.UnknownGroupError,
         "name: the mesh has no group `x-mn`; did you mean `x-min`?",
@@ -417,3 +432,105 @@ def test_a_package_that_is_missing(package, use, message, monkeypatch):
     with pytest.raises(ImportError) as raised:
         use(motion)
     assert str(raised.value) == message
+
+
+def block():
+    return emmy.new("spinning-block")
+
+
+#: Flags of the command line are arguments here.
+FLAGS = [
+    (
+        lambda: spinning_block().run(output=block()),
+        emmy.ResultsError,
+        "spinning-block.toml is not a directory; name another one with output=",
+    ),
+    (lambda: spinning_block().run(output=""), emmy.InputError, "output: `directory` must not be empty"),
+    (
+        lambda: emmy.converge(block(), sizes=[0.4, 0.4]),
+        emmy.InputError,
+        "sizes: 0.4: the size is given twice",
+    ),
+    (
+        lambda: emmy.converge(block(), sizes=[-1]),
+        emmy.InputError,
+        "sizes: -1: a step size must be positive and finite; such as sizes=[0.04,0.02,0.01]",
+    ),
+    (
+        lambda: emmy.converge(block(), sizes=[0.4, 0.2], window=(1, 0)),
+        emmy.InputError,
+        "window: 1,0: the runs go from t = 0 to t = 20; it must be two of their times, the earlier one first",
+    ),
+    (
+        lambda: emmy.converge(block(), sizes=[0.4, 0.2], start=30),
+        emmy.InputError,
+        "start: 30: ",
+    ),
+    (
+        lambda: emmy.converge(block(), sizes=[0.4, 0.2], reference=0.5),
+        emmy.InputError,
+        "reference: 0.5: it must be positive and smaller than the smallest of sizes= (0.2); or give the reference a "
+        "higher degree with reference_degree=",
+    ),
+    (
+        lambda: emmy.load(block(), set={"region.9.density": 1}),
+        emmy.InputError,
+        "set: `9` is not the number of an item; the list has 1, counted from 0",
+    ),
+    (
+        lambda: emmy.run(block(), set={"region.0.density": [1]}),
+        emmy.InputError,
+        "set: `density` must be a number, not a list",
+    ),
+    (
+        lambda: emmy.sweep(block(), {"region.0.density": [-1]}),
+        emmy.InputError,
+        "parameters: ",
+    ),
+    (lambda: emmy.sweep(block(), {"x": [None]}), TypeError, "parameters.x[0]: NoneType has no place in an input"),
+    (lambda: emmy.run(block(), threads=0), emmy.InputError, "threads: invalid value '0': 0 is not in 1..=65535"),
+    (
+        lambda: emmy.run(block(), until=-1),
+        emmy.InputError,
+        "until: -1: it ends at -1, but begins at 0: time goes forward",
+    ),
+    (
+        lambda: emmy.resume(emmy.run(block(), until=0.1, set={"output.every": 0}, output="o").directory),
+        emmy.InputError,
+        "the run has already reached t = 0.1 (step 1); its plan ends at t = 0.1; give a later end with until=T; `emmy "
+        "report o` writes the report again",
+    ),
+]
+
+
+@pytest.mark.parametrize(("mistake", "kind", "message"), FLAGS)
+def test_flags_are_arguments(mistake, kind, message):
+    with pytest.raises(kind) as raised:
+        mistake()
+    assert str(raised.value) == message or (message.endswith(": ") and str(raised.value).startswith(message))
+    assert "--" not in str(raised.value)
+    assert str(pickle.loads(pickle.dumps(raised.value))) == str(raised.value)
+    if kind is emmy.InputError and not message.startswith("the run has"):
+        assert [own.place for own in raised.value.faults] == [message.partition(":")[0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "call"),
+    [
+        ("such as --window 1,2", "such as window=[1,2]"),
+        ("remove `steps` with `--set time.steps=`", 'remove `steps` with `set={"time.steps": None}`'),
+        ("--set load.0.history.file=PATH", 'set={"load.0.history.file": PATH}'),
+        ("an empty text is --set 'title=\"\"'", 'an empty text is set={"title": ""}'),
+        ("leave --resume out to start a sweep", "leave resume=True out to start a sweep"),
+        ("such as --reference-scheme DGM", "such as reference_scheme=DGM"),
+        ("a smaller --reference", "a smaller reference="),
+        ("--from 3", "start=3"),
+        ("cannot read a--set.toml and ---to", "cannot read a--set.toml and ---to"),
+        ("`emmy list schemes` explains them", "`emmy.schemes()` explains them"),
+    ],
+)
+def test_flags_in_texts(text, call):
+    error = emmy.ConvergenceError(text)
+    assert str(error) == error.message == call and str(pickle.loads(pickle.dumps(error))) == call
+    assert str(emmy.ResultsError(text)) == call
+    assert str(emmy.InputError([("", text, text, None, None)])) == f"{call}; {call}"

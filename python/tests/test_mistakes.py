@@ -1,7 +1,10 @@
 """Mistakes of callers: each is named at its argument, and none is passed over in silence."""
 
+import copy
+import dataclasses
 import pickle
 import shutil
+from pathlib import Path
 
 import emmy
 import numpy as np
@@ -143,12 +146,166 @@ def test_wrong_types_are_named():
         (lambda: motion.gradient(5), "goal"),
         (lambda: motion.goal_error(None), "goal"),
         (lambda: motion.gradient(goal, [5]), r"parameters\[0\]"),
+        (lambda: goal.value(5), "motion"),
+        (lambda: emmy.Goal.displacement_at("x", node=0, direction=(1, 0, 0)), "body"),
+        (lambda: emmy.Goal.velocity_at(None, node=0, direction=(1, 0, 0)), "body"),
         (lambda: emmy.modes(block, state=5), "state"),
+        (lambda: emmy.modes("x"), "body"),
+        (lambda: emmy.equilibrium(None), "body"),
+        (lambda: spinning_block().run(observers=5), "observers"),
+        (lambda: spinning_block().run(observers=[print, 5]), r"observers\[1\]"),
+        (lambda: emmy.Motion(block, steps=(1.0, 0.1), initial=5), "initial"),
+        (lambda: emmy.Mesh(np.zeros((1, 3)), [[0, 1, 2, 3]]), "cells"),
+        (lambda: emmy.Mesh(np.zeros((1, 3)), {}, cell_groups=[0]), "cell_groups"),
+        (lambda: emmy.Mesh(np.zeros((1, 3)), {}, facet_groups=[0]), "facet_groups"),
+        (lambda: emmy.Mesh(np.zeros((1, 3)), {}, node_groups=[0]), "node_groups"),
+        (lambda: emmy.Mesh.network([[0, 0, 0], [1, 0, 0]], [[0, 1]], groups=[0]), "groups"),
+        (lambda: emmy.sweep("none.toml", [1]), "parameters"),
+        (lambda: emmy.sweep("none.toml", {"x": 1}), "parameters.x"),
+        (lambda: emmy.sweep("none.toml", {"x": "ab"}), "parameters.x"),
+        (lambda: emmy.sweep("none.toml", {"x": [1, None]}), r"parameters.x\[1\]"),
+        (lambda: emmy.check("none.toml", set=[1]), "set"),
+        (lambda: emmy.check("none.toml", set={"a.b": [1, None]}), r"set.a.b\[1\]"),
+        (lambda: emmy.State("0", *[np.zeros((1, 3))] * 3), "time"),
+        (lambda: emmy.State(True, *[np.zeros((1, 3))] * 3), "time"),
+        (lambda: emmy.State(None, *[np.zeros((1, 3))] * 3), "time"),
         (lambda: rubber().energy("text"), "strain"),
         (lambda: rubber().stress([[None] * 3] * 3), "strain"),
     ):
         with pytest.raises(TypeError, match=f"^{place}: "):
             use()
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -np.inf])
+def test_states_are_finite(value):
+    wrong = np.zeros((8, 3))
+    wrong[3, 1] = value
+    for name in ("displacement", "velocity", "momentum", "displacement_low"):
+        arrays = dict.fromkeys(("displacement", "velocity", "momentum"), np.zeros((8, 3))) | {name: wrong}
+        with pytest.raises(emmy.InputError, match=f"^{name}: must be finite$"):
+            emmy.State(0.0, **arrays)
+    with pytest.raises(emmy.InputError, match="^time: must be finite, not"):
+        emmy.State(value, *[np.zeros((8, 3))] * 3)
+    velocity = np.zeros((free_block().mesh.n_nodes, 3))
+    velocity[1, 2] = value
+    with pytest.raises(emmy.InputError, match="^initial: must be finite$"):
+        emmy.Motion(free_block(), initial=velocity)
+    for goal in (emmy.Goal.displacement_at, emmy.Goal.velocity_at):
+        with pytest.raises(emmy.InputError, match="^direction: must be finite$"):
+            goal(free_block(), node=0, direction=(1, value, 0))
+
+
+def test_the_time_of_a_state_is_a_number_of_any_kind():
+    for time in (1, 1.0, np.float32(1), np.int64(1)):
+        assert emmy.State(time, *[np.zeros((1, 3))] * 3).time == 1.0
+    with pytest.raises(emmy.InputError, match="^time: the number is too large"):
+        emmy.State(10**400, *[np.zeros((1, 3))] * 3)
+
+
+def test_an_observer_needs_no_list():
+    seen = []
+    spinning_block().run(until=0.1, observers=lambda step, motion: seen.append(step.number))
+    assert seen == [1, 2]
+
+
+def test_results_of_a_motion_are_not_replaced_by_its_later_steps():
+    motion = spinning_block()
+    motion.run(until=0.25, output="o", every=1)
+    kept = {path: path.read_bytes() for path in Path("o").rglob("*") if path.is_file()}
+    message = "o holds the steps 0 to 5 of this motion; name another directory, or continue it with emmy.resume$"
+    for again, name in ((motion, "o"), (motion, Path.cwd() / "o"), (motion, "p/../o"), (copy.copy(motion), "o")):
+        # A later end would be a change as well.
+        with pytest.raises(emmy.ResultsError, match=message):
+            again.run(until=5.0, output=name)
+        assert {path: path.read_bytes() for path in Path("o").rglob("*") if path.is_file()} == kept
+    motion.run(until=0.5)
+    with pytest.raises(emmy.ResultsError, match=message):
+        motion.run(output="o")
+    motion.run(output="p")
+    assert emmy.Run("p").history["step"].tolist() == list(range(10, 21))
+    with pytest.raises(emmy.ResultsError, match="p holds the steps 10 to 20 of this motion"):
+        motion.run(until=2.0, output="p")
+    # The whole motion again: an earlier run is replaced.
+    spinning_block().run(until=0.1, output="o")
+    assert emmy.Run("o").history["step"].tolist() == [0, 1, 2]
+
+
+def test_results_without_steps_are_replaced():
+    motion = spinning_block()
+
+    def stop(step, motion):
+        raise ZeroDivisionError
+
+    motion.run(until=0.0, output="o")
+    motion.run(until=0.1, output="o")
+    assert emmy.Run("o").history["step"].tolist() == [0, 1, 2]
+    with pytest.raises(ZeroDivisionError):
+        motion.run(until=0.5, output="p", observers=stop)
+    with pytest.raises(emmy.ResultsError, match="p holds the steps 2 to 3 of this motion"):
+        motion.run(output="p")
+    shutil.rmtree("p")
+    motion.run(output="p")
+    assert emmy.Run("p").history["step"][0] == 3
+
+
+@pytest.mark.parametrize("value", [5, 0, "x", [1], True])
+def test_an_output_that_is_no_table_is_named_by_the_reader(value):
+    path = emmy.new("spinning-block")
+    text = path.read_text().split("[output]")[0]
+    line = str(value).lower() if isinstance(value, bool) else repr(value)
+    Path("other.toml").write_text(f"output = {line}\n{text}")
+    Path("third.toml").write_text(f"{text}\n[output]\ndirectory = 5\n")
+    for run in (emmy.run, lambda *a, **k: emmy.converge(*a, [0.1, 0.2], **k)):
+        with pytest.raises(emmy.InputError, match="^set: `output` must be a table"):
+            run(path, set={"output": value})
+        with pytest.raises(emmy.InputError, match="other.toml.*`output` must be a table"):
+            run("other.toml")
+        with pytest.raises(emmy.InputError, match="third.toml.*`directory` must be"):
+            run("third.toml")
+        with pytest.raises(emmy.InputError, match="^set: `directory` must be"):
+            run(path, set={"output.directory": 5})
+    with pytest.raises(emmy.InputError, match="`output` must be a table"):
+        emmy.sweep("other.toml", {"region.0.density": [1, 2]})
+    assert {own.name for own in Path.cwd().iterdir()} == {path.name, "other.toml", "third.toml"}
+
+
+def test_facet_groups():
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+    def mesh(group):
+        return emmy.Mesh(points, {"tet4": [[0, 1, 2, 3]]}, facet_groups={"a": group})
+
+    for group in ([[0, 1, 2]], ("nodes", [[0, 1, 2]]), [("nodes", [[0, 1, 2]])], [[[0, 1, 2]]]):
+        assert mesh(group).group_nodes("a").tolist() == [0, 1, 2]
+    assert mesh([[[0, 1, 2]], ("faces", [[0, 1]])]).group_nodes("a").tolist() == [0, 1, 2, 3]
+    for group in ([[[0, 1, 2], [0, 1]]], [[0, 1, 2], [0, 1]], [("nodes", [[0, 1, 2], [0, 1]])]):
+        with pytest.raises(emmy.InputError, match=r"^facet_groups.a: its rows have different lengths"):
+            mesh(group)
+    for group in (("foo", [[0, 1, 2]]), [("foo", [[0, 1, 2]])], ("", [[0, 1]])):
+        with pytest.raises(emmy.InputError, match=r"^facet_groups.a: the rows are `nodes` or `faces`, not `(foo|)`$"):
+            mesh(group)
+    for group in (("nodes",), ("faces", [[0, 1]], [[0, 1]])):
+        with pytest.raises(emmy.InputError, match=r"^facet_groups.a: expected a pair \(`(nodes|faces)`, rows\)"):
+            mesh(group)
+
+
+@pytest.mark.parametrize("name", ["part.msh", "part", "part.inp", ".vtu"])
+def test_meshes_are_written_as_vtu(name):
+    with pytest.raises(emmy.InputError, match=r"^path: meshes are written as .vtu") as raised:
+        emmy.Mesh.box((1, 1, 1), (1, 1, 1)).write(name)
+    assert places(raised.value) == ["path"] and not Path(name).exists()
+    assert emmy.Mesh.box((1, 1, 1), (1, 1, 1)).write(Path("part.VTU")) == "part.VTU"
+
+
+def test_replacing_a_part_of_an_energy():
+    own = emmy.Energy("mu/2*(I1 - 3) - mu*ln(J) + lambda/2*ln(J)^2", mu=500.0, lambda_=1000.0)
+    assert dataclasses.replace(own) == own and pickle.loads(pickle.dumps(own)) == own
+    stiffer = dataclasses.replace(own, mu=600.0)
+    assert stiffer == emmy.Energy(own.formula, lambda_=1000.0, mu=600.0)
+    other = "mu/2*(I1 - 3) - mu*ln(J) + lambda/4*(J^2 - 1) - lambda/2*ln(J)"
+    assert dataclasses.replace(own, formula=other) == emmy.Energy(other, mu=500.0, lambda_=1000.0)
+    named = emmy.Energy("parameters/2*(I1 - 3) - parameters*ln(J) + 5*ln(J)^2", parameters=500.0)
+    assert dataclasses.replace(named, parameters=600.0).parameters == (("parameters", 600.0),)
 
 
 def test_numbers_that_are_too_large():

@@ -3,6 +3,7 @@
 import re
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 from xml.etree import ElementTree
 
 import emmy
@@ -54,6 +55,18 @@ def test_run(spinning):
     page = emmy.Run("out")._repr_html_()
     assert checked(page) == 2
     assert "<iframe srcdoc=" in page and "done" in page
+
+
+def test_a_run_that_has_just_begun(spinning, tmp_path):
+    spinning.run(output="out")
+    summary, history = Path("out/summary.json"), Path("out/history.csv")
+    summary.unlink()
+    page = emmy.Run("out")._repr_html_()
+    assert checked(page) == 2 and page.startswith("<div><p><b>emmy.Run</b>: out<br>")
+    history.write_text(history.read_text().splitlines()[0] + "\n")
+    assert "<b>emmy.Run</b>: out<br>no step yet" in emmy.Run("out")._repr_html_()
+    history.write_text("")
+    assert emmy.Run("out")._repr_html_() == "&lt;emmy.Run: out&gt;"
 
 
 def test_no_peak_is_lost():

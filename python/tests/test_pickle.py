@@ -52,6 +52,15 @@ def test_mesh_of_links():
     assert other.groups == mesh.groups and np.array_equal(other.cells["line2"], mesh.cells["line2"])
 
 
+def test_mesh_of_solid_cells_and_links():
+    # The cable begins at the tip of the tetrahedron; a link group keeps its name and stays a group of cells.
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 3)]
+    mesh = emmy.Mesh(points, {"tet4": [(0, 1, 2, 3)], "line2": [(3, 4)]}, cell_groups={"solid": [0], "cable": [1]})
+    for copied in (again(mesh), copy.copy(mesh)):
+        assert copied.n_nodes == 5 and list(copied.cells) == ["tet4", "line2"]
+        assert copied.groups == mesh.groups and copied.cells["line2"].tolist() == [[3, 4]]
+
+
 def test_state_step_and_history(spinning):
     spinning.run()
     step, state = again(spinning.record), again(spinning.state)

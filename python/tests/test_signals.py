@@ -7,6 +7,7 @@ import sys
 import textwrap
 import threading
 import time
+import traceback
 
 import emmy
 import numpy as np
@@ -103,11 +104,15 @@ def test_body_of_a_large_mesh():
     start = time.perf_counter()
     emmy.Body(mesh, region)
     alone = time.perf_counter() - start
-    interrupt_after(alone / 4)
-    start = time.perf_counter()
-    with pytest.raises(KeyboardInterrupt):
-        emmy.Body(mesh, region)
-        # Where the body was faster than the signal.
-        time.sleep(alone)
-    assert time.perf_counter() - start < 5 * alone + 1
+    # On a busy machine the signal may miss the body.
+    for _ in range(10):
+        interrupt_after(alone / 4)
+        with pytest.raises(KeyboardInterrupt) as raised:
+            emmy.Body(mesh, region)
+            time.sleep(60)
+        inner = traceback.extract_tb(raised.tb)
+        if any(frame.filename == emmy.Body.__init__.__code__.co_filename for frame in inner):
+            break
+    else:
+        pytest.fail("no signal came while a body was made")
     assert emmy.Body(mesh, region).n_dofs == 3 * 29**3

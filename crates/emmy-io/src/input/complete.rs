@@ -108,9 +108,9 @@ pub(super) fn spell(node: &mut Node) {
     }
 }
 
-/// The name of a function: its text up to the bracket, behind which a program may tell functions of one name apart.
+/// The name of a function: its text up to the last bracket, behind which a program may tell functions of one name apart.
 fn name(text: &str) -> &str {
-    text.find('>').map_or(text, |end| &text[..=end])
+    text.rfind('>').map_or(text, |end| &text[..=end])
 }
 
 /// The path of a mesh file as text: absolute, or else relative to the output directory, which holds the text.
