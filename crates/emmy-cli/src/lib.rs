@@ -1,7 +1,7 @@
 //! The command line of Emmy. Each verb is a file in `verbs`; only results go to standard output.
 //!
 //! The program `emmy` is [`main`]. Another program calls [`run_verb`] with a [`Host`], which receives all text; then
-//! nothing is printed, and no handler of the process is touched.
+//! nothing is printed, except by the panic hook of the process, and no handler is touched.
 
 // These macros panic if they cannot write; the host does not.
 #![deny(clippy::print_stderr, clippy::print_stdout)]

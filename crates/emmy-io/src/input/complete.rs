@@ -102,7 +102,15 @@ pub(super) fn spell(node: &mut Node) {
             node.value = Value::Table(Vec::new());
             node.put("file", string(MESH_FILE, &place));
         }
-        Value::TimeFunction(function) => *node = string(name(function.text().unwrap_or_default()), &place),
+        Value::TimeFunction(function) => match function.text() {
+            Some(text) => *node = string(name(text), &place),
+            None => {
+                let of = |value: Value| Node { value, place: place.clone() };
+                let number = |value: f64| of(Value::Float(value));
+                let pair = |&(time, value): &(f64, f64)| of(Value::Array(vec![number(time), number(value)]));
+                node.value = Value::Array(function.entries().iter().map(pair).collect());
+            }
+        },
         Value::Field(field) => *node = string(name(field.text()), &place),
         Value::String(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_) | Value::Datetime(_) => {}
     }

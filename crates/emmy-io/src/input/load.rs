@@ -57,6 +57,7 @@ const ROWS: [Row; 8] = [
             if let Some(field) = given.value.field().cloned() {
                 return given.load(Members::Facets, |group| LoadKind::TractionField { group, field });
             }
+            expression::check_not_of_program(&given.value)?;
             let traction = given.value.numbers()?;
             given.load(Members::Facets, |group| LoadKind::Traction { group, traction })
         },
@@ -107,6 +108,7 @@ const ROWS: [Row; 8] = [
             if let Some(field) = given.value.field().cloned() {
                 return given.load(Members::Cells, |_| LoadKind::AccelerationField { group, field });
             }
+            expression::check_not_of_program(&given.value)?;
             let acceleration = given.value.numbers()?;
             given.load(Members::Cells, |_| LoadKind::Acceleration { group, acceleration })
         },

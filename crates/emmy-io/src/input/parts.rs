@@ -157,7 +157,7 @@ impl Parts {
                 && !known.is_static()
                 && (&known.supports, &known.loads, &known.nodal) == (&supports, &loads, &nodal)
                 && known.body.drag() == drag
-                && regions(&known.resolved) == regions(&resolved)
+                && body_of(&resolved).is_some_and(|own| body_of(&known.resolved) == Some(own))
         };
         let body = match known.filter(is_same) {
             Some(known) => known.body.clone(),
@@ -273,9 +273,11 @@ fn finished(mut faults: Faults) -> InputError {
     faults.finish().err().unwrap_or_else(|| Fault::new("the input could not be read").into())
 }
 
-/// The regions in a resolved input.
-fn regions(resolved: &str) -> Option<toml::Value> {
-    resolved.parse::<toml::Table>().ok()?.remove("region")
+/// The sections of a resolved input that describe the body, but for its mesh. Functions of a program have their names there:
+/// loads and supports themselves tell them apart.
+fn body_of(resolved: &str) -> Option<[Option<toml::Value>; 4]> {
+    let mut table = resolved.parse::<toml::Table>().ok()?;
+    Some(["region", "mass", "load", "support"].map(|section| table.remove(section)))
 }
 
 fn values<T>(placed: Vec<Placed<T>>) -> Vec<T> {

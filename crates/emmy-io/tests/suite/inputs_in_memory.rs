@@ -124,6 +124,15 @@ fn a_body_is_shared_by_problems_that_have_the_same() {
     let other = build(&block(&mesh, pull(text("2*t")), steps(1.0)), Some(&first)).unwrap();
     assert!(!is_shared(&other));
     assert!(!is_shared(&build(&block(&mesh, pull(text("t")), steps(1.0)), None).unwrap()));
+    // Numbers beside an expression differ in their last digits.
+    let weight = |z: f64| {
+        let components = Tree::List(vec![text("0*t"), Tree::Number(1.0), Tree::Number(z)]);
+        table([("body_force", components)])
+    };
+    let first = build(&block(&mesh, weight(1.0000001), steps(1.0)), None).unwrap();
+    let is_shared = |other: &Problem| std::ptr::eq(first.body.mesh(), other.body.mesh());
+    assert!(is_shared(&build(&block(&mesh, weight(1.0000001), steps(2.0)), Some(&first)).unwrap()));
+    assert!(!is_shared(&build(&block(&mesh, weight(1.0000002), steps(2.0)), Some(&first)).unwrap()));
 }
 
 /// A run with a mesh in memory writes it, and its input is read back as the same run; a function has no place in a file.
@@ -173,6 +182,28 @@ fn the_files_of_a_run_hold_its_mesh() {
     std::fs::write(temp.path().join("input.toml"), &function.resolved).unwrap();
     let error = input::read(&temp.path().join("input.toml"), &Overrides::default()).unwrap_err().to_string();
     assert!(error.contains("was a function of a program"), "{error}");
+    for key in ["traction", "body_force", "acceleration"] {
+        let text = function.resolved.replace("\"<function growing>\"", "\"t\"");
+        let text = text.replace("traction = [0.0, 0.0, 3.0]", &format!("{key} = \"<function f>\""));
+        let text = if key == "traction" { text } else { text.replace("group = \"x-max\"", "") };
+        std::fs::write(temp.path().join("input.toml"), text).unwrap();
+        let error =
+            input::read(&temp.path().join("input.toml"), &Overrides::default()).unwrap_err().to_string();
+        assert!(error.contains(&format!("`{key}` was a function of a program")), "{error}");
+    }
+    // A table has no name, and is written as it is.
+    let table_of_time = TimeFunction::new(vec![(0.0, 0.0), (1.0, 2.0)]).unwrap();
+    let table = block(&mesh(), pull(Tree::TimeFunction(table_of_time)), steps(0.2));
+    let table = input::build(&table, &Overrides::default(), None).unwrap();
+    std::fs::write(temp.path().join("input.toml"), &table.resolved).unwrap();
+    let read = input::read(&temp.path().join("input.toml"), &Overrides::default()).unwrap();
+    let force = |problem: &Problem| {
+        let mut force = vec![0.0; problem.body.n_dofs()];
+        problem.body.loads_at(0.75, &mut force).unwrap();
+        force
+    };
+    assert_eq!(force(&read), force(&table));
+    assert!(force(&read).iter().sum::<f64>() > 0.0);
 }
 
 #[test]

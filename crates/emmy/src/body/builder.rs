@@ -144,7 +144,7 @@ impl Body {
             fields.extend(FieldLoad::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
-        let constraints = Constraints::new(&mesh, &internal, supports.iter())?;
+        let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
         nodal::check_masses(&mesh, &lumped_mass, &constraints.fixed)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
@@ -181,7 +181,7 @@ impl Body {
         let mut release = None;
         for &time in times.iter().rev() {
             let holds = |support: &Support| support.until.is_none_or(|until| until > time);
-            let held = supports.iter().filter(|support| holds(support));
+            let held = supports.iter().enumerate().filter(|(_, support)| holds(support));
             let Constraints { fixed, drives } = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
             nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;

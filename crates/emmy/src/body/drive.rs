@@ -20,6 +20,8 @@ pub(super) type Fault<'a> = (&'a str, NotFinite);
 /// ```
 #[derive(Debug, Clone)]
 pub(super) struct Drive {
+    /// Number of the support.
+    pub(super) support: usize,
     displacement: [Option<TimeFunction>; 3],
     /// Rotation with an axis of unit length.
     rotation: Option<Rotation>,
@@ -35,6 +37,7 @@ pub(super) struct Drive {
 impl Drive {
     /// The motion of some nodes. `rotation` has an axis of unit length.
     pub(super) fn new(
+        support: usize,
         displacement: [Option<TimeFunction>; 3],
         rotation: Option<Rotation>,
         until: Option<f64>,
@@ -45,6 +48,7 @@ impl Drive {
         let offset = |&node: &u32| [0, 1, 2].map(|i| points[node as usize][i] - about[i]);
         let components = [0, 1, 2].map(|i| rotation.is_some() || displacement[i].is_some());
         Drive {
+            support,
             offsets: nodes.iter().map(offset).collect(),
             displacement,
             rotation,
@@ -243,7 +247,7 @@ mod tests {
             Some(TimeFunction::new(vec![(0.0, 0.0), (0.13, 0.1), (0.3, 0.0)]).unwrap()),
             Some(shaken()),
         ];
-        Drive::new(displacement, Some(rotation), None, vec![0], &[[2.0, 1.0, 5.0]])
+        Drive::new(0, displacement, Some(rotation), None, vec![0], &[[2.0, 1.0, 5.0]])
     }
 
     /// An acceleration by a table with kinks and a jump.

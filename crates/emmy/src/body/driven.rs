@@ -48,11 +48,11 @@ impl Body {
         rates: &mut [f64],
     ) -> Result<()> {
         let n = self.n_dofs();
-        for (number, drive) in self.drives.iter().enumerate() {
+        for drive in &self.drives {
             let mut of_stages = [[[0.0; 4]; 3]; AT_ONCE];
             let of_stages = &mut of_stages[..rule.degree()];
             let set = drive.set_stage_rates(rule, time, h, of_stages);
-            set.map_err(|fault| not_finite(number, fault))?;
+            set.map_err(|fault| not_finite(drive.support, fault))?;
             let start = drive.map(time);
             for (rate, rates) in of_stages.iter().zip(rates.chunks_exact_mut(n)) {
                 for (dof, component, offset) in drive.entries() {
@@ -73,11 +73,11 @@ impl Body {
     /// [`Error::NotFiniteAt`].
     pub(crate) fn set_given_velocity(&self, time: f64, step_size: f64, velocity: &mut [f64]) -> Result<()> {
         velocity.iter_mut().zip(self.fixed()).filter(|(_, fixed)| **fixed).for_each(|(v, _)| *v = 0.0);
-        for (number, drive) in self.drives.iter().enumerate() {
+        for drive in &self.drives {
             let same = SAME_TIME * step_size;
             let ends = drive.until.is_some_and(|until| time > until - same);
             let rate = drive.finite_rate(time, if ends { -same } else { same });
-            let rate = rate.map_err(|fault| not_finite(number, fault))?;
+            let rate = rate.map_err(|fault| not_finite(drive.support, fault))?;
             for (dof, component, offset) in drive.entries() {
                 velocity[dof] = apply(&rate[component], offset);
             }

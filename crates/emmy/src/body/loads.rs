@@ -109,9 +109,8 @@ impl Body {
         Ok(acts)
     }
 
-    /// The first load by a field that is not a finite number at one of its points at some time from `start` to `end`: number of the
-    /// load, reference position, time. At a few points 1000 times are tried, at all of them
-    /// fewer where they are many.
+    /// The first load by a field that is not a finite number at one of its points between two times: its number, the point
+    /// and the time. 1000 times are tried at a few points, fewer at all of them; a costly field is tried at the start only.
     ///
     /// ```
     /// use emmy::prelude::*;

@@ -79,15 +79,16 @@ impl Body {
         let of_loads = loads.chain(pressures).filter_map(|(load, time_function)| {
             Signal::of(time_function, SignalTarget::Load(load), None, 0.0)
         });
-        let of_supports = self.drives.iter().enumerate().flat_map(|(number, drive)| {
-            let target = SignalTarget::Support(number);
+        let of_supports = self.drives.iter().flat_map(|drive| {
+            let target = SignalTarget::Support(drive.support);
             drive
                 .arms()
                 .filter_map(move |(time_function, arm)| Signal::of(time_function, target, drive.until, arm))
         });
         let mut known = HashSet::new();
         let is_new = |signal: &Signal| {
-            known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
+            signal.text.is_empty()
+                || known.insert((signal.text.clone(), signal.arm.to_bits(), signal.until.map(f64::to_bits)))
         };
         let mut signals: Vec<Signal> = of_loads.chain(of_supports).filter(is_new).collect();
         signals.extend(self.fields.iter().map(Signal::of_field).filter(|signal| signal.n_components > 0));

@@ -17,7 +17,7 @@ pub(super) struct Constraints {
 }
 
 impl Constraints {
-    /// The given motion of the supports of a mesh.
+    /// The given motion of the supports of a mesh, each with its number.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::Support`] if a motion jumps, an axis has no direction, or two supports of one
@@ -25,17 +25,17 @@ impl Constraints {
     pub(super) fn new<'a>(
         mesh: &Mesh,
         internal: &InternalNodes,
-        supports: impl Iterator<Item = &'a Support> + Clone,
+        supports: impl Iterator<Item = (usize, &'a Support)> + Clone,
     ) -> Result<Self> {
         let mut constraints = Constraints { fixed: vec![false; internal.dofs().end], drives: Vec::new() };
-        for support in supports.clone() {
+        for (_, support) in supports.clone() {
             if let Some(time) = support.until.filter(|time| !time.is_finite()) {
                 return Err(Error::NotFinite { what: "time of a release".into(), value: time });
             }
             constraints.fix(mesh, support)?;
         }
-        for support in supports.filter(|support| support.is_driven()) {
-            constraints.drive(mesh, support)?;
+        for (number, support) in supports.filter(|(_, support)| support.is_driven()) {
+            constraints.drive(mesh, number, support)?;
         }
         constraints.fix_planes(mesh, internal);
         Ok(constraints)
@@ -59,7 +59,7 @@ impl Constraints {
         }
     }
 
-    fn drive(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
+    fn drive(&mut self, mesh: &Mesh, number: usize, support: &Support) -> Result<()> {
         let fail = |reason: String| Error::Support { group: support.group.clone(), reason };
         if let Some(time) = support.time_functions().find_map(|time_function| time_function.first_jump()) {
             return Err(fail(format!("its motion jumps at t = {}; nothing moves so fast", short(time))));
@@ -77,7 +77,8 @@ impl Constraints {
                 "plane cells stay in their plane: move x and y, turn about the z axis".to_string(),
             ));
         }
-        let drive = Drive::new(support.displacement.clone(), rotation, support.until, nodes, mesh.points());
+        let displacement = support.displacement.clone();
+        let drive = Drive::new(number, displacement, rotation, support.until, nodes, mesh.points());
         for dof in drive.dofs() {
             if std::mem::replace(&mut self.fixed[dof], true) {
                 let component = ["x", "y", "z"][dof % 3];

@@ -10,7 +10,7 @@ use crate::error::Error;
 pub enum SignalTarget {
     /// A load, by its number.
     Load(usize),
-    /// A driven support, by its number among the driven supports.
+    /// A driven support, by its number among all supports.
     Support(usize),
 }
 

@@ -143,8 +143,9 @@ impl TimeFunction {
         TimeFunction { law: Law::Smooth(Smooth::of_derivatives(text, function)) }
     }
 
-    /// A smooth time function by its values at many times: `values` sets the factor for each time. A step calls it once
-    /// with the quadrature points of the step, where calls are expensive. `text` as in [`TimeFunction::smooth`].
+    /// A smooth time function by its values at many times: `values` sets the factor for each time. A load calls it once in
+    /// a step, with all quadrature points; the check of a planned step calls it twice more. `text` as in
+    /// [`TimeFunction::smooth`].
     ///
     /// The check that the steps resolve a function compares it on two panels a step only, so that shorter features may be
     /// missed: give these as a table.

@@ -67,8 +67,14 @@ impl Motion<'_> {
     /// time are evaluated over the whole plan, for their largest values.
     ///
     /// # Errors
-    /// Those of the first size of adaptive steps.
+    /// Those of the first size of adaptive steps; [`Error::Plan`] for a motion at a time before the plan begins.
     pub fn follow(&mut self, plan: &StepPlan) -> Result<()> {
+        let (time, start) = (self.state.time, plan.start());
+        if start - time > SAME_TIME * (plan.end() - start) {
+            let reason =
+                format!("it begins at t = {}, and the motion is at t = {}", short(start), short(time));
+            return Err(Error::Plan { phase: 0, reason });
+        }
         if self.plan.as_ref() != Some(plan) {
             self.planned = None;
             self.resolution = Resolution::new(self.body, self.scheme, plan);
@@ -197,7 +203,9 @@ impl Motion<'_> {
 
     /// Passes new events to the observers.
     pub(super) fn tell(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
-        for event in self.events.drain(..) {
+        // After an error of an observer the next call tells the rest.
+        while !self.events.is_empty() {
+            let event = self.events.remove(0);
             let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
             told.map_err(MarchError::Observer)?;
         }

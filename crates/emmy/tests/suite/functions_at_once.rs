@@ -195,9 +195,12 @@ fn a_given_motion_that_is_no_number_fails_the_step_and_names_its_support() {
             "y-max",
             [Some(of_times(|_| 0.0).with_rate(|_, rates| rates.fill(0.0))), None, None],
         );
-        let body = body(vec![], vec![still, Support::driven("y-min", [Some(function), None, None])]);
+        // Released before: the others keep their numbers.
+        let first = Support::of_components("y-max", [false, false, true]).until(0.1);
+        let supports = vec![first, still, Support::driven("y-min", [Some(function), None, None])];
+        let body = body(vec![], supports);
         let (what, time) = fault(motion(&body, at(DGM, 2)), &plan);
-        assert!(what == "moving support 1 (\"law\")" && time > 0.22 && time < 0.3, "{what} {time}");
+        assert!(what == "moving support 2 (\"law\")" && time > 0.22 && time < 0.3, "{what} {time}");
     }
 }
 

@@ -55,6 +55,17 @@ fn assert_same(
     }
 }
 
+#[test]
+fn a_motion_before_its_plan_is_rejected() {
+    let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 1.0);
+    let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).build().unwrap();
+    let mut motion = Motion::new(&body, at(DGM, 1)).unwrap();
+    let late = StepPlan::new(5.0, vec![Phase { until: 6.0, size: 0.1 }]).unwrap();
+    let error = motion.next_step(&late, &mut []).unwrap_err().to_string();
+    assert!(error.contains("it begins at t = 5, and the motion is at t = 0"), "{error}");
+    assert_eq!(motion.time(), 0.0);
+}
+
 fn spin() -> InitialVelocity {
     InitialVelocity { angular_velocity: [1.0, 2.0, -1.0], about: [0.5, 1.0, 0.5], ..Default::default() }
 }

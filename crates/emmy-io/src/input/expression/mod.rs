@@ -166,13 +166,19 @@ impl Expression {
 /// Reads the text of an expression.
 pub(super) fn read(item: &Item<'_>, vocabulary: &Vocabulary<'_>) -> Result<Expression, Fault> {
     let text = item.string()?;
-    if text.starts_with(FUNCTION) {
-        let message = format!("`{}` was a function of a program, which no file holds", item.key());
-        return Err(item.fault(message, "here").help("a run with it continues only in that program"));
-    }
+    check_not_of_program(item)?;
     parse(text, vocabulary).map_err(|Mistake { reason, place }| {
         Fault::at(&item.place().inside(text, place), format!("`{}`: {reason}", item.key()), "here")
     })
+}
+
+/// Rejects the name of a function of a program, which stands in the input of a run.
+pub(super) fn check_not_of_program(item: &Item<'_>) -> Result<(), Fault> {
+    if !item.text().is_some_and(|text| text.starts_with(FUNCTION)) {
+        return Ok(());
+    }
+    let message = format!("`{}` was a function of a program, which no file holds", item.key());
+    Err(item.fault(message, "here").help("a run with it continues only in that program"))
 }
 
 /// Reads a vector field over reference position and time: three numbers or expressions in [`POSITION_AND_TIME`].
@@ -184,6 +190,7 @@ pub(super) fn read_field(item: &Item<'_>) -> Result<Field, Fault> {
         Some(_) => read(item, &POSITION_AND_TIME),
         None => item.number().map(Expression::Number),
     };
+    check_not_of_program(item)?;
     let [x, y, z] = item.exactly::<3>("numbers or expressions")?;
     let components = [component(&x)?, component(&y)?, component(&z)?];
     let text = [x, y, z]

@@ -124,11 +124,15 @@ impl Rest {
         let [pressure, tension] = [2.0 * self.first[Z], 2.0 * self.first[F]];
         let is_left = |stress: f64| stress.abs() > RESIDUAL_STRESS * stiff;
         let mut left = Vec::new();
+        let remedy = |stress: f64, term: &str| {
+            let verb = if stress > 0.0 { "subtract" } else { "add" };
+            format!("({verb} {}*{term})", short(stress.abs()))
+        };
         if is_left(pressure) {
-            left.push(format!("{} in every direction (take away {0}*ln(J))", short(pressure)));
+            left.push(format!("{} in every direction {}", short(pressure), remedy(pressure, "ln(J)")));
         }
         if is_left(tension) {
-            left.push(format!("{} along the fibre (take away {0}*(I4 - 1)/2)", short(tension)));
+            left.push(format!("{} along the fibre {}", short(tension), remedy(tension, "(I4 - 1)/2")));
         }
         match left.is_empty() {
             true => Ok(()),
@@ -243,7 +247,7 @@ impl VolumeFunction {
     }
 }
 
-/// The invariants of a fibre that occur in an energy without one, or nothing of a fibre that an energy does not use.
+/// Checks that an energy has a fibre exactly if it uses one.
 pub(super) fn check_fibre(energy: &Expression, has_fibre: bool) -> Result<()> {
     let used = Invariant::ALL.into_iter().find(|own| own.needs_fibre() && energy.has(*own));
     match (used, has_fibre) {

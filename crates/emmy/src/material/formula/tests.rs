@@ -105,6 +105,20 @@ fn matches_itself(energy: &Expression) {
         let (S, D) = material.stress_and_elasticity(&E);
         let size = double_dot(&S, &S).sqrt();
         let largest = D.iter().flatten().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        for part in [0.1, 1e-4, 1e-8] {
+            let dE = [0.2, -0.3, 0.1, 0.15, -0.05, 0.25].map(|e| e * part * double_dot(&E, &E).sqrt());
+            let end = |i: usize, j: usize| {
+                let own = big(E[SYM_INDEX[i][j]]) + big(dE[SYM_INDEX[i][j]]);
+                big(2.0) * own + big(if i == j { 1.0 } else { 0.0 })
+            };
+            let end = [0, 1, 2].map(|i| [0, 1, 2].map(|j| end(i, j)));
+            let exact = value(&end) - value(&C(&E, 0, 0.0));
+            let change = material.energy_change(&E, &dE).unwrap();
+            let error = (big(change) - exact).to_f64().value();
+            let length = double_dot(&dE, &dE).sqrt();
+            let scale = (size + largest * length) * length;
+            assert!(error.abs() < 1e-13 * scale, "change of W: {error:e} of {scale:e} at {E:?}, {dE:?}");
+        }
         for b in 0..6 {
             let number = if b < 3 { 1.0 } else { 2.0 };
             let exact = (value(&C(&E, b, h)) - value(&C(&E, b, -h))) / big(2.0 * h * number);
@@ -275,11 +289,11 @@ fn formulas_that_are_no_energy_of_a_solid_are_rejected_with_the_reason() {
     let fibre = Some([0.0, 0.0, 1.0]);
     for (energy, fibre, says) in [
         // S = 2 dW/dI1 = 10 in every direction.
-        (5.0 * x() + bulk(), None, "and is 10 in every direction (take away 10*ln(J))"),
+        (5.0 * x() + bulk(), None, "and is 10 in every direction (subtract 10*ln(J))"),
         (
             5.0 * (of(Invariant::I1Bar) - 3.0) + bulk() + 3.0 * of(Invariant::I4),
             fibre,
-            "and is 6 along the fibre (take away 6*(I4 - 1)/2)",
+            "and is 6 along the fibre (subtract 6*(I4 - 1)/2)",
         ),
         (bulk(), None, "the shear modulus at rest must be positive, and is 0"),
         (
