@@ -532,6 +532,20 @@ pub enum Error {
         /// The unsupported feature, and the supported ones.
         reason: String,
     },
+    /// Something that a team of ranks does not compute.
+    #[error("{what} is not possible on a team")]
+    NotOnTeam {
+        /// What was asked for.
+        what: String,
+    },
+    /// An error of one rank of a team, reported by all.
+    #[error("rank {rank}: {message}")]
+    OnRank {
+        /// Its number.
+        rank: usize,
+        /// Its message.
+        message: String,
+    },
     /// An observer of a march that failed.
     #[error("{message}")]
     Observer {

@@ -53,6 +53,7 @@ mod polynomial;
 pub mod prelude;
 mod quadrature;
 mod sparse;
+pub mod team;
 mod tensor;
 pub mod time;
 

@@ -11,8 +11,9 @@ use super::regions::{self, RegionOfCell};
 use super::supports::{Constraints, supported_groups};
 use super::{Body, GroundSpring, Load, PointTerms, Region, Support, elimination, nodal, term};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Share};
 use crate::sparse::Pattern;
+use crate::team::{Subdomain, Team};
 
 /// Collects the parts of a body; [`BodyBuilder::build`] checks them against the mesh.
 ///
@@ -34,12 +35,13 @@ pub struct BodyBuilder {
     supports: Vec<Support>,
     loads: Vec<Load>,
     drag: f64,
+    team: Option<TeamPart>,
 }
 
 impl BodyBuilder {
-    fn new(mesh: Mesh) -> Self {
+    fn new(mesh: Mesh, team: Option<TeamPart>) -> Self {
         let (regions, supports, loads) = (Vec::new(), Vec::new(), Vec::new());
-        BodyBuilder { mesh, regions, point_terms: PointTerms::default(), supports, loads, drag: 0.0 }
+        BodyBuilder { mesh, regions, point_terms: PointTerms::default(), supports, loads, drag: 0.0, team }
     }
 
     /// Adds a region. The regions together cover every cell exactly once.
@@ -97,20 +99,74 @@ impl BodyBuilder {
     /// [`crate::Error::UnknownGroup`], [`crate::Error::RegionCover`] if the regions do not cover the cells,
     /// [`crate::Error::NotPositive`] for a density, [`crate::Error::InvertedCell`], [`crate::Error::NotFinite`] for a
     /// load, [`crate::Error::Support`], [`crate::Error::NoMass`] for a node without mass that is free to move,
-    /// [`crate::Error::Viscosity`] unless the drag is finite and not negative.
+    /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
+    /// [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {
-        Body::from_parts(self)
+        let Some(TeamPart { subdomain, rank, .. }) = &self.team else { return Body::from_parts(self) };
+        let subdomain = subdomain.clone();
+        let own = match (*rank, subdomain.rank()) {
+            (given, rank) if given == rank => {
+                super::team::check(&self.regions, &self.point_terms, &self.supports, &self.loads)
+            }
+            (given, rank) => {
+                Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
+            }
+        };
+        Ok(subdomain.agree(own.and_then(|()| Body::from_parts(self)))?.with_sums_of_ranks())
     }
+}
+
+/// The part of a rank, and whether each of its cells counts there.
+#[derive(Debug)]
+struct TeamPart {
+    subdomain: Arc<Subdomain>,
+    counts: Vec<bool>,
+    /// The rank that the share was made for.
+    rank: usize,
 }
 
 impl Body {
     /// A builder of the body of a mesh.
     pub fn builder(mesh: Mesh) -> BodyBuilder {
-        BodyBuilder::new(mesh)
+        BodyBuilder::new(mesh, None)
+    }
+
+    /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
+    /// regions, supports and loads; an error of one is an error of all.
+    ///
+    /// Teams compute motions by time elements without dissipation in steps that are given, with [`Solver::Iterative`]
+    /// (which [`Solver::Auto`] is there); other requests are errors. Everything that is a sum over the body, such as
+    /// [`Body::strain_energy`], is a call of all ranks; nodal vectors belong to the nodes of the share, and of guests only
+    /// displacements and velocities have a meaning.
+    ///
+    /// [`Solver::Iterative`]: crate::motion::Solver::Iterative
+    /// [`Solver::Auto`]: crate::motion::Solver::Auto
+    ///
+    /// ```
+    /// use emmy::prelude::*;
+    /// use emmy::mesh::{Share, owners};
+    /// use emmy::team::{Team, Threads};
+    /// let mesh = mesh::block([4.0, 1.0, 1.0], [4, 1, 1])?;
+    /// let owners = owners(&mesh, 2)?;
+    /// let energies = Threads::run(2, |team| -> emmy::Result<f64> {
+    ///     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+    ///     let body = Body::shared(Share::new(&mesh, &owners, team.rank()), team).region(rubber).build()?;
+    ///     let flies = InitialVelocity { velocity: [3.0, 0.0, 0.0], ..Default::default() };
+    ///     let state = State::initial(&body, 0.0, &[flies])?;
+    ///     let mut motion = Motion::new(&body, TimeElement::discrete_gradient(1)?)?.from(state)?;
+    ///     Ok(motion.step(0.1)?.total_energy)
+    /// });
+    /// assert!(energies.unwrap().into_iter().all(|energy| (energy.unwrap() - 36.0).abs() < 1e-12)); // m v^2 / 2
+    /// # Ok::<(), emmy::Error>(())
+    /// ```
+    pub fn shared(share: Share, team: Arc<dyn Team>) -> BodyBuilder {
+        let Share { mesh, n_own, n_nodes_of_ranks, nodes, cells, counts, neighbours, rank } = share;
+        let subdomain = Arc::new(Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, cells, neighbours));
+        BodyBuilder::new(mesh, Some(TeamPart { subdomain, counts, rank }))
     }
 
     fn from_parts(parts: BodyBuilder) -> Result<Self> {
-        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag } = parts;
+        let BodyBuilder { mesh, regions, point_terms: nodal, supports, loads, drag, team } = parts;
         if !(drag >= 0.0 && drag.is_finite()) {
             return Err(Error::Viscosity { name: "drag", value: drag });
         }
@@ -121,7 +177,12 @@ impl Body {
         let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices());
-        let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal)?;
+        let counts = |cell: u32| team.as_ref().is_none_or(|team| team.counts[cell as usize]);
+        let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal, counts)?;
+        let n_counted_terms = terms.len();
+        if team.is_some() {
+            terms.extend(regions::terms(&mesh, &regions, &of_cell, &internal, |cell| !counts(cell))?);
+        }
         let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass)?;
         let couplings = terms.iter().flat_map(|term| {
             let (nodes, length) = term.couplings();
@@ -130,11 +191,12 @@ impl Body {
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = Pattern::new(internal.n_all(), couplings).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
-        let n_parts = rayon::current_num_threads().min(mesh.n_nodes() / 64).max(1);
-        let parts = pattern.divided(n_parts);
+        let n_own = team.as_ref().map_or(internal.n_all(), |team| team.subdomain.n_own);
+        let n_parts = rayon::current_num_threads().min(n_own.min(mesh.n_nodes()) / 64).max(1);
+        let parts = pattern.divided_until(n_own, n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
         elimination::number(&mut terms, &parts);
-        let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell);
+        let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass)?);
         }
@@ -145,7 +207,9 @@ impl Body {
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
-        nodal::check_masses(&mesh, &lumped_mass, &constraints.fixed)?;
+        let guests = 3 * n_own;
+        let inactive = constraints.inactive(guests);
+        nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
             internal: Arc::new(internal),
@@ -154,7 +218,9 @@ impl Body {
             pressures: Arc::new(followers),
             release: None,
             drag,
-            viscous_time: term::viscous_time(&terms),
+            viscous_time: term::time_of(term::traces(terms.iter())),
+            held_axes: constraints.held_axes(),
+            inactive,
             fixed: constraints.fixed,
             drives: constraints.drives,
             supported: supported_groups(&mesh, &supports, nodal.springs.iter(), |_| true)?,
@@ -165,6 +231,8 @@ impl Body {
             made_of: Arc::new(regions),
             node_order: Arc::new(OnceLock::new()),
             terms: Arc::new(terms),
+            n_counted_terms,
+            subdomain: team.map(|team| team.subdomain),
             ground: Arc::new(ground),
             pattern: Arc::new(pattern),
             parts,
@@ -182,10 +250,13 @@ impl Body {
         for &time in times.iter().rev() {
             let holds = |support: &Support| support.until.is_none_or(|until| until > time);
             let held = supports.iter().enumerate().filter(|(_, support)| holds(support));
-            let Constraints { fixed, drives } = Constraints::new(&self.mesh, &self.internal, held)?;
+            let constraints = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
-            nodal::check_masses(&self.mesh, &self.lumped_mass, &fixed)?;
-            release = Some((time, Box::new(Body { fixed, drives, supported, release, ..self.clone() })));
+            nodal::check_masses(&self.mesh, &self.lumped_mass, &constraints.fixed)?;
+            let (inactive, held_axes) = (constraints.fixed.clone(), constraints.held_axes());
+            let Constraints { fixed, drives } = constraints;
+            let body = Body { fixed, inactive, held_axes, drives, supported, release, ..self.clone() };
+            release = Some((time, Box::new(body)));
         }
         Ok(Body { release, ..self })
     }

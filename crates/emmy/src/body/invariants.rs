@@ -1,4 +1,4 @@
-//! Energies and momenta of a state (section 2).
+//! Energies and momenta of a state (section 2). On a team all of them are calls of all ranks.
 
 use super::{Body, StrainState};
 use crate::tensor::cross;
@@ -19,10 +19,10 @@ impl Body {
     /// sqrt(sum_a m_a |u_a|^2 / sum_a m_a)
     /// ```
     pub fn mass_weighted_rms(&self, field: &[f64]) -> f64 {
-        let masses = self.lumped_mass();
-        let squares = field.as_chunks::<3>().0.iter().zip(masses);
-        let sum: f64 = squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum();
-        (sum / masses.iter().sum::<f64>()).sqrt()
+        let squares = field.as_chunks::<3>().0.iter().zip(&self.lumped_mass()[self.own_nodes()]);
+        let mut sum = [squares.map(|(u, mass)| mass * u.iter().map(|u| u * u).sum::<f64>()).sum::<f64>()];
+        self.sum_ranks("mass-weighted squares", &mut sum);
+        (sum[0] / self.total_lumped_mass()).sqrt()
     }
 
     /// Radius of gyration of the lumped masses about their centre, in the reference configuration \[length\]. Errors
@@ -38,12 +38,12 @@ impl Body {
     /// ```
     pub fn radius_of_gyration(&self) -> f64 {
         let points = self.mesh().points();
-        let masses = self.lumped_mass();
-        let mass: f64 = masses.iter().sum();
+        let mass = self.total_lumped_mass();
         let mut centre = [0.0; 3];
-        for (X, m) in points.iter().zip(masses) {
+        for (X, m) in points.iter().zip(&self.lumped_mass()[self.own_nodes()]) {
             (0..3).for_each(|d| centre[d] += m * X[d] / mass);
         }
+        self.sum_ranks("centre of mass", &mut centre);
         let arms: Vec<f64> = points.iter().flat_map(|X| [0, 1, 2].map(|d| X[d] - centre[d])).collect();
         self.mass_weighted_rms(&arms)
     }
@@ -52,11 +52,12 @@ impl Body {
     pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
         let mut moment = [0.0; 3];
         let nodes = self.points().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
-        for ((X, u), v) in nodes {
+        for ((X, u), v) in nodes.take(self.own_nodes().end) {
             let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
             let arm_cross_v = cross(q, [v[0], v[1], v[2]]);
             (0..3).for_each(|i| moment[i] += arm_cross_v[i]);
         }
+        self.sum_ranks("moment", &mut moment);
         moment
     }
 
@@ -77,7 +78,8 @@ impl Body {
     /// ```
     #[doc(hidden)]
     pub fn strain_state(&self, displacement: &[f64]) -> StrainState {
-        let terms = self.terms.iter().chain(self.ground.iter());
-        terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)))
+        let terms = self.counted_terms().chain(self.ground.iter());
+        let own = terms.fold(StrainState::NONE, |sum, term| sum.with(term.strain_state(displacement)));
+        self.strain_state_of_ranks(own)
     }
 }

@@ -1,8 +1,8 @@
 //! Dead loads of a body over a step and at a time; resultants of all loads.
 
+use super::Body;
 use super::field_load::LoadMemory;
 use super::time_function::NotFinite;
-use super::{Body, sum};
 use crate::average::Rule;
 use crate::error::Result;
 
@@ -134,7 +134,7 @@ impl Body {
     pub fn load_resultants(&self) -> Vec<LoadResultant> {
         let rest = vec![0.0; self.n_dofs()];
         let resultant =
-            |force: &[f64]| LoadResultant { force: sum(force), torque: self.moment(&rest, force) };
+            |force: &[f64]| LoadResultant { force: self.sum(force), torque: self.moment(&rest, force) };
         let mut resultants: Vec<(usize, LoadResultant)> =
             self.loads.iter().map(|load| (load.load, resultant(&load.force))).collect();
         for field in self.fields.iter() {

@@ -67,8 +67,10 @@ impl MassSolver {
 }
 
 impl Body {
-    /// Product with the mass matrix, `p = M v`; `v`, `p`: `[n_nodes][3]`.
+    /// Product with the mass matrix, `p = M v`; `v`, `p`: `[n_nodes][3]`. On a team it is zero at guests.
     pub fn mass_product(&self, v: &[f64], p: &mut [f64]) {
+        let (p, of_guests) = p.split_at_mut(3 * self.own_nodes().end);
+        of_guests.fill(0.0);
         p.par_chunks_mut(3 * ROWS).enumerate().for_each(|(task, p)| {
             for (row, p) in (ROWS * task..).zip(p.chunks_exact_mut(3)) {
                 let mut sum = [0.0; 3];

@@ -150,17 +150,18 @@ impl Region {
     }
 }
 
-/// One term for each region and kind of cell.
+/// One term for each region and kind of the cells that are `chosen`.
 pub(super) fn terms(
     mesh: &Mesh,
     regions: &[Region],
     of_cell: &RegionOfCell,
     internal: &InternalNodes,
+    chosen: impl Fn(u32) -> bool,
 ) -> Result<Vec<Box<dyn Term>>> {
     let mut terms: Vec<Box<dyn Term>> = Vec::new();
     for (region, of_region) in regions.iter().zip(of_cell.cells_by_region(regions.len())) {
         for kind in CellKind::ALL {
-            let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind;
+            let is_of_kind = |cell: &u32| mesh.cell(*cell as usize).kind == kind && chosen(*cell);
             let cells: Vec<u32> = of_region.iter().copied().filter(is_of_kind).collect();
             if !cells.is_empty() {
                 // The term of a link asks for its length.
@@ -220,8 +221,15 @@ pub(super) fn lumped_mass(mesh: &Mesh, density_of_cell: &[f64]) -> Vec<f64> {
     masses
 }
 
-pub(super) fn summaries(mesh: &Mesh, regions: &[Region], of_cell: &RegionOfCell) -> Vec<RegionSummary> {
-    let cells = of_cell.cells_by_region(regions.len());
+/// Summaries of the regions, from the cells that are `chosen`.
+pub(super) fn summaries(
+    mesh: &Mesh,
+    regions: &[Region],
+    of_cell: &RegionOfCell,
+    chosen: impl Fn(u32) -> bool,
+) -> Vec<RegionSummary> {
+    let mut cells = of_cell.cells_by_region(regions.len());
+    cells.iter_mut().for_each(|cells| cells.retain(|&cell| chosen(cell)));
     regions.iter().zip(cells).map(|(region, cells)| summary(mesh, region, cells)).collect()
 }
 

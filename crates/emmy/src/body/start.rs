@@ -20,15 +20,16 @@ impl Body {
                 Some(name) => self.mesh.group_nodes(name)?,
                 None => (0..self.mesh.n_nodes() as u32).collect(),
             };
-            for node in nodes {
+            let mut set = nodes.into_iter().map(|node| {
                 let v = field.at(self.mesh.points()[node as usize]);
-                if let Some(&value) = v.iter().find(|value| !value.is_finite()) {
-                    return Err(Error::NotFinite { what: "initial velocity".into(), value });
-                }
                 velocity[3 * node as usize..3 * node as usize + 3].copy_from_slice(&v);
-            }
+                let wrong = v.into_iter().find(|value| !value.is_finite());
+                wrong.map_or(Ok(()), |value| Err(Error::NotFinite { what: "initial velocity".into(), value }))
+            });
+            self.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
         }
         self.set_internal_means(&mut velocity);
+        self.update_guests("initial velocity", &mut velocity);
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))
     }
@@ -49,6 +50,9 @@ impl Body {
     /// # Errors
     /// [`Error::DrivenStart`].
     pub(crate) fn check_start(&self, time: f64, displacement: &[f64]) -> Result<()> {
+        if !self.is_driven() {
+            return Ok(());
+        }
         let distance = self.driven_distance(time, displacement);
         let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
         // Rounding in an expression that is exactly zero is not a displacement.

@@ -41,6 +41,20 @@ impl Constraints {
         Ok(constraints)
     }
 
+    /// The fixed degrees of freedom, and all from a number on.
+    pub(super) fn inactive(&self, from: usize) -> Vec<bool> {
+        let mut inactive = self.fixed.clone();
+        inactive[from..].fill(true);
+        inactive
+    }
+
+    /// Axes along which some node is fixed.
+    pub(super) fn held_axes(&self) -> [bool; 3] {
+        let mut held = [false; 3];
+        self.fixed.iter().enumerate().for_each(|(dof, fixed)| held[dof % 3] |= fixed);
+        held
+    }
+
     fn fix(&mut self, mesh: &Mesh, support: &Support) -> Result<()> {
         let fixed = support.fixed_components(mesh)?;
         for node in mesh.group_nodes(&support.group)? {

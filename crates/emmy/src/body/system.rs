@@ -17,6 +17,7 @@ use crate::average::Request;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::sparse::{Pattern, RowPart, StageMatrix, nested_dissection};
+use crate::team::Subdomain;
 
 /// An elastic body, discretised in space: everything but its state of motion.
 ///
@@ -35,7 +36,12 @@ pub struct Body {
     pub(super) region_of_cell: Vec<u32>,
     /// The regions as they were given.
     pub(super) made_of: Arc<Vec<Region>>,
+    /// Terms of the cells; those of cells that count on another rank are last.
     pub(super) terms: Arc<Vec<Box<dyn Term>>>,
+    /// Number of terms whose cells count here.
+    pub(super) n_counted_terms: usize,
+    /// The part of this rank; `None`: the whole body is here.
+    pub(super) subdomain: Option<Arc<Subdomain>>,
     /// Terms of the ground: external in the momentum balances.
     pub(super) ground: Arc<Vec<Box<dyn Term>>>,
     pub(super) pattern: Arc<Pattern>,
@@ -48,6 +54,10 @@ pub struct Body {
     pub(super) viscous_time: f64,
     pub(super) lumped_mass: Vec<f64>,
     pub(super) fixed: Vec<bool>,
+    /// Fixed degrees of freedom, and those of guests.
+    pub(super) inactive: Vec<bool>,
+    /// Axes along which some node is fixed.
+    pub(super) held_axes: [bool; 3],
     pub(super) drives: Vec<Drive>,
     pub(super) supported: Vec<SupportedGroup>,
     pub(super) loads: Arc<Vec<LoadVector>>,
@@ -184,6 +194,11 @@ impl Body {
         }
     }
 
+    /// Terms of the cells that count here.
+    pub(super) fn counted_terms(&self) -> impl Iterator<Item = &Box<dyn Term>> {
+        self.terms[..self.n_counted_terms].iter()
+    }
+
     /// Memory for the assembly with time elements of a degree.
     #[doc(hidden)]
     pub fn assembly(&self, degree: usize) -> Assembly {
@@ -230,7 +245,7 @@ impl Body {
         } else {
             rows.par_iter_mut().zip(&mut assembly.parts).enumerate().for_each(work);
         }
-        assembly.parts.iter().try_for_each(|part| part.outcome.clone())
+        self.agree(assembly.parts.iter().try_for_each(|part| part.outcome.clone()))
     }
 
     /// Rate of the drag \[1/time\].
@@ -260,7 +275,9 @@ impl Body {
     /// ```
     pub(crate) fn dissipated(&self, step: &StepInput<'_>, assembly: &mut Assembly) -> f64 {
         let scratch = &mut assembly.parts[0].scratch;
-        self.terms.iter().map(|term| term.dissipated(step, scratch)).sum()
+        let mut sum = [self.counted_terms().map(|term| term.dissipated(step, scratch)).sum()];
+        self.sum_ranks("dissipated energy", &mut sum);
+        sum[0]
     }
 
     /// Product of adjoint vectors with the derivatives of the stage averages by the displacement at the start of the
@@ -282,7 +299,7 @@ impl Body {
 
     /// Whether the body is free: no supports, no springs and attractions to the ground.
     pub(crate) fn is_free(&self) -> bool {
-        self.ground.is_empty() && !self.fixed.contains(&true)
+        self.ground.is_empty() && self.held_axes == [false; 3]
     }
 
     /// Stage averages of the force of the body on the ground through springs and attractions, `force: [k][n_nodes][3]`.

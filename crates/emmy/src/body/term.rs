@@ -110,10 +110,13 @@ pub(crate) trait Term: fmt::Debug + Send + Sync {
     fn strain_state(&self, displacement: &[f64]) -> StrainState;
 }
 
-/// Mean viscosity of all cells over their mean stiffness at rest \[time\].
-pub(super) fn viscous_time(terms: &[Box<dyn Term>]) -> f64 {
-    let traces = terms.iter().map(|term| term.viscosity_and_stiffness());
-    let [viscosity, stiffness] =
-        traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]]);
+/// Traces of viscosity and elasticity at rest, summed over all cells.
+pub(super) fn traces<'a>(terms: impl Iterator<Item = &'a Box<dyn Term>>) -> [f64; 2] {
+    let traces = terms.map(|term| term.viscosity_and_stiffness());
+    traces.fold([0.0; 2], |sum, traces| [sum[0] + traces[0], sum[1] + traces[1]])
+}
+
+/// Mean viscosity of all cells over their mean stiffness at rest \[time\], from [`traces`].
+pub(super) fn time_of([viscosity, stiffness]: [f64; 2]) -> f64 {
     if viscosity > 0.0 && stiffness > 0.0 { viscosity / stiffness } else { 0.0 }
 }

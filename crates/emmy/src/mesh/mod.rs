@@ -6,11 +6,13 @@ mod connectivity;
 mod groups;
 pub(crate) mod quality;
 mod shapes;
+mod share;
 
 pub use builder::MeshBuilder;
 pub use groups::{Facet, Groups};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{block, l_block, rectangle};
+pub use share::{Share, owners};
 
 pub use crate::element::{CellKind, FacetKind};
 
@@ -46,6 +48,8 @@ pub struct Mesh {
     offsets: Vec<u32>,
     connectivity: Vec<u32>,
     groups: Groups,
+    /// Whether it is part of another mesh, so that a group may be empty here.
+    is_share: bool,
 }
 
 impl Mesh {
@@ -150,7 +154,7 @@ impl Mesh {
         for &cell in groups.cells.get(name).into_iter().flatten() {
             nodes.extend_from_slice(self.cell(cell as usize).nodes);
         }
-        if nodes.is_empty() {
+        if nodes.is_empty() && !(self.is_share && groups.names().contains(&name)) {
             let available = groups.names().join(", ");
             return Err(Error::UnknownGroup { what: "node", group: name.to_string(), available });
         }

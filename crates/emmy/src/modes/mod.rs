@@ -89,6 +89,7 @@ const MAX_SEARCHED: usize = 56;
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
+    body.check_whole("a search for natural modes")?;
     solved(body, &mut Linearised::at_reference(body)?, count)
 }
 
@@ -108,6 +109,7 @@ pub fn modes(body: &Body, count: usize) -> Result<Vec<Mode>> {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn modes_about(body: &Body, equilibrium: &State, count: usize) -> Result<Vec<Mode>> {
+    body.check_whole("a search for natural modes")?;
     solved(body, &mut Linearised::at(body, &equilibrium.displacement, Some(equilibrium.time))?, count)
 }
 
@@ -141,6 +143,7 @@ pub fn n_modes(body: &Body) -> usize {
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn lowest_elastic_mode(body: &Body) -> Result<Option<(Mode, usize)>> {
+    body.check_whole("a search for natural modes")?;
     let mut linearised = Linearised::at_reference(body)?;
     let most = MAX_SEARCHED.min(n_modes(body));
     let mut count = RIGID_AND_ONE.min(most);

@@ -11,17 +11,12 @@ pub(super) fn placed(error: Error, body: &Body, state: &State, step_size: f64) -
         error => error,
     };
     let Error::Inverted { cell, det } = *inner else { return error };
-    let Some(found) = body.mesh().cells().nth(cell) else { return error };
-    let position = |node: &u32| state.position(body, *node as usize);
-    let mut centre = [0.0; 3];
-    for corner in found.nodes.iter().map(position) {
-        (0..3).for_each(|d| centre[d] += corner[d] / found.nodes.len() as f64);
-    }
+    let Some((kind, centre)) = body.at_cell(cell, |node| state.position(body, node)) else { return error };
     Error::CellInverted {
         step: state.step + 1,
         time: state.time + step_size,
         cell,
-        kind: found.kind,
+        kind,
         position: centre,
         det,
     }

@@ -3,7 +3,8 @@
 use super::failure::may_shrink_after;
 use super::stepping::{SAME_TIME, SmallestStep};
 use super::{
-    EventKind, MarchError, Motion, Observer, PlannedStep, Record, Resolution, StepPlan, Subdivision,
+    EventKind, MarchError, Motion, Observer, ObserverResult, PlannedStep, Record, Resolution, StepPlan,
+    Subdivision,
 };
 use crate::error::{Error, Result};
 use crate::number::short;
@@ -81,7 +82,10 @@ impl Motion<'_> {
             self.plan = Some(plan.clone());
         }
         match plan.adaptivity() {
-            Some(adaptivity) => self.control_steps(plan, adaptivity),
+            Some(adaptivity) => {
+                self.body.check_whole("a plan of adaptive steps")?;
+                self.control_steps(plan, adaptivity)
+            }
             None => Ok(()),
         }
     }
@@ -207,14 +211,26 @@ impl Motion<'_> {
         while !self.events.is_empty() {
             let event = self.events.remove(0);
             let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
-            told.map_err(MarchError::Observer)?;
+            self.agree_on(told)?;
         }
         Ok(())
+    }
+
+    /// The outcome of the observers: on a team an error of one rank ends the march of all.
+    fn agree_on(&self, outcome: ObserverResult) -> Result<(), MarchError> {
+        let told = match &outcome {
+            Ok(()) => Ok(()),
+            Err(error) => Err(Error::Observer { message: error.to_string() }),
+        };
+        let agreed = self.body.agree(told);
+        outcome.map_err(MarchError::Observer)?;
+        Ok(agreed?)
     }
 
     pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
         let view = self.view();
-        observers.iter_mut().try_for_each(|observer| observer.observe(view)).map_err(MarchError::Observer)
+        let told = observers.iter_mut().try_for_each(|observer| observer.observe(view));
+        self.agree_on(told)
     }
 }

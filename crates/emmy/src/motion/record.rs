@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, StrainState, sum};
+use crate::body::{Body, StrainState};
 use crate::sparse::SolverChoice;
-use crate::sparse::reduce::dot;
 use crate::time::{State, StepOutcome};
 
 /// Energies, momenta and balances after a step. At the start, step size and residuals are zero.
@@ -98,11 +97,11 @@ impl Record {
 
     /// The same, from a given strain energy and det F.
     fn with_invariants(mut self, body: &Body, state: &State, strain_state: StrainState) -> Record {
-        self.kinetic_energy = 0.5 * dot(&state.momentum, &state.velocity);
+        self.kinetic_energy = 0.5 * body.dot(&state.momentum, &state.velocity);
         self.strain_energy = strain_state.strain_energy;
         self.smallest_determinant = strain_state.smallest_determinant;
         self.total_energy = self.kinetic_energy + self.strain_energy;
-        self.linear_momentum = sum(&state.momentum);
+        self.linear_momentum = body.sum(&state.momentum);
         self.angular_momentum = state.angular_momentum(body);
         self
     }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::gmres::Solution;
 use super::kernel::{Entry, Row};
+use super::ranks::Ranks;
 use super::real::Real;
 use super::shifted::{CHUNK, ShiftedMatrix, dot, summed};
 use super::sweep::SweepOrder;
@@ -27,6 +28,8 @@ pub(crate) struct ConjugateGradients<T, const C: usize> {
     direction: Vec<Row<T, C>>,
     product: Vec<Row<T, C>>,
     partial: Vec<[f64; 2]>,
+    /// The other ranks; `None`: there are none.
+    ranks: Option<Ranks>,
 }
 
 /// Relative residual that no further iteration improves.
@@ -43,7 +46,23 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             direction: zero.clone(),
             product: zero,
             partial: vec![[0.0; 2]; n_rows.div_ceil(CHUNK)],
+            ranks: None,
         }
+    }
+
+    /// The same memory, for rows that a team shares.
+    pub(crate) fn on(self, ranks: Option<Ranks>) -> Self {
+        ConjugateGradients { ranks, ..self }
+    }
+
+    /// Sum over all ranks.
+    fn total(&self, own: [f64; 2]) -> [f64; 2] {
+        self.ranks.as_ref().map_or(own, |ranks| ranks.sum(own))
+    }
+
+    /// The largest of a number of all ranks.
+    pub(super) fn largest(&self, own: f64) -> f64 {
+        self.ranks.as_ref().map_or(own, |ranks| ranks.largest(own))
     }
 
     /// Solves from zero until the residual is `tolerance` times the right-hand side after at least `least` iterations, or
@@ -76,8 +95,11 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             let beta = if outcome.iterations == 0 { [0.0; 2] } else { divided(new, rho) };
             rho = new;
             self.turn(beta);
+            if let Some(ranks) = &self.ranks {
+                ranks.exchange(&mut self.direction);
+            }
             let curvature = matrix.multiply(sweep, &self.direction, &mut self.product, &mut self.partial);
-            let residual = self.advance(divided(rho, curvature));
+            let residual = self.advance(divided(rho, self.total(curvature)));
             outcome.iterations += 1;
             outcome.relative_residual = residual / norm;
             if !residual.is_finite() {
@@ -111,19 +133,19 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             r.iter_mut().zip(q).for_each(|(r, q)| add_multiple(r, against, q));
             *partial = [square(r), 0.0];
         });
-        summed(&self.partial)[0].sqrt()
+        self.total(summed(&self.partial))[0].sqrt()
     }
 
     fn residual_norm(&mut self) -> f64 {
         let parts = self.rhs.par_chunks(CHUNK).zip(self.partial.par_iter_mut());
         parts.for_each(|(r, partial)| *partial = [square(r), 0.0]);
-        summed(&self.partial)[0].sqrt()
+        self.total(summed(&self.partial))[0].sqrt()
     }
 
     fn rhs_product(&mut self) -> [f64; 2] {
         let vectors = self.rhs.par_chunks(CHUNK).zip(self.preconditioned.par_chunks(CHUNK));
         vectors.zip(self.partial.par_iter_mut()).for_each(|((r, z), partial)| *partial = dot(r, z));
-        summed(&self.partial)
+        self.total(summed(&self.partial))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Generalised minimal residual method with a right preconditioner.
 
-use super::reduce::{dot, norm};
+use super::reduce::dot;
 
 /// GMRES (Saad and Schultz 1986) with restarts; its memory is reused by the next solution.
 ///
@@ -41,7 +41,7 @@ impl Gmres {
         max_iterations: usize,
     ) -> Solution {
         x.fill(0.0);
-        let b_norm = norm(b);
+        let b_norm = system.norm(b);
         let mut solution =
             Solution { iterations: 0, relative_residual: if b_norm == 0.0 { 0.0 } else { 1.0 } };
         if b_norm == 0.0 || !b_norm.is_finite() {
@@ -70,7 +70,7 @@ impl Gmres {
             system.product(x, &mut self.work);
             first.iter_mut().zip(&self.work).for_each(|(r, y)| *r -= y);
         }
-        let size = norm(first);
+        let size = system.norm(first);
         first.iter_mut().for_each(|r| *r /= size);
         self.rhs.clear();
         self.rhs.push(size);
@@ -89,7 +89,7 @@ impl Gmres {
             system.precondition(&known[n], &mut self.work);
             system.product(&self.work, next);
             let column = vector(&mut self.columns, n, RESTART + 1);
-            orthogonalise(known, next, column);
+            orthogonalise(system, known, next, column);
             self.rotate(n);
             if self.rhs[n + 1].abs() <= target || self.columns[n][n + 1] == 0.0 {
                 return n + 1;
@@ -138,6 +138,14 @@ pub trait LinearSystem {
     fn product(&mut self, x: &[f64], y: &mut [f64]);
     /// `y = P^-1 x`, with P near A.
     fn precondition(&mut self, x: &[f64], y: &mut [f64]);
+    /// Scalar product.
+    fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
+        dot(x, y)
+    }
+    /// Euclidean norm.
+    fn norm(&self, x: &[f64]) -> f64 {
+        self.dot(x, x).sqrt()
+    }
 }
 
 /// The vector with an index, created or extended if it is missing.
@@ -150,12 +158,12 @@ fn vector(vectors: &mut Vec<Vec<f64>>, index: usize, length: usize) -> &mut Vec<
 }
 
 /// Modified Gram-Schmidt; the coefficients and the length of the remainder go to the column.
-fn orthogonalise(known: &[Vec<f64>], next: &mut [f64], column: &mut [f64]) {
+fn orthogonalise(system: &impl LinearSystem, known: &[Vec<f64>], next: &mut [f64], column: &mut [f64]) {
     for (basis, coefficient) in known.iter().zip(column.iter_mut()) {
-        *coefficient = dot(basis, next);
+        *coefficient = system.dot(basis, next);
         next.iter_mut().zip(basis).for_each(|(w, v)| *w -= *coefficient * v);
     }
-    let size = norm(next);
+    let size = system.norm(next);
     column[known.len()] = size;
     if size > 0.0 {
         next.iter_mut().for_each(|w| *w /= size);

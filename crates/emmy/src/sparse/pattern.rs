@@ -123,14 +123,19 @@ impl Pattern {
         found.ok().map(|offset| self.row_begin[row] + offset)
     }
 
-    /// Contiguous ranges of rows with about equal numbers of couplings.
+    /// Contiguous ranges of all rows with about equal numbers of couplings.
     pub fn divided(&self, n_parts: usize) -> Vec<std::ops::Range<usize>> {
+        self.divided_until(self.n_rows(), n_parts)
+    }
+
+    /// Contiguous ranges of the first rows with about equal numbers of couplings.
+    pub fn divided_until(&self, n_rows: usize, n_parts: usize) -> Vec<std::ops::Range<usize>> {
         let boundary = |part: usize| {
-            let wanted = self.n_blocks() * part / n_parts;
-            self.row_begin.partition_point(|&begin| begin < wanted).min(self.n_rows())
+            let wanted = self.row_begin[n_rows] * part / n_parts;
+            self.row_begin.partition_point(|&begin| begin < wanted).min(n_rows)
         };
         (0..n_parts)
-            .map(|part| boundary(part)..if part + 1 == n_parts { self.n_rows() } else { boundary(part + 1) })
+            .map(|part| boundary(part)..if part + 1 == n_parts { n_rows } else { boundary(part + 1) })
             .collect()
     }
 }

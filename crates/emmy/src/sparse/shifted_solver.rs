@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::kernel::Row;
 use super::{
-    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Real, ShiftedMatrix,
+    Approximate, BlockCholesky, ConjugateGradients, IncompleteCholesky, Pattern, Ranks, Real, ShiftedMatrix,
     StageMatrix, SweepOrder,
 };
 use crate::error::Result;
@@ -59,12 +59,12 @@ pub(crate) struct Iterative<const C: usize> {
 pub(super) const MAX_ITERATIONS: usize = 400;
 
 impl<const C: usize> Iterative<C> {
-    /// Memory for a matrix with fixed rows, `[n_rows 3]`.
-    pub(crate) fn new(fixed: &[bool], sweep: Arc<SweepOrder>) -> Self {
+    /// Memory for a matrix with fixed rows, `[n_rows 3]`, those of guests among them.
+    pub(crate) fn new(fixed: &[bool], sweep: Arc<SweepOrder>, ranks: Option<Ranks>) -> Self {
         Iterative {
             matrix: ShiftedMatrix::new(&sweep, fixed),
             factor: IncompleteCholesky::new(&sweep),
-            krylov: ConjugateGradients::new(sweep.n_rows()),
+            krylov: ConjugateGradients::new(sweep.n_rows()).on(ranks),
             sweep,
         }
     }
@@ -81,7 +81,7 @@ impl<const C: usize> ShiftedSolver for Iterative<C> {
     }
 
     fn solve(&mut self, x: &mut [f64], tolerance: f64) -> Option<usize> {
-        let size = largest(x);
+        let size = self.krylov.largest(largest(x));
         if size == 0.0 {
             return Some(0);
         }

@@ -112,13 +112,16 @@ pub struct StageMatrix {
     parts: Vec<RowPart>,
     degree: usize,
     n_rows: usize,
+    /// The blocks of rows that no part owns.
+    zero: Vec<f64>,
 }
 
 impl StageMatrix {
-    /// Memory for k stages on a pattern, divided into parts.
+    /// Memory for k stages on a pattern, divided into parts. The rows after the last part are zero: those of nodes that
+    /// another rank owns.
     pub fn new(pattern: &Pattern, parts: &[Range<usize>], degree: usize) -> Self {
         let parts = parts.iter().map(|rows| RowPart::new(pattern, rows.clone(), degree)).collect();
-        StageMatrix { parts, degree, n_rows: pattern.n_rows() }
+        StageMatrix { parts, degree, n_rows: pattern.n_rows(), zero: vec![0.0; 9 * degree * degree] }
     }
 
     /// Parts by rows.
@@ -140,7 +143,7 @@ impl StageMatrix {
             parts => &parts[parts.partition_point(|part| part.first_block <= position) - 1],
         };
         let at = (position - part.first_block) * size;
-        &part.blocks[at..at + size]
+        part.blocks.get(at..at + size).unwrap_or(&self.zero)
     }
 
     /// Replaces the matrix by its transpose; the pattern is symmetric.

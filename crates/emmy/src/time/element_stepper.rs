@@ -4,9 +4,9 @@ use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
 use crate::body::{Body, LoadMemory, MassSolver, Reaction, StrainState};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::newton::NewtonSettings;
-use crate::sparse::reduce::dot;
+use crate::sparse::Solver;
 
 /// Stepper of a time element.
 ///
@@ -51,8 +51,12 @@ impl<'a> TimeElementStepper<'a> {
     /// A stepper with all its memory; the symbolic factorisations are done here, once.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfMemory`].
-    pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
+    /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for an element that dissipates energy, or a
+    /// solver that factorises.
+    pub fn new(body: &'a Body, element: TimeElement, mut settings: NewtonSettings) -> Result<Self> {
+        if body.subdomain().is_some() {
+            settings.solver = solver_on_team(element, settings.solver)?;
+        }
         let n = body.n_dofs();
         let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
@@ -110,7 +114,7 @@ impl<'a> TimeElementStepper<'a> {
     fn impulses(&mut self, h: f64) -> Result<Impulses> {
         let body = self.system.body;
         let n = self.system.body.n_dofs();
-        let has_supports = body.fixed().contains(&true);
+        let has_supports = body.held_axes() != [false; 3];
         let mut impulses = Impulses::default();
         if has_supports {
             self.system.full_residual(&self.iteration.unknowns, &mut self.residual)?;
@@ -146,7 +150,7 @@ impl<'a> TimeElementStepper<'a> {
                 let lambda = if body.fixed()[dof] { force[dof] / (h * h) } else { 0.0 };
                 force[dof] = lambda + self.system.external_force(i * n + dof);
             }
-            impulses.work += b * dot(force, &rates[i * n..(i + 1) * n]);
+            impulses.work += b * body.dot(force, &rates[i * n..(i + 1) * n]);
             let ground = self.ground.chunks_exact(n).nth(i).into_iter().flatten();
             force.iter_mut().zip(ground).for_each(|(force, ground)| *force -= ground);
             if body.drag() > 0.0 {
@@ -154,6 +158,7 @@ impl<'a> TimeElementStepper<'a> {
             }
             impulses.add_force(body, h * b, &self.position, force);
         }
+        body.sum_reactions(&mut self.reactions);
         Ok(impulses)
     }
 
@@ -198,7 +203,7 @@ impl<'a> TimeElementStepper<'a> {
         let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses)?;
         if !self.mass_shares.is_empty() {
-            state.note_momentum_error(&self.momentum, impulses.linear);
+            state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
         }
         self.iteration.remember(&self.system.coefficients, step_size);
         Ok(StepOutcome { newton, impulses, strain_state, solver: self.system.solver() })
@@ -317,9 +322,19 @@ impl<'a> TimeElementStepper<'a> {
     }
 }
 
+/// The solver for a request on a team.
+fn solver_on_team(element: TimeElement, requested: Solver) -> Result<Solver> {
+    let what = match (element.spectral_radius, requested) {
+        (Some(_), _) => "a scheme that dissipates energy".to_string(),
+        (None, Solver::Auto | Solver::Iterative) => return Ok(Solver::Iterative),
+        (None, other) => format!("the solver `{}`", other.name()),
+    };
+    Err(Error::NotOnTeam { what })
+}
+
 /// The part of a body's mass at each node.
 fn mass_shares(body: &Body) -> Vec<f64> {
-    let total: f64 = body.lumped_mass().iter().sum();
+    let total = body.total_lumped_mass();
     body.lumped_mass().iter().map(|mass| mass / total).collect()
 }
 

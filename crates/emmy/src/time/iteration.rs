@@ -6,7 +6,6 @@ use super::stage_system::StageSystem;
 use super::{Memory, State};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonMemory, NewtonSettings, Outcome, System};
-use crate::sparse::reduce::dot;
 
 /// The iteration of a step with its memory: its unknown rates, and the rates of the step before.
 #[derive(Debug)]
@@ -188,13 +187,13 @@ impl Iteration {
         let rates = &self.unknowns[..self.n_rates];
         let residual = &self.residual[..self.n_rates];
         let [work, impulse, moment] = self.prediction.imbalance(system, rates, residual);
-        let kinetic = 0.5 * dot(&state.momentum, &state.velocity);
+        let kinetic = 0.5 * system.body.dot(&state.momentum, &state.velocity);
         let moved = system.mean_kinetic_energy(rates);
         let energy = kinetic.max(moved) + system.body.strain_state(&system.displacement).strain_energy.abs();
         if energy == 0.0 {
             return Ok(0.0);
         }
-        let of_momenta = self.prediction.momentum_scales(energy);
+        let of_momenta = self.prediction.momentum_scales(system.body, energy);
         let work = work + system.rounding_energy(self.rates());
         let parts = [work / energy, impulse / of_momenta[0], moment / of_momenta[1]];
         Ok(parts.into_iter().filter(|part| part.is_finite()).fold(0.0, f64::max))
@@ -209,11 +208,11 @@ impl Iteration {
         step_size: f64,
     ) -> Error {
         let size = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
-        let nodes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size).enumerate();
-        let node = nodes.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(node, _)| node);
         if failed.residual.is_nan() {
             return not_a_number(self.newton.residual(), system, state, step_size);
         }
+        let sizes = self.newton.residual()[..state.displacement.len()].chunks_exact(3).map(size);
+        let (node, _) = system.body.largest_node(sizes);
         Error::NoConvergence {
             step: state.step + 1,
             time: state.time + step_size,
@@ -221,7 +220,7 @@ impl Iteration {
             residual: failed.residual,
             target: failed.target,
             node,
-            position: state.position(system.body, node),
+            position: system.body.at_node(node, |node| state.position(system.body, node)),
         }
     }
 
@@ -298,11 +297,15 @@ fn no_digits(rounding: f64, state: &State, step_size: f64) -> Error {
 
 /// The error of an iteration whose residual is not a number, at the first such node.
 fn not_a_number(residual: &[f64], system: &StageSystem<'_>, state: &State, step_size: f64) -> Error {
-    let dof = residual.iter().position(|r| !r.is_finite()).unwrap_or(0) % state.displacement.len();
+    let body = system.body;
+    let of_rates = residual.iter().take(residual.len() - system.n_pressures());
+    let dofs = of_rates.enumerate().filter(|(_, r)| !r.is_finite()).map(|(at, _)| at % body.n_dofs());
+    let own = dofs.map(|dof| dof / 3).find(|node| body.own_nodes().contains(node));
+    let node = body.lowest_node(own).unwrap_or(0);
     Error::NotANumber {
         step: state.step + 1,
         time: state.time + step_size,
-        node: dof / 3,
-        position: state.position(system.body, dof / 3),
+        node,
+        position: body.at_node(node, |node| state.position(body, node)),
     }
 }

@@ -54,6 +54,7 @@ impl State {
         if displacement.len() == body.mesh().n_dofs() {
             body.fit_without_modes(&mut displacement);
         }
+        body.update_guests("displacement", &mut displacement);
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
         let displacement_low = vec![0.0; body.n_dofs()];
@@ -101,10 +102,9 @@ impl State {
         [0, 1, 2].map(|i| body.point(node)[i] + self.displacement[3 * node + i])
     }
 
-    /// Displacement of the first node of a free body, zero for any other body: strains and forces do not depend on it.
+    /// Displacement of the first node of a free body (on a team, of the first rank), zero for any other body: strains and forces do not depend on it.
     pub fn origin(&self, body: &Body) -> [f64; 3] {
-        let first = self.displacement.first_chunk();
-        first.filter(|_| body.is_free()).copied().unwrap_or_default()
+        if body.is_free() { body.first_displacement(&self.displacement) } else { [0.0; 3] }
     }
 
     /// Sets the displacement relative to [`State::origin`], its low part included.
@@ -135,7 +135,7 @@ impl State {
         let mut moment = [0.0; 3];
         // Internal nodes have no momentum.
         let nodes = body.mesh().points().iter().zip(self.momentum.as_chunks::<3>().0).enumerate();
-        for (node, (X, p)) in nodes {
+        for (node, (X, p)) in nodes.take(body.own_nodes().end) {
             let low = self.displacement_low.as_chunks::<3>().0.get(node).copied().unwrap_or_default();
             let at = 3 * node;
             let q = [0, 1, 2].map(|d| X[d] + ((self.displacement[at + d] - origin[d]) + low[d]));
@@ -143,6 +143,7 @@ impl State {
             add(&mut total, *p);
         }
         add(&mut moment, cross(origin, total));
+        body.sum_ranks("angular momentum", &mut moment);
         moment
     }
 
@@ -154,8 +155,9 @@ impl State {
     }
 
     /// Adds the change of the momentum since `before`, less an impulse, to the error of the momentum.
-    pub(super) fn note_momentum_error(&mut self, before: &[f64], impulse: [f64; 3]) {
+    pub(super) fn note_momentum_error(&mut self, body: &Body, before: &[f64], impulse: [f64; 3]) {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
+        // The momentum of guests is zero before and after.
         for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {
             for d in 0..3 {
                 let (change, error) = two_sum(p[d], -before[d]);
@@ -163,6 +165,8 @@ impl State {
                 (high[d], low[d]) = (sum, low[d] + error + rounding);
             }
         }
+        body.sum_ranks("change of momentum", &mut high);
+        body.sum_ranks("rounding of the change of momentum", &mut low);
         (0..3).for_each(|d| self.momentum_error[d] += (high[d] - impulse[d]) + low[d]);
     }
 }

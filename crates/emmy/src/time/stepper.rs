@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Memory, State};
-use crate::body::{Body, Reaction, StrainState, sum};
+use crate::body::{Body, Reaction, StrainState};
 use crate::error::Result;
 use crate::newton::Outcome;
 use crate::sparse::SolverChoice;
@@ -95,7 +95,7 @@ pub struct Impulses {
 impl Impulses {
     /// Adds the impulses of a nodal force that acts for a time at a displacement, both `[n_nodes][3]`.
     pub fn add_force(&mut self, body: &Body, duration: f64, displacement: &[f64], force: &[f64]) {
-        let total = sum(force);
+        let total = body.sum(force);
         let moment = body.moment(displacement, force);
         (0..3).for_each(|d| self.linear[d] += duration * total[d]);
         (0..3).for_each(|d| self.angular[d] += duration * moment[d]);

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules in their order; each may use only earlier ones.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "number",
     "error",
+    "team",
     "tensor",
     "quadrature",
     "polynomial",
@@ -33,6 +34,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "reduce",
             "real",
             "pattern",
+            "metis",
             "ordering",
             "dense",
             "eigen",
@@ -45,6 +47,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "lu",
             "sweep",
             "kernel",
+            "ranks",
             "blocks",
             "triangular",
             "shifted",
@@ -83,11 +86,13 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "pressure",
             "system",
             "elimination",
+            "team",
             "builder",
             "mass",
             "invariants",
             "driven",
             "reactions",
+            "reductions",
             "start",
             "loads",
             "followers",
@@ -350,7 +355,47 @@ fn unsafe_code_has_one_place() {
         .filter(|(_, path)| code(path).contains("unsafe {"))
         .map(|(_, path)| path)
         .collect();
-    assert_eq!(places, [source().join("sparse/ordering.rs")]);
+    assert_eq!(places, [source().join("sparse/metis.rs")]);
+}
+
+/// On a team a sum over the nodes that are here is not the sum over the body.
+#[test]
+fn sums_over_nodes_are_methods_of_the_body() {
+    // Rejected on teams.
+    const WHOLE_BODIES: [&str; 6] = [
+        "time/classic",
+        "time/dissipation.rs",
+        "time/error",
+        "motion/adaptive.rs",
+        "motion/error_norm.rs",
+        "motion/control.rs",
+    ];
+    let is_whole = |path: &Path| WHOLE_BODIES.iter().any(|place| path.starts_with(source().join(place)));
+    let of_steps = files().into_iter().filter(|(module, path)| {
+        ["time", "motion"].contains(&module.as_str()) && !is_whole(path) && !path.ends_with("tests.rs")
+    });
+    let mut n_files = 0;
+    for (_, path) in of_steps {
+        n_files += 1;
+        let code = code(&path);
+        for word in [
+            "reduce",
+            "body::sum",
+            "sum}",
+            "fixed()",
+            "mass().iter()",
+            "momentum.iter().sum",
+            "velocity.iter().sum",
+        ] {
+            let reads_here = match (word, path.strip_prefix(source()).unwrap().to_str()) {
+                // Entries of single degrees of freedom; the mass shares are divided by a total of all ranks.
+                ("fixed()" | "mass().iter()", Some("time/element_stepper.rs")) => true,
+                _ => false,
+            };
+            assert!(reads_here || !code.contains(word), "{} has {word}", path.display());
+        }
+    }
+    assert!(n_files > 30, "{n_files}");
 }
 
 /// A file of tests without a `mod` line would be ignored silently.

@@ -32,4 +32,5 @@ mod shared;
 mod solid_elements;
 mod solvers;
 mod stiff_bodies;
+mod teams;
 mod tuning_fork;

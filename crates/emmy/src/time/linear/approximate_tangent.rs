@@ -334,7 +334,8 @@ impl ApproximateTangent {
 
     fn sum_rows(&mut self, body: &Body) {
         let matrix = &self.assembly.matrix;
-        self.row_sums.as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
+        let own = 3 * body.own_nodes().end;
+        self.row_sums[..own].as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
             *sums = [0.0; 3];
             for position in body.pattern().range(row) {
                 let block = matrix.block(position);
@@ -352,18 +353,22 @@ impl ApproximateTangent {
         rates: &[f64],
         time_scale: f64,
     ) -> f64 {
-        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.fixed());
-        let square = |((sum, (u, x)), fixed): ((&f64, (&f64, &f64)), &bool)| {
-            if *fixed { 0.0 } else { (sum * (u.abs() + x.abs())).powi(2) }
+        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.inactive());
+        let square = |((sum, (u, x)), inactive): ((&f64, (&f64, &f64)), &bool)| {
+            if *inactive { 0.0 } else { (sum * (u.abs() + x.abs())).powi(2) }
         };
-        time_scale * time_scale * terms.map(square).sum::<f64>().sqrt()
+        let mut sum = [terms.map(square).sum::<f64>()];
+        body.sum_ranks("squares of the rounding", &mut sum);
+        time_scale * time_scale * sum[0].sqrt()
     }
 
     /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
-    pub(crate) fn rounding_energy(&self, displacement: &[f64], rates: &[f64]) -> f64 {
+    pub(crate) fn rounding_energy(&self, body: &Body, displacement: &[f64], rates: &[f64]) -> f64 {
+        // The row sums of guests are zero.
         let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
-        let sum: f64 = terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum();
-        0.125 * f64::EPSILON * f64::EPSILON * sum
+        let mut sum = [terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum::<f64>()];
+        body.sum_ranks("energy of the rounding", &mut sum);
+        0.125 * f64::EPSILON * f64::EPSILON * sum[0]
     }
 }
 

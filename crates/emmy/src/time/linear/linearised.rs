@@ -22,7 +22,7 @@ impl LinearSystem for LinearisedStages<'_> {
         if let Some(projection) = &mut self.projection {
             projection.add_derivative(self.body, self.time_scale, x, y);
         }
-        clear_fixed(self.body, y);
+        clear_inactive(self.body, y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -30,17 +30,24 @@ impl LinearSystem for LinearisedStages<'_> {
             Some(projection) => {
                 self.right.copy_from_slice(x);
                 projection.correct(self.right);
-                clear_fixed(self.body, self.right);
+                clear_inactive(self.body, self.right);
                 self.approximate_tangent.precondition(self.right, y);
             }
             None => self.approximate_tangent.precondition(x, y),
         }
+        // A product follows.
+        self.body.update_guests("preconditioned vector", y);
+    }
+
+    fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
+        self.body.dot(x, y)
     }
 }
 
-/// Sets the entries of the fixed degrees of freedom to zero in every stage.
-pub(crate) fn clear_fixed(body: &Body, vector: &mut [f64]) {
+/// Sets the entries of the degrees of freedom without an equation to zero in every stage: of fixed ones, and of guests.
+pub(crate) fn clear_inactive(body: &Body, vector: &mut [f64]) {
     for stage in vector.chunks_exact_mut(body.n_dofs()) {
-        stage.iter_mut().zip(body.fixed()).filter(|(_, fixed)| **fixed).for_each(|(value, _)| *value = 0.0);
+        let entries = stage.iter_mut().zip(body.inactive());
+        entries.filter(|(_, inactive)| **inactive).for_each(|(value, _)| *value = 0.0);
     }
 }

@@ -7,8 +7,8 @@ use super::solver_choice::Costs;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
-    Condensation, Direct, DirectPair, Iterative, Multigrid, Shifted, ShiftedSolver, Solver, SolverChoice,
-    SolverKind, StageMatrix, SweepOrder, inverse,
+    Condensation, Direct, DirectPair, Iterative, Multigrid, Ranks, Shifted, ShiftedSolver, Solver,
+    SolverChoice, SolverKind, StageMatrix, SweepOrder, inverse,
 };
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
@@ -116,7 +116,7 @@ impl ModeSolvers {
     }
 
     fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
-        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.fixed());
+        let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.inactive());
         if let Some(condensation) = &mut self.condensation {
             condensation.condense(body.pattern(), stiffness, fixed)?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
@@ -174,20 +174,22 @@ impl ModeSolvers {
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
         self.condensation = Condensation::new(body.pattern(), body.mass());
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
-        let fixed = &body.fixed()[..3 * pattern.n_rows()];
+        let fixed = &body.inactive()[..3 * pattern.n_rows()];
         let order = || -> Result<Vec<usize>> {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
         let needs_sweep = has_pairs || choice.kind != SolverKind::Direct;
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
+        let ranks =
+            || body.subdomain().cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
         for mode in &self.modes {
             self.solvers.push(match (&sweep, choice.kind, mode.n_columns()) {
                 (Some(sweep), SolverKind::Iterative, 1) => {
-                    Box::new(Iterative::<1>::new(fixed, sweep.clone()))
+                    Box::new(Iterative::<1>::new(fixed, sweep.clone(), ranks()))
                 }
                 (Some(sweep), SolverKind::Iterative, _) => {
-                    Box::new(Iterative::<2>::new(fixed, sweep.clone()))
+                    Box::new(Iterative::<2>::new(fixed, sweep.clone(), ranks()))
                 }
                 (Some(sweep), SolverKind::Multigrid, 1) => {
                     Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?)
@@ -326,8 +328,10 @@ fn stiffness_over_mass(body: &Body, stiffness: &StageMatrix) -> f64 {
         let diagonal = body.pattern().position(node, node).unwrap_or(0);
         stiffness.block(diagonal)[4 * (dof % 3)].abs() / body.lumped_mass()[node]
     };
-    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.fixed()[dof]);
-    free.map(ratio).fold(0.0, f64::max)
+    let free = (0..body.mesh().n_dofs()).filter(|&dof| !body.inactive()[dof]);
+    let mut most = [free.map(ratio).fold(0.0, f64::max)];
+    body.largest_of_ranks("stiffness over mass", &mut most);
+    most[0]
 }
 
 /// Names in checkpoints of the kinds that may fail.

@@ -8,9 +8,8 @@ use super::rigid_step::{self, RigidStep};
 use super::stage_coefficients::StageCoefficients;
 use super::stage_system::StageSystem;
 use super::{Memory, State};
-use crate::body::{Body, sum};
+use crate::body::Body;
 use crate::error::Result;
-use crate::sparse::reduce::dot;
 use crate::tensor::rotation::{exp, image, skew};
 use crate::tensor::{Mat3, cross};
 
@@ -73,8 +72,7 @@ struct Free {
 impl Free {
     /// Axes that the supports of a body leave free. A rotation about an axis moves all points off the axis.
     fn of(body: &Body) -> Self {
-        let mut shifts = [true; 3];
-        body.fixed().iter().enumerate().for_each(|(dof, fixed)| shifts[dof % 3] &= !fixed);
+        let shifts = body.held_axes().map(|held| !held);
         let turns = [0, 1, 2].map(|axis| (0..3).all(|d| d == axis || shifts[d]));
         Free { shifts, turns }
     }
@@ -129,7 +127,7 @@ impl Prediction {
         let stage = &system.coefficients;
         let k = stage.rule.degree();
         self.free = Free::of(body);
-        let mass: f64 = body.mass().iter().sum();
+        let mass = body.total_mass();
         self.mass = 0.0;
         self.translation.fill([0.0; 3]);
         self.rigid.set_rest();
@@ -152,30 +150,35 @@ impl Prediction {
                 rate[d] = total / mass;
             }
         }
-        let mut inertia = [[0.0; 3]; 3];
-        for (my, y) in self.weighted_arm.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
-            (0..3).for_each(|d| (0..3).for_each(|e| inertia[d][e] += my[d] * y[e]));
-        }
+        let inertia = self.tensor(body, &self.weighted_arm);
         self.rigid.solve(stage, &inertia, &self.moments, turns);
         if is_first {
-            let linear = sum(&state.momentum).map(|p| p / mass);
+            let linear = body.sum(&state.momentum).map(|p| p / mass);
             let drift = [0, 1, 2].map(|d| if shifts[d] { linear[d] } else { 0.0 });
-            self.subtract_rigid_velocity(&inertia, &state.momentum, drift, turns);
+            self.subtract_rigid_velocity(body, &inertia, &state.momentum, drift, turns);
         }
+    }
+
+    /// `sum_A v_A y_A^T` of a nodal vector that is zero at guests.
+    fn tensor(&self, body: &Body, vector: &[f64]) -> Mat3<f64> {
+        let mut tensor = [[0.0; 3]; 3];
+        for (v, y) in vector.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
+            (0..3).for_each(|d| (0..3).for_each(|e| tensor[d][e] += v[d] * y[e]));
+        }
+        body.sum_ranks("tensor of a nodal vector", tensor.as_flattened_mut());
+        tensor
     }
 
     /// Subtracts from the deviation the velocity of the rigid motion with the momentum of the state.
     fn subtract_rigid_velocity(
         &mut self,
+        body: &Body,
         inertia: &Mat3<f64>,
         momentum: &[f64],
         drift: [f64; 3],
         turns: [bool; 3],
     ) {
-        let mut moments = [[0.0; 3]; 3];
-        for (p, y) in momentum.chunks_exact(3).zip(self.arm.chunks_exact(3)) {
-            (0..3).for_each(|d| (0..3).for_each(|e| moments[d][e] += p[d] * y[e]));
-        }
+        let moments = self.tensor(body, momentum);
         let Some(spin) = rigid_step::spin(inertia, &moments, turns) else { return };
         let turn = skew(&spin);
         let n = self.arm.len();
@@ -196,7 +199,7 @@ impl Prediction {
         // Twice: for a body far from the origin, the first result has rounding errors.
         for _ in 0..2 {
             body.mass_product(&self.arm, &mut self.weighted_arm);
-            let centre = sum(&self.weighted_arm).map(|sum| sum / mass);
+            let centre = body.sum(&self.weighted_arm).map(|sum| sum / mass);
             self.arm.chunks_exact_mut(3).for_each(|y| (0..3).for_each(|d| y[d] -= centre[d]));
         }
         body.mass_product(&self.arm, &mut self.weighted_arm);
@@ -208,7 +211,7 @@ impl Prediction {
         let s = system.time_scale;
         for (i, (moments, sum)) in self.moments.iter_mut().zip(&mut self.sums).enumerate() {
             (*moments, *sum) = ([[0.0; 3]; 3], [0.0; 3]);
-            for (node, y) in self.arm.chunks_exact(3).enumerate() {
+            for (node, y) in self.arm.chunks_exact(3).enumerate().take(system.body.own_nodes().end) {
                 for d in 0..3 {
                     let at = i * n + 3 * node + d;
                     let force = system.known[at] + s * s * system.external_force(at);
@@ -217,6 +220,8 @@ impl Prediction {
                 }
             }
         }
+        system.body.sum_ranks("sums of known vectors", self.sums.as_flattened_mut());
+        system.body.sum_ranks("moments of known vectors", self.moments.as_flattened_mut().as_flattened_mut());
     }
 
     /// Balances resultants and moments of a solution by an additional rigid motion, to rounding.
@@ -233,8 +238,8 @@ impl Prediction {
         let mut last = f64::INFINITY;
         for pass in 0..BALANCES {
             system.unbalanced(rates, residual);
-            self.set_resultants(system.coefficients.rule.coefficients(), rates, residual);
-            let left = self.resultant_size();
+            self.set_resultants(system, rates, residual);
+            let left = self.resultant_size(system.body);
             if left == 0.0 || pass >= MIN_BALANCES && left > ROUNDING * last {
                 return;
             }
@@ -256,12 +261,14 @@ impl Prediction {
 
     /// Sets the sums and moments of a residual in every stage, moments about the centre of mass at the start of the
     /// step.
-    fn set_resultants(&mut self, a: &[f64], rates: &[f64], residual: &[f64]) {
+    fn set_resultants(&mut self, system: &StageSystem<'_>, rates: &[f64], residual: &[f64]) {
+        let a = system.coefficients.rule.coefficients();
         let k = self.moment.len();
         let n = self.arm.len();
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
-            for (node, r) in residual.as_chunks::<3>().0.iter().enumerate() {
+            let own = residual.as_chunks::<3>().0.iter().take(system.body.own_nodes().end);
+            for (node, r) in own.enumerate() {
                 let at = 3 * node;
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
@@ -272,16 +279,18 @@ impl Prediction {
                 (0..3).for_each(|d| self.moment[i][d] += moment[d]);
             }
         }
+        system.body.sum_ranks("resultants", self.sums.as_flattened_mut());
+        system.body.sum_ranks("moments of a residual", self.moment.as_flattened_mut());
     }
 
     /// Size of the sums and moments of all stages along and about the free axes, relative to mass and inertia.
-    fn resultant_size(&self) -> f64 {
+    fn resultant_size(&self, body: &Body) -> f64 {
         let Free { shifts, turns } = self.free;
         let size =
             |v: &[f64; 3], free: [bool; 3]| (0..3).filter(|&d| free[d]).map(|d| v[d].abs()).sum::<f64>();
         let sums: f64 = self.sums.iter().map(|sum| size(sum, shifts)).sum();
         let moments: f64 = self.moment.iter().map(|moment| size(moment, turns)).sum();
-        let [mass, inertia] = self.momentum_scales(0.5);
+        let [mass, inertia] = self.momentum_scales(body, 0.5);
         sums / mass + moments / inertia.max(f64::MIN_POSITIVE)
     }
 
@@ -298,11 +307,11 @@ impl Prediction {
         let mut work = 0.0;
         let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
         if self.mass > 0.0 {
-            self.set_resultants(rule.coefficients(), rates, residual);
+            self.set_resultants(system, rates, residual);
         }
         let stages = residual.chunks_exact(n).zip(rates.chunks_exact(n)).zip(rule.weights()).enumerate();
         for (i, ((residual, rates), b)) in stages {
-            work += b * dot(residual, rates) / (s * s);
+            work += b * system.body.dot(residual, rates) / (s * s);
             for d in (0..3).filter(|_| self.mass > 0.0) {
                 impulse[d] += if self.free.shifts[d] { b / s * self.sums[i][d] } else { 0.0 };
                 moment[d] += if self.free.turns[d] { b / s * self.moment[i][d] } else { 0.0 };
@@ -314,11 +323,11 @@ impl Prediction {
 
     /// Largest linear and angular momentum possible with a kinetic energy, `sqrt(2 T m)` and `sqrt(2 T I)`; infinite if
     /// the body has no rigid motion.
-    pub(super) fn momentum_scales(&self, energy: f64) -> [f64; 2] {
+    pub(super) fn momentum_scales(&self, body: &Body, energy: f64) -> [f64; 2] {
         if self.mass == 0.0 {
             return [f64::INFINITY; 2];
         }
-        [(2.0 * energy * self.mass).sqrt(), (2.0 * energy * dot(&self.arm, &self.weighted_arm)).sqrt()]
+        [(2.0 * energy * self.mass).sqrt(), (2.0 * energy * body.dot(&self.arm, &self.weighted_arm)).sqrt()]
     }
 
     /// The rotation of the rigid motion.

@@ -13,7 +13,6 @@ use super::stage_coefficients::StageCoefficients;
 use crate::average::Request;
 use crate::body::{Assembly, Body, Reaction, StepDamping, StepInput};
 use crate::error::Result;
-use crate::sparse::reduce::dot;
 use crate::sparse::{Gmres, Solver, SolverChoice};
 
 /// The stage equations of a body and their memory; a step is set with [`StageSystem::start`].
@@ -168,7 +167,7 @@ impl<'a> StageSystem<'a> {
         self.set_mass_rates(x);
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let dragged_mass = &self.dragged_mass;
-        let fixed = body.fixed();
+        let inactive = body.inactive();
         let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &dragged_mass[i * k..(i + 1) * k];
@@ -182,7 +181,7 @@ impl<'a> StageSystem<'a> {
                     let internal = s * s * force[at];
                     let external = s * s * (dead_load[at] + follower[at]);
                     *residual = inertia - known[at] + (internal - external);
-                    if !fixed[dof] {
+                    if !inactive[dof] {
                         squares[0] += inertia * inertia;
                         squares[1] += internal * internal;
                         squares[2] += external * external;
@@ -194,8 +193,9 @@ impl<'a> StageSystem<'a> {
             projection.set(x, &self.mass_rates, &self.momentum, s);
             projection.add_to_residual(s, residual);
         }
-        let total = |part: usize| squares.iter().map(|squares| squares[part]).sum::<f64>().sqrt();
-        Ok([0, 1, 2].map(total))
+        let mut totals = [0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>());
+        body.sum_ranks("squares of inertia and forces", &mut totals);
+        Ok(totals.map(f64::sqrt))
     }
 
     /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and
@@ -231,12 +231,15 @@ impl<'a> StageSystem<'a> {
         self.set_mass_rates(x);
         let n = self.body.n_dofs();
         let stages = x.chunks_exact(n).zip(self.mass_rates.chunks_exact(n));
-        stages.zip(self.coefficients.rule.weights()).map(|((x, mass_x), b)| b * dot(x, mass_x)).sum()
+        stages
+            .zip(self.coefficients.rule.weights())
+            .map(|((x, mass_x), b)| b * self.body.dot(x, mass_x))
+            .sum()
     }
 
     /// Strain energy caused by rounding of the displacements in the step.
     pub(super) fn rounding_energy(&self, x: &[f64]) -> f64 {
-        self.approximate_tangent.rounding_energy(&self.displacement, &x[..self.body.n_dofs()])
+        self.approximate_tangent.rounding_energy(self.body, &self.displacement, &x[..self.body.n_dofs()])
     }
 
     /// Whether the internal forces have neither a resultant nor a moment in any stage, so that inertia and loads alone

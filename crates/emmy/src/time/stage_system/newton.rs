@@ -4,8 +4,7 @@ use super::StageSystem;
 use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
-use crate::sparse::reduce::norm;
-use crate::time::linear::{LinearisedStages, clear_fixed};
+use crate::time::linear::{LinearisedStages, clear_inactive};
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -27,7 +26,7 @@ impl StageSystem<'_> {
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(&mut self.negative);
-            clear_fixed(self.body, &mut self.negative);
+            clear_inactive(self.body, &mut self.negative);
         }
         let parts = correction.split_at_mut(self.negative.len());
         let system = (self.body, &self.coefficients.rule);
@@ -43,7 +42,7 @@ impl StageSystem<'_> {
         let rule = &self.coefficients.rule;
         let s = self.time_scale;
         self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
-        clear_fixed(self.body, &mut self.negative);
+        clear_inactive(self.body, &mut self.negative);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
@@ -66,15 +65,15 @@ impl StageSystem<'_> {
     /// effect: otherwise, an error of the rates of the second order, times the bulk modulus, would hide the convergence.
     fn condensed_norm(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
         if of_pressures.is_empty() {
-            return norm(residual);
+            return self.body.norm(residual);
         }
         let system = (self.body, &self.coefficients.rule);
         self.condensed.fill(0.0);
         self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
-        clear_fixed(self.body, &mut self.condensed);
-        norm(&self.condensed)
+        clear_inactive(self.body, &mut self.condensed);
+        self.body.norm(&self.condensed)
     }
 
     /// Sets the rounding floor, once per step.
@@ -94,7 +93,7 @@ impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let parts = self.full_residual(x, residual)?;
         let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
-        clear_fixed(self.body, of_rates);
+        clear_inactive(self.body, of_rates);
         Ok(Sizes {
             residual: self.condensed_norm(of_rates, of_pressures),
             scale: parts.into_iter().fold(0.0, f64::max),
@@ -119,14 +118,17 @@ impl System for StageSystem<'_> {
         }
         self.approximate_tangent.rescale(self.body, self.time_scale)?;
         self.set_floor(x);
-        match tangent {
+        let n_rates = of_rates.len();
+        let iterations = match tangent {
             Tangent::Reused | Tangent::Refactorized => self.solve_approximately(tolerance, dx),
             Tangent::Exact => {
                 self.assemble(x, Request::Tangent)?;
                 self.solve_exactly(tolerance, dx)
             }
             Tangent::LastExact => self.solve_exactly(tolerance, dx),
-        }
+        }?;
+        self.body.update_guests("correction", &mut dx[..n_rates]);
+        Ok(iterations)
     }
 
     fn refactorization_cost(&self) -> f64 {
@@ -137,7 +139,7 @@ impl System for StageSystem<'_> {
     /// last K contracted too little. With pressures the exact tangent differs from K by directions that the bulk modulus
     /// makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
-        match (self.body.n_pressures(), self.body.n_dofs()) {
+        match (self.body.n_pressures(), self.body.n_dofs_of_ranks()) {
             (0, SMALL..) if slow_corrections == 0 => 0.4,
             (0, _) => 0.0,
             _ => 0.9,

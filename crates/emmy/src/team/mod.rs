@@ -1,0 +1,99 @@
+//! Teams of ranks that share a body: each computes the rows of its own nodes.
+//!
+//! A rank has its own nodes and every cell that touches one of them; the other nodes of those cells are its *guests*.
+//! Values of guests come from their owners. Every sum over nodes or cells is a call of all ranks together.
+
+mod subdomain;
+mod threads;
+
+pub(crate) use subdomain::Subdomain;
+pub use threads::{Threads, ThreadsError};
+
+use std::fmt;
+
+/// The ranks that compute a body together, as one of them sees them.
+///
+/// All ranks make the same calls in the same order. Every call has a name, which tells mismatching calls apart, and numbers
+/// of the same length on all ranks, except in [`Team::exchange`].
+///
+/// ```
+/// use emmy::team::{Team, Threads};
+/// let sums = Threads::run(3, |team| {
+///     let mut values = [1.0, team.rank() as f64];
+///     team.sum("example", &mut values);
+///     values
+/// });
+/// assert_eq!(sums.unwrap(), [[3.0, 3.0]; 3]);
+/// ```
+pub trait Team: fmt::Debug + Send + Sync {
+    /// Number of ranks.
+    fn size(&self) -> usize;
+
+    /// Number of this rank, below [`Team::size`].
+    fn rank(&self) -> usize;
+
+    /// Replaces each number by its sum over all ranks, added in the order of the ranks: the same bits on all of them, and
+    /// in every run.
+    fn sum(&self, name: &'static str, values: &mut [f64]);
+
+    /// Replaces each number by the largest of all ranks; NaN exceeds every number.
+    fn largest(&self, name: &'static str, values: &mut [f64]);
+
+    /// Sends every parcel to the rank that it names, and receives what that rank sends here. Both have a parcel for each
+    /// other.
+    fn exchange(&self, name: &'static str, parcels: &mut [Parcel]);
+}
+
+/// Numbers for another rank, and from it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Parcel {
+    /// The other rank.
+    pub rank: usize,
+    /// Numbers to send.
+    pub outgoing: Vec<f64>,
+    /// Numbers received; its length is that of the other rank's outgoing numbers.
+    pub incoming: Vec<f64>,
+}
+
+/// A rank without others.
+///
+/// ```
+/// use emmy::team::{Alone, Team};
+/// let mut values = [2.0];
+/// Alone.sum("example", &mut values);
+/// assert_eq!((Alone.size(), values), (1, [2.0]));
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Alone;
+
+impl Team for Alone {
+    fn size(&self) -> usize {
+        1
+    }
+
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn sum(&self, _: &'static str, _: &mut [f64]) {}
+
+    fn largest(&self, _: &'static str, _: &mut [f64]) {}
+
+    fn exchange(&self, _: &'static str, _: &mut [Parcel]) {}
+}
+
+/// The larger of two numbers; NaN exceeds every number.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The nodes that a rank shares with a neighbour, in an order that both have.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Neighbour {
+    /// Its rank.
+    pub rank: usize,
+    /// Own nodes that are guests there.
+    pub outgoing: Vec<u32>,
+    /// Guests that it owns.
+    pub incoming: Vec<u32>,
+}

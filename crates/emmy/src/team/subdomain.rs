@@ -1,0 +1,156 @@
+//! A rank's part of a body: its numbers in the whole mesh, its border, and the calls that reductions are made of.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{Neighbour, Parcel, Team};
+use crate::error::{Error, Result};
+
+/// The part of a rank. Own nodes come first, then guests.
+#[derive(Debug)]
+pub(crate) struct Subdomain {
+    team: Arc<dyn Team>,
+    /// Number of own nodes.
+    pub n_own: usize,
+    /// Number of nodes of the whole mesh.
+    pub n_nodes_of_ranks: usize,
+    /// Numbers of the nodes in the whole mesh.
+    pub nodes: Vec<u32>,
+    /// Numbers of the cells in the whole mesh.
+    pub cells: Vec<u32>,
+    neighbours: Vec<Neighbour>,
+    parcels: Mutex<Vec<Parcel>>,
+}
+
+impl Subdomain {
+    pub(crate) fn new(
+        team: Arc<dyn Team>,
+        [n_own, n_nodes_of_ranks]: [usize; 2],
+        nodes: Vec<u32>,
+        cells: Vec<u32>,
+        neighbours: Vec<Neighbour>,
+    ) -> Self {
+        let parcels = neighbours.iter().map(|neighbour| Parcel { rank: neighbour.rank, ..Parcel::default() });
+        Subdomain {
+            team,
+            n_own,
+            n_nodes_of_ranks,
+            nodes,
+            cells,
+            parcels: Mutex::new(parcels.collect()),
+            neighbours,
+        }
+    }
+
+    /// Number of this rank.
+    pub(crate) fn rank(&self) -> usize {
+        self.team.rank()
+    }
+
+    /// Number of ranks.
+    pub(crate) fn size(&self) -> usize {
+        self.team.size()
+    }
+
+    /// [`Team::sum`].
+    pub(crate) fn sum(&self, name: &'static str, values: &mut [f64]) {
+        self.team.sum(name, values);
+    }
+
+    /// [`Team::largest`].
+    pub(crate) fn largest(&self, name: &'static str, values: &mut [f64]) {
+        self.team.largest(name, values);
+    }
+
+    /// The lowest number of all ranks; `None` if no rank has one.
+    pub(crate) fn lowest(&self, name: &'static str, own: Option<usize>) -> Option<usize> {
+        let mut most = [own.map_or(f64::NEG_INFINITY, |own| -(own as f64))];
+        self.largest(name, &mut most);
+        (most[0] != f64::NEG_INFINITY).then_some(-most[0] as usize)
+    }
+
+    /// Replaces the numbers of all ranks by those of one.
+    pub(crate) fn take_from(&self, rank: usize, name: &'static str, values: &mut [f64]) {
+        if self.rank() != rank {
+            values.fill(0.0);
+        }
+        self.sum(name, values);
+    }
+
+    /// The numbers of all ranks, `[rank][values]`.
+    pub(crate) fn gather(&self, name: &'static str, own: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.size() * own.len()];
+        all[self.rank() * own.len()..(self.rank() + 1) * own.len()].copy_from_slice(own);
+        self.sum(name, &mut all);
+        all
+    }
+
+    /// Replaces the values of guests by those of their owners. `read` and `write` pass the numbers of a node, `width` of
+    /// them, in the same order.
+    pub(crate) fn exchange<V: ?Sized>(
+        &self,
+        name: &'static str,
+        width: usize,
+        values: &mut V,
+        read: impl Fn(&V, usize, &mut [f64]),
+        write: impl Fn(&mut V, usize, &[f64]),
+    ) {
+        let mut parcels = self.parcels.lock().unwrap_or_else(PoisonError::into_inner);
+        for (parcel, neighbour) in parcels.iter_mut().zip(&self.neighbours) {
+            parcel.outgoing.resize(width * neighbour.outgoing.len(), 0.0);
+            parcel.incoming.resize(width * neighbour.incoming.len(), 0.0);
+            let nodes = neighbour.outgoing.iter().zip(parcel.outgoing.chunks_exact_mut(width));
+            nodes.for_each(|(&node, numbers)| read(values, node as usize, numbers));
+        }
+        self.team.exchange(name, &mut parcels);
+        for (parcel, neighbour) in parcels.iter().zip(&self.neighbours) {
+            let nodes = neighbour.incoming.iter().zip(parcel.incoming.chunks_exact(width));
+            nodes.for_each(|(&node, numbers)| write(values, node as usize, numbers));
+        }
+    }
+
+    /// The same outcome on all ranks: the error of the lowest rank that has one, with cells and nodes of the whole mesh.
+    pub(crate) fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
+        let own = outcome.as_ref().err().map(|_| self.rank());
+        let Some(rank) = self.lowest("outcome", own) else { return outcome };
+        let own = outcome.err().map(|error| self.in_whole_numbers(error));
+        let text = own.as_ref().map(Error::to_string).unwrap_or_default();
+        let inverted = match own {
+            Some(Error::Inverted { cell, det }) => Some([cell as f64, det]),
+            _ => None,
+        };
+        let mut head =
+            inverted.map_or([text.len() as f64, 0.0, 0.0, 0.0], |[cell, det]| [0.0, 1.0, cell, det]);
+        self.take_from(rank, "error", &mut head);
+        let [length, is_inverted, cell, det] = head;
+        if is_inverted == 1.0 {
+            return Err(Error::Inverted { cell: cell as usize, det });
+        }
+        let mut letters = vec![0.0; length as usize];
+        letters.iter_mut().zip(text.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
+        self.take_from(rank, "message", &mut letters);
+        let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
+        let message = String::from_utf8_lossy(&bytes).into_owned();
+        let mut differs = [f64::from(u8::from(own.is_none() || text != message))];
+        self.largest("message of all ranks", &mut differs);
+        match own {
+            Some(error) if differs[0] == 0.0 => Err(error),
+            _ => Err(Error::OnRank { rank, message }),
+        }
+    }
+
+    /// The error with the numbers of the whole mesh.
+    fn in_whole_numbers(&self, error: Error) -> Error {
+        let whole = |cell: usize| self.cells.get(cell).map_or(cell, |&cell| cell as usize);
+        match error {
+            Error::Inverted { cell, det } => Error::Inverted { cell: whole(cell), det },
+            Error::InvertedCell { cell, kind, det } => Error::InvertedCell { cell: whole(cell), kind, det },
+            Error::WrongMaterial { cell, kind } => Error::WrongMaterial { cell: whole(cell), kind },
+            Error::RegionCover { cell, count } => Error::RegionCover { cell: whole(cell), count },
+            Error::Formulation { cell, reason } => Error::Formulation { cell: whole(cell), reason },
+            Error::NoMass { node, position } => {
+                Error::NoMass { node: self.nodes.get(node).map_or(node, |&node| node as usize), position }
+            }
+            error => error,
+        }
+    }
+}

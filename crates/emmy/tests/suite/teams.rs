@@ -1,0 +1,514 @@
+//! Bodies that a team of ranks computes, against the whole body on one.
+
+use std::sync::Arc;
+
+use emmy::body::{
+    Body, BodyBuilder, Field, Formulation, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
+};
+use emmy::body::{Reaction, Region, Support, TimeFunction, Viscosity};
+use emmy::material::{CiarletGeymonat, NeoHooke, SaintVenantKirchhoff};
+use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
+use emmy::motion::{
+    Adaptivity, EventKind, GlobalError, Motion, NewtonSettings, Phase, Record, Snapshot, Solver,
+};
+use emmy::motion::{State, StepPlan};
+use emmy::team::{Team, Threads};
+use emmy::time::Scheme;
+use emmy::{Error, Result};
+
+use crate::shared::schemes::{DGM, assumed_strain, at, dgm, fe};
+use crate::shared::watch::Watch;
+
+/// A body and its motion, as every rank sets them up.
+struct Case {
+    mesh: Mesh,
+    parts: fn(BodyBuilder) -> BodyBuilder,
+    start: InitialVelocity,
+    scheme: Scheme,
+    exact_tangent: bool,
+    plan: StepPlan,
+}
+
+/// What a rank has at the end of a motion.
+#[derive(Debug, PartialEq)]
+struct End {
+    records: Vec<Record>,
+    reactions: Vec<Reaction>,
+    largest: emmy::motion::LargestDisplacement,
+    mass: f64,
+    gyration: f64,
+    events: Vec<EventKind>,
+}
+
+impl Case {
+    /// The paper's block with its load, which deforms by half of its size.
+    fn l_block(scheme: Scheme, degree: usize) -> Case {
+        Case {
+            mesh: mesh::l_block(1.0).unwrap(),
+            parts: |builder| builder.region(rubber()).loads(hat_loads()),
+            start: InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() },
+            scheme: at(scheme, degree),
+            exact_tangent: false,
+            plan: plan(1.0, 0.1),
+        }
+    }
+
+    fn settings(&self) -> NewtonSettings {
+        NewtonSettings { solver: Solver::Iterative, exact_tangent: self.exact_tangent, ..Default::default() }
+    }
+
+    fn run(&self, builder: BodyBuilder) -> Result<End> {
+        let body = (self.parts)(builder).build()?;
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&self.start))?;
+        let mut motion = Motion::starting(&body, self.scheme, self.settings(), state)?;
+        motion.allow_cuts(None);
+        let mut watch = Watch::default();
+        motion.march(&self.plan, &mut [&mut watch])?;
+        Ok(End {
+            records: watch.records,
+            reactions: motion.reactions().to_vec(),
+            largest: motion.statistics().largest_displacement,
+            mass: body.regions().iter().map(|region| region.mass).sum(),
+            gyration: body.radius_of_gyration(),
+            events: watch.events.iter().map(|event| event.kind).collect(),
+        })
+    }
+
+    fn whole(&self) -> Result<End> {
+        self.run(Body::builder(self.mesh.clone()))
+    }
+
+    /// The outcomes of all ranks.
+    fn shared(&self, size: usize) -> Vec<Result<End>> {
+        on_team(&self.mesh, size, |share, team| self.run(Body::shared(share, team)))
+    }
+
+    /// Compares teams of some sizes with the whole body, to a part of the largest energies and momenta.
+    fn assert_equal(&self, sizes: impl IntoIterator<Item = usize>, tolerance: f64) {
+        let whole = self.whole().unwrap();
+        for size in sizes {
+            let ranks: Vec<End> = self.shared(size).into_iter().collect::<Result<_>>().unwrap();
+            assert!(ranks.iter().all(|end| *end == ranks[0]), "{size} ranks differ from each other");
+            ranks[0].assert_near(&whole, tolerance, &format!("{} on {size} ranks", self.scheme));
+        }
+    }
+}
+
+impl End {
+    fn assert_near(&self, other: &End, tolerance: f64, name: &str) {
+        assert_eq!(self.records.len(), other.records.len(), "{name}");
+        assert_eq!(self.events, other.events, "{name}");
+        let size =
+            |of: &dyn Fn(&Record) -> f64| other.records.iter().map(|r| of(r).abs()).fold(1e-300, f64::max);
+        let norm = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let energy = size(&|r| r.kinetic_energy + r.strain_energy);
+        let linear = size(&|r| norm(r.linear_momentum)).max((2.0 * energy * other.mass).sqrt());
+        let angular = size(&|r| norm(r.angular_momentum)).max(linear * other.gyration);
+        for (own, other) in self.records.iter().zip(&other.records) {
+            let scalars: [fn(&Record) -> f64; 6] = [
+                |r| r.kinetic_energy,
+                |r| r.strain_energy,
+                |r| r.total_energy,
+                |r| r.external_work,
+                |r| r.dissipated_energy,
+                |r| r.energy_residual,
+            ];
+            for (index, of) in scalars.iter().enumerate() {
+                let difference = (of(own) - of(other)).abs() / energy;
+                assert!(difference < tolerance, "{name}, step {}, number {index}: {difference:e}", own.step);
+            }
+            for d in 0..3 {
+                let difference = (own.linear_momentum[d] - other.linear_momentum[d]).abs() / linear;
+                assert!(difference < tolerance, "{name}, step {}: {difference:e}", own.step);
+                let difference = (own.angular_momentum[d] - other.angular_momentum[d]).abs() / angular;
+                assert!(difference < tolerance, "{name}, step {}: {difference:e}", own.step);
+            }
+            assert!(own.linear_momentum_residual < tolerance * linear, "{name}: {own:?}");
+            assert!(own.angular_momentum_residual < tolerance * angular, "{name}: {own:?}");
+            assert!(
+                (own.smallest_determinant - other.smallest_determinant).abs() < 1e3 * tolerance,
+                "{name}"
+            );
+        }
+        let force = other.reactions.iter().map(|r| norm(r.force)).fold(1e-300, f64::max);
+        let moment = other.reactions.iter().map(|r| norm(r.moment)).fold(1e-300, f64::max);
+        assert_eq!(self.reactions.len(), other.reactions.len(), "{name}");
+        for (own, other) in self.reactions.iter().zip(&other.reactions) {
+            for d in 0..3 {
+                assert!(
+                    (own.force[d] - other.force[d]).abs() < 100.0 * tolerance * force,
+                    "{name}: {own:?} {other:?}"
+                );
+                assert!((own.moment[d] - other.moment[d]).abs() < 100.0 * tolerance * moment, "{name}");
+            }
+        }
+        let (own, other_node) = (&self.largest, &other.largest);
+        assert_eq!(
+            (own.node, own.step, own.point),
+            (other_node.node, other_node.step, other_node.point),
+            "{name}"
+        );
+        assert!((own.value / other_node.value - 1.0).abs() < 1e3 * tolerance, "{name}");
+        assert!(
+            (self.mass / other.mass - 1.0).abs() < 1e-14
+                && (self.gyration / other.gyration - 1.0).abs() < 1e-14
+        );
+    }
+}
+
+/// Runs a function on every rank of a team with its share of a mesh.
+fn on_team<T: Send>(mesh: &Mesh, size: usize, rank: impl Fn(Share, Arc<dyn Team>) -> T + Sync) -> Vec<T> {
+    let owners = mesh::owners(mesh, size).unwrap();
+    Threads::run(size, |team| rank(Share::new(mesh, &owners, team.rank()), team)).unwrap()
+}
+
+fn plan(until: f64, size: f64) -> StepPlan {
+    StepPlan::new(0.0, vec![Phase { until, size }]).unwrap()
+}
+
+fn rubber() -> Region {
+    Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 0.5)
+}
+
+/// Tractions of the paper's load as a hat over 0..1.
+fn hat_loads() -> [Load; 2] {
+    [("face-a", 1.0), ("face-b", -1.0)].map(|(group, sign)| {
+        let traction = [256.0, 512.0, 768.0].map(|t| sign * t / 9.0);
+        Load::traction(group, traction).over([(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)]).unwrap()
+    })
+}
+
+#[test]
+fn every_scheme_and_degree_is_that_of_the_whole_body() {
+    for scheme in [fe(1), assumed_strain(5), DGM] {
+        for degree in 1..=3 {
+            let scheme = if scheme == fe(1) { fe(degree) } else { scheme };
+            Case::l_block(scheme, degree).assert_equal(2..=4, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn one_rank_has_all_bits_of_the_whole_body_and_every_run_has_the_same() {
+    for degree in 1..=2 {
+        let case = Case::l_block(DGM, degree);
+        let whole = case.whole().unwrap();
+        assert_eq!(case.shared(1), [Ok(whole)]);
+        assert_eq!(case.shared(3), case.shared(3));
+    }
+}
+
+#[test]
+fn the_exact_tangent_is_that_of_the_whole_body() {
+    let case = Case { exact_tangent: true, plan: plan(0.3, 0.1), ..Case::l_block(DGM, 2) };
+    case.assert_equal([2, 3], 1e-12);
+}
+
+/// Ten-node tetrahedra and two materials, a clamped end, gravity, a nodal force, viscosity and drag.
+#[test]
+fn a_damped_beam_of_two_materials_is_that_of_the_whole_body() {
+    let case = Case {
+        mesh: halves(),
+        parts: |builder| {
+            let viscosity = Viscosity { time: 0.02, shear: 1.0, bulk: 0.5 };
+            builder
+                .region(Region::new(SaintVenantKirchhoff::new(2000.0, 900.0).unwrap(), 1.0).on("left"))
+                .region(
+                    Region::new(CiarletGeymonat::new(800.0, 400.0).unwrap(), 2.0)
+                        .on("right")
+                        .with_viscosity(viscosity),
+                )
+                .support(Support::fixed("clamp"))
+                .support(Support::of_components("tip", [false, true, false]))
+                .load(Load::acceleration([0.0, 0.0, -9.81]))
+                .load(Load::nodal_force("tip", [1.0, 0.0, 2.0]).over([(0.0, 1.0), (0.2, 0.0)]).unwrap())
+                .drag(0.3)
+        },
+        start: InitialVelocity {
+            group: Some("right".to_string()),
+            velocity: [0.0, 0.0, 0.5],
+            ..Default::default()
+        },
+        scheme: at(DGM, 1),
+        exact_tangent: false,
+        plan: plan(0.4, 0.02),
+    };
+    let whole = case.whole().unwrap();
+    let last = &whole.records[whole.records.len() - 1];
+    assert!(last.dissipated_energy > 1e-3 * last.kinetic_energy && norm(whole.reactions[0].force) > 1.0);
+    case.assert_equal([2, 4], 1e-12);
+    Case { scheme: at(assumed_strain(5), 2), ..case }.assert_equal([3], 1e-12);
+}
+
+fn norm(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// A beam of tet10 along x, with the cell groups `left` and `right` and the node groups `clamp` and `tip`.
+fn halves() -> Mesh {
+    let whole = mesh::block([4.0, 1.0, 1.0], [6, 2, 2]).unwrap();
+    let mut builder = MeshBuilder::new();
+    let mut mids = std::collections::HashMap::new();
+    let mut points: Vec<[f64; 3]> = whole.points().to_vec();
+    let mut cells = Vec::new();
+    for brick in whole.cells() {
+        let x = brick.nodes.iter().map(|&node| points[node as usize][0]).fold(0.0, f64::max);
+        for corners in [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]] {
+            let corners = corners.map(|corner: usize| brick.nodes[corner]);
+            let mut nodes = corners.to_vec();
+            for [a, b] in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]] {
+                let (a, b) = (corners[a].min(corners[b]), corners[a].max(corners[b]));
+                nodes.push(*mids.entry((a, b)).or_insert_with(|| {
+                    let (p, q) = (points[a as usize], points[b as usize]);
+                    points.push([0, 1, 2].map(|d| 0.5 * (p[d] + q[d])));
+                    points.len() as u32 - 1
+                }));
+            }
+            cells.push((nodes, if x > 2.0 + 1e-9 { "right" } else { "left" }));
+        }
+    }
+    points.iter().for_each(|&point| _ = builder.point(point));
+    for (nodes, group) in &cells {
+        let cell = builder.cell(CellKind::Tet10, nodes).unwrap();
+        builder.cell_group(group, [cell]);
+    }
+    let at = |x: f64| points.iter().zip(0..).filter(move |(point, _)| point[0] == x).map(|(_, node)| node);
+    builder.node_group("clamp", at(0.0));
+    builder.node_group("tip", at(4.0));
+    builder.build().unwrap()
+}
+
+/// Plane strain, and a share without any node of a group.
+#[test]
+fn a_plate_in_plane_strain_is_that_of_the_whole_body() {
+    let case = Case {
+        mesh: mesh::rectangle([6.0, 1.0], [12, 2]).unwrap(),
+        parts: |builder| {
+            let corner = Load::traction("x-max", [0.0, 3.0, 0.0]).over([(0.0, 1.0), (0.3, 0.0)]).unwrap();
+            builder.region(rubber().with_thickness(0.1)).support(Support::fixed("x-min")).load(corner)
+        },
+        start: InitialVelocity::default(),
+        scheme: at(DGM, 2),
+        exact_tangent: false,
+        plan: plan(0.5, 0.05),
+    };
+    case.assert_equal([2, 4], 1e-12);
+}
+
+/// A corner of the block is pushed through its cell: the step is cut on all ranks, and fails in the end with the same error.
+#[test]
+fn failures_are_those_of_the_whole_body() {
+    const HAT: [(f64, f64); 2] = [(0.0, 1.0), (0.1, 0.0)];
+    let crushed = |parts| Case {
+        mesh: mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap().with_node_group("corner", [44]).unwrap(),
+        parts,
+        start: InitialVelocity::default(),
+        scheme: fe(1),
+        exact_tangent: false,
+        plan: plan(0.2, 0.02),
+    };
+    let case = crushed(|builder| {
+        let load = Load::nodal_force("corner", [-100.0, 0.0, 0.0]).over(HAT).unwrap();
+        builder.region(rubber()).support(Support::fixed("x-min")).load(load)
+    });
+    assert!(case.whole().unwrap().events.contains(&EventKind::Cut));
+    case.assert_equal([2, 3], 1e-9);
+    // Without cuts: the cell and the place of the fault, or the node with the largest residual.
+    for (force, max_iterations) in [(4e3, 20), (40.0, 1)] {
+        let failure = |builder: BodyBuilder| {
+            let load = Load::nodal_force("corner", [-force, 0.0, 0.0]);
+            let body = builder.region(rubber()).support(Support::fixed("x-min")).load(load).build()?;
+            let settings = NewtonSettings { max_iterations, tolerance: 1e-14, ..case.settings() };
+            Motion::new(&body, DGM)?.newton(settings)?.step(0.02).map(Record::clone)
+        };
+        let whole = place(&failure(Body::builder(case.mesh.clone())).unwrap_err());
+        for error in on_team(&case.mesh, 3, |share, team| failure(Body::shared(share, team)).unwrap_err()) {
+            assert_eq!(place(&error), whole, "{error}");
+        }
+    }
+}
+
+/// Cell or node of a failed step, and its position.
+fn place(error: &Error) -> (Option<CellKind>, usize, [f64; 3]) {
+    match *error {
+        Error::CellInverted { cell, kind, position, .. } => (Some(kind), cell, position),
+        Error::NoConvergence { node, position, .. } => (None, node, position),
+        _ => panic!("{error}"),
+    }
+}
+
+/// A motion from a snapshot of every rank has the bits of the undisturbed one.
+#[test]
+fn a_team_resumes_with_the_same_bits() {
+    let case = Case::l_block(DGM, 2);
+    let ends = on_team(&case.mesh, 3, |share, team| {
+        let body = (case.parts)(Body::shared(share, team)).build()?;
+        let state = State::initial(&body, 0.0, std::slice::from_ref(&case.start))?;
+        let mut motion = Motion::starting(&body, case.scheme, case.settings(), state)?;
+        let mut watch = Watch { snapshot_after: Some(4), ..Watch::default() };
+        motion.march(&case.plan, &mut [&mut watch])?;
+        let snapshot: Snapshot = watch.snapshot.take().unwrap();
+        let mut again = Motion::resumed(&body, case.scheme, case.settings(), snapshot)?;
+        again.march_on(&case.plan, &mut [])?;
+        Ok((motion.record().clone(), motion.state().clone(), again.record().clone(), again.state().clone()))
+    });
+    for end in ends {
+        let (record, state, resumed_record, resumed) = end.map_err(|error: Error| error).unwrap();
+        assert_eq!((record, state), (resumed_record, resumed));
+    }
+}
+
+/// An observer that fails on one rank.
+struct Fails(bool);
+
+impl emmy::motion::Observer for Fails {
+    fn observe(&mut self, _: emmy::motion::View<'_>) -> emmy::motion::ObserverResult {
+        if self.0 { Err("the disk is full".into()) } else { Ok(()) }
+    }
+}
+
+#[test]
+fn an_error_of_one_rank_is_an_error_of_all() {
+    let mesh = mesh::l_block(1.0).unwrap();
+    let outcomes = on_team(&mesh, 3, |share, team| {
+        let rank = team.rank();
+        let density = if rank == 1 { -1.0 } else { 0.5 };
+        let region = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), density);
+        let wrong = Body::shared(share, team).region(region).build().unwrap_err();
+        (rank, wrong)
+    });
+    for (_, error) in outcomes {
+        let message = "density must be positive and finite, not -1".to_string();
+        assert_eq!(error, Error::OnRank { rank: 1, message });
+    }
+    let outcomes = on_team(&mesh, 3, |share, team| {
+        let mut fails = Fails(team.rank() == 2);
+        let body = Body::shared(share, team).region(rubber()).build().unwrap();
+        let mut motion = Motion::new(&body, DGM).unwrap();
+        Error::from(motion.march(&plan(1.0, 0.1), &mut [&mut fails]).unwrap_err()).to_string()
+    });
+    assert_eq!(outcomes, ["rank 2: the disk is full", "rank 2: the disk is full", "the disk is full"]);
+    // Wrong on all ranks: one message, as of the whole body.
+    let outcomes = on_team(&mesh, 2, |share, team| {
+        Body::shared(share, team).region(rubber()).support(Support::fixed("nowhere")).build().unwrap_err()
+    });
+    let whole = Body::builder(mesh).region(rubber()).support(Support::fixed("nowhere")).build().unwrap_err();
+    assert_eq!(outcomes, [whole.clone(), whole]);
+}
+
+#[test]
+fn a_cell_that_is_inverted_in_the_mesh_has_its_number_in_the_whole_mesh() {
+    let mut builder = MeshBuilder::new();
+    let whole = mesh::block([8.0, 1.0, 1.0], [8, 1, 1]).unwrap();
+    whole.points().iter().for_each(|&point| _ = builder.point(point));
+    for (index, cell) in whole.cells().enumerate() {
+        let mut nodes = cell.nodes.to_vec();
+        if index == 6 {
+            nodes.rotate_left(4);
+        }
+        builder.cell(cell.kind, &nodes).unwrap();
+    }
+    let mesh = builder.build().unwrap();
+    let errors =
+        on_team(&mesh, 2, |share, team| Body::shared(share, team).region(rubber()).build().unwrap_err());
+    for error in errors {
+        assert!(error.to_string().contains("cell 6 "), "{error}");
+    }
+}
+
+/// What the ranks of a team answer when they are asked for something.
+fn asked(
+    parts: impl Fn(BodyBuilder) -> BodyBuilder + Sync,
+    ask: impl Fn(&Body) -> Result<()> + Sync,
+) -> String {
+    let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    let errors = on_team(&mesh, 2, |share, team| {
+        let body = parts(Body::shared(share, team)).build();
+        body.and_then(|body| ask(&body)).unwrap_err().to_string()
+    });
+    assert_eq!(errors[0], errors[1]);
+    errors[0]
+        .strip_suffix(" is not possible on a team")
+        .unwrap_or_else(|| panic!("{}", errors[0]))
+        .to_string()
+}
+
+#[test]
+fn what_a_team_does_not_compute_is_rejected() {
+    let of_body = |parts: fn(BodyBuilder) -> BodyBuilder| asked(parts, |_| Ok(()));
+    assert_eq!(
+        of_body(|b| {
+            let masses = vec![PointMass { group: "x-max".to_string(), mass: 1.0 }];
+            b.region(rubber()).point_terms(PointTerms { masses, ..Default::default() })
+        }),
+        "a point mass"
+    );
+    let modes = |b: BodyBuilder| b.region(rubber().with_formulation(Formulation::IncompatibleModes));
+    assert_eq!(of_body(modes), "a cell with incompatible modes");
+    let projected = |b: BodyBuilder| b.region(rubber().with_formulation(Formulation::ProjectedVolume(None)));
+    assert_eq!(of_body(projected), "a projected volume");
+    assert_eq!(of_body(|b| b.region(rubber()).support(Support::symmetry("x-min"))), "a plane of symmetry");
+    assert_eq!(
+        of_body(|b| b.region(rubber()).support(Support::fixed("x-min").until(0.1))),
+        "a support that is released"
+    );
+    let moves = |b: BodyBuilder| {
+        let ramp = TimeFunction::new(vec![(0.0, 0.0), (1.0, 1.0)]).unwrap();
+        b.region(rubber()).support(Support::driven("x-min", [Some(ramp), None, None]))
+    };
+    assert_eq!(of_body(moves), "a support that moves");
+    assert_eq!(of_body(|b| b.region(rubber()).load(Load::pressure("x-max", 1.0))), "a follower pressure");
+    assert_eq!(
+        of_body(|b| b.region(rubber()).load(Load::force("x-max", [1.0; 3]))),
+        "a force over a surface"
+    );
+    let field = |b: BodyBuilder| {
+        let field = Field::new(|_, _| [0.0; 3]);
+        b.region(rubber()).load(Load::new(LoadKind::BodyForceField { group: None, field }))
+    };
+    assert_eq!(of_body(field), "a load by a field");
+
+    let region = |b: BodyBuilder| b.region(rubber());
+    let with = |scheme: Scheme, solver: Solver| {
+        let settings = NewtonSettings { solver, ..Default::default() };
+        asked(region, move |body| {
+            Motion::starting(body, scheme, settings, State::initial(body, 0.0, &[])?).map(|_| ())
+        })
+    };
+    assert_eq!(with(dgm(0.8), Solver::Auto), "a scheme that dissipates energy");
+    assert_eq!(with(DGM, Solver::Direct), "the solver `direct`");
+    assert_eq!(with(DGM, Solver::Multigrid), "the solver `multigrid`");
+    for name in ["Newmark(0.25, 0.5)", "Bathe", "central-differences"] {
+        let scheme: Scheme = name.parse().unwrap();
+        assert_eq!(with(scheme, Solver::Auto), format!("the scheme {scheme}"));
+    }
+    let adaptive = |body: &Body| {
+        let plan = StepPlan::adaptive(0.0, 1.0, Adaptivity::new(1e-3))?;
+        Motion::new(body, DGM)?.follow(&plan)
+    };
+    assert_eq!(asked(region, adaptive), "a plan of adaptive steps");
+    let error = |body: &Body| {
+        GlobalError::new(body, DGM, NewtonSettings::default(), &State::initial(body, 0.0, &[])?).map(|_| ())
+    };
+    assert_eq!(asked(region, error), "an estimate of the global error");
+    assert_eq!(asked(region, |body| emmy::modes::modes(body, 3).map(|_| ())), "a search for natural modes");
+    let equilibrium = |body: &Body| emmy::equilibrium::Equilibrium::new(body, 0.0, 1).map(|_| ());
+    assert_eq!(asked(region, equilibrium), "an equilibrium");
+    let adjoint = |body: &Body| emmy::adjoint::Trajectory::new(&Motion::new(body, DGM)?).map(|_| ());
+    assert_eq!(asked(region, adjoint), "an adjoint");
+    let at_rest = |body: &Body| Motion::new(body, DGM)?.with_static_reactions().map(|_| ());
+    assert_eq!(asked(region, at_rest), "a start from an equilibrium");
+
+    // A share of another rank.
+    let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    let owners = mesh::owners(&mesh, 2).unwrap();
+    let errors = Threads::run(2, |team| {
+        Body::shared(Share::new(&mesh, &owners, 0), team).region(rubber()).build().unwrap_err().to_string()
+    });
+    assert!(
+        errors
+            .unwrap()
+            .iter()
+            .all(|error| error.contains("the share of rank 0 on rank 1 is not possible on a team"))
+    );
+}
