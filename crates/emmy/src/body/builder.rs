@@ -105,9 +105,7 @@ impl BodyBuilder {
         let Some(TeamPart { subdomain, rank, .. }) = &self.team else { return Body::from_parts(self) };
         let subdomain = subdomain.clone();
         let own = match (*rank, subdomain.rank()) {
-            (given, rank) if given == rank => {
-                super::team::check(&self.regions, &self.point_terms, &self.supports, &self.loads)
-            }
+            (given, rank) if given == rank => super::team::check(&self.regions, &self.loads),
             (given, rank) => {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
@@ -134,8 +132,8 @@ impl Body {
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
     /// regions, supports and loads; an error of one is an error of all.
     ///
-    /// Teams compute motions by time elements without dissipation in steps that are given, with [`Solver::Iterative`]
-    /// (which [`Solver::Auto`] is there); other requests are errors. Everything that is a sum over the body, such as
+    /// Teams compute motions by time elements in steps that are given, with [`Solver::Iterative`] (which [`Solver::Auto`] is
+    /// there). Other requests are errors, and so are cells against locking and loads by fields. Everything that is a sum over the body, such as
     /// [`Body::strain_energy`], is a call of all ranks; nodal vectors belong to the nodes of the share, and of guests only
     /// displacements and velocities have a meaning.
     ///
@@ -183,7 +181,8 @@ impl Body {
         if team.is_some() {
             terms.extend(regions::terms(&mesh, &regions, &of_cell, &internal, |cell| !counts(cell))?);
         }
-        let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass)?;
+        let n_own = team.as_ref().map_or(mesh.n_nodes(), |team| team.subdomain.n_own);
+        let mut ground = nodal::ground_terms(&mesh, &nodal, &section, &lumped_mass, n_own)?;
         let couplings = terms.iter().flat_map(|term| {
             let (nodes, length) = term.couplings();
             nodes.chunks_exact(length)
@@ -191,24 +190,25 @@ impl Body {
         // Internal nodes couple with their cell alone: eliminated first, they are condensed without fill.
         let pattern = Pattern::new(internal.n_all(), couplings).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
-        let n_own = team.as_ref().map_or(internal.n_all(), |team| team.subdomain.n_own);
-        let n_parts = rayon::current_num_threads().min(n_own.min(mesh.n_nodes()) / 64).max(1);
-        let parts = pattern.divided_until(n_own, n_parts);
+        let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
+        let n_rows = team.as_ref().map_or(internal.n_all(), |_| n_own);
+        let parts = pattern.divided_until(n_rows, n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
         elimination::number(&mut terms, &parts);
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
-            regions_and_masses.push(nodal::summary(&mesh, mass)?);
+            regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
         }
         let (mut vectors, mut fields, mut followers) = (Vec::new(), Vec::new(), Vec::new());
         for (index, load) in loads.iter().enumerate() {
-            vectors.extend(LoadVector::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
+            let own_nodes = team.as_ref().map(|_| n_own);
+            let tables = (&section[..], &density_of_cell[..], &point_masses[..]);
+            vectors.extend(LoadVector::new(&mesh, index, load, tables, own_nodes)?);
             fields.extend(FieldLoad::new(&mesh, index, load, &section, &density_of_cell, &point_masses)?);
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
-        let guests = 3 * n_own;
-        let inactive = constraints.inactive(guests);
+        let inactive = constraints.inactive(3 * n_rows);
         nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
@@ -252,8 +252,9 @@ impl Body {
             let held = supports.iter().enumerate().filter(|(_, support)| holds(support));
             let constraints = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
-            nodal::check_masses(&self.mesh, &self.lumped_mass, &constraints.fixed)?;
-            let (inactive, held_axes) = (constraints.fixed.clone(), constraints.held_axes());
+            let (inactive, held_axes) =
+                (constraints.inactive(3 * self.own_nodes().end), constraints.held_axes());
+            nodal::check_masses(&self.mesh, &self.lumped_mass, &inactive)?;
             let Constraints { fixed, drives } = constraints;
             let body = Body { fixed, inactive, held_axes, drives, supported, release, ..self.clone() };
             release = Some((time, Box::new(body)));

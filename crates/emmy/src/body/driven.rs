@@ -94,7 +94,9 @@ impl Body {
             };
             drive.entries().map(distance).fold(0.0, f64::max)
         };
-        self.drives.iter().map(of_drive).fold(0.0, f64::max)
+        let mut most = [self.drives.iter().map(of_drive).fold(0.0, f64::max)];
+        self.largest_of_ranks("distance of driven nodes", &mut most);
+        most[0]
     }
 }
 

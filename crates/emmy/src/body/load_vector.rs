@@ -13,12 +13,14 @@ pub(super) struct LoadVector {
     /// Number of the load.
     pub(super) load: usize,
     pub(super) force: Vec<f64>,
+    /// Area of the own part of a surface whose whole area still divides `force`, on a team \[length^2\].
+    pub(super) area: Option<f64>,
     pub(super) time_function: TimeFunction,
 }
 
 impl LoadVector {
     /// Equivalent nodal forces of a load; `None` if the load is not one vector times a factor. `section`: thickness of
-    /// plane cells, `density`: mass per measure of each cell.
+    /// plane cells, `density`: mass per measure of each cell, `own_nodes`: their number on a team.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`], [`Error::NotFinite`].
@@ -26,10 +28,10 @@ impl LoadVector {
         mesh: &Mesh,
         index: usize,
         load: &Load,
-        section: &[f64],
-        density_of_cell: &[f64],
-        point_masses: &[f64],
+        (section, density_of_cell, point_masses): (&[f64], &[f64], &[f64]),
+        own_nodes: Option<usize>,
     ) -> Result<Option<Self>> {
+        let mut own_area = None;
         let (weights, vector) = match &load.kind {
             LoadKind::Pressure { .. }
             | LoadKind::TractionField { .. }
@@ -38,7 +40,13 @@ impl LoadVector {
             LoadKind::Traction { group, traction } => (facet_areas(mesh, group, section)?, *traction),
             LoadKind::Force { group, force } => {
                 let areas = facet_areas(mesh, group, section)?;
-                let area: f64 = areas.iter().sum();
+                let area: f64 = match own_nodes {
+                    Some(n_own) => {
+                        own_area = Some(areas[..n_own].iter().sum());
+                        1.0
+                    }
+                    None => areas.iter().sum(),
+                };
                 (areas.iter().map(|a| a / area).collect(), *force)
             }
             LoadKind::NodalForce { group, force } => (ones(mesh, group)?, *force),
@@ -54,7 +62,8 @@ impl LoadVector {
             return Err(Error::NotFinite { what: "load".into(), value });
         }
         let force = weights.iter().flat_map(|weight| vector.map(|component| weight * component)).collect();
-        Ok(Some(LoadVector { load: index, force, time_function: load.time_function.clone() }))
+        let time_function = load.time_function.clone();
+        Ok(Some(LoadVector { load: index, force, area: own_area, time_function }))
     }
 
     /// The error of a factor that is not a finite number.

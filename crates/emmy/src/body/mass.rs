@@ -12,6 +12,8 @@ use crate::sparse::BlockCholesky;
 pub(crate) struct MassSolver {
     /// Factorisations with the directions that share them (directions with the same fixed nodes).
     factors: Vec<(Vec<usize>, BlockCholesky)>,
+    /// Conjugate gradients instead of factors, on a team.
+    iteration: Option<MassIteration>,
     /// p - M v_c.
     rest: Vec<f64>,
 }
@@ -22,6 +24,10 @@ impl MassSolver {
     /// # Errors
     /// [`crate::Error::OutOfMemory`].
     pub(crate) fn new(body: &Body) -> Result<Self> {
+        if body.subdomain().is_some() {
+            let iteration = Some(MassIteration::new(body));
+            return Ok(MassSolver { factors: Vec::new(), iteration, rest: vec![0.0; body.n_dofs()] });
+        }
         // Nodes without mass have no velocity that follows from a momentum.
         let is_given = |dof: usize| body.fixed()[dof] || body.internal_dofs().contains(&dof);
         let fixed = |axis: usize| -> Vec<bool> { (axis..body.n_dofs()).step_by(3).map(is_given).collect() };
@@ -35,13 +41,13 @@ impl MassSolver {
             factor.factorize(|position| body.mass()[position])?;
             factors.push((vec![axis], factor));
         }
-        Ok(MassSolver { factors, rest: vec![0.0; body.n_dofs()] })
+        Ok(MassSolver { factors, iteration: None, rest: vec![0.0; body.n_dofs()] })
     }
 
     /// Velocity of a momentum with the fixed degrees of freedom at rest; `momentum`, `velocity`: `[n_nodes][3]`.
-    pub(crate) fn velocity(&mut self, momentum: &[f64], velocity: &mut [f64]) {
+    pub(crate) fn velocity(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
         velocity.fill(0.0);
-        self.solve(momentum, velocity);
+        self.solve(body, momentum, velocity);
     }
 
     /// Sets the velocity of the free degrees of freedom from a momentum; the velocity of the fixed ones must be set.
@@ -50,12 +56,15 @@ impl MassSolver {
         let mut rest = std::mem::take(&mut self.rest);
         body.mass_product(velocity, &mut rest);
         rest.iter_mut().zip(momentum).for_each(|(rest, p)| *rest = p - *rest);
-        self.solve(&rest, velocity);
+        self.solve(body, &rest, velocity);
         self.rest = rest;
     }
 
     /// Sets the free entries of the velocity: `M_ff v_f = p_f`.
-    fn solve(&mut self, momentum: &[f64], velocity: &mut [f64]) {
+    fn solve(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
+        if let Some(iteration) = &mut self.iteration {
+            iteration.solve(body, momentum, velocity);
+        }
         for (axes, factor) in &mut self.factors {
             let read = |_: &&mut [f64], column: usize, node: usize| momentum[3 * node + axes[column]];
             let write = |velocity: &mut &mut [f64], column: usize, node: usize, value: f64| {
@@ -63,6 +72,63 @@ impl MassSolver {
             };
             factor.solve(axes.len(), &mut &mut *velocity, read, write);
         }
+    }
+}
+
+/// Conjugate gradients with the diagonal of the mass matrix, whose condition depends on the kinds of cells alone (Wathen
+/// 1987): some twenty iterations to round-off.
+#[derive(Debug)]
+struct MassIteration {
+    /// One over the diagonal at the free degrees of freedom, zero elsewhere.
+    inverse_diagonal: Vec<f64>,
+    residual: Vec<f64>,
+    direction: Vec<f64>,
+    product: Vec<f64>,
+    solution: Vec<f64>,
+}
+
+/// Part of the right-hand side that is left, and the largest number of iterations.
+const ROUNDING: f64 = 1e-16;
+const MAX_ITERATIONS: usize = 100;
+
+impl MassIteration {
+    fn new(body: &Body) -> Self {
+        let n = body.n_dofs();
+        let diagonal = |node: usize| body.pattern().position(node, node).map_or(0.0, |at| body.mass()[at]);
+        let inverse = |dof: usize| if body.inactive()[dof] { 0.0 } else { 1.0 / diagonal(dof / 3) };
+        MassIteration {
+            inverse_diagonal: (0..n).map(inverse).collect(),
+            residual: vec![0.0; n],
+            direction: vec![0.0; n],
+            product: vec![0.0; n],
+            solution: vec![0.0; n],
+        }
+    }
+
+    /// Adds the solution of `M_ff v_f = p_f` to the velocity, whose free entries are zero.
+    fn solve(&mut self, body: &Body, momentum: &[f64], velocity: &mut [f64]) {
+        let MassIteration { inverse_diagonal: d, residual: r, direction: p, product: q, solution: v } = self;
+        r.iter_mut().zip(momentum).zip(&*d).for_each(|((r, m), d)| *r = if *d > 0.0 { *m } else { 0.0 });
+        p.fill(0.0);
+        v.fill(0.0);
+        let wanted = ROUNDING * body.norm(r);
+        let mut rho = 1.0;
+        for _ in 0..MAX_ITERATIONS {
+            if body.norm(r) <= wanted {
+                break;
+            }
+            q.iter_mut().zip(&*r).zip(&*d).for_each(|((z, r), d)| *z = d * r);
+            let new = body.dot(r, q);
+            p.iter_mut().zip(&*q).for_each(|(p, z)| *p = z + new / rho * *p);
+            rho = new;
+            body.update_guests("direction of a velocity", p);
+            body.mass_product(p, q);
+            q.iter_mut().zip(&*d).filter(|(_, d)| **d == 0.0).for_each(|(q, _)| *q = 0.0);
+            let alpha = rho / body.dot(p, q);
+            v.iter_mut().zip(&*p).for_each(|(v, p)| *v += alpha * p);
+            r.iter_mut().zip(&*q).for_each(|(r, q)| *r -= alpha * q);
+        }
+        velocity.iter_mut().zip(&*v).for_each(|(velocity, v)| *velocity += v);
     }
 }
 

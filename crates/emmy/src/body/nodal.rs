@@ -36,21 +36,34 @@ pub(super) fn check_masses(mesh: &Mesh, lumped_mass: &[f64], fixed: &[bool]) -> 
     }
 }
 
-/// Terms of all springs and attractions to the ground.
+/// Terms of all springs and attractions to the ground at the first `n_own` nodes.
 pub(super) fn ground_terms(
     mesh: &Mesh,
     nodal: &PointTerms,
     section: &[f64],
     lumped_mass: &[f64],
+    n_own: usize,
 ) -> Result<Vec<Box<dyn Term>>> {
-    let springs = nodal.springs.iter().map(|spring| ground_springs(mesh, spring, section));
+    let springs = nodal.springs.iter().map(|spring| ground_springs(mesh, spring, section, n_own));
     let attractions = nodal.attractions.iter();
-    springs.chain(attractions.map(|attraction| ground_attraction(mesh, attraction, lumped_mass))).collect()
+    springs
+        .chain(attractions.map(|attraction| ground_attraction(mesh, attraction, lumped_mass, n_own)))
+        .collect()
 }
 
-/// Mass, centre and inertia of the point masses of a group, like a region without cells.
-pub(super) fn summary(mesh: &Mesh, mass: &PointMass) -> Result<RegionSummary> {
-    let nodes = mesh.group_nodes(&mass.group)?;
+/// The first `n_own` nodes of a group; without a name all of them.
+fn own_nodes(mesh: &Mesh, group: Option<&str>, n_own: usize) -> Result<Vec<u32>> {
+    let mut nodes = match group {
+        Some(group) => mesh.group_nodes(group)?,
+        None => (0..mesh.n_nodes() as u32).collect(),
+    };
+    nodes.retain(|&node| (node as usize) < n_own);
+    Ok(nodes)
+}
+
+/// Mass, centre and inertia of the point masses of a group at the first `n_own` nodes, like a region without cells.
+pub(super) fn summary(mesh: &Mesh, mass: &PointMass, n_own: usize) -> Result<RegionSummary> {
+    let nodes = own_nodes(mesh, Some(&mass.group), n_own)?;
     let point = |&node: &u32| RegionSummary {
         group: Some(mass.group.clone()),
         n_cells: 0,
@@ -73,12 +86,17 @@ struct GroundSprings {
 }
 
 /// Term of the springs of a group.
-fn ground_springs(mesh: &Mesh, spring: &GroundSpring, section: &[f64]) -> Result<Box<dyn Term>> {
+fn ground_springs(
+    mesh: &Mesh,
+    spring: &GroundSpring,
+    section: &[f64],
+    n_own: usize,
+) -> Result<Box<dyn Term>> {
     let GroundSpring { group, stiffness } = spring;
     if !(*stiffness > 0.0 && stiffness.is_finite()) {
         return Err(Error::NotPositive { what: "stiffness of springs".into(), value: *stiffness });
     }
-    let nodes = mesh.group_nodes(group)?;
+    let nodes = own_nodes(mesh, Some(group), n_own)?;
     let mut shares = vec![1.0; mesh.n_nodes()];
     if let Ok(facets) = mesh.groups().facets(group) {
         shares.fill(0.0);
@@ -176,11 +194,9 @@ fn ground_attraction(
     mesh: &Mesh,
     attraction: &GroundAttraction,
     lumped_mass: &[f64],
+    n_own: usize,
 ) -> Result<Box<dyn Term>> {
-    let nodes = match &attraction.group {
-        Some(group) => mesh.group_nodes(group)?,
-        None => (0..mesh.n_nodes() as u32).collect(),
-    };
+    let nodes = own_nodes(mesh, attraction.group.as_deref(), n_own)?;
     let (mut gradients, mut energies) = (Vec::new(), Vec::new());
     for &node in &nodes {
         let X = mesh.points()[node as usize];

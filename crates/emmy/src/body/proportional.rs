@@ -28,6 +28,7 @@ impl Body {
         let dead = body.loads.iter().map(|load| LoadVector {
             load: load.load,
             force: load.force.clone(),
+            area: None,
             time_function: grown(&load.time_function),
         });
         let fields = body.fields.iter().map(|field| {
@@ -36,7 +37,7 @@ impl Body {
             if field.add_at(time, &mut body.load_memory(1), &mut force).is_err() {
                 force.fill(f64::NAN);
             }
-            LoadVector { load: field.load, force, time_function: TimeFunction::ramp(1.0) }
+            LoadVector { load: field.load, force, area: None, time_function: TimeFunction::ramp(1.0) }
         });
         let pressures = body.pressures.iter().map(|p| p.with_time_function(grown(&p.time_function)));
         Body {

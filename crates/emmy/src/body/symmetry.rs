@@ -17,14 +17,12 @@ const FLAT: f64 = 1e-9;
 /// # Ok::<(), emmy::Error>(())
 /// ```
 pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
-    let facets = mesh.groups().facets(group)?;
+    let [least, most] = mesh.facet_bounds(group)?;
     // The plane of a plane mesh is not a plane of symmetry of its edges.
     let is_plane = mesh.cells().all(|cell| cell.kind.dimension() == 2);
     let axes = if is_plane { 0..2 } else { 0..3 };
-    let size = (0..3).map(|axis| extent(mesh.points().iter(), axis)).fold(0.0, f64::max);
-    let points =
-        || facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).map(|node| &mesh.points()[node as usize]);
-    let flat: Vec<usize> = axes.filter(|&axis| extent(points(), axis) <= FLAT * size).collect();
+    let size = mesh.extent().into_iter().fold(0.0, f64::max);
+    let flat: Vec<usize> = axes.filter(|&axis| most[axis] - least[axis] <= FLAT * size).collect();
     match flat[..] {
         [axis] => Ok(axis),
         _ => {
@@ -33,11 +31,4 @@ pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
             Err(Error::Support { group: group.to_string(), reason: reason.to_string() })
         }
     }
-}
-
-/// Extent of points along an axis.
-fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>, axis: usize) -> f64 {
-    let bounds = (f64::INFINITY, f64::NEG_INFINITY);
-    let (least, most) = points.fold(bounds, |(least, most), x| (least.min(x[axis]), most.max(x[axis])));
-    most - least
 }

@@ -1,56 +1,25 @@
 //! What a team of ranks computes, and the sums of its bodies.
 
+use std::sync::Arc;
+
 use super::term::{time_of, traces};
-use super::{Body, Formulation, Load, LoadKind, PointTerms, Region, RegionSummary, Support};
+use super::{Body, Formulation, Load, Region, RegionSummary};
 use crate::error::{Error, Result};
+use crate::team::Subdomain;
 
 /// Checks that a team can compute a body of some parts.
 ///
 /// # Errors
 /// [`Error::NotOnTeam`] names what it cannot.
-pub(super) fn check(
-    regions: &[Region],
-    nodal: &PointTerms,
-    supports: &[Support],
-    loads: &[Load],
-) -> Result<()> {
-    let of_points = [
-        ("a point mass", nodal.masses.is_empty()),
-        ("a spring to the ground", nodal.springs.is_empty()),
-        ("an attraction to a point", nodal.attractions.is_empty()),
-    ];
-    let of_points = of_points.into_iter().filter(|(_, is_empty)| !is_empty).map(|(what, _)| what.to_string());
+pub(super) fn check(regions: &[Region], loads: &[Load]) -> Result<()> {
     let formulation = |region: &Region| match region.formulation {
         Formulation::Standard => None,
-        Formulation::ProjectedVolume(_) => Some("a projected volume".to_string()),
-        Formulation::IncompatibleModes => Some("a cell with incompatible modes".to_string()),
+        Formulation::ProjectedVolume(_) => Some("a projected volume"),
+        Formulation::IncompatibleModes => Some("a cell with incompatible modes"),
     };
-    let support = |support: &Support| {
-        let what = match support {
-            _ if support.is_driven() => "a support that moves",
-            Support { until: Some(_), .. } => "a support that is released",
-            Support { symmetry: true, .. } => "a plane of symmetry",
-            _ => return None,
-        };
-        Some(what.to_string())
-    };
-    let load = |load: &Load| {
-        let what = match load.kind {
-            LoadKind::Traction { .. } | LoadKind::NodalForce { .. } | LoadKind::Acceleration { .. } => {
-                return None;
-            }
-            LoadKind::Force { .. } => "a force over a surface",
-            LoadKind::Pressure { .. } => "a follower pressure",
-            _ => "a load by a field",
-        };
-        Some(what.to_string())
-    };
-    let regions = regions.iter().filter_map(formulation);
-    let mut found = of_points
-        .chain(regions)
-        .chain(supports.iter().filter_map(support))
-        .chain(loads.iter().filter_map(load));
-    found.next().map_or(Ok(()), |what| Err(Error::NotOnTeam { what }))
+    let of_fields = loads.iter().filter(|load| load.kind.field().is_some()).map(|_| "a load by a field");
+    let mut found = regions.iter().filter_map(formulation).chain(of_fields);
+    found.next().map_or(Ok(()), |what| Err(Error::NotOnTeam { what: what.to_string() }))
 }
 
 impl Body {
@@ -63,6 +32,7 @@ impl Body {
         };
         let parts: Vec<f64> = self.regions.iter().flat_map(flatten).collect();
         let of_ranks = subdomain.gather("regions", &parts);
+        let has_mass = |region: &RegionSummary| region.mass > 0.0;
         for (index, region) in self.regions.iter_mut().enumerate() {
             let part = |of_rank: &[f64]| {
                 let of_region = &of_rank[15 * index..15 * (index + 1)];
@@ -75,21 +45,49 @@ impl Body {
                     inertia: [0, 1, 2].map(|i| [0, 1, 2].map(|j| of_region[6 + 3 * i + j])),
                 }
             };
-            let parts: Vec<RegionSummary> = of_ranks.chunks_exact(parts.len()).map(part).collect();
+            // A rank without nodes of a group of point masses has no centre.
+            let parts: Vec<RegionSummary> =
+                of_ranks.chunks_exact(parts.len()).map(part).filter(has_mass).collect();
             *region = RegionSummary { group: region.group.take(), ..RegionSummary::combined(&parts) };
         }
-        let mut held = self.held_axes.map(|held| f64::from(u8::from(held)));
-        subdomain.largest("fixed axes", &mut held);
-        self.held_axes = held.map(|held| held > 0.0);
         let mut of_cells = traces(self.counted_terms());
         subdomain.sum("viscosity and stiffness", &mut of_cells);
         self.viscous_time = time_of(of_cells);
         let read = |masses: &Vec<f64>, node: usize, mass: &mut [f64]| mass[0] = masses[node];
         let write = |masses: &mut Vec<f64>, node: usize, mass: &[f64]| masses[node] = mass[0];
         subdomain.exchange("lumped masses", 1, &mut self.lumped_mass, read, write);
+        let mut loads = (*self.loads).clone();
+        for load in &mut loads {
+            if let Some(area) = load.area {
+                let mut area = [area];
+                subdomain.sum("area of a load", &mut area);
+                load.force.iter_mut().for_each(|force| *force /= area[0]);
+            }
+        }
+        self.loads = Arc::new(loads);
+        self.with_supports_of_ranks(&subdomain)
+    }
+
+    /// The body, and its successors after the release of supports, with the axes that are fixed on any rank.
+    fn with_supports_of_ranks(mut self, subdomain: &Subdomain) -> Body {
+        let mut held = self.held_axes.map(|held| f64::from(u8::from(held)));
+        subdomain.largest("fixed axes", &mut held);
+        self.held_axes = held.map(|held| held > 0.0);
         for group in &mut self.supported {
             group.dofs.retain(|&dof| dof < 3 * subdomain.n_own);
         }
+        let (lumped_mass, loads) = (&self.lumped_mass, &self.loads);
+        let (regions, viscous_time) = (&self.regions, self.viscous_time);
+        self.release = self.release.take().map(|(time, body)| {
+            let body = Body {
+                lumped_mass: lumped_mass.clone(),
+                loads: loads.clone(),
+                regions: regions.clone(),
+                viscous_time,
+                ..*body
+            };
+            (time, Box::new(body.with_supports_of_ranks(subdomain)))
+        });
         self
     }
 

@@ -121,7 +121,7 @@ impl MeshBuilder {
         groups.cells.values_mut().for_each(sort_unique);
         groups.facets.values_mut().for_each(sort_unique);
         groups.nodes.values_mut().for_each(sort_unique);
-        Ok(Mesh { points, kinds, offsets, connectivity, groups, is_share: false })
+        Ok(Mesh { points, kinds, offsets, connectivity, groups, whole: None })
     }
 
     fn check(&self) -> Result<()> {

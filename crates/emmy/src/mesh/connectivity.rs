@@ -82,10 +82,8 @@ impl Mesh {
 
     /// Edge lengths of the smallest box along the axes around the nodes \[length\].
     pub fn extent(&self) -> [f64; 3] {
-        [0, 1, 2].map(|i| {
-            let x = || self.points().iter().map(|point| point[i]);
-            x().fold(f64::NEG_INFINITY, f64::max) - x().fold(f64::INFINITY, f64::min)
-        })
+        let [low, high] = self.bounds();
+        [0, 1, 2].map(|i| high[i] - low[i])
     }
 
     /// Diagonal of the smallest box along the axes around the nodes \[length\].

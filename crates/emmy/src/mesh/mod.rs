@@ -16,6 +16,8 @@ pub use share::{Share, owners};
 
 pub use crate::element::{CellKind, FacetKind};
 
+use std::collections::BTreeMap;
+
 use crate::error::{Error, Result};
 
 /// A cell as it stands in the mesh.
@@ -48,8 +50,23 @@ pub struct Mesh {
     offsets: Vec<u32>,
     connectivity: Vec<u32>,
     groups: Groups,
-    /// Whether it is part of another mesh, so that a group may be empty here.
-    is_share: bool,
+    /// Bounds of the mesh that it is a part of; `None`: of none.
+    whole: Option<Bounds>,
+}
+
+/// Smallest and largest coordinates of the nodes of a mesh, and of those of its facet groups. A part of the mesh may have
+/// none of a group.
+#[derive(Debug, Clone, PartialEq)]
+struct Bounds {
+    mesh: [[f64; 3]; 2],
+    facet_groups: BTreeMap<String, [[f64; 3]; 2]>,
+}
+
+/// Smallest and largest coordinates of some points.
+fn bounds<'a>(points: impl Iterator<Item = &'a [f64; 3]>) -> [[f64; 3]; 2] {
+    points.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[least, most], x| {
+        [[0, 1, 2].map(|i| x[i].min(least[i])), [0, 1, 2].map(|i| x[i].max(most[i]))]
+    })
 }
 
 impl Mesh {
@@ -154,13 +171,29 @@ impl Mesh {
         for &cell in groups.cells.get(name).into_iter().flatten() {
             nodes.extend_from_slice(self.cell(cell as usize).nodes);
         }
-        if nodes.is_empty() && !(self.is_share && groups.names().contains(&name)) {
+        if nodes.is_empty() && !(self.whole.is_some() && groups.names().contains(&name)) {
             let available = groups.names().join(", ");
             return Err(Error::UnknownGroup { what: "node", group: name.to_string(), available });
         }
         nodes.sort_unstable();
         nodes.dedup();
         Ok(nodes)
+    }
+
+    /// Smallest and largest coordinates of the mesh; of a part, those of the whole mesh.
+    pub(crate) fn bounds(&self) -> [[f64; 3]; 2] {
+        self.whole.as_ref().map_or_else(|| bounds(self.points.iter()), |whole| whole.mesh)
+    }
+
+    /// The same of a facet group.
+    ///
+    /// # Errors
+    /// [`Error::UnknownGroup`].
+    pub(crate) fn facet_bounds(&self, group: &str) -> Result<[[f64; 3]; 2]> {
+        let facets = self.groups.facets(group)?;
+        let nodes = facets.iter().flat_map(|&facet| self.facet_nodes(facet));
+        let own = || bounds(nodes.map(|node| &self.points[node as usize]));
+        Ok(self.whole.as_ref().and_then(|whole| whole.facet_groups.get(group)).copied().unwrap_or_else(own))
     }
 
     /// The node nearest to a point in the reference configuration; the first of several.
@@ -178,7 +211,9 @@ impl Mesh {
         if !(factor > 0.0 && factor.is_finite()) {
             return Err(Error::NotPositive { what: "mesh scale".into(), value: factor });
         }
-        self.points.iter_mut().flatten().for_each(|x| *x *= factor);
+        let of_whole =
+            self.whole.iter_mut().flat_map(|whole| whole.facet_groups.values_mut().chain([&mut whole.mesh]));
+        self.points.iter_mut().chain(of_whole.flatten()).flatten().for_each(|x| *x *= factor);
         Ok(self)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Facet, Groups, Mesh};
+use super::{Bounds, Facet, Groups, Mesh};
 use crate::error::{Error, Result};
 use crate::sparse::{Pattern, partition};
 use crate::team::Neighbour;
@@ -142,6 +142,11 @@ fn neighbours(mesh: &Mesh, owners: &[u32], rank: usize, nodes: &[u32], cells: &[
 }
 
 impl Mesh {
+    fn all_bounds(&self) -> Bounds {
+        let of_group = |name: &String| Some((name.clone(), self.facet_bounds(name).ok()?));
+        Bounds { mesh: self.bounds(), facet_groups: self.groups.facets.keys().filter_map(of_group).collect() }
+    }
+
     /// Some nodes and cells as a mesh of their own, with all groups.
     fn part(&self, nodes: &[u32], cells: &[u32]) -> Mesh {
         let absent = u32::MAX;
@@ -158,7 +163,7 @@ impl Mesh {
             offsets: vec![0],
             connectivity: Vec::new(),
             groups: Groups::default(),
-            is_share: true,
+            whole: Some(self.all_bounds()),
         };
         for &cell in cells {
             let of_cell = self.cell(cell as usize).nodes.iter();

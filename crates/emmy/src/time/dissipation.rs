@@ -42,7 +42,7 @@
 #![allow(non_snake_case)]
 
 use crate::average::Rule;
-use crate::body::{Body, sum};
+use crate::body::Body;
 use crate::tensor::{Mat3, SYM, cross, eigen};
 
 /// The coefficients of a dissipative time element.
@@ -138,16 +138,21 @@ impl RigidProjection {
     pub(super) fn new(body: &Body, dissipation: Dissipation) -> Self {
         let n = body.n_dofs();
         let nodes = || body.fixed().as_chunks::<3>().0.iter();
-        let translations = [0, 1, 2].map(|d| nodes().all(|fixed| !fixed[d]));
-        let turns = [0, 1, 2].map(|axis| {
-            nodes().all(|fixed| {
+        let holds = |axis: usize| {
+            nodes().any(|fixed| {
                 let across = [fixed[(axis + 1) % 3], fixed[(axis + 2) % 3]];
-                across == [false; 2] || *fixed == [true; 3]
+                across != [false; 2] && *fixed != [true; 3]
             })
-        });
+        };
+        let mut held = [0, 1, 2].map(|axis| f64::from(u8::from(holds(axis))));
+        body.largest_of_ranks("axes that supports hold", &mut held);
+        let turns = held.map(|held| held == 0.0);
+        let translations = body.held_axes().map(|held| !held);
         let mut row_sums = vec![0.0; n];
         body.mass_product(&vec![1.0; n], &mut row_sums);
         let row_sums: Vec<f64> = row_sums.into_iter().step_by(3).collect();
+        let mut mass = [row_sums.iter().sum()];
+        body.sum_ranks("mass of the rows", &mut mass);
         let zero = vec![0.0; n];
         let change = [(); 4].map(|()| zero.clone());
         let [arm, weighted_arm, velocity, momentum] = change;
@@ -155,7 +160,7 @@ impl RigidProjection {
             dissipation,
             translations,
             turns,
-            mass: row_sums.iter().sum(),
+            mass: mass[0],
             row_sums,
             arm: zero.clone(),
             weighted_arm: zero.clone(),
@@ -167,16 +172,19 @@ impl RigidProjection {
     }
 
     /// Finds lambda for the rates x; `mass_rates`: M x, `[k][dof]`; `momentum`: p_1.
-    pub(super) fn set(&mut self, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
+    pub(super) fn set(&mut self, body: &Body, rates: &[f64], mass_rates: &[f64], momentum: &[f64], h: f64) {
         let Dissipation { highest_mode, eta, .. } = &self.dissipation;
         combine(highest_mode, rates, &mut self.arm);
         combine(highest_mode, mass_rates, &mut self.weighted_arm);
         combine(eta, mass_rates, &mut self.momentum);
         let start: f64 = eta.iter().sum();
         self.momentum.iter_mut().zip(momentum).for_each(|(m, p)| *m = *m / h - start * p);
-        centre(self.translations, self.mass, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
+        let mean = self.mean(body, &self.weighted_arm);
+        subtract(mean, &self.row_sums, &mut self.arm, &mut self.weighted_arm);
         self.tensor = outer(&self.arm, &self.weighted_arm);
-        self.multipliers = self.projected(sum(&self.momentum), moment(&self.arm, &self.momentum));
+        body.sum_ranks("tensor of the arms", self.tensor.as_flattened_mut());
+        self.multipliers =
+            self.projected(body.sum(&self.momentum), of_ranks(body, moment(&self.arm, &self.momentum)));
     }
 
     /// Adds `h weight_i M U lambda` to the residuals of the stages.
@@ -197,15 +205,18 @@ impl RigidProjection {
         velocity.iter_mut().for_each(|v| *v /= h);
         body.mass_product(arm, weighted_arm);
         body.mass_product(velocity, momentum);
-        centre(self.translations, self.mass, &self.row_sums, arm, weighted_arm);
+        let mean = self.mean(body, &self.change.weighted_arm);
+        let Change { arm, weighted_arm, momentum, .. } = &mut self.change;
+        subtract(mean, &self.row_sums, arm, weighted_arm);
         let first = outer(arm, &self.weighted_arm);
         let second = outer(&self.arm, weighted_arm);
-        let change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
+        let mut change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
+        body.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
         let turned = inertia_times(&change, multipliers.turn);
-        let own = moment(&self.arm, momentum);
-        let other = moment(arm, &self.momentum);
+        let own = of_ranks(body, moment(&self.arm, momentum));
+        let other = of_ranks(body, moment(arm, &self.momentum));
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
-        let change = self.projected(sum(&self.change.momentum), right);
+        let change = self.projected(body.sum(&self.change.momentum), right);
         self.add(change, h, residual);
         let n = self.arm.len();
         for (stage, weight) in residual.chunks_exact_mut(n).zip(&self.dissipation.stage_weights) {
@@ -219,10 +230,10 @@ impl RigidProjection {
 
     /// Corrects a right-hand side for the approximate tangent, which also damps rigid motions: it becomes `(A^-1 a) r`
     /// in that subspace, where the strain response is neglected.
-    pub(super) fn correct(&mut self, right: &mut [f64]) {
+    pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
-        let part = self.projected(sum(momentum), moment(&self.arm, momentum));
+        let part = self.projected(body.sum(momentum), of_ranks(body, moment(&self.arm, momentum)));
         self.add(part, -1.0, right);
     }
 
@@ -230,6 +241,7 @@ impl RigidProjection {
     /// dissipated through velocities, `beta gamma . M gamma`; `velocity`: v_1.
     pub(super) fn complete_end_velocity(
         &mut self,
+        body: &Body,
         rates: &[f64],
         velocity: &[f64],
         h: f64,
@@ -250,7 +262,15 @@ impl RigidProjection {
                 new[dof] += end_weight * moved[d];
             }
         }
-        excess * square / (1.0 + strength).powi(2)
+        let mut square = [square];
+        body.sum_ranks("energy dissipated by velocities", &mut square);
+        excess * square[0] / (1.0 + strength).powi(2)
+    }
+
+    /// Mean of arms in the directions without a fixed node, from their products with M.
+    fn mean(&self, body: &Body, weighted: &[f64]) -> [f64; 3] {
+        let total = body.sum(weighted);
+        [0, 1, 2].map(|d| if self.translations[d] { total[d] / self.mass } else { 0.0 })
     }
 
     /// `(U^T M U)^-1` times total and moment of a momentum.
@@ -309,10 +329,14 @@ fn inertia_times(T: &Mat3<f64>, v: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| trace * v[i] - (0..3).map(|j| T[j][i] * v[j]).sum::<f64>())
 }
 
-/// Subtracts the mean from arms and from their products with M, in some directions.
-fn centre(directions: [bool; 3], mass: f64, row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
-    let total = sum(weighted);
-    let mean = [0, 1, 2].map(|d| if directions[d] { total[d] / mass } else { 0.0 });
+/// The sum of a moment over all ranks.
+fn of_ranks(body: &Body, mut moment: [f64; 3]) -> [f64; 3] {
+    body.sum_ranks("moment of a momentum", &mut moment);
+    moment
+}
+
+/// Subtracts a mean from arms and from their products with M.
+fn subtract(mean: [f64; 3], row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
     let nodes = arm.as_chunks_mut::<3>().0.iter_mut().zip(weighted.as_chunks_mut::<3>().0);
     for ((arm, weighted), mass) in nodes.zip(row_sums) {
         (0..3).for_each(|d| (arm[d], weighted[d]) = (arm[d] - mean[d], weighted[d] - mass * mean[d]));

@@ -51,11 +51,10 @@ impl<'a> TimeElementStepper<'a> {
     /// A stepper with all its memory; the symbolic factorisations are done here, once.
     ///
     /// # Errors
-    /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for an element that dissipates energy, or a
-    /// solver that factorises.
+    /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for a solver that factorises.
     pub fn new(body: &'a Body, element: TimeElement, mut settings: NewtonSettings) -> Result<Self> {
         if body.subdomain().is_some() {
-            settings.solver = solver_on_team(element, settings.solver)?;
+            settings.solver = solver_on_team(settings.solver)?;
         }
         let n = body.n_dofs();
         let k = element.degree;
@@ -158,7 +157,6 @@ impl<'a> TimeElementStepper<'a> {
             }
             impulses.add_force(body, h * b, &self.position, force);
         }
-        body.sum_reactions(&mut self.reactions);
         Ok(impulses)
     }
 
@@ -202,6 +200,7 @@ impl<'a> TimeElementStepper<'a> {
         let mut impulses = self.impulses(step_size)?;
         let strain_state = self.strain_state_at_end()?;
         self.update(state, step_size, &mut impulses)?;
+        self.system.body.sum_reactions(&mut self.reactions);
         if !self.mass_shares.is_empty() {
             state.note_momentum_error(self.system.body, &self.momentum, impulses.linear);
         }
@@ -316,20 +315,21 @@ impl<'a> TimeElementStepper<'a> {
         let body = self.system.body;
         self.momentum.iter_mut().zip(&state.momentum).for_each(|(jump, p)| *jump = p - *jump);
         let mean = |dof: usize| 0.5 * (self.end_velocity[dof] + state.velocity[dof]);
-        impulses.work += body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>();
+        // The momentum of guests is zero.
+        let mut work = [body.driven_dofs().map(|dof| mean(dof) * self.momentum[dof]).sum::<f64>()];
+        body.sum_ranks("work of the jump", &mut work);
+        impulses.work += work[0];
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
         body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
     }
 }
 
 /// The solver for a request on a team.
-fn solver_on_team(element: TimeElement, requested: Solver) -> Result<Solver> {
-    let what = match (element.spectral_radius, requested) {
-        (Some(_), _) => "a scheme that dissipates energy".to_string(),
-        (None, Solver::Auto | Solver::Iterative) => return Ok(Solver::Iterative),
-        (None, other) => format!("the solver `{}`", other.name()),
-    };
-    Err(Error::NotOnTeam { what })
+fn solver_on_team(requested: Solver) -> Result<Solver> {
+    match requested {
+        Solver::Auto | Solver::Iterative => Ok(Solver::Iterative),
+        other => Err(Error::NotOnTeam { what: format!("the solver `{}`", other.name()) }),
+    }
 }
 
 /// The part of a body's mass at each node.

@@ -29,7 +29,7 @@ impl LinearSystem for LinearisedStages<'_> {
         match &mut self.projection {
             Some(projection) => {
                 self.right.copy_from_slice(x);
-                projection.correct(self.right);
+                projection.correct(self.body, self.right);
                 clear_inactive(self.body, self.right);
                 self.approximate_tangent.precondition(self.right, y);
             }

@@ -190,7 +190,7 @@ impl<'a> StageSystem<'a> {
             });
         }
         if let Some(projection) = &mut self.projection {
-            projection.set(x, &self.mass_rates, &self.momentum, s);
+            projection.set(body, x, &self.mass_rates, &self.momentum, s);
             projection.add_to_residual(s, residual);
         }
         let mut totals = [0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>());
@@ -318,8 +318,8 @@ impl<'a> StageSystem<'a> {
         }
         self.set_mass_rates(x);
         self.projection.as_mut().map_or(0.0, |projection| {
-            projection.set(x, &self.mass_rates, &self.momentum, self.time_scale);
-            projection.complete_end_velocity(x, velocity, self.time_scale, new)
+            projection.set(self.body, x, &self.mass_rates, &self.momentum, self.time_scale);
+            projection.complete_end_velocity(self.body, x, velocity, self.time_scale, new)
         })
     }
 

@@ -25,7 +25,7 @@ impl StageSystem<'_> {
     /// Solves with the approximate tangent, as near to the tolerance as its solver reaches.
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
-            projection.correct(&mut self.negative);
+            projection.correct(self.body, &mut self.negative);
             clear_inactive(self.body, &mut self.negative);
         }
         let parts = correction.split_at_mut(self.negative.len());
