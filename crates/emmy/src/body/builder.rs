@@ -105,7 +105,7 @@ impl BodyBuilder {
         let Some(TeamPart { subdomain, rank, .. }) = &self.team else { return Body::from_parts(self) };
         let subdomain = subdomain.clone();
         let own = match (*rank, subdomain.rank()) {
-            (given, rank) if given == rank => super::team::check(&self.regions, &self.loads),
+            (given, rank) if given == rank => super::team::check(&self.regions),
             (given, rank) => {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
@@ -132,8 +132,8 @@ impl Body {
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
     /// regions, supports and loads; an error of one is an error of all.
     ///
-    /// Teams compute motions by time elements in steps that are given, with [`Solver::Iterative`] (which [`Solver::Auto`] is
-    /// there). Other requests are errors, and so are cells against locking and loads by fields. Everything that is a sum over the body, such as
+    /// Teams compute motions with [`Solver::Iterative`] (which [`Solver::Auto`] is
+    /// there). Other requests are errors, and so are cells against locking, equilibria, modes and adjoints. Everything that is a sum over the body, such as
     /// [`Body::strain_energy`], is a call of all ranks; nodal vectors belong to the nodes of the share, and of guests only
     /// displacements and velocities have a meaning.
     ///

@@ -30,6 +30,8 @@ pub(super) struct Drive {
     nodes: Vec<u32>,
     /// X - about of every node.
     offsets: Vec<[f64; 3]>,
+    /// Largest distance of a node from `about` \[length\].
+    pub(super) radius: f64,
     /// Time at which the support is released.
     pub(super) until: Option<f64>,
 }
@@ -47,9 +49,12 @@ impl Drive {
         let about = rotation.as_ref().map_or([0.0; 3], |rotation| rotation.about);
         let offset = |&node: &u32| [0, 1, 2].map(|i| points[node as usize][i] - about[i]);
         let components = [0, 1, 2].map(|i| rotation.is_some() || displacement[i].is_some());
+        let offsets: Vec<[f64; 3]> = nodes.iter().map(offset).collect();
+        let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
         Drive {
             support,
-            offsets: nodes.iter().map(offset).collect(),
+            radius: offsets.iter().map(length).fold(0.0, f64::max),
+            offsets,
             displacement,
             rotation,
             components,
@@ -91,9 +96,7 @@ impl Drive {
     /// The time functions, each with the largest displacement per unit of it.
     pub(super) fn arms(&self) -> impl Iterator<Item = (&TimeFunction, f64)> + '_ {
         let shifts = self.displacement.iter().flatten().map(|time_function| (time_function, 1.0));
-        let length = |r: &[f64; 3]| r.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let radius = self.offsets.iter().map(length).fold(0.0, f64::max);
-        shifts.chain(self.rotation.as_ref().map(move |rotation| (&rotation.angle, radius)))
+        shifts.chain(self.rotation.as_ref().map(|rotation| (&rotation.angle, self.radius)))
     }
 
     /// The displacement at a time.

@@ -12,7 +12,7 @@ use crate::mesh::Mesh;
 use crate::number::short_vector;
 
 /// A load by a field: the points at which the field is evaluated, and the weights of the nodes at each.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct FieldLoad {
     /// Number of the load.
     pub(super) load: usize,
@@ -20,6 +20,8 @@ pub(super) struct FieldLoad {
     pub(super) time_function: TimeFunction,
     /// Reference positions.
     points: Vec<[f64; 3]>,
+    /// Some of them, of all ranks, at which the change over time is checked.
+    pub(super) samples: Vec<[f64; 3]>,
     /// End of the entries of each point in `node_weights`.
     ends: Vec<usize>,
     /// Nodes with weight times shape function \[length^2 or length^3\].
@@ -49,6 +51,11 @@ pub(super) const POINTS_OF_SIGNALS: usize = 4;
 const TIMES: usize = 1000;
 const MAX_EVALUATIONS: usize = 100_000;
 
+/// A few points among many, evenly.
+pub(super) fn samples(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    points.iter().step_by(points.len().div_ceil(POINTS_OF_SIGNALS).max(1)).copied().collect()
+}
+
 impl FieldLoad {
     /// The load; `None` if it is not a field. `section`: thickness of plane cells, `density_of_cell`: mass per measure of
     /// each cell, `point_masses: [n_nodes]`.
@@ -69,6 +76,7 @@ impl FieldLoad {
             field: field.clone(),
             time_function: load.time_function.clone(),
             points: Vec::new(),
+            samples: Vec::new(),
             ends: Vec::new(),
             node_weights: Vec::new(),
         };
@@ -95,14 +103,14 @@ impl FieldLoad {
                 }
             }
         }
+        table.samples = samples(&table.points);
         Ok(Some(table))
     }
 
     /// Its components over time at some of its points, with the factor: how many they are, and a function that sets them
     /// for each time, `[n_times][n]`.
     pub(super) fn components(&self) -> (usize, impl Fn(&[f64], &mut [f64]) + Send + Sync + 'static) {
-        let every = self.points.len().div_ceil(POINTS_OF_SIGNALS).max(1);
-        let points: Vec<[f64; 3]> = self.points.iter().step_by(every).copied().collect();
+        let points = self.samples.clone();
         let (field, time_function) = (self.field.clone(), self.time_function.clone());
         let set = move |points: &[[f64; 3]], times: &[f64], values: &mut [f64]| {
             let mut vectors = [[0.0; 3]; POINTS_OF_SIGNALS];

@@ -64,7 +64,8 @@ impl Body {
             }
         }
         for field in self.fields.iter() {
-            acts |= field.add_averages(time, step_size, rule, memory, force)?;
+            // A field may fail at a point of one rank alone; whether it acts depends on the time alone.
+            acts |= self.agree(field.add_averages(time, step_size, rule, memory, force))?;
         }
         Ok(acts)
     }
@@ -104,7 +105,7 @@ impl Body {
             }
         }
         for field in self.fields.iter() {
-            acts |= field.add_at(time, memory, force)?;
+            acts |= self.agree(field.add_at(time, memory, force))?;
         }
         Ok(acts)
     }
@@ -124,7 +125,8 @@ impl Body {
     /// ```
     pub fn field_not_finite(&self, start: f64, end: f64) -> Option<(usize, [f64; 3], f64)> {
         self.fields.iter().find_map(|field| {
-            let (X, time) = field.find_not_finite([start, end])?;
+            let found = field.find_not_finite([start, end]);
+            let (X, time) = self.of_lowest_rank(found)?;
             Some((field.load, X, time))
         })
     }

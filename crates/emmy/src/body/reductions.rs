@@ -27,6 +27,11 @@ impl Body {
         self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_nodes_of_ranks)
     }
 
+    /// Number of a degree of freedom in the whole body.
+    pub(crate) fn dof_of_ranks(&self, dof: usize) -> usize {
+        self.subdomain().map_or(dof, |subdomain| 3 * subdomain.nodes[dof / 3] as usize + dof % 3)
+    }
+
     /// Own nodes, and internal ones.
     pub(crate) fn own_nodes(&self) -> Range<usize> {
         0..self.own_dofs().end / 3
@@ -157,6 +162,16 @@ impl Body {
             subdomain.take_from(0, "first node", &mut first);
         }
         first
+    }
+
+    /// A point and a time of the lowest rank that has them.
+    pub(super) fn of_lowest_rank(&self, own: Option<([f64; 3], f64)>) -> Option<([f64; 3], f64)> {
+        let Some(subdomain) = self.subdomain() else { return own };
+        let rank = subdomain.lowest("rank of a point", own.map(|_| subdomain.rank()))?;
+        let mut numbers = own.map_or([0.0; 4], |([x, y, z], time)| [x, y, z, time]);
+        subdomain.take_from(rank, "point", &mut numbers);
+        let [x, y, z, time] = numbers;
+        Some(([x, y, z], time))
     }
 
     /// The lowest number in the whole mesh among some own nodes, one of each rank at most.

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::field_load::{POINTS_OF_SIGNALS, samples};
 use super::term::{time_of, traces};
-use super::{Body, Formulation, Load, Region, RegionSummary};
+use super::{Body, Formulation, Region, RegionSummary};
 use crate::error::{Error, Result};
 use crate::team::Subdomain;
 
@@ -11,15 +12,16 @@ use crate::team::Subdomain;
 ///
 /// # Errors
 /// [`Error::NotOnTeam`] names what it cannot.
-pub(super) fn check(regions: &[Region], loads: &[Load]) -> Result<()> {
+pub(super) fn check(regions: &[Region]) -> Result<()> {
     let formulation = |region: &Region| match region.formulation {
         Formulation::Standard => None,
         Formulation::ProjectedVolume(_) => Some("a projected volume"),
         Formulation::IncompatibleModes => Some("a cell with incompatible modes"),
     };
-    let of_fields = loads.iter().filter(|load| load.kind.field().is_some()).map(|_| "a load by a field");
-    let mut found = regions.iter().filter_map(formulation).chain(of_fields);
-    found.next().map_or(Ok(()), |what| Err(Error::NotOnTeam { what: what.to_string() }))
+    regions
+        .iter()
+        .find_map(formulation)
+        .map_or(Ok(()), |what| Err(Error::NotOnTeam { what: what.to_string() }))
 }
 
 impl Body {
@@ -65,6 +67,16 @@ impl Body {
             }
         }
         self.loads = Arc::new(loads);
+        let mut fields = (*self.fields).clone();
+        for field in &mut fields {
+            let mut own = [[f64::NAN; 3]; POINTS_OF_SIGNALS];
+            own.iter_mut().zip(&field.samples).for_each(|(own, X)| *own = *X);
+            let of_ranks = subdomain.gather("points of a field", own.as_flattened());
+            let is_point = |X: &[f64; 3]| X[0].is_finite();
+            field.samples =
+                samples(&of_ranks.as_chunks().0.iter().copied().filter(is_point).collect::<Vec<_>>());
+        }
+        self.fields = Arc::new(fields);
         self.with_supports_of_ranks(&subdomain)
     }
 
@@ -73,15 +85,21 @@ impl Body {
         let mut held = self.held_axes.map(|held| f64::from(u8::from(held)));
         subdomain.largest("fixed axes", &mut held);
         self.held_axes = held.map(|held| held > 0.0);
+        for drive in &mut self.drives {
+            let mut radius = [drive.radius];
+            subdomain.largest("radius of a support that turns", &mut radius);
+            drive.radius = radius[0];
+        }
         for group in &mut self.supported {
             group.dofs.retain(|&dof| dof < 3 * subdomain.n_own);
         }
-        let (lumped_mass, loads) = (&self.lumped_mass, &self.loads);
+        let (lumped_mass, loads, fields) = (&self.lumped_mass, &self.loads, &self.fields);
         let (regions, viscous_time) = (&self.regions, self.viscous_time);
         self.release = self.release.take().map(|(time, body)| {
             let body = Body {
                 lumped_mass: lumped_mass.clone(),
                 loads: loads.clone(),
+                fields: fields.clone(),
                 regions: regions.clone(),
                 viscous_time,
                 ..*body

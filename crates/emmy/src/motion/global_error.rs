@@ -59,7 +59,6 @@ impl<'a> GlobalError<'a> {
         settings: NewtonSettings,
         state: &State,
     ) -> Result<Self> {
-        body.check_whole("an estimate of the global error")?;
         let own = scheme.into();
         let scheme = own.conserving().at_degree(own.degree() + 1)?;
         let mut state = state.clone();

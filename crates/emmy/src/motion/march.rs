@@ -82,10 +82,7 @@ impl Motion<'_> {
             self.plan = Some(plan.clone());
         }
         match plan.adaptivity() {
-            Some(adaptivity) => {
-                self.body.check_whole("a plan of adaptive steps")?;
-                self.control_steps(plan, adaptivity)
-            }
+            Some(adaptivity) => self.control_steps(plan, adaptivity),
             None => Ok(()),
         }
     }

@@ -21,6 +21,10 @@ pub(crate) struct Subdomain {
     parcels: Mutex<Vec<Parcel>>,
 }
 
+/// Numbers of kinds of errors.
+const INVERTED: f64 = 1.0;
+const NOT_FINITE: f64 = 2.0;
+
 impl Subdomain {
     pub(crate) fn new(
         team: Arc<dyn Team>,
@@ -113,23 +117,26 @@ impl Subdomain {
         let own = outcome.as_ref().err().map(|_| self.rank());
         let Some(rank) = self.lowest("outcome", own) else { return outcome };
         let own = outcome.err().map(|error| self.in_whole_numbers(error));
-        let text = own.as_ref().map(Error::to_string).unwrap_or_default();
-        let inverted = match own {
-            Some(Error::Inverted { cell, det }) => Some([cell as f64, det]),
-            _ => None,
+        // The errors whose kind decides how a motion continues are the same on all ranks; others keep their message.
+        let (kind, numbers, text) = match &own {
+            Some(Error::Inverted { cell, det }) => (INVERTED, [*cell as f64, *det], String::new()),
+            Some(Error::NotFiniteAt { what, time, value }) => (NOT_FINITE, [*time, *value], what.clone()),
+            error => (0.0, [0.0; 2], error.as_ref().map(Error::to_string).unwrap_or_default()),
         };
-        let mut head =
-            inverted.map_or([text.len() as f64, 0.0, 0.0, 0.0], |[cell, det]| [0.0, 1.0, cell, det]);
+        let mut head = [text.len() as f64, kind, numbers[0], numbers[1]];
         self.take_from(rank, "error", &mut head);
-        let [length, is_inverted, cell, det] = head;
-        if is_inverted == 1.0 {
-            return Err(Error::Inverted { cell: cell as usize, det });
+        let [length, kind, first, second] = head;
+        if kind == INVERTED {
+            return Err(Error::Inverted { cell: first as usize, det: second });
         }
         let mut letters = vec![0.0; length as usize];
         letters.iter_mut().zip(text.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
         self.take_from(rank, "message", &mut letters);
         let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
         let message = String::from_utf8_lossy(&bytes).into_owned();
+        if kind == NOT_FINITE {
+            return Err(Error::NotFiniteAt { what: message, time: first, value: second });
+        }
         let mut differs = [f64::from(u8::from(own.is_none() || text != message))];
         self.largest("message of all ranks", &mut differs);
         match own {

@@ -4,9 +4,8 @@ use super::iteration::Iteration;
 use super::stage_system::StageSystem;
 use super::{Impulses, Memory, State, StepOutcome, Stepper, TimeElement};
 use crate::body::{Body, LoadMemory, MassSolver, Reaction, StrainState};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::newton::NewtonSettings;
-use crate::sparse::Solver;
 
 /// Stepper of a time element.
 ///
@@ -52,10 +51,7 @@ impl<'a> TimeElementStepper<'a> {
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`]; on a team [`crate::Error::NotOnTeam`] for a solver that factorises.
-    pub fn new(body: &'a Body, element: TimeElement, mut settings: NewtonSettings) -> Result<Self> {
-        if body.subdomain().is_some() {
-            settings.solver = solver_on_team(settings.solver)?;
-        }
+    pub fn new(body: &'a Body, element: TimeElement, settings: NewtonSettings) -> Result<Self> {
         let n = body.n_dofs();
         let k = element.degree;
         let system = StageSystem::new(body, element.coefficients(), settings.solver)?;
@@ -321,14 +317,6 @@ impl<'a> TimeElementStepper<'a> {
         impulses.work += work[0];
         impulses.add_force(body, 1.0, &state.displacement, &self.momentum);
         body.add_reactions(&state.displacement, |dof| self.momentum[dof] / h, &mut self.reactions);
-    }
-}
-
-/// The solver for a request on a team.
-fn solver_on_team(requested: Solver) -> Result<Solver> {
-    match requested {
-        Solver::Auto | Solver::Iterative => Ok(Solver::Iterative),
-        other => Err(Error::NotOnTeam { what: format!("the solver `{}`", other.name()) }),
     }
 }
 

@@ -167,7 +167,7 @@ impl Stepper for BatheStepper<'_> {
         for (point, weight) in self.points.iter().zip(WEIGHTS) {
             point.add_to(&mut impulses, self.forces.body, weight, step_size, &self.increment);
         }
-        sum_reactions(self.points.iter().zip(WEIGHTS), &mut self.reactions);
+        sum_reactions(self.forces.body, self.points.iter().zip(WEIGHTS), &mut self.reactions);
         self.points.swap(0, 2);
         let newton = Outcome {
             iterations: first.iterations + second.iterations,

@@ -83,6 +83,7 @@ fn set_inertia(body: &Body, point: &mut TimePoint, inertia: &mut [f64]) {
     for (dof, &fixed) in body.fixed().iter().enumerate() {
         inertia[dof] = if fixed { 0.0 } else { point.force[dof] };
     }
+    body.update_guests("net force", inertia);
     point.set_reactions(body, inertia);
 }
 
@@ -112,7 +113,7 @@ impl Stepper for CentralDifferences<'_> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
-        sum_reactions([(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
+        sum_reactions(body, [(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
         std::mem::swap(&mut self.start, &mut self.end);
         let newton = Outcome { converged: true, ..Outcome::default() };
         let strain_state = self.forces.body.strain_state(&state.displacement);
@@ -149,14 +150,15 @@ impl Stepper for CentralDifferences<'_> {
 
 /// Rejects a step whose forces are not finite: no other check would find this.
 fn check_finite(body: &Body, state: &State, h: f64, end: &TimePoint) -> Result<()> {
-    let numbers = end.force.iter().zip(&end.displacement);
-    match numbers.into_iter().position(|(force, u)| !(force.is_finite() && u.is_finite())) {
+    let mut numbers = end.force.iter().zip(&end.displacement).take(3 * body.own_nodes().end);
+    let own = numbers.position(|(force, u)| !(force.is_finite() && u.is_finite()));
+    match body.lowest_node(own.map(|dof| dof / 3)) {
         None => Ok(()),
-        Some(dof) => Err(Error::NotANumber {
+        Some(node) => Err(Error::NotANumber {
             step: state.step + 1,
             time: state.time + h,
-            node: dof / 3,
-            position: state.position(body, dof / 3),
+            node,
+            position: body.at_node(node, |node| state.position(body, node)),
         }),
     }
 }
@@ -183,7 +185,7 @@ impl StabilityLimit {
         // A fixed vector with a component in every mode: fractional parts of multiples of the golden section.
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let entry = |(dof, &fixed): (usize, &bool)| {
-            if fixed { 0.0 } else { ((dof + 1) as f64 * golden).fract() - 0.5 }
+            if fixed { 0.0 } else { ((forces.body.dof_of_ranks(dof) + 1) as f64 * golden).fract() - 0.5 }
         };
         let mode: Vec<f64> = forces.body.fixed().iter().enumerate().map(entry).collect();
         let mut limit = StabilityLimit { critical_step: 0.0, n_steps: 0, product: mode.clone(), mode };
@@ -211,15 +213,19 @@ impl StabilityLimit {
     fn iterate(&mut self, forces: &mut Forces<'_>) -> f64 {
         let body = forces.body;
         let mode = &mut self.mode;
+        body.update_guests("mode", mode);
         forces.assembly.matrix.multiply(body.pattern(), mode, &mut self.product);
         let (mut old, mut new) = (0.0, 0.0);
-        for (dof, &fixed) in body.fixed().iter().enumerate() {
+        for (dof, &fixed) in body.fixed().iter().enumerate().take(3 * body.own_nodes().end) {
             let mass = body.lumped_mass()[dof / 3];
             let value = if fixed { 0.0 } else { self.product[dof] / mass };
             old += mass * mode[dof] * mode[dof];
             new += mass * value * value;
             mode[dof] = value;
         }
+        let mut squares = [old, new];
+        body.sum_ranks("squares of a mode", &mut squares);
+        let [old, new] = squares;
         if new == 0.0 {
             return 0.0;
         }

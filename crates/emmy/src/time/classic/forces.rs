@@ -5,7 +5,6 @@ use crate::average::{Request, Rule};
 use crate::body::{Assembly, Body, LoadMemory, MassSolver, Reaction, StepDamping, StepInput};
 use crate::error::Result;
 use crate::quadrature::gauss;
-use crate::sparse::reduce::dot;
 use crate::time::followers::Followers;
 use crate::time::{Impulses, Memory, State};
 
@@ -248,7 +247,7 @@ impl TimePoint {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(crate) fn evaluate_for_reactions(&mut self, forces: &mut Forces<'_>, time: f64) -> Result<()> {
-        if forces.body.fixed().contains(&true) {
+        if forces.body.held_axes() != [false; 3] {
             return self.evaluate(forces, time);
         }
         forces.external(&self.displacement, time, &mut self.external)?;
@@ -275,7 +274,7 @@ impl TimePoint {
         step_size: f64,
         x: &[f64],
     ) {
-        impulses.work += weight * dot(&self.external, x);
+        impulses.work += weight * body.dot(&self.external, x);
         impulses.add_force(body, weight * step_size, &self.displacement, &self.force);
     }
 }
@@ -294,6 +293,7 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
 
 /// Sets the reactions of a step to the weighted sum over its points.
 pub(crate) fn sum_reactions<'p>(
+    body: &Body,
     points: impl IntoIterator<Item = (&'p TimePoint, f64)>,
     reactions: &mut [Reaction],
 ) {
@@ -301,6 +301,7 @@ pub(crate) fn sum_reactions<'p>(
     for (point, weight) in points {
         reactions.iter_mut().zip(&point.reactions).for_each(|(sum, own)| sum.add(weight, own));
     }
+    body.sum_reactions(reactions);
 }
 
 /// Acceleration and forces at a state, `M a = F(t) - f(u)` on the free degrees of freedom, and the product M a on all.

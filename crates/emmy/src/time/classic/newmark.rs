@@ -240,7 +240,7 @@ impl<'a> NewmarkStepper<'a> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);
         self.end.add_to(&mut impulses, body, gamma, h, x);
-        sum_reactions([(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
+        sum_reactions(body, [(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
         impulses
     }
 }

@@ -1,5 +1,6 @@
 //! Approximate solution of the stage equations from a starting point near the solution.
 
+use crate::body::Body;
 use crate::error::Result;
 use crate::newton::{STAGNATION, System, Tangent};
 use crate::time::stage_coefficients::StageCoefficients;
@@ -60,7 +61,7 @@ impl DefectCorrection {
             }
             system.correction(unknowns, &self.residual, TOLERANCE, tangent, &mut self.correction)?;
             unknowns.iter_mut().zip(&self.correction).for_each(|(x, dx)| *x += dx);
-            let change = self.change_at_end(&system.coefficients);
+            let change = self.change_at_end(system.body, &system.coefficients);
             let sizes = system.residual(unknowns, &mut self.residual)?;
             let left = sizes.residual / size;
             let floor = STAGNATION * sizes.floor.max(f64::EPSILON * sizes.scale);
@@ -86,7 +87,7 @@ impl DefectCorrection {
     /// Adds the last correction to the changes at the end of the step; returns its part of the sum of all corrections,
     /// in displacement or velocity.
     /// velocity.
-    fn change_at_end(&mut self, coefficients: &StageCoefficients) -> f64 {
+    fn change_at_end(&mut self, body: &Body, coefficients: &StageCoefficients) -> f64 {
         let n = self.at_end.len() / 2;
         let mut weights = [[0.0; 2]; MAX_DEGREE];
         let k = coefficients.rule.degree();
@@ -94,12 +95,15 @@ impl DefectCorrection {
         let mut part: f64 = 0.0;
         for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
             let (mut change, mut all) = (0.0, 0.0);
-            for (dof, at_end) in at_end.iter_mut().enumerate() {
+            for (dof, at_end) in at_end.iter_mut().enumerate().take(3 * body.own_nodes().end) {
                 let terms = self.correction[dof..k * n].iter().step_by(n).zip(&weights);
                 let own: f64 = terms.map(|(dx, weights)| weights[which] * dx).sum();
                 *at_end += own;
                 (change, all) = (change + own * own, all + *at_end * *at_end);
             }
+            let mut squares = [change, all];
+            body.sum_ranks("squares of the change at the end", &mut squares);
+            let [change, all] = squares;
             if change > 0.0 {
                 part = part.max((change / all).sqrt());
             }

@@ -238,7 +238,7 @@ impl ApproximateTangent {
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0, |position| position);
         let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
         let stiffness: f64 = (0..self.row_sums.len() / 3).flat_map(of_node).sum();
-        let mass: f64 = 3.0 * body.lumped_mass().iter().sum::<f64>();
+        let mass = 3.0 * body.total_lumped_mass();
         let volumes = 2.0 * body.pressure_stiffness(&self.assembly);
         let square = time_scale * time_scale * self.response_size;
         self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);

@@ -275,8 +275,8 @@ impl Scheme {
     /// # Errors
     /// [`Error::Scheme`].
     pub fn check_body(self, body: &Body) -> Result<()> {
-        if !self.is_time_element() {
-            body.check_whole(format!("the scheme {self}"))?;
+        if self == Scheme::Static {
+            body.check_whole("an equilibrium")?;
         }
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;

@@ -54,7 +54,19 @@ pub(super) struct StageSystem<'a> {
 const CHUNK: usize = 4096;
 
 impl<'a> StageSystem<'a> {
+    /// The equations with their memory.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`]; on a team [`Error::NotOnTeam`] for a solver that factorises.
     pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
+        let solver = match solver {
+            Solver::Auto if body.subdomain().is_some() => Solver::Iterative,
+            Solver::Direct | Solver::Multigrid => {
+                body.check_whole(format!("the solver `{}`", solver.name()))?;
+                solver
+            }
+            Solver::Auto | Solver::Iterative => solver,
+        };
         let n = body.n_dofs();
         let k = coefficients.rule.degree();
         Ok(StageSystem {
