@@ -51,7 +51,7 @@ pub struct Parcel {
     pub rank: usize,
     /// Numbers to send.
     pub outgoing: Vec<f64>,
-    /// Numbers received; its length is that of the other rank's outgoing numbers.
+    /// Numbers received; the caller gives it the length of the other rank's outgoing numbers.
     pub incoming: Vec<f64>,
 }
 

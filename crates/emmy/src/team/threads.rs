@@ -116,9 +116,8 @@ impl Team for Threads {
         let sent = parcels.iter().map(|parcel| (parcel.rank, parcel.outgoing.clone())).collect();
         let all = self.call(Call { kind: "exchange", name, length: 0 }, Vec::new(), sent);
         for parcel in parcels {
-            let mut received = all[parcel.rank].parcels.iter().filter(|(rank, _)| *rank == self.rank);
-            parcel.incoming.clear();
-            parcel.incoming.extend(received.next().into_iter().flat_map(|(_, numbers)| numbers));
+            let received = all[parcel.rank].parcels.iter().find(|(rank, _)| *rank == self.rank);
+            parcel.incoming.copy_from_slice(received.map_or(&[], |(_, numbers)| numbers));
         }
     }
 }
@@ -265,8 +264,8 @@ mod tests {
         let results = Threads::run(3, |team| {
             let others = (0..3).filter(|&rank| rank != team.rank());
             let to = |rank: usize| vec![10.0 * team.rank() as f64 + rank as f64; 1 + team.rank()];
-            let mut parcels: Vec<Parcel> =
-                others.map(|rank| Parcel { rank, outgoing: to(rank), incoming: Vec::new() }).collect();
+            let parcel = |rank: usize| Parcel { rank, outgoing: to(rank), incoming: vec![0.0; 1 + rank] };
+            let mut parcels: Vec<Parcel> = others.map(parcel).collect();
             team.exchange("parcels", &mut parcels);
             parcels.into_iter().map(|parcel| parcel.incoming).collect::<Vec<_>>()
         });
