@@ -38,6 +38,8 @@ pub fn owners(mesh: &Mesh, size: usize) -> Result<Vec<u32>> {
 /// let owners: Vec<u32> = mesh.points().iter().map(|X| u32::from(X[0] > 1.5)).collect();
 /// let share = Share::new(&mesh, &owners, 1);
 /// assert_eq!((share.mesh().n_cells(), share.n_own(), share.mesh().n_nodes()), (1, 4, 8));
+/// assert_eq!(share.neighbours().collect::<Vec<_>>(), [(0, 4, 4)]);
+/// assert_eq!(share.n_counted_cells(), 0); // it counts on rank 0
 /// # Ok::<(), emmy::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -104,6 +106,17 @@ impl Share {
     /// Number of each node of the share in the whole mesh.
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
+    }
+
+    /// The ranks with which nodes are exchanged: number of the rank, of own nodes for it, and of guests from it.
+    pub fn neighbours(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        let numbers = |own: &Neighbour| (own.rank, own.outgoing.len(), own.incoming.len());
+        self.neighbours.iter().map(numbers)
+    }
+
+    /// Number of cells that count on this rank; the others of the mesh are computed here and on another rank.
+    pub fn n_counted_cells(&self) -> usize {
+        self.counts.iter().filter(|counts| **counts).count()
     }
 }
 
@@ -204,8 +217,7 @@ mod tests {
             let owners = owners(&mesh, size).unwrap();
             let shares: Vec<Share> = (0..size).map(|rank| Share::new(&mesh, &owners, rank)).collect();
             let n_own: usize = shares.iter().map(Share::n_own).sum();
-            let counted: usize =
-                shares.iter().map(|share| share.counts.iter().filter(|counts| **counts).count()).sum();
+            let counted: usize = shares.iter().map(Share::n_counted_cells).sum();
             assert_eq!((n_own, counted), (mesh.n_nodes(), mesh.n_cells()));
             for share in &shares {
                 for (own, &whole) in share.nodes.iter().enumerate() {

@@ -389,7 +389,10 @@ fn classic_steppers_are_those_of_the_whole_body() {
                     .support(Support::fixed("x-min"))
                     .load(Load::pressure("z-max", 20.0).over([(0.0, 1.0), (0.2, 0.0)]).unwrap())
             },
-            start: InitialVelocity { gradient: [[0.0; 3], [0.1, 0.0, 0.0], [0.5, 0.1, 0.0]], ..Default::default() },
+            start: InitialVelocity {
+                gradient: [[0.0; 3], [0.1, 0.0, 0.0], [0.5, 0.1, 0.0]],
+                ..Default::default()
+            },
             scheme: name.parse().unwrap(),
             exact_tangent: false,
             plan: plan(0.1, 0.0025),
@@ -506,7 +509,7 @@ fn failures_are_those_of_the_whole_body() {
             let load = Load::nodal_force("corner", [-force, 0.0, 0.0]);
             let body = builder.region(rubber()).support(Support::fixed("x-min")).load(load).build()?;
             let settings = NewtonSettings { max_iterations, tolerance: 1e-14, ..case.settings() };
-            Motion::new(&body, DGM)?.newton(settings)?.step(0.02).map(Record::clone)
+            Motion::new(&body, DGM)?.newton(settings)?.step(0.02).cloned()
         };
         let whole = place(&failure(Body::builder(case.mesh.clone())).unwrap_err());
         for error in on_team(&case.mesh, 3, |share, team| failure(Body::shared(share, team)).unwrap_err()) {
