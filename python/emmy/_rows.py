@@ -25,29 +25,34 @@ Row = tuple[dict[str, Any], str | None]
 class RowFile:
     """The file of a sweep of a function."""
 
-    def __init__(self, path: Path, runs: Sequence[Mapping[str, Any]], resume: bool) -> None:
+    def __init__(self, path: Path, runs: Sequence[Mapping[str, Any]], until: float | None, resume: bool) -> None:
         self._path, self._runs = path, runs
+        #: Values that all runs have, beside their parameters.
+        self._common = {} if until is None or "until" in runs[0] else {"until": repr(float(until))}
         self._names: list[str] = []
         self.rows: dict[int, Row] = {}
         if path.exists():
             if not resume:
                 raise ResultsError(f"{os.fspath(path)} exists; resume=True continues its sweep")
             self._read()
-            # The last line of a sweep that was killed may be cut.
             self.write()
 
     def _read(self) -> None:
-        text = self._path.read_text(encoding="utf-8")
-        lines = list(csv.reader(text[: text.rfind("\n") + 1].splitlines(keepends=True)))
+        text = self._path.read_text(encoding="utf-8", errors="replace")
+        # The last line of a sweep that was killed may be cut.
+        lines = list(csv.reader((text[: text.rfind("\n") + 1] or text).splitlines(keepends=True)))
         if not lines:
             return
-        own = list(self._runs[0])
+        own = [*self._runs[0], *self._common]
         width = 1 + len(own)
         if lines[0][:width] != ["run", *own] or lines[0][-1] != "message":
             raise ResultsError(
                 f"{os.fspath(self._path)} is of another sweep: its first columns are not run, {', '.join(own)}"
             )
         self._names = lines[0][width:-1]
+        if "until" in self._names:
+            ends = ", ".join(line[width] for line in lines[1:2])
+            raise ResultsError(f"{os.fspath(self._path)} is of another sweep: its runs have until = {ends}")
         for line in lines[1:]:
             index = int(line[0]) - 1
             if not 0 <= index < len(self._runs) or line[1:width] != self._texts(index):
@@ -58,7 +63,8 @@ class RowFile:
             self.rows[index] = ({name: _number(name, value) for name, value in values if value}, line[-1] or None)
 
     def _texts(self, index: int) -> list[str]:
-        return [value if isinstance(value, str) else _shown(value) for value in self._runs[index].values()]
+        own = [value if isinstance(value, str) else _shown(value) for value in self._runs[index].values()]
+        return [*own, *self._common.values()]
 
     def add(self, index: int, row: Row) -> None:
         """Adds a row."""
@@ -80,7 +86,7 @@ class RowFile:
         part = self._path.with_name(self._path.name + ".part")
         with open(part, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(["run", *self._runs[0], *self._names, "message"])
+            writer.writerow(["run", *self._runs[0], *self._common, *self._names, "message"])
             writer.writerows(self._line(index) for index in sorted(self.rows))
         os.replace(part, self._path)
 

@@ -334,6 +334,12 @@ class Sources:
         return cls._of(_emmy.Mesh.network(words.array(points, (None, 3), "points"), pairs, own, own_links))
 
 
+# `Mesh` alone is public: messages about wrong arguments name it.
+for _name, _member in vars(Sources).items():
+    if isinstance(_member, (classmethod, staticmethod)):
+        _member.__func__.__qualname__ = f"Mesh.{_name}"
+
+
 def _groups(groups: Mapping[str, ArrayLike] | None, place: str) -> dict[str, NDArray[np.int64]]:
     """Groups of numbers."""
     given = words.mapping(groups or {}, place)

@@ -101,7 +101,8 @@ def sweep(
     progress : bool, optional
         Whether to show a bar, of tqdm if it is installed.
     resume : bool, optional
-        Whether to continue the interrupted sweep in `output`: only runs without a row.
+        Whether to continue the interrupted sweep in `output`: only runs without a row, so that failed ones stay. Give
+        the same `until` and `measure`.
     measure : function, optional
         Further results of a motion at its end, as a dict of numbers with names of their own; with a function as
         `problem` only.
@@ -220,7 +221,7 @@ def _of_function(
     """A sweep on threads: the library releases Python's lock in each step."""
     runs = _runs(values)
     _check_parameters(make, runs[0])
-    file = None if path is None else _rows.RowFile(path, runs, resume)
+    file = None if path is None else _rows.RowFile(path, runs, until, resume)
     rows: dict[int, Row] = {} if file is None else file.rows
     stop = threading.Event()
     missing = [index for index in range(len(runs)) if index not in rows]
@@ -302,7 +303,7 @@ def _run(
     last = motion.history[-1]
     row = {name: last[name].item() for name in last.dtype.names}
     if measure is not None and message is None:
-        row |= _measured(measure(motion), {*parameters, *row, "run", "message"})
+        row |= _measured(measure(motion), {*parameters, *row, "run", "until", "message"})
     return row, message
 
 

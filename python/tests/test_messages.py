@@ -534,3 +534,8 @@ def test_flags_in_texts(text, call):
     assert str(error) == error.message == call and str(pickle.loads(pickle.dumps(error))) == call
     assert str(emmy.ResultsError(text)) == call
     assert str(emmy.InputError([("", text, text, None, None)])) == f"{call}; {call}"
+
+
+def test_a_wrong_argument_of_a_mesh_names_the_mesh():
+    with pytest.raises(TypeError, match=r"Mesh\.box\(\) got an unexpected keyword argument 'cell'"):
+        emmy.Mesh.box((1, 1, 1), cell=2)

@@ -1,6 +1,7 @@
 """Sweeps."""
 
 import csv
+import re
 import threading
 from pathlib import Path
 
@@ -61,7 +62,7 @@ def test_measures_and_ends():
 
 
 def test_measures_have_names_of_their_own():
-    for name in ("time", "speed", "run", "message", "newton_iterations"):
+    for name in ("time", "speed", "run", "until", "message", "newton_iterations"):
         with pytest.raises(TypeError, match=f"measure: the name '{name}' is that of a parameter or of a column"):
             emmy.sweep(make, {"speed": [1.0]}, measure=lambda motion, name=name: {name: 1.0})
     with pytest.raises(TypeError, match="measure: the name 1 is not text"):
@@ -122,6 +123,28 @@ def test_an_interrupted_sweep_goes_on():
     assert [row["run"] for row in rows] == ["1", "2", "3", "4", "5", "6"]
     with pytest.raises(emmy.ResultsError, match="another sweep"):
         emmy.sweep(make, {"speed": [7.0], "size": [0.5]}, output="sweep.csv", resume=True)
+
+
+def test_a_sweep_is_not_continued_with_another_end_or_in_another_file():
+    values = {"speed": [1.0, 2.0], "size": [0.5]}
+    for first, then, message in [
+        (None, 0.5, "its first columns are not run, speed, size, until"),
+        (0.5, None, "its runs have until = 0.5"),
+        (0.5, 1.0, "run 1 has 1.0, 0.5, 0.5"),
+    ]:
+        emmy.sweep(make, values, until=first, output="sweep.csv")
+        text = Path("sweep.csv").read_text()
+        with pytest.raises(emmy.ResultsError, match="sweep.csv is of another sweep: " + re.escape(message)):
+            emmy.sweep(make, values, until=then, output="sweep.csv", resume=True)
+        assert Path("sweep.csv").read_text() == text
+        again = emmy.sweep(make, values, until=first, output="sweep.csv", resume=True)
+        assert again.columns == emmy.sweep(make, values, until=first).columns
+        Path("sweep.csv").unlink()
+    for text in ["my notes", "my notes\n", "\xff"]:
+        Path("notes.csv").write_text(text, encoding="latin-1")
+        with pytest.raises(emmy.ResultsError, match="is of another sweep"):
+            emmy.sweep(make, values, output="notes.csv", resume=True)
+        assert Path("notes.csv").read_text(encoding="latin-1") == text
 
 
 def test_runs_are_side_by_side():

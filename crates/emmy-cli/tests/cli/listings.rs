@@ -39,6 +39,7 @@ const OTHERS: &[&str] = &[
     "python",
     "python3",
     "abi3audit",
+    "apt-get",
     "git",
     "twine",
     "gmsh",
