@@ -29,7 +29,9 @@
 mod shim;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, ThreadId};
 
 use emmy::team::{Parcel, Team};
 
@@ -37,16 +39,30 @@ use emmy::team::{Parcel, Team};
 const FAILED: i32 = 101;
 
 /// Runs a function with the team of all processes that `mpirun` started; alone without `mpirun`. The function runs in the
-/// thread that calls, and only this thread may use the team. A panic on one rank ends all ranks with the exit code 101.
+/// thread that calls, and only this thread may use the team, until the function returns. A panic on one rank ends all ranks
+/// with the exit code 101. A rank that returns while others wait for its calls is found in builds with debug assertions; in
+/// others they wait for ever, so return errors of all ranks only ([`emmy::Error`] of a body, a motion or a step is one).
 ///
 /// # Panics
-/// As the function, after MPI has been told to end all ranks.
+/// As the function, with one process.
 pub fn run<T>(rank: impl FnOnce(Arc<dyn Team>) -> T) -> T {
-    let (number, size) = shim::start().unwrap_or_else(|message| fail(None, &message));
-    let team = Arc::new(Ranks { rank: number, size, gathered: Mutex::default() });
-    match catch_unwind(AssertUnwindSafe(|| rank(team))) {
+    let (number, size, is_ours) = shim::start().unwrap_or_else(|message| fail(None, &message));
+    let team = Arc::new(Ranks {
+        rank: number,
+        size,
+        thread: thread::current().id(),
+        has_ended: AtomicBool::new(false),
+        gathered: Mutex::default(),
+    });
+    match catch_unwind(AssertUnwindSafe(|| rank(team.clone()))) {
         Ok(result) => {
-            shim::end().unwrap_or_else(|message| fail(Some(number), &message));
+            if cfg!(debug_assertions) {
+                team.compare("end", "of the program", 0);
+            }
+            team.has_ended.store(true, Ordering::Relaxed);
+            if is_ours {
+                shim::end().unwrap_or_else(|message| fail(Some(number), &message));
+            }
             result
         }
         Err(payload) if size == 1 => resume_unwind(payload),
@@ -68,11 +84,29 @@ fn fail(rank: Option<usize>, message: &str) -> ! {
 struct Ranks {
     rank: usize,
     size: usize,
+    /// The thread that may call MPI, until the end.
+    thread: ThreadId,
+    has_ended: AtomicBool,
     /// Memory for the numbers of all ranks.
     gathered: Mutex<Vec<f64>>,
 }
 
 impl Ranks {
+    /// Prepares a call.
+    ///
+    /// # Panics
+    /// In another thread than that of [`run`], or after its end.
+    fn begin(&self, kind: &str, name: &str, length: usize) {
+        assert!(!self.has_ended.load(Ordering::Relaxed), "a call of a team after its end");
+        assert!(
+            thread::current().id() == self.thread,
+            "a call of a team in another thread than that of `run`"
+        );
+        if cfg!(debug_assertions) {
+            self.compare(kind, name, length);
+        }
+    }
+
     /// Combines the numbers of all ranks one by one, in the order of the ranks, so that the library's own order of additions
     /// has no effect.
     fn combine(&self, values: &mut [f64], combine: impl Fn(f64, f64) -> f64) {
@@ -122,23 +156,17 @@ impl Team for Ranks {
     }
 
     fn sum(&self, name: &'static str, values: &mut [f64]) {
-        if cfg!(debug_assertions) {
-            self.compare("sum", name, values.len());
-        }
+        self.begin("sum", name, values.len());
         self.combine(values, |sum, value| sum + value);
     }
 
     fn largest(&self, name: &'static str, values: &mut [f64]) {
-        if cfg!(debug_assertions) {
-            self.compare("largest", name, values.len());
-        }
+        self.begin("largest", name, values.len());
         self.combine(values, |most, value| if value.is_nan() || value > most { value } else { most });
     }
 
     fn exchange(&self, name: &'static str, parcels: &mut [Parcel]) {
-        if cfg!(debug_assertions) {
-            self.compare("exchange", name, 0);
-        }
+        self.begin("exchange", name, 0);
         self.check(shim::exchange(parcels));
     }
 }

@@ -1,16 +1,25 @@
-/* The calls of MPI that a team needs. Every function returns 0, or the error code of MPI. */
+/* The calls of MPI that a team needs. Every function returns 0, the error code of MPI, or one of these. */
+
+enum { HAS_ENDED = -1, NO_THREADS = -2 };
 
 #include <mpi.h>
 #include <stdlib.h>
 
-/* Starts MPI; afterwards only the calling thread may call it. */
-int emmy_mpi_start(int *rank, int *size)
+/* Starts MPI, unless the program has; afterwards only the calling thread may call it. */
+int emmy_mpi_start(int *rank, int *size, int *is_ours)
 {
-    int is_started, provided, code;
-    if ((code = MPI_Initialized(&is_started)))
+    int is_started, has_ended, provided, code;
+    if ((code = MPI_Finalized(&has_ended)) || (code = MPI_Initialized(&is_started)))
         return code;
+    if (has_ended)
+        return HAS_ENDED;
+    *is_ours = !is_started;
     if (!is_started && (code = MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided)))
         return code;
+    if (is_started && (code = MPI_Query_thread(&provided)))
+        return code;
+    if (provided < MPI_THREAD_FUNNELED)
+        return NO_THREADS;
     if ((code = MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN)))
         return code;
     if ((code = MPI_Comm_rank(MPI_COMM_WORLD, rank)))

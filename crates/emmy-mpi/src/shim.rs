@@ -7,7 +7,7 @@ use std::ffi::{c_char, c_int};
 use emmy::team::Parcel;
 
 unsafe extern "C" {
-    fn emmy_mpi_start(rank: *mut c_int, size: *mut c_int) -> c_int;
+    fn emmy_mpi_start(rank: *mut c_int, size: *mut c_int, is_ours: *mut c_int) -> c_int;
     fn emmy_mpi_end() -> c_int;
     fn emmy_mpi_gather(own: *const f64, n: c_int, all: *mut f64) -> c_int;
     fn emmy_mpi_exchange(
@@ -22,12 +22,12 @@ unsafe extern "C" {
     fn emmy_mpi_abort(code: c_int);
 }
 
-/// Starts MPI; returns the number of this rank and of all.
-pub(crate) fn start() -> Result<(usize, usize), String> {
-    let (mut rank, mut size) = (0, 0);
-    // SAFETY: both are valid for a number.
-    checked(unsafe { emmy_mpi_start(&mut rank, &mut size) })?;
-    Ok((rank as usize, size as usize))
+/// Starts MPI; returns the number of this rank, the number of ranks, and whether MPI must be ended here.
+pub(crate) fn start() -> Result<(usize, usize, bool), String> {
+    let (mut rank, mut size, mut is_ours) = (0, 0, 0);
+    // SAFETY: each is valid for a number.
+    checked(unsafe { emmy_mpi_start(&mut rank, &mut size, &mut is_ours) })?;
+    Ok((rank as usize, size as usize, is_ours == 1))
 }
 
 /// Ends MPI.
@@ -79,8 +79,11 @@ fn count(n: usize) -> Result<c_int, String> {
 }
 
 fn checked(code: c_int) -> Result<(), String> {
-    if code == 0 {
-        return Ok(());
+    match code {
+        0 => return Ok(()),
+        -1 => return Err("MPI has ended; a process starts it once".to_string()),
+        -2 => return Err("this MPI does not allow a program with threads".to_string()),
+        _ => {}
     }
     let mut text = [0u8; 512];
     let mut length = 0;

@@ -16,11 +16,11 @@ use emmy::time::TimeElement;
 /// Name of the variable with the case that `worker` runs.
 const CASE: &str = "EMMY_MPI_CASE";
 
-/// Runs a case on some ranks. A rank that waits for ever ends after a minute.
+/// Runs a case on some ranks, which takes a second or two on idle cores. Ranks that wait for ever end after three minutes.
 fn mpirun(size: usize, case: &str) -> Output {
     let program = env::current_exe().unwrap();
     Command::new("timeout")
-        .args(["60", "mpirun", "-n", &size.to_string()])
+        .args(["180", "mpirun", "-n", &size.to_string()])
         .arg(program)
         .args(["worker", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
         .env(CASE, case)
@@ -43,7 +43,12 @@ fn worker() {
         "panic" if team.rank() == 1 => panic!("a fault of rank 1"),
         "abort" if team.rank() == 1 => std::process::abort(),
         "mismatch" if team.rank() == 1 => team.largest("energy", &mut [0.0]),
-        "panic" | "abort" | "mismatch" => team.sum("energy", &mut [0.0]),
+        "early" if team.rank() == 1 => {}
+        "thread" if team.rank() == 1 => {
+            let other = team.clone();
+            std::thread::spawn(move || other.sum("energy", &mut [0.0])).join().unwrap();
+        }
+        "panic" | "abort" | "mismatch" | "early" | "thread" => team.sum("energy", &mut [0.0]),
         motion => {
             let records = shared(motion, team.clone());
             let numbers: Vec<u64> = records.iter().flat_map(numbers).map(f64::to_bits).collect();
@@ -89,9 +94,9 @@ fn parts(case: &str, builder: BodyBuilder) -> BodyBuilder {
 fn march(case: &str, builder: BodyBuilder) -> Vec<Record> {
     let body = parts(case, builder).build().unwrap();
     let (degree, plan) = match case {
-        "quasi-rigid" => (1, StepPlan::new(0.0, vec![Phase { until: 0.08, size: 0.02 }])),
-        "adaptive" => (2, StepPlan::adaptive(0.0, 0.5, Adaptivity::new(1e-4))),
-        _ => (2, StepPlan::new(0.0, vec![Phase { until: 0.5, size: 0.1 }])),
+        "quasi-rigid" => (1, StepPlan::new(0.0, vec![Phase { until: 0.04, size: 0.02 }])),
+        "adaptive" => (2, StepPlan::adaptive(0.0, 0.2, Adaptivity::new(1e-4))),
+        _ => (2, StepPlan::new(0.0, vec![Phase { until: 0.3, size: 0.1 }])),
     };
     let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
     let state = State::initial(&body, 0.0, &[spin]).unwrap();
@@ -149,6 +154,8 @@ fn a_rank_that_fails_ends_all() {
         ("panic", "emmy-mpi: rank 1: panicked; all ranks end"),
         ("mismatch", "at the largest \"energy\" of 1; rank 0 is at another call"),
         ("abort", ""),
+        ("early", "at the end \"of the program\" of 0; rank 0 is at another call"),
+        ("thread", "a call of a team in another thread than that of `run`"),
     ] {
         let output = mpirun(3, case);
         let text = String::from_utf8_lossy(&output.stderr);

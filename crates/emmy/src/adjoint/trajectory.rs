@@ -127,7 +127,7 @@ impl<'a> Trajectory<'a> {
             Ok(())
         })?;
         let mut momentum = vec![0.0; self.body.n_dofs()];
-        MassSolver::new(self.body)?.velocity(self.body, &adjoint.velocity, &mut momentum);
+        MassSolver::new(self.body)?.velocity(self.body, &adjoint.velocity, &mut momentum)?;
         let AdjointState { displacement, velocity } = adjoint;
         Ok(Gradient { displacement, velocity, momentum, parameters: sums })
     }

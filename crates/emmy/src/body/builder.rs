@@ -104,6 +104,7 @@ impl BodyBuilder {
     pub fn build(self) -> Result<Body> {
         let Some(TeamPart { subdomain, rank, .. }) = &self.team else { return Body::from_parts(self) };
         let subdomain = subdomain.clone();
+        subdomain.check_partition()?;
         let own = match (*rank, subdomain.rank()) {
             (given, rank) if given == rank => super::team::check(&self.regions),
             (given, rank) => {

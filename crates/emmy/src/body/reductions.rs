@@ -127,6 +127,13 @@ impl Body {
         subdomain.exchange(name, 3 * (vectors.len() / n), vectors, read, write);
     }
 
+    /// Sets a nodal vector to zero at guests, `[n_nodes][3]`.
+    pub(crate) fn clear_guests(&self, vector: &mut [f64]) {
+        if self.subdomain.is_some() {
+            vector[self.own_dofs().end..].fill(0.0);
+        }
+    }
+
     /// The strain state of all ranks from that of the cells that count here; the cell is one of the whole mesh.
     pub(super) fn strain_state_of_ranks(&self, own: StrainState) -> StrainState {
         let Some(subdomain) = self.subdomain() else { return own };

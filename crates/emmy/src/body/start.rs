@@ -54,7 +54,7 @@ impl Body {
             return Ok(());
         }
         let distance = self.driven_distance(time, displacement);
-        let size = self.mesh.points().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let size = self.mesh.bounds().iter().flatten().fold(0.0, |size: f64, x| size.max(x.abs()));
         // Rounding in an expression that is exactly zero is not a displacement.
         if distance <= 1e-12 * size {
             return Ok(());

@@ -19,8 +19,7 @@ const FLAT: f64 = 1e-9;
 pub fn symmetry_axis(mesh: &Mesh, group: &str) -> Result<usize> {
     let [least, most] = mesh.facet_bounds(group)?;
     // The plane of a plane mesh is not a plane of symmetry of its edges.
-    let is_plane = mesh.cells().all(|cell| cell.kind.dimension() == 2);
-    let axes = if is_plane { 0..2 } else { 0..3 };
+    let axes = if mesh.is_plane() { 0..2 } else { 0..3 };
     let size = mesh.extent().into_iter().fold(0.0, f64::max);
     let flat: Vec<usize> = axes.filter(|&axis| most[axis] - least[axis] <= FLAT * size).collect();
     match flat[..] {

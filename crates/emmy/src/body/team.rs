@@ -24,6 +24,16 @@ pub(super) fn check(regions: &[Region]) -> Result<()> {
         .map_or(Ok(()), |what| Err(Error::NotOnTeam { what: what.to_string() }))
 }
 
+/// A region from its parts on all ranks; the centre of a part without mass has no meaning.
+fn of_parts(parts: Vec<RegionSummary>) -> RegionSummary {
+    let n_cells = parts.iter().map(|part| part.n_cells).sum();
+    let volume = parts.iter().map(|part| part.volume).sum();
+    let (with_mass, without): (Vec<_>, Vec<_>) = parts.into_iter().partition(|part| part.mass > 0.0);
+    let first = without.into_iter().find(|part| part.n_cells > 0).filter(|_| with_mass.is_empty());
+    let whole = first.unwrap_or_else(|| RegionSummary::combined(&with_mass));
+    RegionSummary { n_cells, volume, ..whole }
+}
+
 impl Body {
     /// The body with the sums of all ranks where its builder had those of this one.
     pub(super) fn with_sums_of_ranks(mut self) -> Body {
@@ -34,7 +44,6 @@ impl Body {
         };
         let parts: Vec<f64> = self.regions.iter().flat_map(flatten).collect();
         let of_ranks = subdomain.gather("regions", &parts);
-        let has_mass = |region: &RegionSummary| region.mass > 0.0;
         for (index, region) in self.regions.iter_mut().enumerate() {
             let part = |of_rank: &[f64]| {
                 let of_region = &of_rank[15 * index..15 * (index + 1)];
@@ -47,10 +56,8 @@ impl Body {
                     inertia: [0, 1, 2].map(|i| [0, 1, 2].map(|j| of_region[6 + 3 * i + j])),
                 }
             };
-            // A rank without nodes of a group of point masses has no centre.
-            let parts: Vec<RegionSummary> =
-                of_ranks.chunks_exact(parts.len()).map(part).filter(has_mass).collect();
-            *region = RegionSummary { group: region.group.take(), ..RegionSummary::combined(&parts) };
+            let parts: Vec<RegionSummary> = of_ranks.chunks_exact(parts.len()).map(part).collect();
+            *region = RegionSummary { group: region.group.take(), ..of_parts(parts) };
         }
         let mut of_cells = traces(self.counted_terms());
         subdomain.sum("viscosity and stiffness", &mut of_cells);

@@ -59,6 +59,8 @@ pub struct Mesh {
 #[derive(Debug, Clone, PartialEq)]
 struct Bounds {
     mesh: [[f64; 3]; 2],
+    /// Whether all cells of the mesh are plane.
+    is_plane: bool,
     facet_groups: BTreeMap<String, [[f64; 3]; 2]>,
 }
 
@@ -185,7 +187,13 @@ impl Mesh {
         self.whole.as_ref().map_or_else(|| bounds(self.points.iter()), |whole| whole.mesh)
     }
 
-    /// The same of a facet group.
+    /// Whether all cells are plane; of a part, those of the whole mesh.
+    pub(crate) fn is_plane(&self) -> bool {
+        let own = || self.cells().all(|cell| cell.kind.dimension() == 2);
+        self.whole.as_ref().map_or_else(own, |whole| whole.is_plane)
+    }
+
+    /// The bounds of a facet group.
     ///
     /// # Errors
     /// [`Error::UnknownGroup`].

@@ -157,7 +157,11 @@ fn neighbours(mesh: &Mesh, owners: &[u32], rank: usize, nodes: &[u32], cells: &[
 impl Mesh {
     fn all_bounds(&self) -> Bounds {
         let of_group = |name: &String| Some((name.clone(), self.facet_bounds(name).ok()?));
-        Bounds { mesh: self.bounds(), facet_groups: self.groups.facets.keys().filter_map(of_group).collect() }
+        Bounds {
+            mesh: self.bounds(),
+            is_plane: self.is_plane(),
+            facet_groups: self.groups.facets.keys().filter_map(of_group).collect(),
+        }
     }
 
     /// Some nodes and cells as a mesh of their own, with all groups.

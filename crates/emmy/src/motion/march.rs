@@ -207,10 +207,28 @@ impl Motion<'_> {
         // After an error of an observer the next call tells the rest.
         while !self.events.is_empty() {
             let event = self.events.remove(0);
-            let told = observers.iter_mut().try_for_each(|observer| observer.notice(&event));
+            let told = self.all_told(observers, |observer| observer.notice(&event));
             self.agree_on(told)?;
         }
         Ok(())
+    }
+
+    /// Tells the observers, up to the first that fails; on a team all of them, since another may call all ranks.
+    fn all_told(
+        &self,
+        observers: &mut [&mut dyn Observer],
+        tell: impl Fn(&mut dyn Observer) -> ObserverResult,
+    ) -> ObserverResult {
+        let mut outcome = Ok(());
+        for observer in observers {
+            if outcome.is_ok() {
+                outcome = tell(&mut **observer);
+            } else if self.body.subdomain().is_some() {
+                // The first error counts.
+                _ = tell(&mut **observer);
+            }
+        }
+        outcome
     }
 
     /// The outcome of the observers: on a team an error of one rank ends the march of all.
@@ -227,7 +245,7 @@ impl Motion<'_> {
     pub(super) fn notify(&mut self, observers: &mut [&mut dyn Observer]) -> Result<(), MarchError> {
         self.tell(observers)?;
         let view = self.view();
-        let told = observers.iter_mut().try_for_each(|observer| observer.observe(view));
+        let told = self.all_told(observers, |observer| observer.observe(view));
         self.agree_on(told)
     }
 }

@@ -113,7 +113,9 @@ impl<'a> Motion<'a> {
         mut state: State,
     ) -> Result<Self> {
         let scheme = scheme.into();
-        check_state(body, &state)?;
+        body.agree(check_state(body, &state))?;
+        // Central differences, whose state it may be, have momenta at guests.
+        body.clear_guests(&mut state.momentum);
         let stepper = scheme.stepper(body, settings, &mut state)?;
         let degree = scheme.degree();
         let record =

@@ -112,6 +112,22 @@ impl Subdomain {
         }
     }
 
+    /// Checks that the parts of all ranks are those of one partition of one mesh.
+    ///
+    /// # Errors
+    /// [`Error::NotOnTeam`], on all ranks.
+    pub(crate) fn check_partition(&self) -> Result<()> {
+        let n = self.n_nodes_of_ranks as f64;
+        let mut own = [self.n_own as f64];
+        self.sum("own nodes", &mut own);
+        let mut bounds = [n, -n];
+        self.largest("nodes of the mesh", &mut bounds);
+        match own == [n] && bounds == [n, -n] {
+            true => Ok(()),
+            false => Err(Error::NotOnTeam { what: "a body of shares of different partitions".to_string() }),
+        }
+    }
+
     /// The same outcome on all ranks: the error of the lowest rank that has one, with cells and nodes of the whole mesh.
     pub(crate) fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
         let own = outcome.as_ref().err().map(|_| self.rank());

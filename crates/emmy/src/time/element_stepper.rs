@@ -282,7 +282,7 @@ impl<'a> TimeElementStepper<'a> {
         self.set_end_velocity(&state.velocity, h);
         body.set_given_velocity(state.time + h, h, &mut state.velocity)?;
         if let Some(mass_solver) = &mut self.mass_solver {
-            mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity);
+            mass_solver.velocity_beside(body, &state.momentum, &mut state.velocity)?;
         }
         body.mass_product(&state.velocity, &mut self.position);
         self.momentum.copy_from_slice(&state.momentum);

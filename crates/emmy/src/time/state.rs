@@ -54,7 +54,9 @@ impl State {
         if displacement.len() == body.mesh().n_dofs() {
             body.fit_without_modes(&mut displacement);
         }
-        body.update_guests("displacement", &mut displacement);
+        if displacement.len() == body.n_dofs() {
+            body.update_guests("displacement", &mut displacement);
+        }
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;
         let displacement_low = vec![0.0; body.n_dofs()];
@@ -157,7 +159,7 @@ impl State {
     /// Adds the change of the momentum since `before`, less an impulse, to the error of the momentum.
     pub(super) fn note_momentum_error(&mut self, body: &Body, before: &[f64], impulse: [f64; 3]) {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
-        // The momentum of guests is zero before and after.
+        // The momentum of guests is zero before and after: `Motion::starting` clears it, and M v leaves it so.
         for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {
             for d in 0..3 {
                 let (change, error) = two_sum(p[d], -before[d]);

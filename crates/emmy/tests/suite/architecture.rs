@@ -361,7 +361,7 @@ fn unsafe_code_has_one_place() {
 /// On a team a sum over the nodes that are here is not the sum over the body.
 #[test]
 fn sums_over_nodes_are_methods_of_the_body() {
-    // Rejected on teams: equilibria. The distance from samples of a reference is one for each rank.
+    // Rejected on teams.
     const WHOLE_BODIES: [&str; 2] = ["time/classic/statics", "motion/error_norm.rs"];
     let is_whole = |path: &Path| WHOLE_BODIES.iter().any(|place| path.starts_with(source().join(place)));
     let is_test = |path: &Path| path.file_stem().unwrap().to_str().unwrap().ends_with("tests");

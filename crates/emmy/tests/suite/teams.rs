@@ -8,7 +8,7 @@ use emmy::body::{
 use emmy::body::{
     GroundAttraction, GroundSpring, Reaction, Region, Rotation, Support, TimeFunction, Viscosity,
 };
-use emmy::material::{CiarletGeymonat, NeoHooke, SaintVenantKirchhoff};
+use emmy::material::{CiarletGeymonat, Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
 use emmy::motion::{Adaptivity, EventKind, Motion, NewtonSettings, Phase, Record, Snapshot, Solver};
 use emmy::motion::{State, StepPlan};
@@ -320,9 +320,11 @@ fn supports_that_move_are_those_of_the_whole_body() {
                 let moved = TimeFunction::smooth("there and back", there_and_back);
                 let angle = TimeFunction::smooth("t^2", |t| [t * t, 2.0 * t, 2.0]);
                 let turn = Rotation { axis: [1.0, 0.0, 0.0], about: [0.0, 0.5, 0.5], angle };
+                // A thousand times as dense: velocities keep their digits in both.
+                let dense = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 500.0);
                 builder
                     .region(rubber().on("left"))
-                    .region(rubber().on("right"))
+                    .region(dense.on("right"))
                     .support(Support::driven("tip", [None, None, Some(moved)]))
                     .support(Support { rotation: Some(turn), ..Support::of_components("clamp", [false; 3]) })
             },
@@ -357,6 +359,86 @@ fn masses_and_forces_at_nodes_are_those_of_the_whole_body() {
     assert!(norm(whole.reactions[0].force) > 1.0);
     case.assert_equal(2..=4, 1e-12);
     Case { scheme: at(fe(2), 2), ..case }.assert_equal([3], 1e-12);
+}
+
+/// A block on springs without mass and a bar, as cells of two nodes.
+#[test]
+fn links_are_those_of_the_whole_body() {
+    let block = mesh::block([3.0, 1.0, 1.0], [6, 2, 2]).unwrap();
+    let mut builder = MeshBuilder::new();
+    block.points().iter().for_each(|&point| _ = builder.point(point));
+    for cell in block.cells() {
+        let cell = builder.cell(cell.kind, cell.nodes).unwrap();
+        builder.cell_group("block", [cell]);
+    }
+    let far = builder.point([3.0, 3.0, 3.0]);
+    builder.node_group("far", [far]);
+    let near = |x: [f64; 3]| block.nearest_node(x) as u32;
+    for (group, ends) in [
+        ("springs", [near([0.0; 3]), near([3.0, 1.0, 1.0])]),
+        ("springs", [near([0.0, 1.0, 0.0]), near([3.0, 0.0, 1.0])]),
+        ("bars", [near([3.0, 1.0, 1.0]), far]),
+    ] {
+        let cell = builder.cell(CellKind::Line2, &ends).unwrap();
+        builder.cell_group(group, [cell]);
+    }
+    let case = Case {
+        mesh: builder.build().unwrap(),
+        parts: |builder| {
+            builder
+                .region(rubber().on("block"))
+                .region(Region::links(Link::spring(30.0, Some(2.0)).unwrap(), 0.0).on("springs"))
+                .region(Region::links(Link::bar(2000.0, 0.01).unwrap(), 3.0).on("bars"))
+                .support(Support::fixed("far"))
+        },
+        start: InitialVelocity {
+            group: Some("block".to_string()),
+            angular_velocity: [0.3, 1.0, 0.5],
+            ..Default::default()
+        },
+        scheme: at(DGM, 1),
+        exact_tangent: false,
+        plan: plan(0.5, 0.05),
+    };
+    case.assert_equal(2..=4, 1e-12);
+    let springs = |body: &Body| body.regions()[1].clone();
+    let whole = springs(&(case.parts)(Body::builder(case.mesh.clone())).build().unwrap());
+    let of_ranks = on_team(&case.mesh, 3, |share, team| {
+        springs(&(case.parts)(Body::shared(share, team)).build().unwrap())
+    });
+    assert!(
+        of_ranks
+            .iter()
+            .all(|own| (own.n_cells, own.mass) == (whole.n_cells, 0.0) && own.centre[0].is_finite())
+    );
+}
+
+/// A state of central differences, whose lumped momenta guests have too, as the start of a time element.
+#[test]
+fn a_state_of_another_scheme_is_that_of_the_whole_body() {
+    let mesh = mesh::l_block(1.0).unwrap();
+    let run = |builder: BodyBuilder| -> Result<Record> {
+        let body = builder.region(rubber()).build()?;
+        let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
+        let mut first = Motion::new(&body, "central-differences".parse::<Scheme>()?)?;
+        first = first.from(State::initial(&body, 0.0, &[spin])?)?;
+        first.step(0.001)?;
+        let settings = NewtonSettings { solver: Solver::Iterative, ..Default::default() };
+        let mut second = Motion::starting(&body, dgm(0.8), settings, first.state().clone())?;
+        for _ in 0..5 {
+            second.step(0.05)?;
+        }
+        Ok(second.record().clone())
+    };
+    let whole = run(Body::builder(mesh.clone())).unwrap();
+    for record in on_team(&mesh, 3, |share, team| run(Body::shared(share, team)).unwrap()) {
+        assert!((record.total_energy / whole.total_energy - 1.0).abs() < 1e-12);
+        let size = norm(whole.angular_momentum);
+        for d in 0..3 {
+            assert!((record.linear_momentum[d] - whole.linear_momentum[d]).abs() < 1e-12 * size);
+            assert!((record.angular_momentum[d] - whole.angular_momentum[d]).abs() < 1e-12 * size);
+        }
+    }
 }
 
 /// Schemes that dissipate energy, free and held.
@@ -650,10 +732,23 @@ fn what_a_team_does_not_compute_is_rejected() {
     let at_rest = |body: &Body| Motion::new(body, DGM)?.with_static_reactions().map(|_| ());
     assert_eq!(asked(region, at_rest), "a start from an equilibrium");
 
+    // Shares of two partitions.
+    let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    let errors = Threads::run(2, |team| {
+        let owners: Vec<u32> = (0..45).map(|node| u32::from(node > 20 + team.rank())).collect();
+        Body::shared(Share::new(&mesh, &owners, team.rank()), team)
+            .region(rubber())
+            .build()
+            .unwrap_err()
+            .to_string()
+    });
+    assert_eq!(errors.unwrap(), ["a body of shares of different partitions is not possible on a team"; 2]);
     // A share of another rank.
     let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
     let owners = mesh::owners(&mesh, 2).unwrap();
     let errors = Threads::run(2, |team| {
+        let owners: Vec<u32> =
+            owners.iter().map(|&rank| if team.rank() == 0 { rank } else { 1 - rank }).collect();
         Body::shared(Share::new(&mesh, &owners, 0), team).region(rubber()).build().unwrap_err().to_string()
     });
     assert!(

@@ -326,7 +326,7 @@ impl Start {
         point.displacement.copy_from_slice(&state.displacement);
         point.evaluate(forces, state.time)?;
         forces.add_damping(state, &point.external, &mut point.force)?;
-        MassSolver::new(body)?.velocity(body, &point.force, &mut acceleration);
+        MassSolver::new(body)?.velocity(body, &point.force, &mut acceleration)?;
         body.mass_product(&acceleration, &mut inertia);
         point.set_reactions(body, &inertia);
         Ok(Start { acceleration, inertia, point })
