@@ -133,10 +133,10 @@ impl Body {
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
     /// regions, supports and loads; an error of one is an error of all.
     ///
-    /// Teams compute motions with [`Solver::Iterative`] (which [`Solver::Auto`] is
-    /// there). Other requests are errors, and so are cells against locking, equilibria, modes and adjoints. Everything that is a sum over the body, such as
-    /// [`Body::strain_energy`], is a call of all ranks; nodal vectors belong to the nodes of the share, and of guests only
-    /// displacements and velocities have a meaning.
+    /// Teams compute motions with [`Solver::Iterative`], which [`Solver::Auto`] selects on a team. Other solvers, cells
+    /// against locking, equilibria, modes and adjoints are rejected. All ranks must call a method together if it sums over
+    /// the body, such as [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only
+    /// displacements and velocities are defined.
     ///
     /// [`Solver::Iterative`]: crate::motion::Solver::Iterative
     /// [`Solver::Auto`]: crate::motion::Solver::Auto

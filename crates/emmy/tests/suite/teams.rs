@@ -29,7 +29,7 @@ struct Case {
     plan: StepPlan,
 }
 
-/// What a rank has at the end of a motion.
+/// Results of a rank at the end of a motion.
 #[derive(Debug, PartialEq)]
 struct End {
     records: Vec<Record>,
@@ -688,7 +688,7 @@ fn a_cell_that_is_inverted_in_the_mesh_has_its_number_in_the_whole_mesh() {
     }
 }
 
-/// What the ranks of a team answer when they are asked for something.
+/// The message with which all ranks of a team reject a request.
 fn asked(
     parts: impl Fn(BodyBuilder) -> BodyBuilder + Sync,
     ask: impl Fn(&Body) -> Result<()> + Sync,
