@@ -102,7 +102,7 @@ impl BodyBuilder {
     /// [`crate::Error::Viscosity`] unless the drag is finite and not negative; on a team [`crate::Error::NotOnTeam`], and
     /// [`crate::Error::OnRank`] for an error of one rank.
     pub fn build(self) -> Result<Body> {
-        let Some(TeamPart { subdomain, rank, .. }) = &self.team else { return Body::from_parts(self) };
+        let Some(TeamPart { subdomain, rank }) = &self.team else { return Body::from_parts(self) };
         let subdomain = subdomain.clone();
         subdomain.check_partition()?;
         let own = match (*rank, subdomain.rank()) {
@@ -115,11 +115,10 @@ impl BodyBuilder {
     }
 }
 
-/// The part of a rank, and whether each of its cells counts there.
+/// The part of a rank.
 #[derive(Debug)]
 struct TeamPart {
     subdomain: Arc<Subdomain>,
-    counts: Vec<bool>,
     /// The rank that the share was made for.
     rank: usize,
 }
@@ -160,8 +159,9 @@ impl Body {
     /// ```
     pub fn shared(share: Share, team: Arc<dyn Team>) -> BodyBuilder {
         let Share { mesh, n_own, n_nodes_of_ranks, nodes, cells, counts, neighbours, rank } = share;
-        let subdomain = Arc::new(Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, cells, neighbours));
-        BodyBuilder::new(mesh, Some(TeamPart { subdomain, counts, rank }))
+        let subdomain =
+            Arc::new(Subdomain::new(team, [n_own, n_nodes_of_ranks], nodes, (cells, counts), neighbours));
+        BodyBuilder::new(mesh, Some(TeamPart { subdomain, rank }))
     }
 
     fn from_parts(parts: BodyBuilder) -> Result<Self> {
@@ -176,7 +176,7 @@ impl Body {
         let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
         let internal = InternalNodes::new(&mesh, &regions, of_cell.indices());
-        let counts = |cell: u32| team.as_ref().is_none_or(|team| team.counts[cell as usize]);
+        let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
         let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal, counts)?;
         let n_counted_terms = terms.len();
         if team.is_some() {

@@ -13,7 +13,7 @@ use crate::team::Subdomain;
 
 impl Body {
     /// This rank's part of a body that a team computes; `None`: the whole body is here.
-    pub(crate) fn subdomain(&self) -> Option<&Arc<Subdomain>> {
+    pub fn subdomain(&self) -> Option<&Arc<Subdomain>> {
         self.subdomain.as_ref()
     }
 

@@ -6,7 +6,7 @@
 mod subdomain;
 mod threads;
 
-pub(crate) use subdomain::Subdomain;
+pub use subdomain::Subdomain;
 pub use threads::{Threads, ThreadsError};
 
 use std::fmt;

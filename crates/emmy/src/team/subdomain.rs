@@ -5,18 +5,34 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::{Neighbour, Parcel, Team};
 use crate::error::{Error, Result};
 
-/// The part of a rank. Own nodes come first, then guests.
+/// The part of a body that a rank computes: its numbers in the whole mesh, and calls of all ranks. Own nodes come first, then
+/// guests. [`crate::body::Body::subdomain`] has it.
+///
+/// ```
+/// use emmy::prelude::*;
+/// use emmy::mesh::{Share, owners};
+/// use emmy::team::{Team, Threads};
+/// let mesh = mesh::block([4.0, 1.0, 1.0], [4, 1, 1])?;
+/// let owners = owners(&mesh, 2)?;
+/// let sums = Threads::run(2, |team| -> emmy::Result<f64> {
+///     let rubber = Region::new(NeoHooke::new(1000.0, 500.0)?, 2.0);
+///     let body = Body::shared(Share::new(&mesh, &owners, team.rank()), team).region(rubber).build()?;
+///     let part = body.subdomain().expect("a team has parts");
+///     let mut n = [part.n_own() as f64];
+///     part.sum("own nodes", &mut n);
+///     Ok(n[0])
+/// });
+/// assert!(sums.unwrap().into_iter().all(|n| n.unwrap() == 20.0));
+/// # Ok::<(), emmy::Error>(())
+/// ```
 #[derive(Debug)]
-pub(crate) struct Subdomain {
+pub struct Subdomain {
     team: Arc<dyn Team>,
-    /// Number of own nodes.
-    pub n_own: usize,
-    /// Number of nodes of the whole mesh.
-    pub n_nodes_of_ranks: usize,
-    /// Numbers of the nodes in the whole mesh.
-    pub nodes: Vec<u32>,
-    /// Numbers of the cells in the whole mesh.
-    pub cells: Vec<u32>,
+    pub(crate) n_own: usize,
+    pub(crate) n_nodes_of_ranks: usize,
+    pub(crate) nodes: Vec<u32>,
+    pub(crate) cells: Vec<u32>,
+    counts: Vec<bool>,
     neighbours: Vec<Neighbour>,
     parcels: Mutex<Vec<Parcel>>,
 }
@@ -30,7 +46,7 @@ impl Subdomain {
         team: Arc<dyn Team>,
         [n_own, n_nodes_of_ranks]: [usize; 2],
         nodes: Vec<u32>,
-        cells: Vec<u32>,
+        (cells, counts): (Vec<u32>, Vec<bool>),
         neighbours: Vec<Neighbour>,
     ) -> Self {
         let parcels = neighbours.iter().map(|neighbour| Parcel { rank: neighbour.rank, ..Parcel::default() });
@@ -40,40 +56,71 @@ impl Subdomain {
             n_nodes_of_ranks,
             nodes,
             cells,
+            counts,
             parcels: Mutex::new(parcels.collect()),
             neighbours,
         }
     }
 
+    /// The team.
+    pub fn team(&self) -> &Arc<dyn Team> {
+        &self.team
+    }
+
+    /// Number of own nodes.
+    pub fn n_own(&self) -> usize {
+        self.n_own
+    }
+
+    /// Number of nodes of the whole mesh.
+    pub fn n_nodes_of_ranks(&self) -> usize {
+        self.n_nodes_of_ranks
+    }
+
+    /// Number in the whole mesh of each node.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Number in the whole mesh of each cell.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
+    /// Whether each cell counts here; the others count on another rank, which computes them too.
+    pub fn counts(&self) -> &[bool] {
+        &self.counts
+    }
+
     /// Number of this rank.
-    pub(crate) fn rank(&self) -> usize {
+    pub fn rank(&self) -> usize {
         self.team.rank()
     }
 
     /// Number of ranks.
-    pub(crate) fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.team.size()
     }
 
     /// [`Team::sum`].
-    pub(crate) fn sum(&self, name: &'static str, values: &mut [f64]) {
+    pub fn sum(&self, name: &'static str, values: &mut [f64]) {
         self.team.sum(name, values);
     }
 
     /// [`Team::largest`].
-    pub(crate) fn largest(&self, name: &'static str, values: &mut [f64]) {
+    pub fn largest(&self, name: &'static str, values: &mut [f64]) {
         self.team.largest(name, values);
     }
 
     /// The lowest number of all ranks; `None` if no rank has one.
-    pub(crate) fn lowest(&self, name: &'static str, own: Option<usize>) -> Option<usize> {
+    pub fn lowest(&self, name: &'static str, own: Option<usize>) -> Option<usize> {
         let mut most = [own.map_or(f64::NEG_INFINITY, |own| -(own as f64))];
         self.largest(name, &mut most);
         (most[0] != f64::NEG_INFINITY).then_some(-most[0] as usize)
     }
 
     /// Replaces the numbers of all ranks by those of one.
-    pub(crate) fn take_from(&self, rank: usize, name: &'static str, values: &mut [f64]) {
+    pub fn take_from(&self, rank: usize, name: &'static str, values: &mut [f64]) {
         if self.rank() != rank {
             values.fill(0.0);
         }
@@ -81,7 +128,7 @@ impl Subdomain {
     }
 
     /// The numbers of all ranks, `[rank][values]`.
-    pub(crate) fn gather(&self, name: &'static str, own: &[f64]) -> Vec<f64> {
+    pub fn gather(&self, name: &'static str, own: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.size() * own.len()];
         all[self.rank() * own.len()..(self.rank() + 1) * own.len()].copy_from_slice(own);
         self.sum(name, &mut all);
@@ -90,7 +137,7 @@ impl Subdomain {
 
     /// Replaces the values of guests by those of their owners. `read` and `write` pass the numbers of a node, `width` of
     /// them, in the same order.
-    pub(crate) fn exchange<V: ?Sized>(
+    pub fn exchange<V: ?Sized>(
         &self,
         name: &'static str,
         width: usize,
@@ -110,6 +157,21 @@ impl Subdomain {
             let nodes = neighbour.incoming.iter().zip(parcel.incoming.chunks_exact(width));
             nodes.for_each(|(&node, numbers)| write(values, node as usize, numbers));
         }
+    }
+
+    /// The text of one rank on all ranks.
+    pub fn text_of(&self, rank: usize, own: &str) -> String {
+        let mut length = [own.len() as f64];
+        self.take_from(rank, "length of a text", &mut length);
+        self.text_from(rank, length[0] as usize, own)
+    }
+
+    fn text_from(&self, rank: usize, length: usize, own: &str) -> String {
+        let mut letters = vec![0.0; length];
+        letters.iter_mut().zip(own.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
+        self.take_from(rank, "text", &mut letters);
+        let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
+        String::from_utf8_lossy(&bytes).into_owned()
     }
 
     /// Checks that the parts of all ranks are those of one partition of one mesh.
@@ -145,11 +207,7 @@ impl Subdomain {
         if kind == INVERTED {
             return Err(Error::Inverted { cell: first as usize, det: second });
         }
-        let mut letters = vec![0.0; length as usize];
-        letters.iter_mut().zip(text.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
-        self.take_from(rank, "message", &mut letters);
-        let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
-        let message = String::from_utf8_lossy(&bytes).into_owned();
+        let message = self.text_from(rank, length as usize, &text);
         if kind == NOT_FINITE {
             return Err(Error::NotFiniteAt { what: message, time: first, value: second });
         }
