@@ -1,6 +1,9 @@
 //! The environment of a verb: where its text goes, and whether it should stop.
 
+use std::sync::Arc;
 use std::{fmt, io};
+
+use emmy::team::Team;
 
 use crate::failure::Failure;
 
@@ -52,6 +55,12 @@ pub trait Host: Sync {
     /// A failure ends the verb, before anything is computed.
     fn prepare(&self) -> Result<(), Failure> {
         Ok(())
+    }
+
+    /// The team of which this process is a rank, for the verbs `run`, `resume` and `check`; `None`: it works alone. All ranks
+    /// run the same verb; only the host of rank 0 should show text.
+    fn team(&self) -> Option<&Arc<dyn Team>> {
+        None
     }
 
     /// Whether progress is drawn as a bar on the standard error of the process, instead of in lines.

@@ -22,7 +22,7 @@ use clap::Parser;
 
 pub use failure::Failure;
 pub use host::{Host, ProgressUpdate};
-pub use program::{exit_code, main};
+pub use program::{exit_code, exit_code_on_team, main};
 pub use verbs::{report_on, report_on_body};
 
 /// Non-linear elastodynamics by time finite elements that conserve energy and angular momentum.
@@ -32,6 +32,18 @@ struct Arguments {
     #[command(subcommand)]
     verb: verbs::Verb,
 }
+
+/// The verbs of a team of processes.
+#[derive(Debug, Parser)]
+#[command(name = "emmy-mpi", version, max_term_width = 110, after_help = EXIT_CODES_OF_TEAMS)]
+struct TeamArguments {
+    #[command(subcommand)]
+    verb: verbs::TeamVerb,
+}
+
+const EXIT_CODES_OF_TEAMS: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
+                                   130 stopped by a signal or the file `stop`, with a checkpoint; 1 any other failure.\n\
+                                   Start with `mpirun -n 4 emmy-mpi run l-block.toml`; `emmy` has the other verbs.";
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input; 3 no convergence; 4 a limit of [limits] exceeded; \
                           130 stopped by a signal, with a checkpoint; 1 any other failure.\nStart with `emmy new l-block`, then `emmy run l-block.toml`.";

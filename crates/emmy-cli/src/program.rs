@@ -3,28 +3,43 @@
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write, stderr};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Parser;
+use emmy::team::Team;
 use emmy_io::summary::{self, Status};
 
 use crate::failure::{Failure, INTERNAL_ERROR};
 use crate::host::Host;
-use crate::{Arguments, signals};
+use crate::{Arguments, TeamArguments, signals};
 
-/// The standard streams of the process, and its signals.
+/// The standard streams of the process, and its signals. Ranks other than 0 show nothing.
 #[derive(Debug)]
-struct Program;
+struct Program {
+    team: Option<Arc<dyn Team>>,
+}
+
+impl Program {
+    fn is_shown(&self) -> bool {
+        self.team.as_ref().is_none_or(|team| team.rank() == 0)
+    }
+}
 
 impl Host for Program {
     /// A reader that stops early (`emmy list schemes | head -1`) is not a failure.
     fn output(&self, text: &str) -> io::Result<()> {
+        if !self.is_shown() {
+            return Ok(());
+        }
         let mut stdout = io::stdout().lock();
         let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
         written.or_else(without_reader)
     }
 
     fn message(&self, text: &str) {
-        line(text);
+        if self.is_shown() {
+            line(text);
+        }
     }
 
     fn is_interrupted(&self) -> bool {
@@ -32,11 +47,15 @@ impl Host for Program {
     }
 
     fn prepare(&self) -> Result<(), Failure> {
-        signals::listen()
+        signals::listen(self.is_shown())
+    }
+
+    fn team(&self) -> Option<&Arc<dyn Team>> {
+        self.team.as_ref()
     }
 
     fn draws_bars(&self) -> bool {
-        stderr().is_terminal()
+        self.is_shown() && stderr().is_terminal()
     }
 }
 
@@ -62,26 +81,59 @@ pub fn main<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -
 
 /// [`main`] with the exit code as a number.
 pub fn exit_code<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    install_panic_hook();
+    let program = Program { team: None };
+    match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => program.ended(arguments.verb.run(&program)),
+        Err(text) => not_parsed(&text),
+    }
+}
+
+/// The whole program of a rank of a team: all ranks run the same verb, and have the same exit code. `arguments` begin with the
+/// name of the program; the verbs are `run`, `resume` and `check`.
+///
+/// As [`main`], it must be the only work of the process.
+pub fn exit_code_on_team<A: Into<OsString> + Clone>(
+    arguments: impl IntoIterator<Item = A>,
+    team: Arc<dyn Team>,
+) -> u8 {
+    install_panic_hook();
+    let program = Program { team: Some(team.clone()) };
+    let code = match TeamArguments::try_parse_from(arguments) {
+        Ok(arguments) => program.ended(arguments.verb.verb().run(&program)),
+        Err(text) if program.is_shown() => not_parsed(&text),
+        Err(text) => text.exit_code() as u8,
+    };
+    let of_first = if program.is_shown() { f64::from(code) } else { 0.0 };
+    let mut codes = [of_first, f64::from(code)];
+    team.largest("exit code", &mut codes);
+    codes.into_iter().find(|code| *code > 0.0).unwrap_or(0.0) as u8
+}
+
+impl Program {
+    /// Prints a failure and returns the exit code of a verb.
+    fn ended(&self, outcome: Result<(), Failure>) -> u8 {
+        let Err(failure) = outcome else { return 0 };
+        let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+        failure.texts(has_colours).iter().for_each(|text| self.message(text));
+        failure.code()
+    }
+}
+
+fn install_panic_hook() {
     std::panic::set_hook(Box::new(|info| {
         line(&format!("emmy: internal error: {info}. Please report it."));
         summary::abandon(Status::Failed, &format!("internal error: {info}"));
         std::process::exit(INTERNAL_ERROR.into());
     }));
-    let ended = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => arguments.verb.run(&Program),
-        Err(error) if error.use_stderr() => {
-            let _ = error.print();
-            return error.exit_code() as u8;
-        }
-        // Help or version.
-        Err(text) => text.print().or_else(without_reader).map_err(Failure::from_stdout),
-    };
-    match ended {
-        Ok(()) => 0,
-        Err(failure) => {
-            let has_colours = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-            failure.texts(has_colours).iter().for_each(|text| line(text));
-            failure.code()
-        }
+}
+
+/// Prints help, the version, or why arguments cannot be read; returns the exit code.
+fn not_parsed(text: &clap::Error) -> u8 {
+    if text.use_stderr() {
+        let _ = text.print();
+        return text.exit_code() as u8;
     }
+    let printed = text.print().or_else(without_reader).map_err(Failure::from_stdout);
+    Program { team: None }.ended(printed)
 }

@@ -2,6 +2,7 @@
 //! every signal that can be handled, the status in the summary is no longer `running`.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use emmy::motion::{Observer, View};
@@ -13,15 +14,17 @@ use crate::program::line;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Installs the handlers.
-pub(crate) fn listen() -> Result<(), Failure> {
+/// Installs the handlers; they announce the end of the run if it `is_shown`.
+pub(crate) fn listen(is_shown: bool) -> Result<(), Failure> {
     let deaf = |error: &dyn fmt::Display| Failure::Other(format!("cannot listen to signals: {error}"));
-    listen_to_others().map_err(|error| deaf(&error))?;
-    let heard = || {
+    listen_to_others(is_shown).map_err(|error| deaf(&error))?;
+    let heard = move || {
         if ASKED.swap(true, Ordering::SeqCst) {
             end("stopped at once by a second signal");
         }
-        line("stopping at the end of this step; a second signal stops at once");
+        if is_shown {
+            line("stopping at the end of this step; a second signal stops at once");
+        }
     };
     ctrlc::set_handler(heard).map_err(|error| deaf(&error))
 }
@@ -34,7 +37,7 @@ fn end(why: &str) -> ! {
 
 /// Handles further signals than `ctrlc`; otherwise they would end the program silently.
 #[cfg(unix)]
-fn listen_to_others() -> std::io::Result<()> {
+fn listen_to_others(is_shown: bool) -> std::io::Result<()> {
     use signal_hook::consts::{SIGQUIT, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
     // With a handler, a file that exceeds the size limit is a write error.
     signal_hook::flag::register(SIGXFSZ, Default::default())?;
@@ -44,7 +47,7 @@ fn listen_to_others() -> std::io::Result<()> {
         for signal in signals.forever() {
             if signal == SIGQUIT {
                 end("stopped at once by SIGQUIT");
-            } else if !ASKED.swap(true, Ordering::SeqCst) {
+            } else if !ASKED.swap(true, Ordering::SeqCst) && is_shown {
                 line(&format!("stopping at the end of this step because of signal {signal}"));
             }
         }
@@ -53,7 +56,7 @@ fn listen_to_others() -> std::io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn listen_to_others() -> std::io::Result<()> {
+fn listen_to_others(_: bool) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -62,9 +65,33 @@ pub(crate) fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// Ends a march when the host asks to stop.
+/// Name of a file in the directory of a run that stops it at the end of its step.
+const STOP_FILE: &str = "stop";
+
+/// Ends a march when the host asks to stop, or when there is a file `stop` in the directory of the run. On a team one rank is
+/// enough: all end at the same step.
 #[derive(Debug)]
-pub(crate) struct Stop<'h>(pub &'h dyn Host);
+pub(crate) struct Stop<'h> {
+    host: &'h dyn Host,
+    /// The file, on the rank that looks for it.
+    file: Option<PathBuf>,
+}
+
+impl<'h> Stop<'h> {
+    /// The observer of a run in a directory. A file that an earlier run left is removed.
+    pub(crate) fn new(host: &'h dyn Host, directory: &Path) -> Self {
+        let is_first = host.team().is_none_or(|team| team.rank() == 0);
+        let file = is_first.then(|| directory.join(STOP_FILE));
+        let stop = Stop { host, file };
+        stop.has_file();
+        stop
+    }
+
+    /// Whether there is the file; it is removed.
+    fn has_file(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| std::fs::remove_file(file).is_ok())
+    }
+}
 
 /// The march was stopped by the host.
 #[derive(Debug)]
@@ -85,6 +112,10 @@ impl Observer for Stop<'_> {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let step = view.record.step;
         let time = view.record.time;
-        if self.0.is_interrupted() { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
+        let mut is_asked = [f64::from(u8::from(self.host.is_interrupted() || self.has_file()))];
+        if let Some(team) = self.host.team() {
+            team.largest("whether to stop", &mut is_asked);
+        }
+        if is_asked[0] > 0.0 { Err(Box::new(Interrupted { step, time })) } else { Ok(()) }
     }
 }

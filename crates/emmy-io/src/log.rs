@@ -101,23 +101,20 @@ impl RunLog {
 fn heading(problem: &Problem) -> Vec<String> {
     let command: Vec<String> = std::env::args_os().map(|part| part.to_string_lossy().into_owned()).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let mesh = problem.body.mesh();
+    let [nodes, cells] = problem.mesh_size();
+    let ranks = problem.body.subdomain().map_or(String::new(), |part| format!("{} ranks of ", part.size()));
     let mut lines = vec![
         format!("emmy {}", env!("CARGO_PKG_VERSION")),
         format!("command: {}", command.join(" ")),
         format!(
-            "machine: {} {}, {cores} cores, {} threads, {}",
+            "machine: {} {}, {cores} cores, {}{} threads, {}",
             std::env::consts::OS,
             std::env::consts::ARCH,
+            ranks,
             rayon::current_num_threads(),
             instruction_set()
         ),
-        format!(
-            "mesh: {} nodes, {} cells; {} degrees of freedom",
-            mesh.n_nodes(),
-            mesh.n_cells(),
-            problem.body.n_dofs()
-        ),
+        format!("mesh: {nodes} nodes, {cells} cells; {} degrees of freedom", problem.body.n_dofs_of_ranks()),
         format!(
             "scheme: {} of degree {}, to t = {}",
             problem.scheme.name(),

@@ -2,16 +2,18 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use emmy::body::Body;
 use emmy::motion::{Event, Motion, Observer, RunStatistics, State, StepPlan, View};
+use emmy::team::{self, Team};
 use serde_json::Value;
 
 use crate::checkpoint::{Checkpoint, Checkpoints, Progress};
 use crate::directory::{self, DirectoryError, Lock, MARK};
 use crate::events::EventsFile;
-use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile};
+use crate::history::{Extreme, HistoryColumns, HistoryError, HistoryFile, Number};
 use crate::input::{Limits, Output, Problem};
 use crate::limits;
 use crate::log::RunLog;
@@ -41,21 +43,23 @@ pub enum ResumeError {
 
 /// Writes `input.toml`, `history.csv`, `newton.csv`, `events.csv`, `run.log`, frames, checkpoints, `summary.json` and
 /// `report.html` into the output directory, and checks the limits.
+///
+/// On a team every rank has results and makes the same calls. Rank 0 writes the files of the whole run; the others take part in
+/// frames and checkpoints.
 #[derive(Debug)]
 pub struct Results {
+    team: Option<Arc<dyn Team>>,
     output: Output,
     plan: StepPlan,
     columns: HistoryColumns,
     limits: Limits,
     header: SummaryHeader,
-    history: HistoryFile,
-    newton: NewtonFile,
+    /// Absent on the ranks that do not write the files of the whole run.
+    files: Option<Files>,
     recording: Option<Recording>,
     statistics: RunStatistics,
     /// Largest values of fields so far.
     extremes: Vec<Extreme>,
-    events: EventsFile,
-    log: RunLog,
     checkpoints: Option<Checkpoints>,
     started: Instant,
     /// Duration of the run at which the report is due, in seconds.
@@ -66,7 +70,55 @@ pub struct Results {
     estimated_error: Option<f64>,
     /// Notes to the user on the files.
     notes: Vec<String>,
+}
+
+/// Files that one rank writes.
+#[derive(Debug)]
+struct Files {
+    history: HistoryFile,
+    newton: NewtonFile,
+    events: EventsFile,
+    log: RunLog,
     _lock: Lock,
+}
+
+impl Files {
+    /// Creates the files of a run in a directory, or opens those of a run that resumes after a step and a time.
+    fn open(
+        problem: &Problem,
+        lock: Lock,
+        history: HistoryFile,
+        start: Option<(usize, f64)>,
+    ) -> io::Result<Self> {
+        let directory = problem.output.directory.as_path();
+        let (events, newton) = (directory.join("events.csv"), directory.join("newton.csv"));
+        write_units(&directory.join("columns.json"), problem)?;
+        let log = RunLog::open(&directory.join("run.log"), problem, start)?;
+        let (events, newton) = match start {
+            Some((step, _)) => (EventsFile::resume(&events, step)?, NewtonFile::resume(&newton, step)?),
+            None => (EventsFile::create(&events)?, NewtonFile::create(&newton)?),
+        };
+        Ok(Files { history, newton, events, log, _lock: lock })
+    }
+
+    /// Writes the lines of a step, and its iteration if it `is_logged`.
+    fn write(&mut self, view: View<'_>, numbers: &[Number], is_logged: bool) -> io::Result<()> {
+        self.history.write(numbers)?;
+        self.log.solver(view.record)?;
+        if is_logged {
+            self.newton.write(view)?;
+            self.log.step(view.record)?;
+        }
+        Ok(())
+    }
+
+    fn write_lost_frames(&mut self, (step, time): (usize, f64), notes: &[String]) -> io::Result<()> {
+        for note in notes {
+            self.events.write_lost_frames(step, time, note)?;
+            self.log.line(&format!("note: {note}"))?;
+        }
+        Ok(())
+    }
 }
 
 /// Least time between two reports of a run, in seconds.
@@ -83,68 +135,68 @@ impl Results {
     pub fn create(problem: &Problem) -> Result<Self, DirectoryError> {
         let directory = &problem.output.directory;
         let system = |error| DirectoryError::System { path: directory.clone(), error };
-        directory::check_run(problem)?;
-        std::fs::create_dir_all(directory).map_err(system)?;
-        let lock = Lock::take(directory)?;
-        directory::prepare(directory)?;
-        if let Some(mesh) = &problem.mesh_in_memory {
-            directory::write_mesh(directory, mesh)?;
-        }
-        replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
-        let history = HistoryFile::create(&directory.join("history.csv"), &HistoryColumns::of(problem));
-        let history = history.map_err(system)?;
-        Results::open(problem, lock, history, None).map_err(system)
+        let files = problem.on_first_rank(
+            || {
+                directory::check_run(problem)?;
+                std::fs::create_dir_all(directory).map_err(system)?;
+                let lock = Lock::take(directory)?;
+                directory::prepare(directory)?;
+                if let Some(mesh) = &problem.mesh_in_memory {
+                    directory::write_mesh(directory, mesh)?;
+                }
+                replace(&directory.join("input.toml"), input(problem).as_bytes()).map_err(system)?;
+                let history =
+                    HistoryFile::create(&directory.join("history.csv"), &HistoryColumns::of(problem));
+                Files::open(problem, lock, history.map_err(system)?, None).map_err(system)
+            },
+            |message| system(io::Error::other(message)),
+        )?;
+        Results::open(problem, files, None).map_err(system)
     }
 
-    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed.
+    /// Resumes the files of a run at a checkpoint: later rows, events and frames are removed. `lock`: of the directory; absent
+    /// on the ranks of a team that do not hold it.
     ///
     /// # Errors
     /// [`ResumeError`]; if the run cannot be resumed, nothing is changed.
-    pub fn resume(problem: &Problem, lock: Lock, checkpoint: &Checkpoint) -> Result<Self, ResumeError> {
+    pub fn resume(
+        problem: &Problem,
+        lock: Option<Lock>,
+        checkpoint: &Checkpoint,
+    ) -> Result<Self, ResumeError> {
         let directory = &problem.output.directory;
         let state = &checkpoint.snapshot.state;
         let path = directory.join("history.csv");
-        // The first file is the input in the directory, which is replaced by itself.
-        directory::check_sources(directory, &problem.files[1..])?;
-        Recording::check(problem)?;
-        let columns = HistoryColumns::of(problem);
-        let history =
-            HistoryFile::resume(&path, &columns, state.step, state.time, checkpoint.history_checksum)?;
-        replace(&directory.join("input.toml"), input(problem).as_bytes())?;
-        Ok(Results::open(problem, lock, history, Some(checkpoint))?)
+        let files = lock.map(|lock| -> Result<Files, ResumeError> {
+            // The first file is the input in the directory, which is replaced by itself.
+            directory::check_sources(directory, &problem.files[1..])?;
+            Recording::check(problem)?;
+            let columns = HistoryColumns::of(problem);
+            let history =
+                HistoryFile::resume(&path, &columns, state.step, state.time, checkpoint.history_checksum)?;
+            replace(&directory.join("input.toml"), input(problem).as_bytes())?;
+            Ok(Files::open(problem, lock, history, Some((state.step, state.time)))?)
+        });
+        let files = problem.agree(files.transpose(), |message| io::Error::other(message).into())?;
+        Ok(Results::open(problem, files, Some(checkpoint))?)
     }
 
-    fn open(
-        problem: &Problem,
-        lock: Lock,
-        history: HistoryFile,
-        after: Option<&Checkpoint>,
-    ) -> io::Result<Self> {
+    fn open(problem: &Problem, mut files: Option<Files>, after: Option<&Checkpoint>) -> io::Result<Self> {
         let output = problem.output.clone();
         let directory = problem.output.directory.as_path();
         let start = after.map(|checkpoint| (checkpoint.snapshot.state.step, checkpoint.snapshot.state.time));
-        let events = directory.join("events.csv");
-        let mut events = match start {
-            Some((step, _)) => EventsFile::resume(&events, step)?,
-            None => EventsFile::create(&events)?,
-        };
-        write_units(&directory.join("columns.json"), problem)?;
-        let mut log = RunLog::open(&directory.join("run.log"), problem, start)?;
-        let newton = directory.join("newton.csv");
-        let newton = match start {
-            Some((step, _)) => NewtonFile::resume(&newton, step)?,
-            None => NewtonFile::create(&newton)?,
-        };
         let recording = output.has_frames().then(|| Recording::open(problem, after)).transpose()?;
         let (recording, missing) = recording.unzip();
         let notes: Vec<String> = missing.and_then(|missing| missing_frames(&missing)).into_iter().collect();
-        if let Some((step, time)) = start {
-            directory::remove_unfinished(directory, recording.is_some() && output.format == Format::Vtkhdf)?;
-            for note in &notes {
-                events.write_lost_frames(step, time, note)?;
-                log.line(&format!("note: {note}"))?;
+        let cleaned = match (start, &mut files) {
+            (Some(start), Some(files)) => {
+                let has_series = recording.is_some() && output.format == Format::Vtkhdf;
+                directory::remove_unfinished(directory, has_series)
+                    .and_then(|()| files.write_lost_frames(start, &notes))
             }
-        }
+            _ => Ok(()),
+        };
+        problem.agree(cleaned, io::Error::other)?;
         let checkpoints =
             (output.checkpoint_every > 0).then(|| Checkpoints::new(problem, after)).transpose()?;
         let header = SummaryHeader::new(problem);
@@ -152,29 +204,48 @@ impl Results {
             after.map_or_else(RunStatistics::default, |checkpoint| checkpoint.snapshot.statistics.clone());
         let extremes = after.map_or_else(Vec::new, |checkpoint| checkpoint.extremes.clone());
         let seconds_before = after.map_or(0.0, |checkpoint| checkpoint.wall_seconds);
-        let summary = header.summary(&statistics, &extremes, Status::Running, None, seconds_before);
-        summary::write(&directory.join("summary.json"), &summary)?;
-        Ok(Results {
+        let mut results = Results {
+            team: problem.body.subdomain().map(|part| part.team().clone()),
             limits: problem.limits,
             columns: HistoryColumns::of(problem),
             output,
             plan: problem.plan.clone(),
             header,
-            history,
-            newton,
+            files,
             recording,
             statistics,
             extremes,
-            events,
-            log,
             checkpoints,
             started: Instant::now(),
             report_due: seconds_before + REPORT_INTERVAL,
             seconds_before,
             estimated_error: None,
             notes,
-            _lock: lock,
-        })
+        };
+        let summary = results.header.summary(
+            &results.statistics,
+            &results.extremes,
+            Status::Running,
+            None,
+            seconds_before,
+        );
+        let written = results.write_summary(&summary);
+        results.agree(written)?;
+        results.started = Instant::now();
+        Ok(results)
+    }
+
+    /// The same outcome on all ranks.
+    fn agree(&self, own: io::Result<()>) -> io::Result<()> {
+        match &self.team {
+            Some(team) => team::agree(&**team, own, io::Error::other),
+            None => own,
+        }
+    }
+
+    /// Whether this rank writes the files of the whole run.
+    fn is_writer(&self) -> bool {
+        self.files.is_some()
     }
 
     /// Ends the run: writes the last state as a frame and a checkpoint, unless it is written already, then the summary.
@@ -184,26 +255,29 @@ impl Results {
         let is_sound = status != Status::Failed;
         let mut errors = vec![self.end_frames(motion, is_sound)];
         errors.extend(is_sound.then(|| self.write_checkpoint(motion, true)));
-        errors.push(self.history.verify());
-        let mut error = errors.into_iter().find_map(Result::err);
+        errors.push(self.files.as_mut().map_or(Ok(()), |files| files.history.verify()));
+        let first = errors.into_iter().find_map(Result::err).map_or(Ok(()), Err);
+        let mut error = self.agree(first).err();
         let status = if error.is_some() && status == Status::Done { Status::Failed } else { status };
         let unwritten = error.as_ref().map(|error| format!("the results cannot be written: {error}"));
         let message = message.map(str::to_string).or(unwritten);
         let end =
             format!("{} at step {}, t = {}", status.name(), self.statistics.steps, self.statistics.time);
         let end = message.as_ref().map_or(end.clone(), |message| format!("{end}: {message}"));
-        let logged = self.log.line(&end);
+        let logged = self.files.as_mut().map_or(Ok(()), |files| files.log.line(&end));
         let mut summary = self.summary(status, message.as_deref());
         summary["estimated_error"] = self.estimated_error.into();
-        let written = summary::write(&self.summary_path(), &summary);
-        error = error.or(logged.err()).or(written.err());
+        let written = self.write_summary(&summary);
+        let last = self.agree(logged.and(written));
+        error = error.or(last.err());
         Ending { status, summary, error }
     }
 
     /// Completes the frames, with the last state if it `is_sound`.
     fn end_frames(&mut self, motion: &Motion<'_>, is_sound: bool) -> io::Result<()> {
         let written = if is_sound { self.write_frame(motion.body(), motion.state()) } else { Ok(()) };
-        written.and(self.recording.as_mut().map_or(Ok(()), Recording::finish))
+        let finished = self.recording.as_mut().map_or(Ok(()), Recording::finish);
+        written.and(finished)
     }
 
     /// Writes a state as a frame, if there are frames.
@@ -240,6 +314,11 @@ impl Results {
         self.columns.has_extreme(field)
     }
 
+    /// Replaces the summary, on the rank that writes the files of the run.
+    fn write_summary(&self, summary: &Value) -> io::Result<()> {
+        if self.is_writer() { summary::write(&self.summary_path(), summary) } else { Ok(()) }
+    }
+
     fn summary_path(&self) -> PathBuf {
         self.directory().join("summary.json")
     }
@@ -255,19 +334,19 @@ impl Results {
         self.estimated_error = Some(error);
     }
 
-    /// Writes `report.html` for the run so far.
+    /// Writes `report.html` for the run so far; `None` on the ranks that do not write it.
     ///
     /// # Errors
     /// [`ReportError`] if a file cannot be written or read.
-    pub fn report(&self) -> Result<PathBuf, ReportError> {
-        report::write(self.directory())
+    pub fn report(&self) -> Result<Option<PathBuf>, ReportError> {
+        self.is_writer().then(|| report::write(self.directory())).transpose()
     }
 
     /// Writes summary and report of a running motion when they are due. Errors of the report do not end the run; they
     /// are reported at its end.
     fn report_progress(&mut self) -> io::Result<()> {
         let begin = self.wall_seconds();
-        if begin >= self.report_due {
+        if self.is_writer() && begin >= self.report_due {
             summary::write(&self.summary_path(), &self.summary(Status::Running, None))?;
             let _ = self.report();
             let now = self.wall_seconds();
@@ -305,14 +384,24 @@ impl Results {
         let seconds = self.wall_seconds();
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
         let frames = self.recording.as_ref().map_or(&[][..], Recording::written);
-        let is_safe = is_last || checkpoints.is_sync_due();
-        if is_safe {
+        // The clock of rank 0 decides.
+        let mut is_due = [f64::from(u8::from(self.files.is_some() && checkpoints.is_sync_due()))];
+        if let Some(team) = &self.team {
+            team.largest("whether a sync is due", &mut is_due);
+        }
+        let is_safe = is_last || is_due[0] > 0.0;
+        let synced = match &mut self.files {
             // The history must reach the disk before the checkpoint that belongs to it.
-            self.history.sync()?;
+            Some(files) if is_safe => files.history.sync(),
+            _ => Ok(()),
+        };
+        match &self.team {
+            Some(team) => team::agree(&**team, synced, io::Error::other)?,
+            None => synced?,
         }
         let progress = Progress {
             frames,
-            history_checksum: self.history.sum(),
+            history_checksum: self.files.as_ref().map_or(0, |files| files.history.sum()),
             wall_seconds: seconds,
             extremes: &self.extremes,
         };
@@ -323,6 +412,9 @@ impl Results {
 impl Drop for Results {
     /// A run that ends without [`Results::finish`] has failed.
     fn drop(&mut self) {
+        if !self.is_writer() {
+            return;
+        }
         summary::abandon_one(&self.summary_path(), Status::Failed, "the run ended before its time");
     }
 }
@@ -357,22 +449,16 @@ fn missing_frames(missing: &[FrameTime]) -> Option<String> {
 impl Observer for Results {
     fn observe(&mut self, view: View<'_>) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let row = self.columns.row(view, self.wall_seconds());
-        self.history.write(&row.numbers)?;
-        self.note_extremes(row.extremes);
         let every = self.output.log_every;
         let is_logged = every > 0 && view.record.step.is_multiple_of(every);
-        if is_logged {
-            self.newton.write(view)?;
-        }
+        let written = self.files.as_mut().map_or(Ok(()), |files| files.write(view, &row.numbers, is_logged));
+        self.agree(written)?;
+        self.note_extremes(row.extremes);
         let is_frame = self.output.is_frame(&self.plan, view.state.step, view.state.time);
         if is_frame {
             self.write_frame(view.body, view.state)?;
         }
         self.statistics.clone_from(view.motion.statistics());
-        self.log.solver(view.record)?;
-        if is_logged {
-            self.log.step(view.record)?;
-        }
         let every = self.output.checkpoint_every;
         if every > 0 && view.record.step.is_multiple_of(every) {
             self.write_checkpoint(view.motion, false)?;
@@ -382,8 +468,9 @@ impl Observer for Results {
     }
 
     fn notice(&mut self, event: &Event) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        self.log.event(event)?;
-        Ok(self.events.write(event)?)
+        let Some(files) = &mut self.files else { return Ok(()) };
+        files.log.event(event)?;
+        Ok(files.events.write(event)?)
     }
 }
 

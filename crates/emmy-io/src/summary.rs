@@ -95,15 +95,15 @@ pub struct SummaryHeader {
 impl SummaryHeader {
     /// The header of a problem.
     pub fn new(problem: &Problem) -> Self {
-        let mesh = problem.body.mesh();
+        let [nodes, cells] = problem.mesh_size();
         SummaryHeader {
             version: env!("CARGO_PKG_VERSION"),
             title: problem.title.clone(),
             scheme: problem.scheme.name(),
             degree: problem.scheme.degree(),
-            dofs: problem.body.n_dofs(),
-            nodes: mesh.n_nodes(),
-            cells: mesh.n_cells(),
+            dofs: problem.body.n_dofs_of_ranks(),
+            nodes,
+            cells,
             planned_steps: problem.plan.adaptivity().is_none().then(|| problem.plan.n_steps()),
             units: problem.units,
         }

@@ -15,11 +15,12 @@ mod schema;
 mod sizes;
 mod sweep;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use check::{report_on, report_on_body};
 use clap::{Args, Subcommand};
 use emmy::internals::motion::Resolution;
+use emmy::team;
 use emmy_io::input::{Overrides, Problem};
 
 use crate::failure::Failure;
@@ -78,6 +79,28 @@ pub(crate) enum Verb {
     Completions(completions::Arguments),
 }
 
+/// A verb of a team.
+#[derive(Debug, Subcommand)]
+pub(crate) enum TeamVerb {
+    /// Compute the motion on all ranks and write the results, as `emmy run` does
+    Run(run::Arguments),
+    /// Resume a run of any number of ranks from its newest checkpoint
+    Resume(resume::Arguments),
+    /// Report on an input and on its division among the ranks; run nothing
+    Check(check::Arguments),
+}
+
+impl TeamVerb {
+    /// The verb that the ranks run together.
+    pub(crate) fn verb(self) -> Verb {
+        match self {
+            TeamVerb::Run(arguments) => Verb::Run(arguments),
+            TeamVerb::Resume(arguments) => Verb::Resume(arguments),
+            TeamVerb::Check(arguments) => Verb::Check(arguments),
+        }
+    }
+}
+
 impl Verb {
     /// Runs the verb.
     pub(crate) fn run(self, host: &dyn Host) -> Result<(), Failure> {
@@ -115,25 +138,64 @@ struct Input {
 }
 
 impl Input {
-    /// The problem; notes of its reader go to the host.
-    fn problem(&self, host: &dyn Host) -> Result<Problem, Failure> {
-        let overrides = Overrides {
+    fn overrides(&self) -> Overrides {
+        Overrides {
             set: self.set.clone(),
             until: self.until,
             output: self.output.clone(),
             ..Overrides::default()
-        };
-        let problem = emmy_io::input::read(&self.file, &overrides)?;
+        }
+    }
+
+    /// The problem, on the team of the host if it has one; notes of its reader go to the host.
+    fn problem(&self, host: &dyn Host) -> Result<Problem, Failure> {
+        let problem = read(&self.file, &self.overrides(), host)?;
+        problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
+        Ok(problem)
+    }
+
+    /// The problem with its whole body.
+    fn read_alone(&self, host: &dyn Host) -> Result<Problem, Failure> {
+        let problem = emmy_io::input::read(&self.file, &self.overrides())?;
         problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
         Ok(problem)
     }
 }
 
+/// The problem of an input, on the team of the host if it has one.
+fn read(file: &Path, overrides: &Overrides, host: &dyn Host) -> Result<Problem, Failure> {
+    Ok(match host.team() {
+        Some(team) => emmy_io::input::read_on_team(file, overrides, team)?,
+        None => emmy_io::input::read(file, overrides)?,
+    })
+}
+
+/// The same outcome on all ranks of the host's team.
+fn agreed<T>(host: &dyn Host, own: Result<T, Failure>) -> Result<T, Failure> {
+    match host.team() {
+        Some(team) => team::agree(&**team, own, Failure::Other),
+        None => own,
+    }
+}
+
+/// Whether this process shows text and writes the files of the whole run.
+fn is_first(host: &dyn Host) -> bool {
+    host.team().is_none_or(|team| team.rank() == 0)
+}
+
 /// Runs a function in a thread pool, because a thread outside of it would wait for every small task: in one of its own
-/// with a number of threads, otherwise in that of the caller.
-fn with_threads<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+/// with a number of threads, otherwise in that of the caller. On a team it runs in the calling thread, which alone may call the
+/// other ranks and belongs to a pool with one thread, if no number is given.
+fn with_threads<T: Send>(
+    threads: Option<u16>,
+    host: &dyn Host,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, Failure> {
+    let is_team = host.team().is_some();
+    let threads = threads.or(is_team.then_some(1));
     let Some(threads) = threads else { return Ok(rayon::scope(|_| work())) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+    let pool = if is_team { builder.use_current_thread().build() } else { builder.build() };
     let pool = pool.map_err(|error| Failure::Other(format!("cannot start {threads} threads: {error}")))?;
     Ok(pool.install(work))
 }

@@ -39,7 +39,7 @@ const DEFAULT_COUNT: usize = 10;
 
 /// Computes, prints and writes the modes.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    with_threads(arguments.threads, || run_here(arguments, host))?
+    with_threads(arguments.threads, host, || run_here(arguments, host))?
 }
 
 fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {

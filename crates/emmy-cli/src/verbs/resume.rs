@@ -7,13 +7,13 @@ use clap::Args;
 use emmy::motion::Motion;
 use emmy_io::checkpoint::{self, Checkpoint, Identity};
 use emmy_io::directory::Lock;
-use emmy_io::input::{self, Overrides, Problem};
+use emmy_io::input::{Overrides, Problem};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 use serde_json::Value;
 
 use super::run::{self, RunOptions, march};
-use super::with_threads;
+use super::{agreed, is_first, read, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print::number;
@@ -38,28 +38,15 @@ pub(crate) struct Arguments {
 
 /// Resumes the run.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    with_threads(arguments.options.threads, || run_here(arguments, host))?
+    with_threads(arguments.options.threads, host, || run_here(arguments, host))?
 }
 
 /// Resumes the run in the calling thread.
 fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    if !arguments.directory.join("input.toml").is_file() {
-        return Err(unusable(
-            format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
-            "name the output directory of a run",
-        ));
-    }
-    let lock = Lock::take(&arguments.directory)?;
-    let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
-        .map_err(|error| unusable(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
-    note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
+    let (lock, mut checkpoint) = agreed(host, open(arguments, host))?;
     let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
-    let identity = Identity::new(&problem);
-    let same = checkpoint.identity.check(&identity);
-    same.map_err(|mismatch| Failure::Files { message: mismatch.to_string(), help: None })?;
-    check_end(&problem, &checkpoint)?;
-    settle(&problem, &mut checkpoint, &identity);
+    agreed(host, fit(&problem, &mut checkpoint))?;
     let snapshot = checkpoint.snapshot.clone();
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
@@ -70,6 +57,31 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         message!(host, "resuming after step {}, t = {}", state.step, number(state.time));
     }
     march((&problem, &arguments.options, host), &mut motion, results, Motion::march_on)
+}
+
+/// The newest checkpoint of the run, and on rank 0 the lock of its directory.
+fn open(arguments: &Arguments, host: &dyn Host) -> Result<(Option<Lock>, Checkpoint), Failure> {
+    if !arguments.directory.join("input.toml").is_file() {
+        return Err(unusable(
+            format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
+            "name the output directory of a run",
+        ));
+    }
+    let lock = is_first(host).then(|| Lock::take(&arguments.directory)).transpose()?;
+    let (checkpoint, note) = checkpoint::newest(&arguments.directory)
+        .map_err(|error| unusable(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
+    note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
+    Ok((lock, checkpoint))
+}
+
+/// Checks that a checkpoint is one of the problem, and fits it to its plan.
+fn fit(problem: &Problem, checkpoint: &mut Checkpoint) -> Result<(), Failure> {
+    let identity = Identity::new(problem);
+    let same = checkpoint.identity.check(&identity);
+    same.map_err(|mismatch| Failure::Files { message: mismatch.to_string(), help: None })?;
+    check_end(problem, checkpoint)?;
+    settle(problem, checkpoint, &identity);
+    Ok(())
 }
 
 fn unusable(message: String, help: &str) -> Failure {
@@ -84,7 +96,7 @@ fn problem(arguments: &Arguments, checkpoint: &Checkpoint, host: &dyn Host) -> R
         output: Some(arguments.directory.clone()),
         step: arguments.step.map(|size| (checkpoint.snapshot.state.time, size)),
     };
-    let problem = input::read(&arguments.directory.join("input.toml"), &overrides)?;
+    let problem = read(&arguments.directory.join("input.toml"), &overrides, host)?;
     problem.notes.iter().for_each(|note| message!(host, "note: {note}"));
     Ok(problem)
 }

@@ -57,7 +57,7 @@ const MAX_FAILURES: usize = 5;
 
 /// Runs the sweep.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    with_threads(arguments.threads, || sweep(arguments, host))?
+    with_threads(arguments.threads, host, || sweep(arguments, host))?
 }
 
 /// Runs the sweep in the calling thread.

@@ -64,7 +64,7 @@ impl Identity {
     pub fn new(problem: &Problem) -> Self {
         Identity {
             input: problem.resolved.clone(),
-            mesh: digest(problem.body.mesh()),
+            mesh: problem.mesh_digest(),
             tables: digest_of_tables(problem),
         }
     }

@@ -209,10 +209,11 @@ impl Places {
         let (Some(place), Ok(state)) = (&self.initial, State::initial(body, start, initial)) else {
             return Ok(());
         };
+        // On a team a call of all ranks, which comes before the first fault.
+        let angular = body.moment(&state.displacement, &state.momentum);
         let products = state.momentum.iter().zip(&state.velocity).map(|(p, v)| p * v);
         check_vector(place, "kinetic energy at the start", &[products.sum::<f64>() / 2.0])?;
         check_vector(place, "momentum at the start", &emmy::internals::body::sum(&state.momentum))?;
-        let angular = body.moment(&state.displacement, &state.momentum);
         check_vector(place, "angular momentum at the start", &angular)
     }
 }

@@ -9,6 +9,7 @@ use emmy::mesh::Mesh;
 use super::description::Section;
 use super::fault::{Fault, InputError, Place};
 use super::history::Context;
+use super::source::Source;
 use super::table::Item;
 use super::tree::{Entry, Node, Value};
 use super::{
@@ -96,7 +97,7 @@ fn entry(path: &str, key: &str, tree: &Tree) -> Entry {
 /// # Errors
 /// [`InputError`] with every fault; its places are paths ([`Place::path`]).
 pub fn build(tree: &Tree, overrides: &Overrides, known: Option<&Problem>) -> Result<Problem, InputError> {
-    problem::of_tree(tree.node(""), Path::new(NAME), overrides, known)
+    problem::of_tree(Ok(tree.node("")), Path::new(NAME), overrides, Source::Alone(known))
 }
 
 /// The file that an input in memory would have: it gives the default of `output.directory`.

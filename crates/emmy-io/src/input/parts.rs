@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use emmy::body::{Body, InitialVelocity, Load, Region, Support};
+use emmy::body::{InitialVelocity, Load, Region, Support};
 use emmy::motion::{NewtonSettings, Solver};
 use emmy::time::Scheme;
 
@@ -16,6 +16,7 @@ use super::quantities::{self, Requested};
 use super::region::Placed;
 use super::settings::{self, Limits, Output};
 use super::shape::{self, Shape};
+use super::source::Source;
 use super::table::{Item, Table};
 use super::tree::Node;
 use super::{
@@ -121,23 +122,25 @@ impl Parts {
         })
     }
 
-    /// The problem, once the mesh is made and every group found.
-    pub(super) fn problem(
-        mut self,
-        resolved: String,
-        known: Option<&Problem>,
-    ) -> Result<Problem, InputError> {
-        let Some(MeshFile { mesh, mut notes, files }) =
-            self.faults.keep(self.shape.mesh(&link_groups(&self.regions)))
-        else {
-            return Err(finished(self.faults));
+    /// The mesh with every group found.
+    fn checked_mesh(&mut self) -> Result<CheckedMesh, InputError> {
+        let Some(file) = self.faults.keep(self.shape.mesh(&link_groups(&self.regions))) else {
+            return Err(finished(std::mem::take(&mut self.faults)));
         };
-        groups::check(&mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
-        groups::check_nodes(&mesh, self.nodal.groups(), &mut self.faults);
+        let mesh = &file.mesh;
+        groups::check(mesh, &self.regions, &self.loads, &self.supports, &self.initial, &mut self.faults);
+        groups::check_nodes(mesh, self.nodal.groups(), &mut self.faults);
         self.faults.finish()?;
-        groups::check_regions(&mesh, &self.regions)?;
-        let formulations = Formulations::new(&mesh, &self.regions, &self.time)?;
-        support::check_together(&mesh, &self.supports, &self.time)?;
+        groups::check_regions(mesh, &self.regions)?;
+        let formulations = Formulations::new(mesh, &self.regions, &self.time)?;
+        support::check_together(mesh, &self.supports, &self.time)?;
+        Ok(CheckedMesh { file, formulations })
+    }
+
+    /// The problem, once the mesh is made.
+    pub(super) fn problem(mut self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
+        let (mesh, digest) = source.mesh(|| self.checked_mesh())?;
+        let CheckedMesh { file: MeshFile { mesh, mut notes, files }, formulations } = mesh;
         self.nodal.check_damping(&self.regions, &self.time)?;
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);
@@ -159,10 +162,11 @@ impl Parts {
                 && known.body.drag() == drag
                 && body_of(&resolved).is_some_and(|own| body_of(&known.resolved) == Some(own))
         };
-        let body = match known.filter(is_same) {
+        let body = match source.known().filter(is_same) {
             Some(known) => known.body.clone(),
             None => {
-                let body = Body::builder(mesh)
+                let body = source
+                    .builder(mesh)?
                     .regions(values(self.regions))
                     .point_terms(nodal.clone())
                     .supports(&supports)
@@ -209,8 +213,16 @@ impl Parts {
             notes: notes.iter().map(|note| shown(note).into_owned()).collect(),
             files,
             resolved,
+            digest,
         })
     }
+}
+
+/// A mesh in which every group was found, and the formulations of its cells.
+#[derive(Debug, Clone)]
+pub(super) struct CheckedMesh {
+    pub(super) file: MeshFile,
+    formulations: Formulations,
 }
 
 /// The state from which the motion starts.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use emmy::body::{Body, InitialVelocity, Load, PointTerms, Support};
 use emmy::mesh::Mesh;
 use emmy::motion::{NewtonSettings, StepPlan};
+use emmy::team::Team;
 use emmy::time::Scheme;
 
 use super::description::{Described, Kind, Section};
@@ -14,6 +15,7 @@ use super::formulation::Formulations;
 use super::parts::Parts;
 use super::quantities::Quantities;
 use super::settings::{Limits, Output};
+use super::source::Source;
 use super::tree::{self, Node};
 use super::{
     Start, complete, equilibrium, initial, load, nodal, region, set, settings, shape, support, time, units,
@@ -126,6 +128,8 @@ pub struct Problem {
     pub files: Vec<PathBuf>,
     /// The input with all values in effect, as TOML that gives the same run.
     pub resolved: String,
+    /// On a team, the digest of the whole mesh.
+    pub(crate) digest: Option<String>,
 }
 
 /// Reads an input file. Nothing is written.
@@ -133,42 +137,67 @@ pub struct Problem {
 /// # Errors
 /// [`InputError`] with every fault and its place.
 pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
-    let mut problem = of_tree(tree::read(path)?, path, overrides, None)?;
+    let mut problem = of_tree(tree::read(path), path, overrides, Source::Alone(None))?;
     problem.files.insert(0, path.to_path_buf());
     Ok(problem)
 }
 
-/// The problem of a tree. `path`: its file, or the file that it would have; `known`: a problem whose body is taken if it
-/// is the same.
+/// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.
+///
+/// # Errors
+/// [`InputError`] on all ranks. Rank 0 has every fault and its place, if it has found them.
+pub fn read_on_team(path: &Path, overrides: &Overrides, team: &Arc<dyn Team>) -> Result<Problem, InputError> {
+    let mut problem = of_tree(tree::read(path), path, overrides, Source::Team(team))?;
+    problem.files.insert(0, path.to_path_buf());
+    Ok(problem)
+}
+
+/// The problem of a tree. `path`: its file, or the file that it would have.
 pub(super) fn of_tree(
-    mut tree: Node,
+    tree: Result<Node, InputError>,
     path: &Path,
     overrides: &Overrides,
-    known: Option<&Problem>,
+    source: Source<'_>,
 ) -> Result<Problem, InputError> {
-    for flag in &overrides.set {
-        set::apply(&mut tree, flag)?;
-    }
-    let note = complete::clean_title(&mut tree);
-    complete::fill_defaults(&mut tree)?;
-    let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
-    let directory = path.parent().unwrap_or(Path::new(""));
-    let mut parts = Parts::read(&tree, directory, overrides)?;
-    // The text may have lost characters that are not UTF-8.
-    parts.output.directory = output.unwrap_or(parts.output.directory);
-    let mesh_file =
-        parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
-    let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
-    let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
-    complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
-    complete::spell(&mut tree);
-    let mut problem = parts.problem(write::toml(&tree), known)?;
-    if is_lost {
-        problem.notes.push(LOST_MESH.to_string());
-    }
-    problem.files.extend(histories);
-    problem.notes.extend(note);
+    let prepared = source.agree(tree.and_then(|tree| Prepared::new(tree, path, overrides)))?;
+    let mut problem = source.agree(prepared.parts.problem(prepared.resolved, source))?;
+    problem.files.extend(prepared.histories);
+    problem.notes.extend(prepared.notes);
     Ok(problem)
+}
+
+/// An input before its mesh is read.
+struct Prepared {
+    parts: Parts,
+    /// The text with all defaults.
+    resolved: String,
+    /// Files of histories.
+    histories: Vec<PathBuf>,
+    notes: Vec<String>,
+}
+
+impl Prepared {
+    fn new(mut tree: Node, path: &Path, overrides: &Overrides) -> Result<Self, InputError> {
+        for flag in &overrides.set {
+            set::apply(&mut tree, flag)?;
+        }
+        let note = complete::clean_title(&mut tree);
+        complete::fill_defaults(&mut tree)?;
+        let output = complete::fill_directory(&mut tree, path, overrides.output.as_deref());
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let mut parts = Parts::read(&tree, directory, overrides)?;
+        // The text may have lost characters that are not UTF-8.
+        parts.output.directory = output.unwrap_or(parts.output.directory);
+        let mesh_file =
+            parts.shape.absolute_file().map(|file| complete::spellable(file, &parts.output.directory));
+        let histories = complete::resolve_histories(&mut tree, directory, &parts.output.directory);
+        let is_lost = mesh_file.as_ref().is_some_and(|file| file.to_str().is_none());
+        complete::resolve(&mut tree, mesh_file, &parts.start, &parts.time.plan)?;
+        complete::spell(&mut tree);
+        let lost = is_lost.then(|| LOST_MESH.to_string());
+        let notes = lost.into_iter().chain(note).collect();
+        Ok(Prepared { parts, resolved: write::toml(&tree), histories, notes })
+    }
 }
 
 /// A path of the mesh that no TOML file can hold.

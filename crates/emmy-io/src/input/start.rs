@@ -134,6 +134,23 @@ impl Problem {
         }
     }
 
+    /// Numbers of nodes and cells of the whole mesh.
+    pub fn mesh_size(&self) -> [usize; 2] {
+        let mesh = self.body.mesh();
+        match self.body.subdomain() {
+            Some(part) => {
+                let cells = self.body.regions().iter().map(|region| region.n_cells);
+                [part.n_nodes_of_ranks(), cells.sum()]
+            }
+            None => [mesh.n_nodes(), mesh.n_cells()],
+        }
+    }
+
+    /// Digest of the whole mesh.
+    pub(crate) fn mesh_digest(&self) -> String {
+        self.digest.clone().unwrap_or_else(|| checkpoint::digest(self.body.mesh()))
+    }
+
     /// Whether the run is a static analysis, whose time is the load fraction.
     pub fn is_static(&self) -> bool {
         self.scheme == Scheme::Static
@@ -152,7 +169,7 @@ impl Problem {
         if let Some(reasons) = damaged {
             return Err(StartError::Run(format!("the last state is not certain: {reasons}")));
         }
-        let (theirs, own) = (&checkpoint.identity.mesh, checkpoint::digest(self.body.mesh()));
+        let (theirs, own) = (&checkpoint.identity.mesh, self.mesh_digest());
         if *theirs != own {
             return Err(StartError::Run(format!(
                 "the run in {} has another mesh: {theirs}, here {own}",

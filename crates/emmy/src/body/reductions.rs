@@ -22,8 +22,8 @@ impl Body {
         0..self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_own)
     }
 
-    /// Number of degrees of freedom on all ranks.
-    pub(crate) fn n_dofs_of_ranks(&self) -> usize {
+    /// Number of degrees of freedom on all ranks of a team; [`Body::n_dofs`] of a body that is whole.
+    pub fn n_dofs_of_ranks(&self) -> usize {
         self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_nodes_of_ranks)
     }
 

@@ -1,11 +1,12 @@
 //! `emmy check FILE`: reports on an input. Runs nothing and writes nothing.
 
+mod ranks;
 mod report;
 
 use clap::Args;
 use emmy_io::input::Problem;
 
-use super::{Input, period, unresolved_steps};
+use super::{Input, agreed, is_first, period, unresolved_steps};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print;
@@ -20,7 +21,16 @@ pub(crate) struct Arguments {
 
 /// Prints the report.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    let problem = arguments.input.problem(host)?;
+    let whole = if is_first(host) { run_alone(arguments, host) } else { Ok(()) };
+    agreed(host, whole)?;
+    let Some(team) = host.team() else { return Ok(()) };
+    let problem = emmy_io::input::read_on_team(&arguments.input.file, &arguments.input.overrides(), team)?;
+    print::result(host, &ranks::report(&problem))
+}
+
+/// Prints the report on the whole body.
+fn run_alone(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
+    let problem = arguments.input.read_alone(host)?;
     let text = report_on(&problem)?;
     if let Some(warning) = unresolved_steps(&problem) {
         message!(host, "{warning}");

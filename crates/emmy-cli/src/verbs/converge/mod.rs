@@ -66,7 +66,7 @@ const WITNESS: &str = "study.toml";
 
 /// Runs the study.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    with_threads(arguments.threads, || converge(arguments, host))?
+    with_threads(arguments.threads, host, || converge(arguments, host))?
 }
 
 /// Runs the study in the calling thread.

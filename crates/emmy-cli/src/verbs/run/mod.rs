@@ -12,7 +12,7 @@ use emmy_io::limits::LimitExceeded;
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
 
-use super::{Input, unresolved_steps, with_threads};
+use super::{Input, agreed, unresolved_steps, with_threads};
 use crate::failure::Failure;
 use crate::host::{Host, message};
 use crate::print;
@@ -50,14 +50,14 @@ pub(super) struct RunOptions {
 
 /// Runs the problem.
 pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    with_threads(arguments.options.threads, || run_here(arguments, host))?
+    with_threads(arguments.options.threads, host, || run_here(arguments, host))?
 }
 
 /// Runs the problem in the calling thread.
 fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     let problem = arguments.input.problem(host)?;
     check(&problem, &arguments.options)?;
-    directory::check_run(&problem)?;
+    agreed(host, check_directory(&problem))?;
     problem.critical_step(problem.check_start()?.as_ref())?;
     let mut motion = start(&problem, &arguments.options, host)?;
     if let Some(warning) = unresolved_steps(&problem) {
@@ -66,6 +66,11 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     // Nothing is written before everything is read and built.
     let results = Results::create(&problem)?;
     march((&problem, &arguments.options, host), &mut motion, results, Motion::march)
+}
+
+/// Checks that the run may write into its directory.
+fn check_directory(problem: &Problem) -> Result<(), Failure> {
+    if problem.rank() == 0 { Ok(directory::check_run(problem)?) } else { Ok(()) }
 }
 
 /// The start of the motion, with the progress of its equilibrium.
@@ -93,13 +98,13 @@ pub(super) fn march<'a>(
     mut results: Results,
     march: March<'a>,
 ) -> Result<(), Failure> {
-    host.prepare()?;
+    agreed(host, host.prepare())?;
     results.notes().iter().for_each(|note| message!(host, "note: {note}"));
     let mut progress = Progress::new(host, &problem.plan, problem.units, options.quiet);
     progress.start_at(motion.state());
     let mut json = JsonLines::new(host, options.json, problem);
     let mut error = if options.estimate_error { Some(global_error(problem, motion.state())?) } else { None };
-    let mut stop = Stop(host);
+    let mut stop = Stop::new(host, results.directory());
     let mut observers: Vec<&mut dyn Observer> = vec![&mut json, &mut progress, &mut results];
     observers.extend(error.as_mut().map(|error| error as &mut dyn Observer));
     observers.push(&mut stop);
@@ -107,7 +112,7 @@ pub(super) fn march<'a>(
     progress.end();
     let error = error.map(|error| problem.body.mass_weighted_rms(error.displacement()));
     error.into_iter().for_each(|error| results.set_error(error));
-    let (status, failure) = ending(outcome, &results);
+    let (status, failure) = ending(outcome, &results, host);
     let message = failure.as_ref().map(Failure::message);
     let ended = results.finish(motion, status, message.as_deref());
     let unwritten = ended.error.map(|error| format!("the results cannot be written: {error}"));
@@ -120,8 +125,11 @@ pub(super) fn march<'a>(
         (failure, unwritten) => failure.or(unwritten.map(Failure::Other)),
     };
     // The numbers are written: a report that cannot be written does not make the run fail.
-    let report =
-        results.report().inspect_err(|error| message!(host, "note: no report was written: {error}")).ok();
+    let report = results
+        .report()
+        .inspect_err(|error| message!(host, "note: no report was written: {error}"))
+        .ok()
+        .flatten();
     let printed = if options.json { print::result(host, &format!("{}\n", ended.summary)) } else { Ok(()) };
     let closing = Closing { host, problem, results: &results };
     closing.warnings();
@@ -154,16 +162,20 @@ fn global_error<'a>(problem: &'a Problem, state: &State) -> Result<GlobalError<'
 }
 
 /// How the march ended: status of the summary, and failure of the program.
-fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option<Failure>) {
+fn ending(outcome: Result<(), MarchError>, results: &Results, host: &dyn Host) -> (Status, Option<Failure>) {
     match outcome {
         Ok(()) => (Status::Done, None),
+        // An observer of another rank.
+        Err(MarchError::Step(error @ emmy::Error::Observer { .. })) => {
+            (Status::Failed, Some(Failure::Other(error.to_string())))
+        }
         Err(MarchError::Step(error)) => {
             (Status::NoConvergence, Some(Failure::NoConvergence(Box::new(error))))
         }
         Err(MarchError::Observer(error)) => match error.downcast::<LimitExceeded>() {
             Ok(limit) => (Status::LimitExceeded, Some(Failure::Limit(limit.to_string()))),
             Err(error) => match error.downcast::<Interrupted>() {
-                Ok(interrupted) => (Status::Interrupted, Some(stopped(&interrupted, results))),
+                Ok(interrupted) => (Status::Interrupted, Some(stopped(&interrupted, results, host))),
                 Err(error) => {
                     (Status::Failed, Some(Failure::Other(format!("the results cannot be written: {error}"))))
                 }
@@ -172,10 +184,11 @@ fn ending(outcome: Result<(), MarchError>, results: &Results) -> (Status, Option
     }
 }
 
-fn stopped(interrupted: &Interrupted, results: &Results) -> Failure {
+fn stopped(interrupted: &Interrupted, results: &Results, host: &dyn Host) -> Failure {
     let directory = results.directory().display();
+    let program = if host.team().is_some() { "emmy-mpi" } else { "emmy" };
     let help = match results.has_checkpoints() {
-        true => format!("`emmy resume {directory}` resumes from here"),
+        true => format!("`{program} resume {directory}` resumes from here"),
         false => "`checkpoint_every` is 0: there is no checkpoint to resume from".to_string(),
     };
     Failure::Interrupted { message: interrupted.to_string(), help }
