@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The requested linear solver.
+/// The requested linear solver. On a team of ranks, its engines factorise and do the cycles ([`crate::team::Engine`]); without
+/// one, each rank does cycles for its own rows, and factorisations are rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// The cheaper one: see [`SolverChoice`].

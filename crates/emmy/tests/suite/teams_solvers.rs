@@ -153,8 +153,9 @@ impl Rod {
         let energy = whole.iter().map(|record| record.total_energy).fold(0.0, f64::max);
         let records = self.on_ranks(size, engines, fails);
         for (own, other) in records.iter().zip(&whole) {
-            for of in [|r: &Record| r.kinetic_energy, |r| r.strain_energy, |r| r.external_work] {
-                let difference = (of(own) - of(other)).abs() / energy;
+            let numbers = |r: &Record| [r.kinetic_energy, r.strain_energy, r.external_work];
+            for (own_number, number) in numbers(own).into_iter().zip(numbers(other)) {
+                let difference = (own_number - number).abs() / energy;
                 assert!(difference < 1e-12, "step {} on {size} ranks: {difference:e}", own.step);
             }
         }
@@ -210,7 +211,8 @@ fn an_engine_that_fails_is_named() {
     let errors = Threads::run(2, |team| {
         let share = Share::new(&mesh, &owners, team.rank());
         let team = Arc::new(WithEngines { team, fails: Some(EngineKind::Factorization) });
-        rod.march(Body::shared(share, team)).unwrap_err().to_string()
+        let error = rod.march(Body::shared(share, team)).unwrap_err();
+        std::error::Error::source(&error).unwrap().to_string()
     });
     let errors = errors.unwrap();
     assert!(
