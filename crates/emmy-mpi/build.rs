@@ -13,4 +13,18 @@ fn main() {
         return;
     };
     cc::Build::new().file("src/shim.c").includes(&mpi.include_paths).warnings(true).compile("emmy_mpi_shim");
+    if std::env::var_os("CARGO_FEATURE_PETSC").is_none() {
+        return;
+    }
+    println!("cargo::rerun-if-changed=src/petsc.c");
+    let Ok(petsc) = pkg_config::Config::new().atleast_version("3.17").probe("PETSc") else {
+        println!(
+            "cargo::error=no PETSc 3.17 or later found by pkg-config (PETSc); on Debian: apt-get install \
+             libpetsc-real-dev"
+        );
+        return;
+    };
+    let mut build = cc::Build::new();
+    build.file("src/petsc.c").includes(&petsc.include_paths).includes(&mpi.include_paths);
+    build.warnings(true).compile("emmy_mpi_petsc");
 }

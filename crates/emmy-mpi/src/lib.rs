@@ -26,6 +26,8 @@
 //! All ranks must make the same calls in the same order. Builds with debug assertions compare the calls of all ranks and end
 //! with a message where they differ; others would wait for each other.
 
+#[cfg(feature = "petsc")]
+mod petsc;
 mod shim;
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -33,7 +35,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ThreadId};
 
-use emmy::team::{Parcel, Team};
+use emmy::team::{Engine, EngineKind, GROUP, Parcel, Team, combine, larger};
 
 /// Exit code after a panic, or after a call of MPI that failed.
 const FAILED: i32 = 101;
@@ -46,10 +48,23 @@ const FAILED: i32 = 101;
 /// # Panics
 /// As the function, with one process.
 pub fn run<T>(rank: impl FnOnce(Arc<dyn Team>) -> T) -> T {
+    run_in_groups(GROUP, rank)
+}
+
+/// [`run`] with another size of the groups than [`GROUP`], for example the number of ranks of a machine.
+///
+/// # Panics
+/// As [`run`], and if the size of the groups is zero.
+pub fn run_in_groups<T>(group: usize, rank: impl FnOnce(Arc<dyn Team>) -> T) -> T {
+    assert!(group > 0, "groups of no ranks");
     let (number, size, is_ours) = shim::start().unwrap_or_else(|message| fail(None, &message));
+    if size > group {
+        shim::divide(number, group).unwrap_or_else(|message| fail(Some(number), &message));
+    }
     let team = Arc::new(Ranks {
         rank: number,
         size,
+        group,
         thread: thread::current().id(),
         has_ended: AtomicBool::new(false),
         gathered: Mutex::default(),
@@ -61,6 +76,8 @@ pub fn run<T>(rank: impl FnOnce(Arc<dyn Team>) -> T) -> T {
             }
             team.has_ended.store(true, Ordering::Relaxed);
             if is_ours {
+                #[cfg(feature = "petsc")]
+                petsc::end().unwrap_or_else(|message| fail(Some(number), &message));
                 shim::end().unwrap_or_else(|message| fail(Some(number), &message));
             }
             result
@@ -84,6 +101,8 @@ fn fail(rank: Option<usize>, message: &str) -> ! {
 struct Ranks {
     rank: usize,
     size: usize,
+    /// Ranks whose numbers are combined first.
+    group: usize,
     /// The thread that may call MPI, until the end.
     thread: ThreadId,
     has_ended: AtomicBool,
@@ -107,22 +126,31 @@ impl Ranks {
         }
     }
 
-    /// Combines the numbers of all ranks one by one, in the order of the ranks, so that the library's own order of additions
-    /// has no effect.
-    fn combine(&self, values: &mut [f64], combine: impl Fn(f64, f64) -> f64) {
+    /// Combines the numbers of all ranks one by one, in the order of the ranks and groups, so that the library's own order of
+    /// additions has no effect.
+    fn combine(&self, values: &mut [f64], pair: impl Fn(f64, f64) -> f64) {
         if values.is_empty() {
             return;
         }
         let mut all = self.gathered.lock().unwrap_or_else(PoisonError::into_inner);
-        all.resize(self.size * values.len(), 0.0);
-        self.check(shim::gather(values, &mut all, self.size));
-        let mut ranks = all.chunks_exact(values.len());
-        if let Some(first) = ranks.next() {
-            values.copy_from_slice(first);
+        if self.size <= self.group {
+            all.resize(self.size * values.len(), 0.0);
+            self.check(shim::gather(values, &mut all, self.size));
+            combine(values, all.chunks_exact(values.len()), pair);
+            return;
         }
-        for own in ranks {
-            values.iter_mut().zip(own).for_each(|(value, own)| *value = combine(*value, *own));
+        let first = self.rank - self.rank % self.group;
+        let of_group = self.group.min(self.size - first);
+        all.resize(of_group * values.len(), 0.0);
+        self.check(shim::gather_group(values, &mut all, of_group));
+        if self.rank == first {
+            combine(values, all.chunks_exact(values.len()), &pair);
+            let n_groups = self.size.div_ceil(self.group);
+            all.resize(n_groups * values.len(), 0.0);
+            self.check(shim::gather_leaders(values, &mut all, n_groups));
+            combine(values, all.chunks_exact(values.len()), pair);
         }
+        self.check(shim::tell_group(values));
     }
 
     /// Ends all ranks unless they make the same call.
@@ -162,11 +190,23 @@ impl Team for Ranks {
 
     fn largest(&self, name: &'static str, values: &mut [f64]) {
         self.begin("largest", name, values.len());
-        self.combine(values, |most, value| if value.is_nan() || value > most { value } else { most });
+        self.combine(values, larger);
     }
 
     fn exchange(&self, name: &'static str, parcels: &mut [Parcel]) {
         self.begin("exchange", name, 0);
         self.check(shim::exchange(parcels));
+    }
+
+    #[cfg(feature = "petsc")]
+    fn engine(&self, kind: EngineKind) -> Option<Box<dyn Engine>> {
+        self.begin("engine", kind.name(), 0);
+        Some(Box::new(petsc::Petsc::new(kind)))
+    }
+
+    #[cfg(not(feature = "petsc"))]
+    fn engine(&self, kind: EngineKind) -> Option<Box<dyn Engine>> {
+        self.begin("engine", kind.name(), 0);
+        None
     }
 }

@@ -27,8 +27,24 @@ int emmy_mpi_start(int *rank, int *size, int *is_ours)
     return MPI_Comm_size(MPI_COMM_WORLD, size);
 }
 
+/* This rank's group of `size` consecutive ranks, and the first ranks of all groups. */
+static MPI_Comm group = MPI_COMM_NULL, leaders = MPI_COMM_NULL;
+
+int emmy_mpi_group(int rank, int size)
+{
+    int code;
+    if ((code = MPI_Comm_split(MPI_COMM_WORLD, rank / size, rank, &group)))
+        return code;
+    return MPI_Comm_split(MPI_COMM_WORLD, rank % size ? MPI_UNDEFINED : 0, rank, &leaders);
+}
+
 int emmy_mpi_end(void)
 {
+    int code;
+    if (leaders != MPI_COMM_NULL && (code = MPI_Comm_free(&leaders)))
+        return code;
+    if (group != MPI_COMM_NULL && (code = MPI_Comm_free(&group)))
+        return code;
     return MPI_Finalize();
 }
 
@@ -36,6 +52,24 @@ int emmy_mpi_end(void)
 int emmy_mpi_gather(const double *own, int n, double *all)
 {
     return MPI_Allgather(own, n, MPI_DOUBLE, all, n, MPI_DOUBLE, MPI_COMM_WORLD);
+}
+
+/* The same on the first rank of each group, for the ranks of the group. */
+int emmy_mpi_gather_group(const double *own, int n, double *all)
+{
+    return MPI_Gather(own, n, MPI_DOUBLE, all, n, MPI_DOUBLE, 0, group);
+}
+
+/* The same on the first ranks of all groups, for these ranks. */
+int emmy_mpi_gather_leaders(const double *own, int n, double *all)
+{
+    return MPI_Allgather(own, n, MPI_DOUBLE, all, n, MPI_DOUBLE, leaders);
+}
+
+/* Gives the numbers of the first rank of each group to the others of the group. */
+int emmy_mpi_tell_group(double *numbers, int n)
+{
+    return MPI_Bcast(numbers, n, MPI_DOUBLE, 0, group);
 }
 
 /* Sends n_out[i] numbers to ranks[i] and receives n_in[i] numbers from it, for i < n. */

@@ -1,4 +1,4 @@
-//! The calls of the C shim. The only unsafe code of the crate.
+//! The calls of the C shim. The only unsafe code of the crate beside `petsc`.
 
 #![allow(unsafe_code)]
 
@@ -9,7 +9,11 @@ use emmy::team::Parcel;
 unsafe extern "C" {
     fn emmy_mpi_start(rank: *mut c_int, size: *mut c_int, is_ours: *mut c_int) -> c_int;
     fn emmy_mpi_end() -> c_int;
+    fn emmy_mpi_group(rank: c_int, size: c_int) -> c_int;
     fn emmy_mpi_gather(own: *const f64, n: c_int, all: *mut f64) -> c_int;
+    fn emmy_mpi_gather_group(own: *const f64, n: c_int, all: *mut f64) -> c_int;
+    fn emmy_mpi_gather_leaders(own: *const f64, n: c_int, all: *mut f64) -> c_int;
+    fn emmy_mpi_tell_group(numbers: *mut f64, n: c_int) -> c_int;
     fn emmy_mpi_exchange(
         n: c_int,
         ranks: *const c_int,
@@ -34,6 +38,32 @@ pub(crate) fn start() -> Result<(usize, usize, bool), String> {
 pub(crate) fn end() -> Result<(), String> {
     // SAFETY: no arguments.
     checked(unsafe { emmy_mpi_end() })
+}
+
+/// Divides the ranks into groups of a size.
+pub(crate) fn divide(rank: usize, size: usize) -> Result<(), String> {
+    // SAFETY: numbers.
+    checked(unsafe { emmy_mpi_group(count(rank)?, count(size)?) })
+}
+
+/// Gathers the numbers of a group on its first rank, `all: [size of the group][own.len()]`.
+pub(crate) fn gather_group(own: &[f64], all: &mut [f64], size: usize) -> Result<(), String> {
+    assert_eq!(all.len(), own.len() * size);
+    // SAFETY: `own` has n numbers, `all` n for each rank of the group.
+    checked(unsafe { emmy_mpi_gather_group(own.as_ptr(), count(own.len())?, all.as_mut_ptr()) })
+}
+
+/// Gathers the numbers of the first ranks of all groups on these ranks, `all: [number of groups][own.len()]`.
+pub(crate) fn gather_leaders(own: &[f64], all: &mut [f64], n_groups: usize) -> Result<(), String> {
+    assert_eq!(all.len(), own.len() * n_groups);
+    // SAFETY: `own` has n numbers, `all` n for each group; the caller is the first rank of one.
+    checked(unsafe { emmy_mpi_gather_leaders(own.as_ptr(), count(own.len())?, all.as_mut_ptr()) })
+}
+
+/// Gives the numbers of the first rank of each group to the others of the group.
+pub(crate) fn tell_group(numbers: &mut [f64]) -> Result<(), String> {
+    // SAFETY: n numbers.
+    checked(unsafe { emmy_mpi_tell_group(numbers.as_mut_ptr(), count(numbers.len())?) })
 }
 
 /// Gathers the numbers of all ranks, `all: [size][own.len()]`.

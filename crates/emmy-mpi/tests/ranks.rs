@@ -39,6 +39,9 @@ fn mpirun(size: usize, case: &str) -> Output {
 #[ignore = "run by the other tests under mpirun"]
 fn worker() {
     let case = env::var(CASE).expect("the tests set the case");
+    if case == "groups" {
+        return emmy_mpi::run_in_groups(2, |team| print_sums(&*team));
+    }
     emmy_mpi::run(|team| match case.as_str() {
         "panic" if team.rank() == 1 => panic!("a fault of rank 1"),
         "abort" if team.rank() == 1 => std::process::abort(),
@@ -49,6 +52,8 @@ fn worker() {
             std::thread::spawn(move || other.sum("energy", &mut [0.0])).join().unwrap();
         }
         "panic" | "abort" | "mismatch" | "early" | "thread" => team.sum("energy", &mut [0.0]),
+        #[cfg(feature = "petsc")]
+        "engines" => petsc::worker(&team),
         motion => {
             let records = shared(motion, team.clone());
             let numbers: Vec<u64> = records.iter().flat_map(numbers).map(f64::to_bits).collect();
@@ -64,6 +69,40 @@ fn worker() {
             }
         }
     });
+}
+
+/// A sum and a largest number that depend on the order of the ranks.
+fn sums(team: &dyn Team) -> [f64; 3] {
+    let mut sum = [0.1 * (1.0 + team.rank() as f64), 1e16 / (3.0 + team.rank() as f64)];
+    team.sum("sum", &mut sum);
+    let mut most = [(1.0 + team.rank() as f64).sin()];
+    team.largest("largest", &mut most);
+    [sum[0], sum[1], most[0]]
+}
+
+fn print_sums(team: &dyn Team) {
+    let sums = sums(team);
+    for from in 0..team.size() {
+        let mut others = if team.rank() == from { sums } else { [0.0; 3] };
+        team.sum("numbers of one rank", &mut others);
+        assert_eq!(others, sums);
+    }
+    if team.rank() == 0 {
+        println!("sums {}", sums.map(|sum| format!("{:x}", sum.to_bits())).join(" "));
+    }
+}
+
+/// Groups of two ranks, the last one with one or two.
+#[test]
+fn sums_in_groups_have_the_bits_of_threads() {
+    for size in [3, 4] {
+        let output = mpirun(size, "groups");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+        let line = text.lines().find_map(|line| line.split_once("sums ")).unwrap().1;
+        let threads = Threads::run_in_groups(2, size, |team| sums(&*team)).unwrap();
+        assert_eq!(line.trim(), threads[0].map(|sum| format!("{:x}", sum.to_bits())).join(" "));
+    }
 }
 
 /// Energies, momenta and residuals of a record.
@@ -161,5 +200,137 @@ fn a_rank_that_fails_ends_all() {
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success() && output.status.code() != Some(124), "{case}: {text}");
         assert!(text.contains(message), "{case}: {text}");
+    }
+}
+
+/// Solvers of PETSc.
+#[cfg(feature = "petsc")]
+mod petsc {
+    use super::*;
+
+    /// A body, the degree of its motion and its solver.
+    #[derive(Clone, Copy)]
+    struct Case {
+        body: &'static str,
+        degree: usize,
+        solver: Solver,
+    }
+
+    const CASES: [Case; 9] = [
+        Case { body: "soft", degree: 1, solver: Solver::Direct },
+        Case { body: "soft", degree: 2, solver: Solver::Direct },
+        Case { body: "soft", degree: 1, solver: Solver::Multigrid },
+        Case { body: "soft", degree: 2, solver: Solver::Multigrid },
+        Case { body: "quasi-rigid", degree: 1, solver: Solver::Direct },
+        Case { body: "quasi-rigid", degree: 2, solver: Solver::Direct },
+        Case { body: "quasi-rigid", degree: 1, solver: Solver::Multigrid },
+        Case { body: "quasi-rigid", degree: 2, solver: Solver::Multigrid },
+        // Conjugate gradients with GAMG fail here.
+        Case { body: "quasi-rigid, long steps", degree: 2, solver: Solver::Auto },
+    ];
+
+    impl Case {
+        fn march(&self, builder: BodyBuilder) -> (Vec<Record>, String) {
+            let body =
+                parts(if self.body == "soft" { "soft" } else { "quasi-rigid" }, builder).build().unwrap();
+            let (n_steps, size) = match self.body {
+                "soft" => (3, 0.1),
+                "quasi-rigid" => (2, 0.02),
+                _ => (5, 0.1),
+            };
+            let spin = InitialVelocity { angular_velocity: [0.3, 0.5, 0.8], ..Default::default() };
+            let state = State::initial(&body, 0.0, &[spin]).unwrap();
+            let settings = NewtonSettings { solver: self.solver, ..Default::default() };
+            let element = TimeElement::discrete_gradient(self.degree).unwrap();
+            let mut motion = Motion::starting(&body, element, settings, state).unwrap();
+            let records: Vec<Record> = (0..n_steps).map(|_| motion.step(size).unwrap().clone()).collect();
+            let solver = records[records.len() - 1].solver.unwrap().to_string();
+            (records, solver)
+        }
+
+        fn shared(&self, team: Arc<dyn Team>) -> (Vec<Record>, String) {
+            let mesh = mesh::l_block(1.0).unwrap();
+            let owners = owners(&mesh, team.size()).unwrap();
+            self.march(Body::shared(Share::new(&mesh, &owners, team.rank()), team))
+        }
+    }
+
+    /// Linear iterations a correction of a body at rest that is disturbed, for some Courant numbers.
+    fn iterations(team: &Arc<dyn Team>) -> [f64; 3] {
+        let mesh = mesh::l_block(0.5).unwrap();
+        let owners = owners(&mesh, team.size()).unwrap();
+        let share = Share::new(&mesh, &owners, team.rank());
+        let body = parts("soft", Body::shared(share, team.clone())).build().unwrap();
+        [20.0, 80.0, 320.0].map(|courant| {
+            // The speed of pressure waves is that of (lambda + 2 mu)/rho = 2000/0.5.
+            let size = courant * 0.5 / 4000.0f64.sqrt();
+            let gradient = [[1e-6, 2e-6, 0.0], [0.0, -1e-6, 0.0], [3e-6, 0.0, 0.0]];
+            let start = InitialVelocity { gradient, ..Default::default() };
+            // After the loads.
+            let state = State::initial(&body, 2.0, &[start]).unwrap();
+            let settings = NewtonSettings { solver: Solver::Multigrid, ..Default::default() };
+            let element = TimeElement::discrete_gradient(1).unwrap();
+            let mut motion = Motion::starting(&body, element, settings, state).unwrap();
+            let record = motion.step(size).unwrap();
+            record.linear_iterations as f64 / record.newton_iterations as f64
+        })
+    }
+
+    /// Computes all cases on a rank, one line each.
+    pub(super) fn worker(team: &Arc<dyn Team>) {
+        for case in CASES {
+            let (records, solver) = case.shared(team.clone());
+            let numbers: Vec<f64> = records.iter().flat_map(numbers).collect();
+            let mut most = numbers.clone();
+            team.largest("numbers", &mut most);
+            assert_eq!(most, numbers);
+            if team.rank() == 0 {
+                let words: Vec<String> = numbers.iter().map(|x| format!("{:x}", x.to_bits())).collect();
+                println!("\ncase {} | {solver}", words.join(" "));
+            }
+        }
+        let counts = iterations(team);
+        if team.rank() == 0 {
+            println!("\niterations {counts:?}");
+            assert!(counts.iter().all(|count| *count <= 10.0), "GAMG takes {counts:?} iterations");
+        }
+    }
+
+    /// Energies are those of the whole body to 1e-12; GAMG takes ten iterations at most.
+    #[test]
+    fn engines_compute_what_one_process_computes() {
+        let whole = CASES.map(|case| {
+            let solver = if case.solver == Solver::Auto { Solver::Auto } else { Solver::Direct };
+            Case { solver, ..case }.march(Body::builder(mesh::l_block(1.0).unwrap())).0
+        });
+        for size in [1, 2, 4] {
+            let output = mpirun(size, "engines");
+            let text = String::from_utf8_lossy(&output.stdout);
+            assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+            let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("case ")).collect();
+            assert_eq!(lines.len(), CASES.len());
+            for ((case, whole), line) in CASES.iter().zip(&whole).zip(lines) {
+                let (words, solver) = line.split_once(" | ").unwrap();
+                let name = format!("{} of degree {} on {size}: {solver}", case.body, case.degree);
+                let engine = if case.solver == Solver::Multigrid { "by GAMG" } else { "by MUMPS" };
+                // One rank has the solvers of one process.
+                assert_eq!(solver.contains(engine), size > 1, "{name}");
+                let found: Vec<f64> = words
+                    .split(' ')
+                    .map(|word| f64::from_bits(u64::from_str_radix(word, 16).unwrap()))
+                    .collect();
+                let energy = whole.iter().map(|record| record.total_energy).fold(0.0, f64::max);
+                let (found, _) = found.as_chunks::<12>();
+                assert_eq!(found.len(), whole.len(), "{name}");
+                for (found, whole) in found.iter().zip(whole) {
+                    let expected = numbers_of(whole);
+                    // Kinetic and strain energy, work.
+                    for at in 1..4 {
+                        let difference = (found[at] - expected[at]).abs() / energy;
+                        assert!(difference < 1e-12, "{name}, number {at}: {difference:e}");
+                    }
+                }
+            }
+        }
     }
 }

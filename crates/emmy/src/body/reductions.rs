@@ -17,6 +17,11 @@ impl Body {
         self.subdomain.as_ref()
     }
 
+    /// This rank's part of a body that several ranks compute.
+    pub(crate) fn shared_part(&self) -> Option<&Arc<Subdomain>> {
+        self.subdomain().filter(|part| part.size() > 1)
+    }
+
     /// Degrees of freedom of own nodes, and of internal ones.
     fn own_dofs(&self) -> Range<usize> {
         0..self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_own)
@@ -71,21 +76,25 @@ impl Body {
 
     /// Scalar product of nodal vectors, `[k][n_nodes][3]`.
     pub(crate) fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
-        let (own, all) = (self.own_dofs().end, self.n_dofs());
-        if own == all {
-            let mut sum = [reduce::dot(x, y)];
-            self.sum_ranks("scalar product", &mut sum);
-            return sum[0];
-        }
-        let stages = x.chunks_exact(all).zip(y.chunks_exact(all));
-        let mut sum = [stages.map(|(x, y)| reduce::dot(&x[..own], &y[..own])).sum()];
+        let mut sum = [self.own_dot(x, y)];
         self.sum_ranks("scalar product", &mut sum);
         sum[0]
     }
 
-    /// Norm of nodal vectors, `[k][n_nodes][3]`.
-    pub(crate) fn norm(&self, x: &[f64]) -> f64 {
-        self.dot(x, x).sqrt()
+    /// Scalar products of nodal vectors with another one, `[k][n_nodes][3]`, in one sum.
+    pub(crate) fn dots<'v>(&self, x: impl Iterator<Item = &'v [f64]>, y: &[f64], products: &mut [f64]) {
+        products.iter_mut().zip(x).for_each(|(product, x)| *product = self.own_dot(x, y));
+        self.sum_ranks("scalar products", products);
+    }
+
+    /// Part of this rank of a scalar product, for a sum over all ranks.
+    pub(crate) fn own_dot(&self, x: &[f64], y: &[f64]) -> f64 {
+        let (own, all) = (self.own_dofs().end, self.n_dofs());
+        if own == all {
+            return reduce::dot(x, y);
+        }
+        let stages = x.chunks_exact(all).zip(y.chunks_exact(all));
+        stages.map(|(x, y)| reduce::dot(&x[..own], &y[..own])).sum()
     }
 
     /// Sum of a nodal vector, `[n_nodes][3]`, which may lack internal nodes.

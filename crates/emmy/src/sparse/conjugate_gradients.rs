@@ -32,6 +32,9 @@ pub(crate) struct ConjugateGradients<T, const C: usize> {
     ranks: Option<Ranks>,
 }
 
+/// Part of the square of a residual that its predecessor and the last direction determine to 8 digits.
+const CANCELLED: f64 = 1e-8;
+
 /// Relative residual that no further iteration improves.
 const ROUNDING: f64 = 1e-14;
 
@@ -55,18 +58,13 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         ConjugateGradients { ranks, ..self }
     }
 
-    /// Sum over all ranks.
-    fn total(&self, own: [f64; 2]) -> [f64; 2] {
-        self.ranks.as_ref().map_or(own, |ranks| ranks.sum(own))
-    }
-
     /// The largest of a number of all ranks.
     pub(super) fn largest(&self, own: f64) -> f64 {
         self.ranks.as_ref().map_or(own, |ranks| ranks.largest(own))
     }
 
     /// Solves from zero until the residual is `tolerance` times the right-hand side after at least `least` iterations, or
-    /// the iterations are used up.
+    /// the iterations are used up. On a team, an iteration is two sums.
     pub(crate) fn solve(
         &mut self,
         sweep: &SweepOrder,
@@ -78,7 +76,11 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         self.solution.fill([[T::default(); C]; 4]);
         // After an overflow the previous solution is not finite, and zero times it would not be zero.
         self.direction.fill([[T::default(); C]; 4]);
-        let norm = self.residual_norm();
+        let mut norm = self.residual_square();
+        if let Some(ranks) = &self.ranks {
+            [norm] = ranks.sum([norm]);
+        }
+        norm = norm.sqrt();
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
         if norm == 0.0 || !norm.is_finite() {
             return outcome;
@@ -91,7 +93,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         while outcome.iterations < max_iterations && is_left(&outcome) {
             self.preconditioned.copy_from_slice(&self.rhs);
             inverse.solve(sweep, &mut self.preconditioned);
-            let new = self.rhs_product();
+            let (new, square) = self.rhs_products();
             let beta = if outcome.iterations == 0 { [0.0; 2] } else { divided(new, rho) };
             rho = new;
             self.turn(beta);
@@ -99,7 +101,10 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
                 ranks.exchange(&mut self.direction);
             }
             let curvature = matrix.multiply(sweep, &self.direction, &mut self.product, &mut self.partial);
-            let residual = self.advance(divided(rho, self.total(curvature)));
+            let residual = match self.ranks.is_some() {
+                true => self.advance_on_team(rho, curvature, square).sqrt(),
+                false => self.advance(divided(rho, curvature)).sqrt(),
+            };
             outcome.iterations += 1;
             outcome.relative_residual = residual / norm;
             if !residual.is_finite() {
@@ -122,7 +127,7 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         });
     }
 
-    /// `x += alpha p`, `r -= alpha A p`; the norm of the new r.
+    /// `x += alpha p`, `r -= alpha A p`; the square of the new r on this rank.
     fn advance(&mut self, alpha: [f64; 2]) -> f64 {
         let along = alpha.map(T::of);
         let against = alpha.map(|a| T::of(-a));
@@ -133,19 +138,62 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             r.iter_mut().zip(q).for_each(|(r, q)| add_multiple(r, against, q));
             *partial = [square(r), 0.0];
         });
-        self.total(summed(&self.partial))[0].sqrt()
+        summed(&self.partial)[0]
     }
 
-    fn residual_norm(&mut self) -> f64 {
+    /// [`ConjugateGradients::advance`] with all products of the iteration in one sum; the square of the new r on all ranks
+    /// from that of the old one.
+    ///
+    /// ```math
+    /// |r - alpha q|^2 = |r|^2 - 2 Re(alpha r* . q) + |alpha|^2 |q|^2
+    /// ```
+    fn advance_on_team(&mut self, rho: [f64; 2], curvature: [f64; 2], square: f64) -> f64 {
+        let products = [curvature, self.mixed_product(), [self.product_square(), 0.0]];
+        let products = products.as_flattened();
+        let sums: [f64; 6] = self.sum_of_ranks(std::array::from_fn(|at| products[at]));
+        let alpha = divided(rho, [sums[0], sums[1]]);
+        let own = self.advance(alpha);
+        let mixed = alpha[0] * sums[2] - alpha[1] * sums[3];
+        let new = square - 2.0 * mixed + (alpha[0] * alpha[0] + alpha[1] * alpha[1]) * sums[4];
+        if new > CANCELLED * square { new } else { self.sum_of_ranks([own])[0] }
+    }
+
+    fn sum_of_ranks<const N: usize>(&self, own: [f64; N]) -> [f64; N] {
+        self.ranks.as_ref().map_or(own, |ranks| ranks.sum(own))
+    }
+
+    fn residual_square(&mut self) -> f64 {
         let parts = self.rhs.par_chunks(CHUNK).zip(self.partial.par_iter_mut());
         parts.for_each(|(r, partial)| *partial = [square(r), 0.0]);
-        self.total(summed(&self.partial))[0].sqrt()
+        summed(&self.partial)[0]
     }
 
-    fn rhs_product(&mut self) -> [f64; 2] {
+    fn product_square(&mut self) -> f64 {
+        let parts = self.product.par_chunks(CHUNK).zip(self.partial.par_iter_mut());
+        parts.for_each(|(q, partial)| *partial = [square(q), 0.0]);
+        summed(&self.partial)[0]
+    }
+
+    /// `r* . q` on this rank, r conjugated.
+    fn mixed_product(&mut self) -> [f64; 2] {
+        let vectors = self.rhs.par_chunks(CHUNK).zip(self.product.par_chunks(CHUNK));
+        vectors
+            .zip(self.partial.par_iter_mut())
+            .for_each(|((r, q), partial)| *partial = conjugated_dot(r, q));
+        summed(&self.partial)
+    }
+
+    /// `r . z` of all ranks, and on a team the square of r.
+    fn rhs_products(&mut self) -> ([f64; 2], f64) {
         let vectors = self.rhs.par_chunks(CHUNK).zip(self.preconditioned.par_chunks(CHUNK));
         vectors.zip(self.partial.par_iter_mut()).for_each(|((r, z), partial)| *partial = dot(r, z));
-        self.total(summed(&self.partial))
+        let product = summed(&self.partial);
+        if self.ranks.is_none() {
+            return (product, f64::NAN);
+        }
+        let own = [product[0], product[1], self.residual_square()];
+        let [re, im, square] = self.sum_of_ranks(own);
+        ([re, im], square)
     }
 }
 
@@ -162,6 +210,18 @@ fn add_multiple<T: Real, const C: usize>(y: &mut Row<T, C>, a: [T; 2], x: &Row<T
             y[component][C - 1] += a[0] * im + a[1] * re;
         }
     }
+}
+
+/// `x* . y`, x conjugated, as (real, imaginary).
+fn conjugated_dot<T: Real, const C: usize>(x: &[Row<T, C>], y: &[Row<T, C>]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (x, y) in x.as_flattened().iter().zip(y.as_flattened()) {
+        (0..C).for_each(|c| sums[0] += x[c].wide() * y[c].wide());
+        if C == 2 {
+            sums[1] += x[0].wide() * y[C - 1].wide() - x[C - 1].wide() * y[0].wide();
+        }
+    }
+    sums
 }
 
 fn square<T: Real, const C: usize>(x: &[Row<T, C>]) -> f64 {

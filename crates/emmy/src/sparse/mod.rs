@@ -26,6 +26,7 @@ mod shifted_solver;
 mod solver;
 mod stages;
 mod sweep;
+mod team_solver;
 mod triangular;
 
 pub use block_cholesky::BlockCholesky;
@@ -47,3 +48,4 @@ pub(crate) use shifted_solver::{Direct, DirectPair, Iterative, Shifted, ShiftedS
 pub use solver::{SOLVERS, Solver, SolverChoice, SolverKind};
 pub use stages::{RowPart, StageMatrix};
 pub(crate) use sweep::SweepOrder;
+pub(crate) use team_solver::TeamSolver;

@@ -24,8 +24,13 @@ impl Ranks {
         Ranks { subdomain, number }
     }
 
-    /// Sum of products over all ranks.
-    pub(super) fn sum(&self, own: [f64; 2]) -> [f64; 2] {
+    /// The part of this rank.
+    pub(super) fn subdomain(&self) -> &Subdomain {
+        &self.subdomain
+    }
+
+    /// Sums of products over all ranks.
+    pub(super) fn sum<const N: usize>(&self, own: [f64; N]) -> [f64; N] {
         let mut sum = own;
         self.subdomain.sum("products of conjugate gradients", &mut sum);
         sum

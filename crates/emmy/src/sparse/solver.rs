@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The requested linear solver.
+/// The requested linear solver. On a team of ranks, its engines factorise and do the cycles ([`crate::team::Engine`]); without
+/// one, each rank does cycles for its own rows, and factorisations are rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
     /// The cheaper one: see [`SolverChoice`].
@@ -106,9 +107,12 @@ pub struct SolverChoice {
     pub kind: SolverKind,
     /// The stiffness number.
     pub stiffness: f64,
-    /// Stiffness number up to which conjugate gradients with an incomplete factor are chosen; `None` if a solver was
-    /// requested.
+    /// Stiffness number up to which conjugate gradients with an incomplete factor are chosen; `None` if there was no
+    /// choice.
     pub limit: Option<f64>,
+    /// Name of the engine of a team ([`crate::team::Engine`]) that factorises or does the cycles.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub engine: Option<&'static str>,
 }
 
 impl fmt::Display for SolverChoice {
@@ -118,7 +122,11 @@ impl fmt::Display for SolverChoice {
             SolverKind::Iterative => "conjugate gradients with incomplete Cholesky factors",
             SolverKind::Multigrid => "conjugate gradients with multigrid",
         };
-        write!(f, "{name} (stiffness number {:.2e}", self.stiffness)?;
+        f.write_str(name)?;
+        if let Some(engine) = self.engine {
+            write!(f, " by {engine}")?;
+        }
+        write!(f, " (stiffness number {:.2e}", self.stiffness)?;
         match self.limit {
             Some(limit) => write!(f, "; iterative up to {limit:.1e})"),
             None => write!(f, ")"),

@@ -3,9 +3,11 @@
 //! A rank has its own nodes and every cell that touches one of them; the other nodes of those cells are its *guests*.
 //! Values of guests come from their owners. Every sum over nodes or cells is a call of all ranks together.
 
+mod engine;
 mod subdomain;
 mod threads;
 
+pub use engine::{Engine, EngineKind, OwnRows};
 pub use subdomain::Subdomain;
 pub use threads::{Threads, ThreadsError};
 
@@ -32,8 +34,8 @@ pub trait Team: fmt::Debug + Send + Sync {
     /// Number of this rank, below [`Team::size`].
     fn rank(&self) -> usize;
 
-    /// Replaces each number by its sum over all ranks, added in the order of the ranks: the same bits on all of them, and
-    /// in every run.
+    /// Replaces each number by its sum over all ranks, added in the order of the ranks (see [`GROUP`]): the same bits on all
+    /// of them, and in every run.
     fn sum(&self, name: &'static str, values: &mut [f64]);
 
     /// Replaces each number by the largest of all ranks; NaN exceeds every number.
@@ -42,6 +44,47 @@ pub trait Team: fmt::Debug + Send + Sync {
     /// Sends every parcel to the rank that it names, and receives what that rank sends here. Both have a parcel for each
     /// other.
     fn exchange(&self, name: &'static str, parcels: &mut [Parcel]);
+
+    /// A linear solver for the rows of all ranks; `None`: the team has none of this kind. A call of all ranks.
+    fn engine(&self, _: EngineKind) -> Option<Box<dyn Engine>> {
+        None
+    }
+}
+
+/// Ranks whose numbers are combined first. On more ranks, the numbers of each group of so many consecutive ranks are
+/// combined, and then those of the groups.
+pub const GROUP: usize = 64;
+
+/// Replaces numbers by the combination of several lists, one after the other. Teams combine by this function alone, so that
+/// all have the same bits.
+///
+/// ```
+/// let lists = [[1.0, 5.0], [2.0, 6.0]];
+/// let mut sum = [0.0; 2];
+/// emmy::team::combine(&mut sum, lists.iter().map(|list| &list[..]), |sum, value| sum + value);
+/// assert_eq!(sum, [3.0, 11.0]);
+/// ```
+pub fn combine<'a>(
+    values: &mut [f64],
+    mut lists: impl Iterator<Item = &'a [f64]>,
+    combine: impl Fn(f64, f64) -> f64,
+) {
+    if let Some(first) = lists.next() {
+        values.copy_from_slice(first);
+    }
+    for list in lists {
+        values.iter_mut().zip(list).for_each(|(value, own)| *value = combine(*value, *own));
+    }
+}
+
+/// The larger of two numbers; NaN exceeds every number.
+///
+/// ```
+/// use emmy::team::larger;
+/// assert!(larger(1.0, 2.0) == 2.0 && larger(1.0, f64::NAN).is_nan() && larger(f64::NAN, 1.0).is_nan());
+/// ```
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Numbers for another rank, and from it.
@@ -130,11 +173,6 @@ pub fn text_of(team: &dyn Team, rank: usize, own: &str) -> String {
     team.sum("text", &mut letters);
     let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
     String::from_utf8_lossy(&bytes).into_owned()
-}
-
-/// The larger of two numbers; NaN exceeds every number.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a > b { a } else { b }
 }
 
 /// The nodes that a rank shares with a neighbour, in an order that both have.

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use super::{Parcel, Team, larger};
+use super::{GROUP, Parcel, Team, combine, larger};
 
 /// A team whose ranks are threads of this process.
 ///
@@ -52,7 +52,34 @@ impl Threads {
         size: usize,
         rank: impl Fn(Arc<dyn Team>) -> T + Sync,
     ) -> Result<Vec<T>, ThreadsError> {
-        let hub = Arc::new(Hub::new(size));
+        Threads::run_in_groups(GROUP, size, rank)
+    }
+
+    /// [`Threads::run`] with another size of the groups than [`GROUP`].
+    ///
+    /// # Errors
+    /// [`ThreadsError`].
+    ///
+    /// # Panics
+    /// If the size of the groups is zero.
+    ///
+    /// ```
+    /// use emmy::team::Threads;
+    /// let sums = Threads::run_in_groups(2, 4, |team| {
+    ///     let mut value = [[1e16, 1.0, 1.0, 1.0][team.rank()]];
+    ///     team.sum("example", &mut value);
+    ///     value[0]
+    /// });
+    /// // (1e16 + 1) + (1 + 1): 1e16 + 1 is 1e16.
+    /// assert_eq!(sums.unwrap(), [1e16 + 2.0; 4]);
+    /// ```
+    pub fn run_in_groups<T: Send>(
+        group: usize,
+        size: usize,
+        rank: impl Fn(Arc<dyn Team>) -> T + Sync,
+    ) -> Result<Vec<T>, ThreadsError> {
+        assert!(group > 0, "groups of no ranks");
+        let hub = Arc::new(Hub::new(size, group));
         let outcomes: Vec<thread::Result<T>> = thread::scope(|scope| {
             let start = |number: usize| {
                 let (hub, rank) = (hub.clone(), &rank);
@@ -85,6 +112,18 @@ impl Threads {
     fn call(&self, call: Call, numbers: Vec<f64>, parcels: Vec<(usize, Vec<f64>)>) -> Arc<Vec<Deposit>> {
         self.hub.call(self.rank, Deposit { call, numbers, parcels })
     }
+
+    /// Combines the numbers of all ranks in groups.
+    fn combine(&self, kind: &'static str, name: &'static str, values: &mut [f64], pair: fn(f64, f64) -> f64) {
+        let all = self.call(Call { kind, name, length: values.len() }, values.to_vec(), Vec::new());
+        let of_group = |ranks: &[Deposit]| {
+            let mut of_group = vec![0.0; values.len()];
+            combine(&mut of_group, ranks.iter().map(|deposit| &deposit.numbers[..]), pair);
+            of_group
+        };
+        let groups: Vec<Vec<f64>> = all.chunks(self.hub.group).map(of_group).collect();
+        combine(values, groups.iter().map(|group| &group[..]), pair);
+    }
 }
 
 impl Team for Threads {
@@ -97,19 +136,11 @@ impl Team for Threads {
     }
 
     fn sum(&self, name: &'static str, values: &mut [f64]) {
-        let all = self.call(Call { kind: "sum", name, length: values.len() }, values.to_vec(), Vec::new());
-        values.fill(0.0);
-        for deposit in all.iter() {
-            values.iter_mut().zip(&deposit.numbers).for_each(|(sum, value)| *sum += value);
-        }
+        self.combine("sum", name, values, |sum, value| sum + value);
     }
 
     fn largest(&self, name: &'static str, values: &mut [f64]) {
-        let all =
-            self.call(Call { kind: "largest", name, length: values.len() }, values.to_vec(), Vec::new());
-        for deposit in all.iter() {
-            values.iter_mut().zip(&deposit.numbers).for_each(|(most, value)| *most = larger(*most, *value));
-        }
+        self.combine("largest", name, values, larger);
     }
 
     fn exchange(&self, name: &'static str, parcels: &mut [Parcel]) {
@@ -157,6 +188,8 @@ struct Stopped;
 #[derive(Debug)]
 struct Hub {
     size: usize,
+    /// Ranks whose numbers are combined first.
+    group: usize,
     state: Mutex<HubState>,
     has_changed: Condvar,
 }
@@ -173,7 +206,7 @@ struct HubState {
 }
 
 impl Hub {
-    fn new(size: usize) -> Self {
+    fn new(size: usize, group: usize) -> Self {
         let state = HubState {
             round: 0,
             deposits: (0..size).map(|_| None).collect(),
@@ -181,7 +214,7 @@ impl Hub {
             has_ended: vec![false; size],
             failure: None,
         };
-        Hub { size, state: Mutex::new(state), has_changed: Condvar::new() }
+        Hub { size, group, state: Mutex::new(state), has_changed: Condvar::new() }
     }
 
     fn lock(&self) -> MutexGuard<'_, HubState> {
@@ -257,6 +290,19 @@ mod tests {
             assert_eq!(sum, [expected, -expected]);
             assert!(largest[0] == 0.7 && largest[1].is_nan());
         }
+    }
+
+    #[test]
+    fn on_many_ranks_groups_are_added_first() {
+        let values = [0.1, 0.2, 0.3, 0.7, 1e-17];
+        let results = Threads::run_in_groups(2, 5, |team| {
+            let mut sum = [values[team.rank()]];
+            team.sum("sum", &mut sum);
+            let mut largest = [values[team.rank()]];
+            team.largest("largest", &mut largest);
+            [sum[0], largest[0]]
+        });
+        assert_eq!(results.unwrap(), [[((0.1 + 0.2) + (0.3 + 0.7)) + 1e-17, 0.7]; 5]);
     }
 
     #[test]

@@ -54,6 +54,7 @@ const INSIDE: [(&str, &[&str]); 4] = [
             "conjugate_gradients",
             "incomplete_cholesky",
             "shifted_solver",
+            "team_solver",
             "multigrid",
         ],
     ),

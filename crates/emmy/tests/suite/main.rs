@@ -33,4 +33,5 @@ mod solid_elements;
 mod solvers;
 mod stiff_bodies;
 mod teams;
+mod teams_solvers;
 mod tuning_fork;

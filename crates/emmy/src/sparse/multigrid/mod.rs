@@ -17,7 +17,8 @@ use super::conjugate_gradients::Approximate;
 use super::kernel::Row;
 use super::shifted_solver::{MAX_ITERATIONS, Shifted, gather, scatter};
 use super::{
-    BlockCholesky, ConjugateGradients, Pattern, ShiftedMatrix, ShiftedSolver, SweepOrder, nested_dissection,
+    BlockCholesky, ConjugateGradients, Pattern, Ranks, ShiftedMatrix, ShiftedSolver, SweepOrder,
+    nested_dissection,
 };
 use crate::error::Result;
 
@@ -64,6 +65,11 @@ impl<const C: usize> Multigrid<C> {
             pattern: pattern.clone(),
             sweep,
         })
+    }
+
+    /// The same for rows that a team shares: each rank has a cycle for its own rows, those of guests being fixed.
+    pub(crate) fn on(self, ranks: Option<Ranks>) -> Self {
+        Multigrid { krylov: self.krylov.on(ranks), ..self }
     }
 }
 

@@ -70,7 +70,7 @@ impl ApproximateTangent {
         } else {
             (Rule::standard(1, &gauss(1)), 0.5)
         };
-        let solvers = ModeSolvers::new(coefficients, n, solver)?;
+        let solvers = ModeSolvers::new(body, coefficients, solver)?;
         Ok(ApproximateTangent {
             // m^-1 w is the square of w.
             response_size: solvers.largest_modulus().sqrt(),
@@ -277,7 +277,7 @@ impl ApproximateTangent {
         body.add_kept_pressure_response(rule, &self.assembly, 2.0, z, pressures);
         self.turn_forward(z);
         if iterations.is_none() {
-            self.solvers.fall_back();
+            self.solvers.fall_back(body.shared_part().is_some());
             self.made_for = None;
         }
         iterations

@@ -39,6 +39,14 @@ impl LinearSystem for LinearisedStages<'_> {
         self.body.update_guests("preconditioned vector", y);
     }
 
+    fn is_shared(&self) -> bool {
+        self.body.shared_part().is_some()
+    }
+
+    fn products(&self, known: &[Vec<f64>], x: &[f64], products: &mut [f64]) {
+        self.body.dots(known.iter().map(|known| &known[..]).chain([x]), x, products);
+    }
+
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
         self.body.dot(x, y)
     }

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::decoupling::{Mode, modes};
-use super::solver_choice::Costs;
+use super::solver_choice::{Costs, factorization_cost, on_team};
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::sparse::{
     Condensation, Direct, DirectPair, Iterative, Multigrid, Ranks, Shifted, ShiftedSolver, Solver,
-    SolverChoice, SolverKind, StageMatrix, SweepOrder, inverse,
+    SolverChoice, SolverKind, StageMatrix, SweepOrder, TeamSolver, inverse,
 };
+use crate::team::{Engine, EngineKind};
 use crate::time::Memory;
 use crate::time::stage_coefficients::StageCoefficients;
 
@@ -31,18 +32,28 @@ pub(super) struct ModeSolvers {
     requested: Solver,
     /// Kinds that failed with [`Solver::Auto`].
     failed: Vec<SolverKind>,
+    /// Kinds for which the team has engines.
+    engines: Vec<SolverKind>,
     choice: Option<SolverChoice>,
     n_dofs: usize,
     columns: Vec<f64>,
 }
 
 impl ModeSolvers {
-    /// The modes for n degrees of freedom; their solvers are created with the first stiffness.
+    /// The modes of a body; their solvers are created with the first stiffness.
     ///
     /// # Errors
-    /// [`crate::Error::Linear`].
-    pub(super) fn new(coefficients: &StageCoefficients, n: usize, requested: Solver) -> Result<Self> {
-        let k = coefficients.rule.degree();
+    /// [`crate::Error::Linear`]; [`crate::Error::NotOnTeam`] for a factorisation by a team without engine.
+    pub(super) fn new(body: &Body, coefficients: &StageCoefficients, requested: Solver) -> Result<Self> {
+        let (k, n) = (coefficients.rule.degree(), body.n_dofs());
+        let has_engine = |kind: &SolverKind| engine(body, *kind).is_some();
+        let engines: Vec<SolverKind> = SolverKind::ALL.into_iter().filter(has_engine).collect();
+        if requested == Solver::Direct
+            && body.shared_part().is_some()
+            && !engines.contains(&SolverKind::Direct)
+        {
+            return Err(no_factorization());
+        }
         Ok(ModeSolvers {
             modes: modes(&coefficients.inverse_mass, &coefficients.response)?,
             mass: coefficients.mass.clone(),
@@ -53,6 +64,7 @@ impl ModeSolvers {
             time_scale: 0.0,
             requested,
             failed: Vec::new(),
+            engines,
             choice: None,
             n_dofs: n,
             columns: vec![0.0; if k > 1 { 2 * n } else { n }],
@@ -103,14 +115,24 @@ impl ModeSolvers {
         loop {
             let done =
                 self.choose(body, number, is_stiff).and_then(|()| self.factorize(body, stiffness, positions));
-            let is_direct = self.is(SolverKind::Direct) && !self.failed.contains(&SolverKind::Multigrid);
-            match done {
-                Err(Error::OutOfMemory { .. })
-                    if self.requested == Solver::Auto && is_direct && !is_stiff =>
+            let done = body.agree(done);
+            let Err(error) = &done else { return done };
+            match self
+                .choice
+                .filter(|_| self.requested == Solver::Auto && !is_stiff)
+                .map(|choice| choice.kind)
+            {
+                Some(kind) if body.shared_part().is_some() && !self.failed.contains(&kind) => {
+                    self.exclude(kind)
+                }
+                Some(SolverKind::Direct)
+                    if matches!(error, Error::OutOfMemory { .. })
+                        && body.shared_part().is_none()
+                        && !self.failed.contains(&SolverKind::Multigrid) =>
                 {
                     self.exclude(SolverKind::Direct);
                 }
-                done => return done,
+                _ => return done,
             }
         }
     }
@@ -146,7 +168,9 @@ impl ModeSolvers {
     /// Creates the requested solvers, or with [`Solver::Auto`] the cheapest ones. Existing solvers are replaced only
     /// when another kind has become clearly cheaper. `is_stiff`: projected volumes need a factorisation.
     fn choose(&mut self, body: &Body, number: f64, is_stiff: bool) -> Result<()> {
+        let is_shared = body.shared_part().is_some();
         let kind = match self.requested {
+            Solver::Auto if is_stiff && is_shared => Some(SolverKind::Direct),
             Solver::Auto => None,
             Solver::Iterative if !is_stiff => Some(SolverKind::Iterative),
             Solver::Multigrid if !is_stiff => Some(SolverKind::Multigrid),
@@ -157,7 +181,10 @@ impl ModeSolvers {
             return Ok(());
         }
         let choice = match kind {
-            Some(kind) => SolverChoice { kind, stiffness: number, limit: None },
+            Some(kind) => SolverChoice { kind, stiffness: number, limit: None, engine: None },
+            None if is_shared => {
+                on_team(body.n_dofs_of_ranks(), number, (&self.engines, &self.failed), present)
+            }
             None => {
                 let is_usable = |kind| !is_stiff && !self.failed.contains(&kind);
                 Costs::of(body).cheapest(number, is_usable, present)
@@ -179,11 +206,22 @@ impl ModeSolvers {
             Ok(body.node_order()?.iter().copied().filter(|&node| node < pattern.n_rows()).collect())
         };
         let has_pairs = self.modes.iter().any(|mode| mode.n_columns() == 2);
-        let needs_sweep = has_pairs || choice.kind != SolverKind::Direct;
+        let part = body.shared_part();
+        let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
-        let ranks =
-            || body.subdomain().cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
+        let ranks = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
+        let is_mixed = body.n_pressures() > 0;
         for mode in &self.modes {
+            if let (Some(sweep), Some(ranks), Some(engine)) = (&sweep, ranks(), engine(body, choice.kind)) {
+                self.choice = Some(SolverChoice { engine: Some(engine.name()), ..choice });
+                let on = (sweep.clone(), ranks);
+                let costs = (setup_cost(body, choice.kind), is_mixed);
+                self.solvers.push(match mode.n_columns() {
+                    1 => Box::new(TeamSolver::<1>::new(pattern, fixed, on, engine, costs)),
+                    _ => Box::new(TeamSolver::<2>::new(pattern, fixed, on, engine, costs)),
+                });
+                continue;
+            }
             self.solvers.push(match (&sweep, choice.kind, mode.n_columns()) {
                 (Some(sweep), SolverKind::Iterative, 1) => {
                     Box::new(Iterative::<1>::new(fixed, sweep.clone(), ranks()))
@@ -192,18 +230,15 @@ impl ModeSolvers {
                     Box::new(Iterative::<2>::new(fixed, sweep.clone(), ranks()))
                 }
                 (Some(sweep), SolverKind::Multigrid, 1) => {
-                    Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?)
+                    Box::new(Multigrid::<1>::new(pattern, fixed, sweep.clone())?.on(ranks()))
                 }
                 (Some(sweep), SolverKind::Multigrid, _) => {
-                    Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?)
+                    Box::new(Multigrid::<2>::new(pattern, fixed, sweep.clone())?.on(ranks()))
                 }
-                (Some(sweep), SolverKind::Direct, 2) => Box::new(DirectPair::new(
-                    pattern,
-                    fixed,
-                    &order()?,
-                    sweep.clone(),
-                    body.n_pressures() > 0,
-                )?),
+                (_, SolverKind::Direct, _) if part.is_some() => return Err(no_factorization()),
+                (Some(sweep), SolverKind::Direct, 2) => {
+                    Box::new(DirectPair::new(pattern, fixed, &order()?, sweep.clone(), is_mixed)?)
+                }
                 _ => Box::new(Direct::new(pattern, fixed, &order()?)?),
             });
         }
@@ -241,9 +276,10 @@ impl ModeSolvers {
         }
     }
 
-    /// Changes to another kind from the next stiffness on if the present one failed with [`Solver::Auto`].
-    pub(super) fn fall_back(&mut self) {
-        let replaceable = self.choice.filter(|choice| choice.kind != SolverKind::Direct);
+    /// Changes to another kind from the next stiffness on if the present one failed with [`Solver::Auto`]; `is_shared`:
+    /// by a team.
+    pub(super) fn fall_back(&mut self, is_shared: bool) {
+        let replaceable = self.choice.filter(|choice| is_shared || choice.kind != SolverKind::Direct);
         if let (Solver::Auto, Some(choice)) = (self.requested, replaceable) {
             self.exclude(choice.kind);
         }
@@ -287,11 +323,40 @@ impl ModeSolvers {
                 reason: format!("is `{name}`, which is no solver"),
             })?;
             let limit = memory.option("solver.limit")?;
-            self.choice = Some(SolverChoice { kind, stiffness: memory.number("solver.stiffness")?, limit });
+            self.choice = Some(SolverChoice {
+                kind,
+                stiffness: memory.number("solver.stiffness")?,
+                limit,
+                engine: None,
+            });
         }
         self.solvers.clear();
         let is_ready = memory.flag("solver.is_ready")?;
         self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice))
+    }
+}
+
+/// The engine of the team for a kind of solver.
+fn engine(body: &Body, kind: SolverKind) -> Option<Box<dyn Engine>> {
+    let kind = match kind {
+        SolverKind::Direct => EngineKind::Factorization,
+        SolverKind::Multigrid => EngineKind::Multigrid,
+        SolverKind::Iterative => return None,
+    };
+    body.shared_part()?.team().engine(kind)
+}
+
+fn no_factorization() -> Error {
+    let what = "a factorisation without MUMPS (feature `petsc` of emmy-mpi)";
+    Error::NotOnTeam { what: what.to_string() }
+}
+
+/// Cost of a new stiffness with an engine, in solutions.
+fn setup_cost(body: &Body, kind: SolverKind) -> f64 {
+    match kind {
+        SolverKind::Direct => factorization_cost(body.n_dofs_of_ranks()),
+        // As in one process.
+        SolverKind::Iterative | SolverKind::Multigrid => 16.0,
     }
 }
 

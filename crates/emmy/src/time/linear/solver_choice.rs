@@ -53,14 +53,52 @@ impl Costs {
         };
         let is_iterative_usable = is_usable(SolverKind::Iterative);
         let limit = if is_iterative_usable { (cost / (12.0 * self.iteration)).powi(2) } else { 0.0 };
-        let inertia = match present {
-            Some(SolverKind::Iterative) => SWITCH_RATIO,
-            Some(SolverKind::Direct | SolverKind::Multigrid) => SWITCH_RATIO.recip(),
-            None => 1.0,
-        };
-        let kind = if stiffness < limit * inertia { SolverKind::Iterative } else { large };
-        SolverChoice { kind, stiffness, limit: Some(limit) }
+        let kind = if stiffness < limit * inertia(present) { SolverKind::Iterative } else { large };
+        SolverChoice { kind, stiffness, limit: Some(limit), engine: None }
     }
+}
+
+/// The solver of a team with engines of some kinds for a body of all ranks: conjugate gradients with an incomplete factor on
+/// each rank where they take fewer iterations than a cycle of multigrid costs; else a factorisation of small bodies, and
+/// multigrid of large ones. Each kind that failed is followed by the next one, a factorisation last.
+pub(super) fn on_team(
+    n_dofs: usize,
+    stiffness: f64,
+    (engines, failed): (&[SolverKind], &[SolverKind]),
+    present: Option<SolverKind>,
+) -> SolverChoice {
+    use SolverKind::{Direct, Iterative, Multigrid};
+    let order = if n_dofs <= LARGEST_FACTOR { [Direct, Multigrid] } else { [Multigrid, Direct] };
+    let is_left = |kind: &SolverKind| engines.contains(kind) && !failed.contains(kind);
+    let last = [Direct, Multigrid].into_iter().find(|kind| engines.contains(kind));
+    let Some(large) = order.into_iter().find(is_left).or(last) else {
+        return SolverChoice { kind: Iterative, stiffness, limit: None, engine: None };
+    };
+    let limit = if failed.contains(&Iterative) { 0.0 } else { TEAM_LIMIT };
+    let kind = if stiffness < limit * inertia(present) { Iterative } else { large };
+    SolverChoice { kind, stiffness, limit: Some(limit), engine: None }
+}
+
+/// Stiffness number from which on a team multigrid pays with a stiffness that is kept over some five steps: Courant number
+/// 120 on the block of `benches`, with PETSc's GAMG.
+const TEAM_LIMIT: f64 = 5e3;
+
+/// Degrees of freedom of all ranks up to which a factorisation takes less time than multigrid, about.
+const LARGEST_FACTOR: usize = 100_000;
+
+/// Factor on the limit of the stiffness number, so that the present kind stays near it.
+fn inertia(present: Option<SolverKind>) -> f64 {
+    match present {
+        Some(SolverKind::Iterative) => SWITCH_RATIO,
+        Some(SolverKind::Direct | SolverKind::Multigrid) => SWITCH_RATIO.recip(),
+        None => 1.0,
+    }
+}
+
+/// Cost of a factorisation on a team, in solutions, by the measured times of [`Costs`].
+pub(super) fn factorization_cost(n_dofs: usize) -> f64 {
+    let n = n_dofs as f64;
+    (14.0 * (n / 197e3).powf(1.7) / (1.6e-9 * 15.0 * n.powf(4.0 / 3.0))).max(4.0)
 }
 
 /// Factor beyond the limit of the stiffness number at which solvers are replaced.
@@ -108,6 +146,32 @@ mod tests {
         assert_eq!(kind(small, 1e5, &[Direct], None), Multigrid);
         assert_eq!(kind(small, 1e5, &[Direct], Some(Multigrid)), Multigrid);
         assert_eq!(kind(small, 1e5, &[Direct, Multigrid], None), Direct);
+    }
+
+    #[test]
+    fn a_team_takes_engines_for_stiff_bodies() {
+        let (small, large, both) = (50_000, 500_000, [Direct, Multigrid]);
+        let kind = |n_dofs, stiffness, engines: &[SolverKind], failed: &[SolverKind]| {
+            on_team(n_dofs, stiffness, (engines, failed), None).kind
+        };
+        assert_eq!([small, large].map(|n| kind(n, 4e3, &both, &[])), [Iterative; 2]);
+        assert_eq!([small, large].map(|n| kind(n, 6e3, &both, &[])), [Direct, Multigrid]);
+        // Without one of the engines, or both.
+        assert_eq!([small, large].map(|n| kind(n, 6e3, &[Direct], &[])), [Direct; 2]);
+        assert_eq!([small, large].map(|n| kind(n, 6e3, &[Multigrid], &[])), [Multigrid; 2]);
+        assert_eq!([small, large].map(|n| kind(n, 1e9, &[], &[])), [Iterative; 2]);
+        assert_eq!(kind(small, 1e9, &[], &[Iterative]), Iterative);
+        // After failures.
+        assert_eq!(kind(small, 1.0, &both, &[Iterative]), Direct);
+        assert_eq!(kind(small, 1e5, &both, &[Direct]), Multigrid);
+        assert_eq!(kind(large, 1e5, &both, &[Multigrid]), Direct);
+        for n_dofs in [small, large] {
+            assert_eq!(kind(n_dofs, 1e5, &both, &[Direct, Multigrid]), Direct);
+            assert_eq!(kind(n_dofs, 1.0, &[Multigrid], &[Iterative, Multigrid]), Multigrid);
+        }
+        let with = |stiffness, present| on_team(small, stiffness, (&both, &[]), Some(present)).kind;
+        assert_eq!([2e4 - 1.0, 2e4].map(|stiffness| with(stiffness, Iterative)), [Iterative, Direct]);
+        assert_eq!([1250.0 - 1.0, 1250.0].map(|stiffness| with(stiffness, Direct)), [Iterative, Direct]);
     }
 
     #[test]

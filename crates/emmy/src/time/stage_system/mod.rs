@@ -57,16 +57,8 @@ impl<'a> StageSystem<'a> {
     /// The equations with their memory.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; on a team [`Error::NotOnTeam`] for a solver that factorises.
+    /// [`Error::OutOfMemory`]; on a team [`Error::NotOnTeam`] for a factorisation without engine.
     pub(super) fn new(body: &'a Body, coefficients: StageCoefficients, solver: Solver) -> Result<Self> {
-        let solver = match solver {
-            Solver::Auto if body.subdomain().is_some() => Solver::Iterative,
-            Solver::Direct | Solver::Multigrid => {
-                body.check_whole(format!("the solver `{}`", solver.name()))?;
-                solver
-            }
-            Solver::Auto | Solver::Iterative => solver,
-        };
         let n = body.n_dofs();
         let k = coefficients.rule.degree();
         Ok(StageSystem {
@@ -164,7 +156,7 @@ impl<'a> StageSystem<'a> {
     }
 
     /// Residual on all degrees of freedom, fixed ones included (there it is s^2 times the reaction), then the pressures of
-    /// the step less those of its rates; and the norms of the three parts of the first over the free ones.
+    /// the step less those of its rates; and the squares of the three parts of the first over the free ones of this rank.
     pub(super) fn full_residual(&mut self, unknowns: &[f64], residual: &mut [f64]) -> Result<[f64; 3]> {
         self.assemble(unknowns, Request::Stress)?;
         let (x, pressures) = self.split(unknowns);
@@ -205,9 +197,7 @@ impl<'a> StageSystem<'a> {
             projection.set(body, x, &self.mass_rates, &self.momentum, s);
             projection.add_to_residual(s, residual);
         }
-        let mut totals = [0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>());
-        body.sum_ranks("squares of inertia and forces", &mut totals);
-        Ok(totals.map(f64::sqrt))
+        Ok([0, 1, 2].map(|part| squares.iter().map(|squares| squares[part]).sum::<f64>()))
     }
 
     /// Residual without the internal forces in every stage, on all degrees of freedom: inertia less known part and

@@ -61,11 +61,11 @@ impl StageSystem<'_> {
         })
     }
 
-    /// Norm of the residual with the pressures eliminated by the approximate tangent, their part in proportion to its
+    /// This rank's square of the residual with the pressures eliminated by the approximate tangent, their part in proportion to its
     /// effect: otherwise, an error of the rates of the second order, times the bulk modulus, would hide the convergence.
-    fn condensed_norm(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
+    fn condensed_square(&mut self, residual: &[f64], of_pressures: &[f64]) -> f64 {
         if of_pressures.is_empty() {
-            return self.body.norm(residual);
+            return self.body.own_dot(residual, residual);
         }
         let system = (self.body, &self.coefficients.rule);
         self.condensed.fill(0.0);
@@ -73,7 +73,7 @@ impl StageSystem<'_> {
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
         clear_inactive(self.body, &mut self.condensed);
-        self.body.norm(&self.condensed)
+        self.body.own_dot(&self.condensed, &self.condensed)
     }
 
     /// Sets the rounding floor, once per step.
@@ -91,12 +91,15 @@ impl StageSystem<'_> {
 
 impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
-        let parts = self.full_residual(x, residual)?;
+        let [inertia, internal, external] = self.full_residual(x, residual)?;
         let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
         clear_inactive(self.body, of_rates);
+        let mut squares = [inertia, internal, external, self.condensed_square(of_rates, of_pressures)];
+        self.body.sum_ranks("squares of a residual and its parts", &mut squares);
+        let [inertia, internal, external, residual] = squares.map(f64::sqrt);
         Ok(Sizes {
-            residual: self.condensed_norm(of_rates, of_pressures),
-            scale: parts.into_iter().fold(0.0, f64::max),
+            residual,
+            scale: [inertia, internal, external].into_iter().fold(0.0, f64::max),
             floor: self.floor,
         })
     }
