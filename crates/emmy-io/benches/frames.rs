@@ -57,13 +57,7 @@ fn all(fields: &Fields, state: &[f64]) -> Vec<FieldValues> {
 }
 
 fn writer(temp: &TempDir, format: Format, body: &Body) -> FrameWriter {
-    FrameWriter::create(
-        (format, Precision::Double),
-        &temp.path().join("out"),
-        body.mesh(),
-        body.region_of_cell(),
-    )
-    .unwrap()
+    FrameWriter::create((format, Precision::Double), &temp.path().join("out"), body).unwrap()
 }
 
 fn size(temp: &TempDir) -> u64 {

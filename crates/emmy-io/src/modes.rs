@@ -87,7 +87,7 @@ fn write_frames(
 ) -> io::Result<PathBuf> {
     let body = &problem.body;
     let form = (problem.output.format, problem.output.precision);
-    let mut frames = FrameWriter::create(form, directory, body.mesh(), body.region_of_cell())?;
+    let mut frames = FrameWriter::create(form, directory, body)?;
     let diagonal = body.mesh().diagonal();
     let mut write = |step: usize, numbers: Vec<f64>| {
         frames.write(step, step as f64, &[FieldValues { name: FieldName::Displacement, numbers }])

@@ -2,10 +2,12 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use emmy::body::{FieldName, Fields};
 use emmy::mesh::Mesh;
 use emmy::motion::State;
+use emmy::team::Subdomain;
 
 use crate::checkpoint::Checkpoint;
 use crate::history::Extreme;
@@ -31,10 +33,11 @@ fn listed(fields: &[FieldName]) -> String {
     format!("[{}]", quoted.join(", "))
 }
 
-/// Writes the frames of a run.
+/// Writes the frames of a run. On a team its methods that write are calls of all ranks, with the same outcome on all.
 #[derive(Debug)]
 pub(crate) struct Recording {
     files: FrameWriter,
+    subdomain: Option<Arc<Subdomain>>,
     fields: Fields,
     names: Vec<FieldName>,
     written: Vec<FrameTime>,
@@ -68,20 +71,19 @@ impl Recording {
         let names = names(problem, &fields);
         let form = (output.format, output.precision);
         let directory = &output.directory;
-        let mesh = body.mesh();
-        let regions = body.region_of_cell();
+        let subdomain = body.subdomain().cloned();
         let Some(checkpoint) = after else {
-            let files = FrameWriter::create(form, directory, mesh, regions)?;
-            return Ok((Recording { files, fields, names, written: Vec::new() }, Vec::new()));
+            let files = FrameWriter::create(form, directory, body)?;
+            return Ok((Recording { files, subdomain, fields, names, written: Vec::new() }, Vec::new()));
         };
         // The last state of a run that ended is an extra frame, which the resumed run drops.
         let step = checkpoint.snapshot.state.step;
         let is_kept =
             |frame: &FrameTime| frame.step != step || output.is_frame(&problem.plan, frame.step, frame.time);
         let mut written: Vec<FrameTime> = checkpoint.frames.iter().copied().filter(is_kept).collect();
-        let (files, missing) = FrameWriter::resume(form, directory, mesh, regions, (&written, step))?;
+        let (files, missing) = FrameWriter::resume(form, directory, body, (&written, step))?;
         written.retain(|frame| !missing.contains(frame));
-        Ok((Recording { files, fields, names, written }, missing))
+        Ok((Recording { files, subdomain, fields, names, written }, missing))
     }
 
     /// Writes a state, once a step, and returns its largest von Mises stress if the frames have this field.
@@ -96,7 +98,8 @@ impl Recording {
         self.files.write(state.step, state.time, &fields)?;
         self.written.push(FrameTime { step: state.step, time: state.time });
         let stress = fields.iter().find(|field| field.name == FieldName::VonMisesStress);
-        Ok(stress.and_then(|stress| Extreme::of(mesh, state, stress.name, &stress.numbers)))
+        let whole = (mesh, self.subdomain.as_deref());
+        Ok(stress.and_then(|stress| Extreme::of(whole, state, stress.name, &stress.numbers)))
     }
 
     /// Completes the files.

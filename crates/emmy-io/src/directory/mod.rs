@@ -170,6 +170,11 @@ mod tests {
             "frames/old_000000.vtu",
             "frames/old_1000000.vtu",
             "frames/old_000020.vtu.part",
+            "frames/old_000040.pvtu",
+            "frames/old_000040/0000.vtu",
+            "frames/old_000040/10000.vtu",
+            "frames/old_000060.pvtu.part",
+            "frames/old_000060/0003.vtu.part",
             "old.vtkhdf.part",
             "old.vtkhdf.copy",
             "run.log",
@@ -185,6 +190,8 @@ mod tests {
             "frames/other_000000.vtu",
             "frames/old_final.vtu",
             "frames/old_1.vtu",
+            "frames/old_000040/mine.vtu",
+            "frames/other_000000/0000.vtu",
         ];
         own.iter().chain(&foreign).for_each(|name| write(temp.path().join(name), "x"));
         write(temp.path().join("old.pvd"), COLLECTION_MARK);
@@ -192,5 +199,6 @@ mod tests {
         prepare(temp.path()).unwrap();
         assert!(own.iter().all(|name| !temp.path().join(name).exists()));
         assert!(foreign.iter().all(|name| temp.path().join(name).exists()));
+        assert!(!temp.path().join("frames/old_000060").exists());
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::contents::{FILES, collections, is_removed};
 use super::{DirectoryError, lock};
 use crate::checkpoint;
-use crate::vtk::{name_of, step_of_frame};
+use crate::vtk::{is_of_frame, name_of};
 use crate::whole_file::PART;
 
 /// Checks that a run in a directory does not remove or overwrite any of some files. It may read its own `input.toml`,
@@ -55,9 +55,9 @@ fn is_of_a_run(directory: &Path, inside: &Path) -> bool {
             FILES.contains(file) || *file == lock::FILE || is_own || is_removed(directory, file)
         }
         Some([checkpoint::DIRECTORY, file]) => checkpoint::FILES.contains(&file.trim_end_matches(PART)),
-        Some(["frames", file]) => {
+        Some(["frames", path @ ..]) => {
             let collections = collections(directory).unwrap_or_default();
-            collections.iter().chain([&own]).any(|name| step_of_frame(file, name).is_some())
+            collections.iter().chain([&own]).any(|name| is_of_frame(path, name))
         }
         _ => false,
     }
@@ -87,6 +87,8 @@ mod tests {
             "out.vtkhdf.part",
             "frames/out_000001.vtu",
             "frames/old_000001.vtu",
+            "frames/old_000001.pvtu",
+            "frames/out_000001/0000.vtu",
             "checkpoint/a.checkpoint",
         ] {
             assert!(is_taken(file), "{file}");
@@ -97,6 +99,7 @@ mod tests {
             "other.pvd",
             "frames/mesh.vtu",
             "frames/other_000001.vtu",
+            "frames/out_000001/mesh.vtu",
             "sub/history.csv",
         ] {
             assert!(!is_taken(file), "{file}");

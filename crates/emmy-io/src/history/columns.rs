@@ -219,7 +219,8 @@ impl HistoryColumns {
         self.described().map(object).collect()
     }
 
-    /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far.
+    /// The row of a step, in the order of [`HistoryColumns::names`]; `wall_seconds`: duration of the run so far. On a team a
+    /// call of all ranks, which get the same numbers.
     pub fn row(&self, view: View<'_>, wall_seconds: f64) -> Row {
         let mut numbers = self.numbers(view.record, wall_seconds);
         let extremes = self.measures.add_to(view, &mut numbers);

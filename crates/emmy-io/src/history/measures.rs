@@ -3,6 +3,7 @@
 use emmy::body::{Body, FieldName, FieldValues, Fields, Place, Selection};
 use emmy::mesh::Mesh;
 use emmy::motion::{State, View};
+use emmy::team::Subdomain;
 use serde::{Deserialize, Serialize};
 
 use super::ColumnInfo;
@@ -20,7 +21,7 @@ pub struct Extreme {
     pub step: usize,
     /// Time \[time\].
     pub time: f64,
-    /// Index of the node, or of the cell of a field in cells.
+    /// Index of the node, or of the cell of a field in cells, in the whole mesh.
     pub member: usize,
     /// Whether the member is a cell.
     pub is_cell: bool,
@@ -29,15 +30,54 @@ pub struct Extreme {
 }
 
 impl Extreme {
-    /// The largest value of a field at a state; undefined values are left out.
-    pub(crate) fn of(mesh: &Mesh, state: &State, field: FieldName, numbers: &[f64]) -> Option<Self> {
-        let sizes = numbers.chunks_exact(field.components().len()).map(size).enumerate();
-        let (member, value) = sizes.filter(|(_, size)| !size.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    /// The largest value of a field at a state, the last of several; undefined values are left out. On a team a call of all
+    /// ranks with the fields of their shares.
+    pub(crate) fn of(
+        (mesh, subdomain): (&Mesh, Option<&Subdomain>),
+        state: &State,
+        field: FieldName,
+        numbers: &[f64],
+    ) -> Option<Self> {
         let is_cell = field.place() == Place::Cells;
-        let point = if is_cell { centre(mesh, member) } else { mesh.points()[member] };
+        let whole = |member: usize| subdomain.map_or(member, |part| number_of_ranks(part, is_cell, member));
+        let sizes = numbers.chunks_exact(field.components().len()).map(size).enumerate();
+        let sizes = sizes.filter(|(member, size)| !size.is_nan() && counts(subdomain, is_cell, *member));
+        let own = sizes.max_by(|a, b| a.1.total_cmp(&b.1).then_with(|| whole(a.0).cmp(&whole(b.0))));
+        let own = own.map(|(member, value)| {
+            let point = if is_cell { centre(mesh, member) } else { mesh.points()[member] };
+            (whole(member), value, point)
+        });
+        let (member, value, point) = subdomain.map_or(own, |subdomain| largest_of_ranks(subdomain, own))?;
         let field = field.name().to_string();
         Some(Extreme { field, value, step: state.step, time: state.time, member, is_cell, point })
     }
+}
+
+/// Number in the whole mesh of a node or a cell.
+fn number_of_ranks(subdomain: &Subdomain, is_cell: bool, member: usize) -> usize {
+    let numbers = if is_cell { subdomain.cells() } else { subdomain.nodes() };
+    numbers[member] as usize
+}
+
+/// Whether a node or a cell counts on this rank.
+fn counts(subdomain: Option<&Subdomain>, is_cell: bool, member: usize) -> bool {
+    subdomain.is_none_or(|part| if is_cell { part.counts()[member] } else { member < part.n_own() })
+}
+
+/// The largest value of all ranks with its member and its point, of several the last member.
+fn largest_of_ranks(
+    subdomain: &Subdomain,
+    own: Option<(usize, f64, [f64; 3])>,
+) -> Option<(usize, f64, [f64; 3])> {
+    let mut value = [own.map_or(f64::NEG_INFINITY, |(_, value, _)| value)];
+    subdomain.largest("largest value of a field", &mut value);
+    let own = own.filter(|own| own.1 == value[0]);
+    let mut last = [own.map_or(-1.0, |(member, ..)| member as f64)];
+    subdomain.largest("member of the largest value", &mut last);
+    let member = (last[0] >= 0.0).then_some(last[0] as usize)?;
+    let mut point = own.filter(|own| own.0 == member).map_or([0.0; 3], |(.., point)| point);
+    subdomain.sum("point of the largest value", &mut point);
+    Some((member, value[0], point))
 }
 
 /// A number itself, or the norm of a vector.
@@ -61,9 +101,11 @@ pub(super) struct Measures {
     quantities: Quantities,
     /// `None` if no quantity needs them.
     fields: Option<Fields>,
-    /// The node of each probe.
-    probes: Vec<Selection>,
-    /// The members of each value, with the weights of a total: reference volumes of cells.
+    /// The node of each probe; `None`: another rank owns it.
+    probes: Vec<Option<usize>>,
+    /// The nodes of the probes for fields, one by one.
+    selections: Vec<Option<Selection>>,
+    /// The members of each value that count on this rank, with the weights of a total: reference volumes of cells.
     values: Vec<(Selection, Vec<f64>)>,
 }
 
@@ -71,14 +113,17 @@ impl Measures {
     /// The measures of a body.
     pub(super) fn new(body: &Body, quantities: &Quantities) -> Self {
         let quantities = quantities.clone();
+        let own = |node: usize| body.subdomain().map_or(Some(node), |subdomain| subdomain.own_node(node));
+        let probes: Vec<Option<usize>> = quantities.probes.iter().map(|probe| own(probe.node)).collect();
         if !needs_fields(&quantities) {
-            return Measures { quantities, ..Measures::default() };
+            return Measures { quantities, probes, ..Measures::default() };
         }
         let fields = Fields::new(body);
-        let probe = |node: usize| fields.select_nodes(&[node as u32]);
+        let selection = |node: &Option<usize>| node.map(|node| fields.select_nodes(&[node as u32]));
         Measures {
-            probes: quantities.probes.iter().map(|own| probe(own.node)).collect(),
-            values: quantities.values.iter().map(|value| members(body.mesh(), &fields, value)).collect(),
+            selections: probes.iter().map(selection).collect(),
+            values: quantities.values.iter().map(|value| members(body, &fields, value)).collect(),
+            probes,
             fields: Some(fields),
             quantities,
         }
@@ -93,7 +138,7 @@ impl Measures {
         self.quantities.extremes.iter().any(|name| name.name() == field)
     }
 
-    /// Appends the numbers of a state, and returns its extremes.
+    /// Appends the numbers of a state, and returns its extremes; on a team a call of all ranks.
     pub(super) fn add_to(&self, view: View<'_>, numbers: &mut Vec<Number>) -> Vec<Extreme> {
         self.add_probes(view, numbers);
         for &(_, index) in &self.quantities.reactions {
@@ -111,35 +156,59 @@ impl Measures {
                 .map(|name| of(name).map_or(Real(f64::NAN), |own| Real(own.value))),
         );
         if let Some(fields) = &self.fields {
-            self.add_values(fields, view.state, numbers);
+            self.add_values(fields, view, numbers);
         }
         extremes
     }
 
-    fn add_values(&self, fields: &Fields, state: &State, numbers: &mut Vec<Number>) {
+    fn add_values(&self, fields: &Fields, view: View<'_>, numbers: &mut Vec<Number>) {
+        let State { displacement, velocity, .. } = view.state;
+        let subdomain = view.body.subdomain();
         for (value, (selection, weights)) in self.quantities.values.iter().zip(&self.values) {
-            let all = fields.on(selection, &state.displacement, &state.velocity, value.quantity);
+            let all = fields.on(selection, displacement, velocity, value.quantity);
+            let mut whole = [weights.iter().sum(), weights.len() as f64];
+            if let Some(subdomain) = subdomain {
+                subdomain.sum("size of a group", &mut whole);
+            }
             let n = value.quantity.components().len();
-            numbers.extend(measured(&all, n, weights, value.measure).into_iter().map(Real));
+            let mut own = measured(&all, n, (weights, whole), value.measure);
+            match (subdomain, value.measure) {
+                (None, _) => {}
+                (Some(subdomain), Measure::Max) => largest_number(subdomain, &mut own),
+                (Some(subdomain), _) => subdomain.sum("value of a group", &mut own),
+            }
+            numbers.extend(own.into_iter().map(Real));
         }
     }
 
+    /// The numbers of all probes; those of other ranks are added as zeros.
     fn add_probes(&self, view: View<'_>, numbers: &mut Vec<Number>) {
-        let State { displacement, velocity, .. } = view.state;
+        let mut all = Vec::new();
         for (index, probe) in self.quantities.probes.iter().enumerate() {
-            let of_node = |vectors: &[f64]| vectors[3 * probe.node..3 * probe.node + 3].to_vec();
             for quantity in &probe.quantities {
-                let own = match (quantity, &self.fields) {
-                    (ProbeQuantity::Position, _) => view.state.position(view.body, probe.node).to_vec(),
-                    (ProbeQuantity::Field(FieldName::Displacement), _) => of_node(displacement),
-                    (ProbeQuantity::Field(FieldName::Velocity), _) => of_node(velocity),
-                    (ProbeQuantity::Field(name), Some(fields)) => {
-                        fields.on(&self.probes[index], displacement, velocity, *name)
-                    }
-                    (ProbeQuantity::Field(name), None) => vec![f64::NAN; name.components().len()],
-                };
-                numbers.extend(own.into_iter().map(Real));
+                match self.probes[index] {
+                    Some(node) => all.extend(self.at_probe(index, node, *quantity, view)),
+                    None => all.extend(vec![0.0; quantity.components().len()]),
+                }
             }
+        }
+        if let Some(subdomain) = view.body.subdomain().filter(|_| !all.is_empty()) {
+            subdomain.sum("probes", &mut all);
+        }
+        numbers.extend(all.into_iter().map(Real));
+    }
+
+    fn at_probe(&self, index: usize, node: usize, quantity: ProbeQuantity, view: View<'_>) -> Vec<f64> {
+        let State { displacement, velocity, .. } = view.state;
+        let of_node = |vectors: &[f64]| vectors[3 * node..3 * node + 3].to_vec();
+        match quantity {
+            ProbeQuantity::Position => view.state.position(view.body, node).to_vec(),
+            ProbeQuantity::Field(FieldName::Displacement) => of_node(displacement),
+            ProbeQuantity::Field(FieldName::Velocity) => of_node(velocity),
+            ProbeQuantity::Field(name) => match (&self.fields, self.selections.get(index)) {
+                (Some(fields), Some(Some(selection))) => fields.on(selection, displacement, velocity, name),
+                _ => vec![f64::NAN; name.components().len()],
+            },
         }
     }
 
@@ -147,7 +216,8 @@ impl Measures {
     fn extremes(&self, view: View<'_>) -> Vec<Extreme> {
         let State { displacement, velocity, .. } = view.state;
         let names = &self.quantities.extremes;
-        let of = |name: FieldName, numbers: &[f64]| Extreme::of(view.body.mesh(), view.state, name, numbers);
+        let whole = (view.body.mesh(), view.body.subdomain().map(|subdomain| &**subdomain));
+        let of = |name: FieldName, numbers: &[f64]| Extreme::of(whole, view.state, name, numbers);
         match &self.fields {
             Some(fields) => {
                 let all = fields.at(displacement, velocity, names);
@@ -174,41 +244,53 @@ fn needs_fields(quantities: &Quantities) -> bool {
     !quantities.values.is_empty() || of_probes.chain(&quantities.extremes).any(|name| !is_motion(name))
 }
 
-/// The members of a value with their weights.
-fn members(mesh: &Mesh, fields: &Fields, value: &GroupValue) -> (Selection, Vec<f64>) {
+/// The members of a value that count on this rank, with their weights.
+fn members(body: &Body, fields: &Fields, value: &GroupValue) -> (Selection, Vec<f64>) {
+    let mesh = body.mesh();
+    let subdomain = body.subdomain().map(|subdomain| &**subdomain);
     match value.quantity.place() {
         Place::Cells => {
             let all: Vec<u32> = (0..mesh.n_cells() as u32).collect();
             let group = value.group.as_ref().and_then(|group| mesh.groups().cells(group).ok());
-            let cells = group.unwrap_or(&all);
-            let volumes = cells.iter().map(|&cell| fields.cell_volume(cell as usize));
-            (fields.select_cells(cells), volumes.collect())
+            let mut cells = group.map_or(all, <[u32]>::to_vec);
+            cells.retain(|&cell| counts(subdomain, true, cell as usize));
+            let volumes = cells.iter().map(|&cell| fields.cell_volume(cell as usize)).collect();
+            (fields.select_cells(&cells), volumes)
         }
         Place::Nodes => {
             let all = || (0..mesh.n_nodes() as u32).collect();
-            let nodes =
+            let mut nodes =
                 value.group.as_ref().and_then(|group| mesh.group_nodes(group).ok()).unwrap_or_else(all);
+            nodes.retain(|&node| counts(subdomain, false, node as usize));
             (fields.select_nodes(&nodes), vec![1.0; nodes.len()])
         }
     }
 }
 
-/// The numbers of a value; `all: [n_members][n]`.
-fn measured(all: &[f64], n: usize, weights: &[f64], measure: Measure) -> Vec<f64> {
+/// The numbers of a value; `all: [n_members][n]`, `whole`: sum of the weights and number of the members of all ranks. A total
+/// or a mean of all ranks is the sum of theirs.
+fn measured(all: &[f64], n: usize, (weights, whole): (&[f64], [f64; 2]), measure: Measure) -> Vec<f64> {
     let members = || all.chunks_exact(n);
     let sum = |weight: &dyn Fn(usize) -> f64| {
         let of =
             |component: usize| members().enumerate().map(|(i, own)| weight(i) * own[component]).sum::<f64>();
         (0..n).map(of).collect::<Vec<f64>>()
     };
-    let whole: f64 = weights.iter().sum();
+    let [weight, n_members] = whole;
     match measure {
         Measure::Total => sum(&|member| weights[member]),
-        Measure::Mean if whole > 0.0 => sum(&|member| weights[member] / whole),
+        Measure::Mean if weight > 0.0 => sum(&|member| weights[member] / weight),
         // Springs have no volume.
-        Measure::Mean => sum(&|_| 1.0 / weights.len() as f64),
+        Measure::Mean => sum(&|_| 1.0 / n_members),
         Measure::Max => vec![members().map(size).filter(|size| !size.is_nan()).fold(f64::NAN, f64::max)],
     }
+}
+
+/// Replaces numbers by the largest of all ranks; NaN is left out, unless every rank has it.
+fn largest_number(subdomain: &Subdomain, numbers: &mut [f64]) {
+    numbers.iter_mut().filter(|number| number.is_nan()).for_each(|number| *number = f64::NEG_INFINITY);
+    subdomain.largest("largest value of a group", numbers);
+    numbers.iter_mut().filter(|number| **number == f64::NEG_INFINITY).for_each(|number| *number = f64::NAN);
 }
 
 #[cfg(test)]
@@ -219,10 +301,10 @@ mod tests {
     fn totals_means_and_largest_values() {
         // Two members of two components, volumes 1 and 3.
         let all = [2.0, 0.0, 6.0, 8.0];
-        assert_eq!(measured(&all, 2, &[1.0, 3.0], Measure::Total), [20.0, 24.0]);
-        assert_eq!(measured(&all, 2, &[1.0, 3.0], Measure::Mean), [5.0, 6.0]);
-        assert_eq!(measured(&all, 2, &[0.0, 0.0], Measure::Mean), [4.0, 4.0]);
-        assert_eq!(measured(&all, 2, &[1.0, 3.0], Measure::Max), [10.0]);
-        assert_eq!(measured(&[f64::NAN, -3.0, -5.0], 1, &[1.0; 3], Measure::Max), [-3.0]);
+        assert_eq!(measured(&all, 2, (&[1.0, 3.0], [4.0, 2.0]), Measure::Total), [20.0, 24.0]);
+        assert_eq!(measured(&all, 2, (&[1.0, 3.0], [4.0, 2.0]), Measure::Mean), [5.0, 6.0]);
+        assert_eq!(measured(&all, 2, (&[0.0, 0.0], [0.0, 2.0]), Measure::Mean), [4.0, 4.0]);
+        assert_eq!(measured(&all, 2, (&[1.0, 3.0], [4.0, 2.0]), Measure::Max), [10.0]);
+        assert_eq!(measured(&[f64::NAN, -3.0, -5.0], 1, (&[1.0; 3], [3.0, 3.0]), Measure::Max), [-3.0]);
     }
 }

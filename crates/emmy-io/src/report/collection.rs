@@ -13,7 +13,7 @@ use crate::vtk::{COLLECTION_MARK, SeriesReader};
 /// The frames of a run, read one by one.
 #[derive(Debug)]
 pub(super) enum FrameSource {
-    /// One file for each frame.
+    /// One file, or several pieces, for each frame.
     Files(Vec<Listed>),
     /// One file for all frames, with the step of each frame.
     Series(SeriesReader, Vec<u32>),
@@ -59,6 +59,9 @@ impl FrameSource {
     /// Mesh and nodal fields of the first frame.
     pub(super) fn first(&self) -> Result<vtu::Frame, ReportError> {
         match self {
+            FrameSource::Files(listed) if vtu::are_pieces_in(&listed[0].path) => {
+                Ok(vtu::joined_frame(&listed[0].path)?)
+            }
             FrameSource::Files(listed) => Ok(vtu::frame(&listed[0].path, &read(&listed[0])?)?),
             FrameSource::Series(series, _) => {
                 let mesh = series.mesh().map_err(|error| unreadable_series(series, error))?;
@@ -75,8 +78,11 @@ impl FrameSource {
     /// Nodal arrays of a frame by their names; a missing one is empty.
     pub(super) fn values(&self, frame: usize, names: &[&str]) -> Result<Vec<Vec<f64>>, ReportError> {
         match self {
+            FrameSource::Files(listed) if vtu::are_pieces_in(&listed[frame].path) => {
+                Ok(vtu::joined_fields(&listed[frame].path, names)?)
+            }
             FrameSource::Files(listed) => {
-                Ok(vtu::fields(&listed[frame].path, &read(&listed[frame])?, names)?)
+                Ok(vtu::fields(&listed[frame].path, &read(&listed[frame])?, Place::Nodes, names)?)
             }
             FrameSource::Series(series, _) => {
                 let there = series.fields();
@@ -144,7 +150,8 @@ fn listed(directory: &Path, text: &str) -> Option<Vec<Listed>> {
     let frame = |(index, node): (usize, roxmltree::Node<'_, '_>)| {
         let time = node.attribute("timestep")?.parse().ok()?;
         let file = node.attribute("file")?;
-        let number = file.trim_end_matches(".vtu").rsplit('_').next().and_then(|digits| digits.parse().ok());
+        let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+        let number = stem.rsplit('_').next().and_then(|digits| digits.parse().ok());
         Some(Listed { time, step: number.unwrap_or(index as u32), path: directory.join(file) })
     };
     Some(sets.enumerate().filter_map(frame).collect())

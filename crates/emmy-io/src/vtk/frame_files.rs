@@ -1,19 +1,29 @@
-//! One `.vtu` for each frame, and the collection of them.
+//! The files of each frame, and the collection of them.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::{fs, io};
 
 use emmy::body::FieldValues;
 use emmy::mesh::Mesh;
+use emmy::team::Subdomain;
 
 use super::frame::Frame;
+use super::frame_names::{self, Layout, remove_frames_where, stem};
+use super::pieces::Pieces;
 use super::{FrameTime, Precision, escaped, name_of};
-use crate::whole_file::{PART, names, remove, replace};
+use crate::team::{agreed, on_first_rank};
+use crate::whole_file::replace;
 
 /// Writes `NAME.pvd` and `frames/NAME_000000.vtu`, ...: points in the reference configuration, fields as point and cell
 /// data, cell data `region`, and the groups of the mesh (`group:NAME`, `facets:NAME`).
+///
+/// A team writes a piece for each rank, `frames/NAME_000000/0000.vtu`, ..., and their list, `frames/NAME_000000.pvtu`.
+/// Pieces have the cells that count on a rank, with their numbers in the whole mesh as point data `node` and cell data
+/// `cell`, and the cell data `rank`. Then every method that changes files is a call of all ranks, and an error of one is an
+/// error of all.
 ///
 /// A frame is complete before the collection lists it. The collection is rewritten for each of the first thousand
 /// frames, then less often, so that the bytes written are linear in the number of frames.
@@ -22,7 +32,9 @@ pub struct FrameFiles {
     directory: PathBuf,
     name: String,
     frame: Frame,
-    written: Vec<FrameTime>,
+    /// `None`: no team.
+    pieces: Option<Pieces>,
+    written: Vec<(FrameTime, Layout)>,
     /// Number of frames in the collection.
     listed: usize,
 }
@@ -32,6 +44,9 @@ pub(crate) const COLLECTION_MARK: &str = "<!-- Written by Emmy -->";
 
 /// Up to this number of frames, each is listed at once; after that the collection may lag by one frame in as many.
 const ALL_LISTED: usize = 1000;
+
+/// Folder of the frames.
+const FRAMES: &str = "frames";
 
 impl FrameFiles {
     /// Frames in a directory, named after it; `region_of_cell: [n_cells]`.
@@ -44,11 +59,31 @@ impl FrameFiles {
         mesh: &Mesh,
         region_of_cell: &[u32],
     ) -> io::Result<Self> {
-        fs::create_dir_all(directory.join("frames"))?;
+        FrameFiles::new(directory, Frame::new(precision, mesh, Some(region_of_cell)), None)
+    }
+
+    /// As [`FrameFiles::create`], of a team: each rank gives the mesh of its share and its part.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    pub fn shared(
+        directory: &Path,
+        precision: Precision,
+        mesh: &Mesh,
+        region_of_cell: &[u32],
+        subdomain: &Arc<Subdomain>,
+    ) -> io::Result<Self> {
+        let pieces = Pieces::new(mesh, subdomain);
+        FrameFiles::new(directory, pieces.frame(precision, mesh, region_of_cell), Some(pieces))
+    }
+
+    fn new(directory: &Path, frame: Frame, pieces: Option<Pieces>) -> io::Result<Self> {
+        let subdomain = pieces.as_ref().map(|pieces| &*pieces.subdomain);
+        on_first_rank(subdomain, || fs::create_dir_all(directory.join(FRAMES)))?;
         let name = name_of(directory);
-        let frame = Frame::new(precision, mesh, region_of_cell);
-        let mut frames =
-            FrameFiles { directory: directory.to_path_buf(), name, frame, written: Vec::new(), listed: 0 };
+        let name = subdomain.map_or(name.clone(), |subdomain| subdomain.text_of(0, &name));
+        let directory = directory.to_path_buf();
+        let mut frames = FrameFiles { directory, name, frame, pieces, written: Vec::new(), listed: 0 };
         frames.write_collection()?;
         Ok(frames)
     }
@@ -59,14 +94,32 @@ impl FrameFiles {
     /// # Errors
     /// Errors of the system.
     pub fn resume(&mut self, kept: &[FrameTime], step: usize) -> io::Result<Vec<FrameTime>> {
-        let is_there = |frame: &FrameTime| self.directory.join(self.file(frame.step)).is_file();
-        let (there, missing): (Vec<_>, Vec<_>) = kept.iter().copied().partition(is_there);
-        self.written = there;
+        let layouts = self.layouts(kept);
+        let found = || kept.iter().copied().zip(layouts.iter().copied());
+        self.written = found().filter_map(|(frame, layout)| Some((frame, layout?))).collect();
         self.write_collection()?;
-        let steps: BTreeSet<usize> = self.written.iter().map(|frame| frame.step).collect();
+        let steps: BTreeSet<usize> = self.written.iter().map(|(frame, _)| frame.step).collect();
         let is_unwanted = |number: usize| number > step || !steps.contains(&number);
-        remove_frames_where(&self.directory.join("frames"), &self.name, is_unwanted)?;
-        Ok(missing)
+        on_first_rank(self.subdomain(), || {
+            remove_frames_where(&self.directory.join(FRAMES), &self.name, is_unwanted)
+        })?;
+        Ok(found().filter(|(_, layout)| layout.is_none()).map(|(frame, _)| frame).collect())
+    }
+
+    /// The files of some frames, as the first rank finds them; `None`: missing.
+    fn layouts(&self, frames: &[FrameTime]) -> Vec<Option<Layout>> {
+        let found = |frame: &FrameTime| {
+            Layout::ALL.iter().position(|layout| self.path(frame.step, *layout).is_file())
+        };
+        let mut numbers: Vec<f64> =
+            frames.iter().map(|frame| found(frame).map_or(0.0, |layout| 1.0 + layout as f64)).collect();
+        if let Some(subdomain) = self.subdomain() {
+            subdomain.take_from(0, "files of frames", &mut numbers);
+        }
+        numbers
+            .into_iter()
+            .map(|number| Layout::ALL.get((number as usize).wrapping_sub(1)).copied())
+            .collect()
     }
 
     /// Writes the fields of a step, once.
@@ -77,10 +130,41 @@ impl FrameFiles {
         if self.last_step() == Some(step) {
             return Ok(());
         }
-        let path = self.directory.join(self.file(step));
-        replace(&path, self.frame.xml(time, fields).as_bytes())?;
-        self.written.push(FrameTime { step, time });
+        let layout = match &self.pieces {
+            None => {
+                replace(&self.path(step, Layout::File), self.frame.xml(time, fields).as_bytes())?;
+                Layout::File
+            }
+            Some(pieces) => {
+                self.write_pieces(pieces, step, time, fields)?;
+                Layout::Pieces
+            }
+        };
+        self.written.push((FrameTime { step, time }, layout));
         if is_due(self.written.len(), self.listed) { self.write_collection() } else { Ok(()) }
+    }
+
+    /// Writes the pieces of a frame, and then their list.
+    fn write_pieces(
+        &self,
+        pieces: &Pieces,
+        step: usize,
+        time: f64,
+        fields: &[FieldValues],
+    ) -> io::Result<()> {
+        let subdomain = self.subdomain();
+        let stem = stem(&self.name, step);
+        let folder = self.directory.join(FRAMES).join(&stem);
+        on_first_rank(subdomain, || fs::create_dir_all(&folder))?;
+        let own = || {
+            let path = folder.join(frame_names::piece(pieces.subdomain.rank()));
+            replace(&path, self.frame.xml(time, &pieces.fields(fields)).as_bytes())
+        };
+        agreed(subdomain, if pieces.has_own() { own() } else { Ok(()) })?;
+        on_first_rank(subdomain, || {
+            let sources = pieces.ranks.iter().map(|&rank| format!("{stem}/{}", frame_names::piece(rank)));
+            replace(&self.path(step, Layout::Pieces), self.frame.list(fields, sources).as_bytes())
+        })
     }
 
     /// Completes the collection.
@@ -93,7 +177,7 @@ impl FrameFiles {
 
     /// Number of the last step.
     pub fn last_step(&self) -> Option<usize> {
-        self.written.last().map(|frame| frame.step)
+        self.written.last().map(|(frame, _)| frame.step)
     }
 
     /// Path of the collection.
@@ -106,50 +190,31 @@ impl FrameFiles {
         self.written.len()
     }
 
-    fn file(&self, step: usize) -> String {
-        format!("frames/{}_{step:06}.vtu", self.name)
+    fn subdomain(&self) -> Option<&Subdomain> {
+        self.pieces.as_ref().map(|pieces| &*pieces.subdomain)
+    }
+
+    fn path(&self, step: usize, layout: Layout) -> PathBuf {
+        self.directory.join(FRAMES).join(layout.file(&self.name, step))
     }
 
     /// Rewrites the whole collection, so that a killed run leaves a readable one.
     fn write_collection(&mut self) -> io::Result<()> {
-        let mut xml = format!("<?xml version=\"1.0\"?>\n{COLLECTION_MARK}\n");
-        xml += "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
-        for &FrameTime { step, time } in &self.written {
-            let file = escaped(&self.file(step));
-            let _ = writeln!(xml, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>");
-        }
-        xml += "</Collection>\n</VTKFile>\n";
-        replace(&self.collection(), xml.as_bytes())?;
+        on_first_rank(self.subdomain(), || replace(&self.collection(), self.listing().as_bytes()))?;
         self.listed = self.written.len();
         Ok(())
     }
-}
 
-/// Removes `frames/NAME_000000.vtu` and so on, and the directory if it is then empty.
-pub(crate) fn remove_frames(frames: &Path, name: &str) -> io::Result<()> {
-    if !frames.is_dir() {
-        return Ok(());
-    }
-    remove_frames_where(frames, name, |_| true)?;
-    if names(frames)?.is_empty() { fs::remove_dir(frames) } else { Ok(()) }
-}
-
-/// Removes the frames of some steps, and unfinished ones.
-fn remove_frames_where(frames: &Path, name: &str, is_unwanted: impl Fn(usize) -> bool) -> io::Result<()> {
-    for file in names(frames)? {
-        if step_of_frame(&file, name).is_some_and(|step| file.ends_with(PART) || is_unwanted(step)) {
-            remove(&frames.join(file))?;
+    /// The text of the collection.
+    fn listing(&self) -> String {
+        let mut xml = format!("<?xml version=\"1.0\"?>\n{COLLECTION_MARK}\n");
+        xml += "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
+        for &(FrameTime { step, time }, layout) in &self.written {
+            let file = escaped(&layout.file(&self.name, step));
+            let _ = writeln!(xml, "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{FRAMES}/{file}\"/>");
         }
+        xml + "</Collection>\n</VTKFile>\n"
     }
-    Ok(())
-}
-
-/// The step of a frame, finished or not, from the name of its file.
-pub(crate) fn step_of_frame(file: &str, name: &str) -> Option<usize> {
-    let whole = file.strip_suffix(PART).unwrap_or(file);
-    let number = whole.strip_prefix(name)?.strip_prefix('_')?.strip_suffix(".vtu")?;
-    let is_number = number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit());
-    number.parse().ok().filter(|_| is_number)
 }
 
 /// Whether the collection must be rewritten.

@@ -1,22 +1,27 @@
-//! Frames for ParaView and PyVista: one `.vtu` each, collected with their times in a `.pvd`, or all in one `.vtkhdf`.
+//! Frames for ParaView and PyVista: one `.vtu` each, or a `.pvtu` of pieces, collected with their times in a `.pvd`; or
+//! all in one `.vtkhdf`.
 
 mod array;
 mod frame;
 mod frame_files;
+mod frame_names;
 mod marks;
+mod pieces;
 mod series;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use emmy::body::{FieldValues, Place};
-use emmy::mesh::{CellKind, Mesh};
+use emmy::Error;
+use emmy::body::{Body, FieldValues, Place};
+use emmy::mesh::CellKind;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use frame::MESH_MARK;
 pub use frame::mesh_file;
+pub(crate) use frame::{CELL, MESH_MARK, NODE};
+pub(crate) use frame_files::COLLECTION_MARK;
 pub use frame_files::FrameFiles;
-pub(crate) use frame_files::{COLLECTION_MARK, remove_frames, step_of_frame};
+pub(crate) use frame_names::{is_of_frame, remove_frames};
 pub use series::{Series, SeriesReader};
 pub(crate) use series::{is_series, series_fields};
 
@@ -43,6 +48,20 @@ impl Format {
         match self {
             Format::Vtu => "vtu",
             Format::Vtkhdf => "vtkhdf",
+        }
+    }
+
+    /// Checks that frames of a body can have the format.
+    ///
+    /// # Errors
+    /// [`Error::NotOnTeam`] for one file of all frames.
+    pub fn check(self, body: &Body) -> Result<(), Error> {
+        match (self, body.subdomain()) {
+            (Format::Vtkhdf, Some(_)) => {
+                let what = "one file of all frames (use `output.format = \"vtu\"`)".to_string();
+                Err(Error::NotOnTeam { what })
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -101,20 +120,21 @@ pub enum FrameWriter {
 }
 
 impl FrameWriter {
-    /// Frames in a directory, named after it; `region_of_cell: [n_cells]`.
+    /// Frames of a body in a directory, named after it. On a team every method that changes files is a call of all ranks, and
+    /// an error of one is an error of all.
     ///
     /// # Errors
-    /// Errors of the system.
+    /// Errors of the system; of a team those of [`Format::check`].
     pub fn create(
         (format, precision): (Format, Precision),
         directory: &Path,
-        mesh: &Mesh,
-        region_of_cell: &[u32],
+        body: &Body,
     ) -> io::Result<Self> {
+        format.check(body).map_err(io::Error::other)?;
         Ok(match format {
-            Format::Vtu => FrameWriter::Vtu(FrameFiles::create(directory, precision, mesh, region_of_cell)?),
+            Format::Vtu => FrameWriter::Vtu(files(precision, directory, body)?),
             Format::Vtkhdf => {
-                let series = Series::create(directory, precision, mesh, region_of_cell)?;
+                let series = Series::create(directory, precision, body.mesh(), body.region_of_cell())?;
                 FrameWriter::Vtkhdf(Box::new(series))
             }
         })
@@ -124,22 +144,23 @@ impl FrameWriter {
     /// missing.
     ///
     /// # Errors
-    /// Errors of the system.
+    /// As [`FrameWriter::create`].
     pub fn resume(
         (format, precision): (Format, Precision),
         directory: &Path,
-        mesh: &Mesh,
-        region_of_cell: &[u32],
+        body: &Body,
         (kept, step): (&[FrameTime], usize),
     ) -> io::Result<(Self, Vec<FrameTime>)> {
+        format.check(body).map_err(io::Error::other)?;
         match format {
             Format::Vtu => {
-                let mut frames = FrameFiles::create(directory, precision, mesh, region_of_cell)?;
+                let mut frames = files(precision, directory, body)?;
                 let missing = frames.resume(kept, step)?;
                 Ok((FrameWriter::Vtu(frames), missing))
             }
             Format::Vtkhdf => {
-                let (series, missing) = Series::resume(directory, precision, (mesh, region_of_cell), kept)?;
+                let mesh = (body.mesh(), body.region_of_cell());
+                let (series, missing) = Series::resume(directory, precision, mesh, kept)?;
                 Ok((FrameWriter::Vtkhdf(Box::new(series)), missing))
             }
         }
@@ -181,6 +202,15 @@ impl FrameWriter {
             FrameWriter::Vtu(frames) => frames.collection(),
             FrameWriter::Vtkhdf(series) => series.path().to_path_buf(),
         }
+    }
+}
+
+/// A file for each frame of a body, or a piece for each rank.
+fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<FrameFiles> {
+    let (mesh, regions) = (body.mesh(), body.region_of_cell());
+    match body.subdomain() {
+        None => FrameFiles::create(directory, precision, mesh, regions),
+        Some(subdomain) => FrameFiles::shared(directory, precision, mesh, regions, subdomain),
     }
 }
 

@@ -212,8 +212,7 @@ impl Body {
     /// A vector at a node of the whole mesh, `of_node(node)` on the rank that owns it.
     pub(crate) fn at_node(&self, node: usize, of_node: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let Some(subdomain) = self.subdomain() else { return of_node(node) };
-        let own = subdomain.nodes[..subdomain.n_own].binary_search(&(node as u32));
-        let mut vector = own.map_or([0.0; 3], of_node);
+        let mut vector = subdomain.own_node(node).map_or([0.0; 3], of_node);
         subdomain.sum("vector at a node", &mut vector);
         vector
     }

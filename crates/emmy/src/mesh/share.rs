@@ -164,8 +164,9 @@ impl Mesh {
         }
     }
 
-    /// Some nodes and cells as a mesh of their own, with all groups.
-    fn part(&self, nodes: &[u32], cells: &[u32]) -> Mesh {
+    /// Some nodes and cells as a mesh of their own, with the nodes of all groups.
+    #[doc(hidden)]
+    pub fn part(&self, nodes: &[u32], cells: &[u32]) -> Mesh {
         let absent = u32::MAX;
         let numbers = |chosen: &[u32], n: usize| {
             let mut numbers = vec![absent; n];

@@ -82,6 +82,11 @@ impl Subdomain {
         &self.nodes
     }
 
+    /// The own node with a number in the whole mesh; `None` if another rank owns it.
+    pub fn own_node(&self, whole: usize) -> Option<usize> {
+        self.nodes[..self.n_own].binary_search_by(|&node| (node as usize).cmp(&whole)).ok()
+    }
+
     /// Number in the whole mesh of each cell.
     pub fn cells(&self) -> &[u32] {
         &self.cells

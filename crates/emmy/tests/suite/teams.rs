@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use emmy::body::{
-    Body, BodyBuilder, Field, Formulation, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
+    Body, BodyBuilder, Field, FieldName, Fields, Formulation, InitialVelocity, Load, LoadKind, PointMass,
+    PointTerms,
 };
 use emmy::body::{
-    GroundAttraction, GroundSpring, Reaction, Region, Rotation, Support, TimeFunction, Viscosity,
+    GroundAttraction, GroundSpring, Place, Reaction, Region, Rotation, Support, TimeFunction, Viscosity,
 };
 use emmy::material::{CiarletGeymonat, Link, NeoHooke, SaintVenantKirchhoff};
 use emmy::mesh::{self, CellKind, Mesh, MeshBuilder, Share};
@@ -278,6 +279,48 @@ fn halves() -> Mesh {
     builder.node_group("clamp", at(0.0));
     builder.node_group("tip", at(4.0));
     builder.build().unwrap()
+}
+
+/// A bent beam of two materials: all fields at own nodes, at guests and in cells.
+#[test]
+fn fields_are_those_of_the_whole_body() {
+    let mesh = halves();
+    let parts = |builder: BodyBuilder| {
+        builder
+            .region(Region::new(SaintVenantKirchhoff::new(2000.0, 900.0).unwrap(), 1.0).on("left"))
+            .region(rubber().on("right"))
+            .build()
+            .unwrap()
+    };
+    let bent = |[x, y, z]: [f64; 3]| [0.1 * x * y, 0.05 * x * x, 0.2 * z * (x + y)];
+    let fields = |body: &Body| {
+        let motion: Vec<f64> = body.mesh().points().iter().flat_map(|&x| bent(x)).collect();
+        let there = Fields::new(body);
+        let names: Vec<FieldName> = FieldName::ALL.into_iter().filter(|&name| there.has(name)).collect();
+        there.at(&motion, &motion, &names)
+    };
+    let whole = fields(&parts(Body::builder(mesh.clone())));
+    assert_eq!(whole.len(), FieldName::ALL.len() - 1); // no axial force
+    for size in [2, 4] {
+        on_team(&mesh, size, |share, team| {
+            let body = parts(Body::shared(share, team));
+            let part = body.subdomain().unwrap();
+            for (own, whole) in fields(&body).iter().zip(&whole) {
+                let (n, numbers) = match own.name.place() {
+                    Place::Nodes => (body.mesh().n_nodes(), part.nodes()),
+                    Place::Cells => (body.mesh().n_cells(), part.cells()),
+                };
+                let width = own.name.components().len();
+                assert_eq!(own.numbers.len(), width * n, "{}", own.name);
+                let largest = whole.numbers.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+                for (own, &member) in own.numbers.chunks_exact(width).zip(numbers) {
+                    let there = &whole.numbers[width * member as usize..][..width];
+                    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * largest;
+                    assert!(own.iter().zip(there).all(is_near), "{}, {member}", whole.name);
+                }
+            }
+        });
+    }
 }
 
 /// A plane of symmetry, a support that is released, a force over a surface, and a follower pressure.

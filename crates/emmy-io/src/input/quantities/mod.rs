@@ -29,7 +29,7 @@ pub struct Probe {
     pub name: String,
     /// The requested point, in the reference configuration \[length\].
     pub point: [f64; 3],
-    /// Index of the nearest node.
+    /// Index of the nearest node in the whole mesh, the lowest of several.
     pub node: usize,
     /// What is written of it.
     pub quantities: Vec<ProbeQuantity>,
@@ -68,6 +68,16 @@ pub enum Measure {
     Max,
 }
 
+impl ProbeQuantity {
+    /// Its components, as in [`FieldName::components`].
+    pub(crate) fn components(self) -> &'static [&'static str] {
+        match self {
+            ProbeQuantity::Position => FieldName::Displacement.components(),
+            ProbeQuantity::Field(field) => field.components(),
+        }
+    }
+}
+
 impl Measure {
     const ALL: [(&str, Measure); 3] =
         [("total", Measure::Total), ("mean", Measure::Mean), ("max", Measure::Max)];
@@ -79,7 +89,7 @@ impl Probe {
         let of = |quantity: &ProbeQuantity| match quantity {
             ProbeQuantity::Position => {
                 let meaning = format!("current position of the probe {}", self.name);
-                columns(&self.name, FieldName::Displacement.components(), "length", &meaning)
+                columns(&self.name, quantity.components(), "length", &meaning)
             }
             ProbeQuantity::Field(field) => {
                 let meaning = format!("{field} at the probe {}", self.name);

@@ -2,7 +2,6 @@
 
 use emmy::body::{Body, FieldName, Fields, Place as Members};
 use emmy::internals::number::{short, short_vector};
-use emmy::mesh::Mesh;
 
 use super::{
     GroupValue, Measure, Probe, ProbeQuantity, Quantities, Requested, reaction_columns, value_columns,
@@ -12,18 +11,18 @@ use crate::input::fault::{Fault, Place};
 use crate::input::suggest::{did_you_mean, listed};
 
 impl Requested {
-    /// The quantities of a body, with notes on probes whose node is not at the requested point.
+    /// The quantities of a body, with notes on probes whose node is not at the requested point. On a team a call of all
+    /// ranks, with the same outcome.
     pub(in crate::input) fn quantities(
         mut self,
         body: &Body,
         notes: &mut Vec<String>,
     ) -> Result<Quantities, Fault> {
-        let mesh = body.mesh();
         for (probe, _) in &mut self.probes {
-            find(mesh, probe, notes);
+            find(body, probe, notes);
         }
         for (value, place) in &mut self.values {
-            resolve(mesh, value, place)?;
+            resolve(body, value, place)?;
         }
         self.check_fields(body)?;
         let reactions = self.reactions(body)?;
@@ -105,13 +104,13 @@ fn values<T>(placed: Vec<(T, Place)>) -> Vec<T> {
 }
 
 /// Takes the field in cells in a group of cells, and checks that the group has members for the field.
-fn resolve(mesh: &Mesh, value: &mut GroupValue, place: &Place) -> Result<(), Fault> {
-    let groups = mesh.groups();
+fn resolve(body: &Body, value: &mut GroupValue, place: &Place) -> Result<(), Fault> {
+    let groups = body.mesh().groups();
     let has_cells = match &value.group {
         None => true,
-        Some(group) => match mesh.group_nodes(group) {
-            Ok(_) => groups.cells.contains_key(group),
-            Err(_) => {
+        Some(group) => match has_nodes(body, group) {
+            true => groups.cells.contains_key(group),
+            false => {
                 let known = groups.names();
                 let label = did_you_mean(group, known.iter().copied()).unwrap_or("not there".into());
                 let fault = Fault::at(place, format!("the mesh has no group `{group}` with members"), label);
@@ -140,12 +139,21 @@ fn resolve(mesh: &Mesh, value: &mut GroupValue, place: &Place) -> Result<(), Fau
 /// Distance between a probe's point and its node, relative to the size of the mesh, above which there is a remark.
 const FAR: f64 = 1e-6;
 
+/// Whether any rank has a node of a group.
+fn has_nodes(body: &Body, group: &str) -> bool {
+    let mut n_nodes = [body.mesh().group_nodes(group).map_or(0, |nodes| nodes.len()) as f64];
+    if let Some(subdomain) = body.subdomain() {
+        subdomain.largest("nodes of a group", &mut n_nodes);
+    }
+    n_nodes[0] > 0.0
+}
+
 /// Finds the node of a probe, with a note if it is not at the requested point.
-fn find(mesh: &Mesh, probe: &mut Probe, notes: &mut Vec<String>) {
-    probe.node = mesh.nearest_node(probe.point);
-    let at = mesh.points()[probe.node];
-    let distance = (0..3).map(|i| (at[i] - probe.point[i]).powi(2)).sum::<f64>().sqrt();
-    if distance > FAR * mesh.diagonal() {
+fn find(body: &Body, probe: &mut Probe, notes: &mut Vec<String>) {
+    let (node, at) = nearest_node(body, probe.point);
+    probe.node = node;
+    let distance = square(at, probe.point).sqrt();
+    if distance > FAR * body.mesh().diagonal() {
         notes.push(format!(
             "probe `{}`: the nearest node, {}, is {} away, at {}",
             probe.name,
@@ -153,5 +161,97 @@ fn find(mesh: &Mesh, probe: &mut Probe, notes: &mut Vec<String>) {
             short(distance),
             short_vector(at)
         ));
+    }
+}
+
+/// The nearest node in the whole mesh, the first of several, and its position.
+fn nearest_node(body: &Body, point: [f64; 3]) -> (usize, [f64; 3]) {
+    let points = body.mesh().points();
+    let Some(subdomain) = body.subdomain() else {
+        let node = body.mesh().nearest_node(point);
+        return (node, points[node]);
+    };
+    let own = points[..subdomain.n_own()].iter().map(|&at| square(at, point));
+    let own = own.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+    let mut nearest = [own.map_or(f64::NEG_INFINITY, |(_, square)| -square)];
+    subdomain.largest("distance of the nearest node", &mut nearest);
+    let own = own.filter(|(_, square)| -square == nearest[0]);
+    let whole = own.map(|(node, _)| subdomain.nodes()[node] as usize);
+    let node = subdomain.lowest("nearest node", whole).unwrap_or(0);
+    let mut at = subdomain.own_node(node).map_or([0.0; 3], |node| points[node]);
+    subdomain.sum("position of the nearest node", &mut at);
+    (node, at)
+}
+
+/// Square of the distance of two points.
+fn square(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use emmy::body::{Region, Support};
+    use emmy::material::NeoHooke;
+    use emmy::mesh::{Share, block, owners};
+    use emmy::team::{Team, Threads};
+
+    use super::*;
+
+    /// A probe at a node, one amid eight nodes, and values of a group.
+    fn requested(group: &str) -> Requested {
+        let place = || Place::start_of("a test", "");
+        let probe = |name: &str, point| {
+            (
+                Probe { name: name.to_string(), point, node: 0, quantities: vec![ProbeQuantity::Position] },
+                place(),
+            )
+        };
+        let value = |name: &str, group: &str, measure| {
+            let (name, group) = (name.to_string(), Some(group.to_string()));
+            (GroupValue { name, group, quantity: FieldName::StrainEnergyDensity, measure }, place())
+        };
+        Requested {
+            reactions: None,
+            probes: vec![probe("corner", [1.0, 2.0, 1.0]), probe("middle", [0.75, 1.25, 0.25])],
+            extremes: vec![(FieldName::Velocity, place())],
+            values: vec![value("energy", "body", Measure::Total), value("mean", group, Measure::Mean)],
+        }
+    }
+
+    fn found(requested: Requested, body: &Body) -> Result<(Quantities, Vec<String>), String> {
+        let mut notes = Vec::new();
+        let quantities = requested.quantities(body, &mut notes).map_err(|fault| format!("{fault:?}"))?;
+        Ok((quantities, notes))
+    }
+
+    #[test]
+    fn quantities_of_a_team_are_those_of_the_whole_body() {
+        let mesh = block([1.0, 2.0, 1.0], [2, 4, 2]).unwrap();
+        let rubber = || Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
+        let support = Support::fixed("y-min");
+        let whole = Body::builder(mesh.clone()).region(rubber()).support(support.clone()).build().unwrap();
+        let (quantities, notes) = found(requested("x-max"), &whole).unwrap();
+        assert_eq!(quantities.probes[0].node, mesh.n_nodes() - 1);
+        assert_eq!(notes.len(), 1); // the nodes around the second probe lie elsewhere
+        let is_in_cells = |index: usize| quantities.values[index].quantity.place() == Members::Cells;
+        assert!(is_in_cells(0) && !is_in_cells(1));
+        let owners = owners(&mesh, 3).unwrap();
+        let of_ranks = |group: &str| {
+            let rank = |team: Arc<dyn Team>| {
+                let share = Share::new(&mesh, &owners, team.rank());
+                let body = Body::shared(share, team).region(rubber()).support(support.clone());
+                found(requested(group), &body.build().unwrap())
+            };
+            Threads::run(3, rank).unwrap()
+        };
+        // Only the ranks at x = 1 have nodes of this group.
+        for own in of_ranks("x-max") {
+            assert_eq!(own, Ok((quantities.clone(), notes.clone())));
+        }
+        let unknown = found(requested("x-mox"), &whole);
+        assert!(unknown.as_ref().is_err_and(|fault| fault.contains("has no group `x-mox`")), "{unknown:?}");
+        assert!(of_ranks("x-mox").iter().all(|own| *own == unknown));
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use emmy::body::Place;
 use emmy::mesh::CellKind;
 
 use super::super::{MeshError, Result, without_mark};
@@ -30,14 +31,16 @@ pub(crate) fn frame(file: &Path, bytes: &[u8]) -> Result<Frame> {
     })
 }
 
-/// Arrays of a frame at its nodes, in the order of their names; a missing array is empty.
-pub(crate) fn fields(file: &Path, bytes: &[u8], names: &[&str]) -> Result<Vec<Vec<f64>>> {
+/// Arrays of a frame at its nodes or in its cells, in the order of their names; a missing array is empty.
+pub(crate) fn fields(file: &Path, bytes: &[u8], place: Place, names: &[&str]) -> Result<Vec<Vec<f64>>> {
     with_grid(file, bytes, |grid| {
-        let arrays = grid.arrays("PointData");
+        let (section, n) = match place {
+            Place::Nodes => ("PointData", grid.n_points),
+            Place::Cells => ("CellData", grid.n_cells),
+        };
+        let arrays = grid.arrays(section);
         let field = |name: &&str| match arrays.iter().find(|array| array.name == *name) {
-            Some(array) => {
-                Ok(grid.numbers(array, Some(array.components.saturating_mul(grid.n_points)))?.into_reals())
-            }
+            Some(array) => Ok(grid.numbers(array, Some(array.components.saturating_mul(n)))?.into_reals()),
             None => Ok(Vec::new()),
         };
         names.iter().map(field).collect()

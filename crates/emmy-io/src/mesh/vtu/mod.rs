@@ -5,6 +5,7 @@ mod cell;
 mod file;
 mod frame;
 mod groups;
+mod pieces;
 
 use std::path::Path;
 
@@ -12,6 +13,7 @@ use emmy::mesh::MeshBuilder;
 
 use super::{MeshError, MeshFile, Origin, Place, Result, counted, finished, kinds, without_mark};
 pub(crate) use frame::{Frame, fields, frame};
+pub(crate) use pieces::{are_in as are_pieces_in, joined_fields, joined_frame};
 
 use cell::{MIRRORED_WEDGE, PIXEL, PIXEL_ORDER, Shape, VOXEL, VOXEL_ORDER, is_mirrored, shape};
 use file::{Grid, Parts, document, no_cells};

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::geometry::for_each_volume_point;
 use super::{Body, Region};
 use crate::mesh::Mesh;
+use crate::team::Subdomain;
 
 pub use name::{FieldName, Place};
 use name::{Formula, Needs};
@@ -42,6 +43,8 @@ pub use selection::Selection;
 /// cell) show each side. A node is NaN if its recovered deformation gradient has no positive determinant: the mesh is
 /// too coarse there. A node without solid or plane cells has no stress and stretches of 1.
 ///
+/// On a team the fields are those of the nodes and cells of the share.
+///
 /// ```
 /// use emmy::prelude::*;
 /// use emmy::body::{FieldName, Fields};
@@ -59,8 +62,9 @@ pub struct Fields {
     regions: Arc<Vec<Region>>,
     region_of_cell: Vec<u32>,
     recovery: Recovery,
-    /// Mean density of the cells around each node, by volume.
+    /// Mean density of the cells around each node, by volume; at guests of the cells that are here.
     density: Vec<f64>,
+    subdomain: Option<Arc<Subdomain>>,
 }
 
 /// The numbers of a field.
@@ -91,7 +95,7 @@ impl Fields {
         let projections = Projections::new(&mesh, &regions, &region_of_cell);
         let recovery = Recovery::new(&mesh, body.internal.clone(), projections);
         let density = density(&mesh, &regions, &region_of_cell, &recovery);
-        Fields { mesh, regions, region_of_cell, recovery, density }
+        Fields { mesh, regions, region_of_cell, recovery, density, subdomain: body.subdomain().cloned() }
     }
 
     /// Whether the body has a field: stresses at nodes need solid or plane cells, stresses in cells need a volume,
@@ -109,6 +113,8 @@ impl Fields {
 
     /// Some fields of a state; `displacement`, `velocity`: `[n_nodes][3]`, of [`Body::n_dofs`] numbers. The fields are those
     /// of the nodes and cells of the mesh.
+    ///
+    /// On a team a call of all ranks: fields at guests come from their owners.
     pub fn at(&self, displacement: &[f64], velocity: &[f64], names: &[FieldName]) -> Vec<FieldValues> {
         let is_of_state = |name: &FieldName| name.info().formula.is_of_state();
         let wanted = |place: Place| names.iter().any(|name| is_of_state(name) && name.place() == place);
@@ -133,7 +139,40 @@ impl Fields {
                 Formula::Tensor(tensor) => flat(states, tensor),
             }
         };
-        names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect()
+        let mut fields: Vec<FieldValues> =
+            names.iter().map(|&name| FieldValues { name, numbers: numbers(name) }).collect();
+        self.update_guests(&mut fields);
+        fields
+    }
+
+    /// Takes the fields at guests from their owners, which have all cells around them.
+    fn update_guests(&self, fields: &mut [FieldValues]) {
+        let Some(subdomain) = &self.subdomain else { return };
+        let mut at_nodes: Vec<(usize, &mut Vec<f64>)> = fields
+            .iter_mut()
+            .filter(|field| field.name.place() == Place::Nodes)
+            .map(|field| (field.name.components().len(), &mut field.numbers))
+            .collect();
+        let width = at_nodes.iter().map(|(n, _)| n).sum();
+        // Internal nodes of cells have no fields.
+        let has_fields = |node: usize| node < self.mesh.n_nodes();
+        let read = |fields: &[(usize, &mut Vec<f64>)], node: usize, mut numbers: &mut [f64]| {
+            for (n, values) in fields.iter().filter(|_| has_fields(node)) {
+                let (own, rest) = numbers.split_at_mut(*n);
+                own.copy_from_slice(&values[n * node..n * (node + 1)]);
+                numbers = rest;
+            }
+        };
+        let write = |fields: &mut [(usize, &mut Vec<f64>)], node: usize, mut numbers: &[f64]| {
+            for (n, values) in fields.iter_mut().filter(|_| has_fields(node)) {
+                let (own, rest) = numbers.split_at(*n);
+                values[*n * node..*n * (node + 1)].copy_from_slice(own);
+                numbers = rest;
+            }
+        };
+        if width > 0 {
+            subdomain.exchange("fields at nodes", width, &mut at_nodes[..], read, write);
+        }
     }
 
     fn region(&self, cell: usize) -> &Region {

@@ -66,7 +66,8 @@ impl Fields {
     }
 
     /// A field at the members of a selection of its place, bit-identical to their numbers in [`Fields::at`]:
-    /// `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`.
+    /// `[n_members][n_components]`. `displacement`, `velocity`: `[n_nodes][3]`. On a team no call of all ranks: nodes are own
+    /// ones, because the cells around guests are not all here.
     ///
     /// # Panics
     /// If the field and the selection have different places.

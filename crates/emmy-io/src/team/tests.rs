@@ -1,0 +1,310 @@
+//! Frames and histories of a team of threads, against those of the whole body.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{fs, io};
+
+use emmy::body::{Body, FieldName, FieldValues, Fields, Place, Region};
+use emmy::material::NeoHooke;
+use emmy::mesh::{Share, block, owners};
+use emmy::motion::{Motion, State};
+use emmy::team::{Team, Threads};
+
+use crate::history::{Extreme, HistoryColumns, Row, fixed_names};
+use crate::input::{self, Overrides, Problem};
+use crate::mesh::vtu;
+use crate::recording::Recording;
+use crate::vtk::{Format, FrameTime, FrameWriter, Precision};
+use crate::whole_file::names;
+
+const INPUT: &str = "\
+    mesh.box = { size = [1, 2, 1], cells = [2, 4, 2] }\n\
+    region = [{ density = 2, material.neo-hooke = { lambda = 10, mu = 5 } }]\n\
+    time = { scheme = 'DGM', steps = [{ until = 0.5, size = 0.1 }] }\n\
+    solver.kind = 'iterative'\n\
+    [output]\n\
+    every = 1\n\
+    extremes = ['von_mises_stress', 'velocity', 'cell_volume_ratio']\n\
+    probes = [\n\
+        { name = 'tip', point = [1, 2, 1], quantities = ['position', 'velocity', 'cauchy_stress'] },\n\
+        { name = 'middle', point = [0.5, 0.75, 0.5], quantities = ['momentum_density', 'displacement'] },\n\
+    ]\n\
+    values = [\n\
+        { name = 'energy', quantity = 'strain_energy_density', measure = 'total' },\n\
+        { name = 'stress', quantity = 'cauchy_stress', group = 'body' },\n\
+        { name = 'face', quantity = 'velocity', group = 'x-max' },\n\
+        { name = 'most', quantity = 'von_mises_stress', group = 'y-max', measure = 'max' },\n\
+    ]\n";
+
+fn problem(directory: &Path) -> Problem {
+    let file = directory.join("box.toml");
+    // All ranks write the same.
+    fs::write(&file, INPUT).unwrap();
+    let fields = format!("output.fields={:?}", FieldName::ALL.map(FieldName::name));
+    let overrides =
+        Overrides { output: Some(directory.join("out")), set: vec![fields], ..Default::default() };
+    input::read(&file, &overrides).unwrap()
+}
+
+/// The part of a rank of the body of a problem.
+fn part_of(whole: &Body, team: Arc<dyn Team>) -> Body {
+    let share = Share::new(whole.mesh(), &owners(whole.mesh(), team.size()).unwrap(), team.rank());
+    let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
+    Body::shared(share, team).region(rubber).build().unwrap()
+}
+
+/// A bent state that moves, without any symmetry.
+fn bent(body: &Body) -> State {
+    let mut state = State::initial(body, 0.0, &[]).unwrap();
+    let points = body.mesh().points().iter();
+    state.displacement = points
+        .clone()
+        .flat_map(|[x, y, z]| [0.1 * x * y, 0.02 * y * y + 0.01 * x, 0.03 * z * (x + 2.0 * y)])
+        .collect();
+    state.velocity =
+        points.flat_map(|[x, y, z]| [0.3 * y * z, 0.2 * x - 0.1 * z * y, 0.4 * x * y + z]).collect();
+    state
+}
+
+/// The first row of the history of a problem and, with a frame, the largest stress in it.
+fn first(problem: &Problem) -> (Row, Option<Extreme>) {
+    let body = &problem.body;
+    let motion = Motion::starting(body, problem.scheme, problem.newton, bent(body)).unwrap();
+    let row = HistoryColumns::of(problem).row(motion.view(), 0.0);
+    let (mut recording, missing) = Recording::open(problem, None).unwrap();
+    assert!(missing.is_empty());
+    let largest = recording.write(body.mesh(), motion.state()).unwrap();
+    recording.finish().unwrap();
+    assert_eq!(recording.written(), [FrameTime { step: 0, time: 0.0 }]);
+    (row, largest)
+}
+
+/// Checks numbers to 1e-12 of the largest.
+fn assert_near(own: &[f64], whole: &[f64], what: &str) {
+    let largest = whole.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+    assert_eq!(own.len(), whole.len(), "{what}");
+    for (own, whole) in own.iter().zip(whole) {
+        assert!((own - whole).abs() <= 1e-12 * largest, "{what}: {own} instead of {whole}");
+    }
+}
+
+fn frame_of(directory: &Path, ending: &str) -> PathBuf {
+    directory.join(format!("out/frames/out_000000.{ending}"))
+}
+
+#[test]
+fn rows_and_frames_are_those_of_the_whole_body() {
+    let temp = tempfile::tempdir().unwrap();
+    let whole_problem = problem(temp.path());
+    let (whole, largest) = first(&whole_problem);
+    let n_fixed = HistoryColumns::of(&whole_problem)
+        .names()
+        .iter()
+        .filter(|name| fixed_names().any(|own| own == *name))
+        .count();
+    assert!(whole.numbers.len() > n_fixed + 20);
+    let file = frame_of(temp.path(), "vtu");
+    let bytes = fs::read(&file).unwrap();
+    let frame = vtu::frame(&file, &bytes).unwrap();
+    for size in [2, 3] {
+        let temp = tempfile::tempdir().unwrap();
+        problem(temp.path());
+        let ranks = Threads::run(size, |team| {
+            let problem = problem(temp.path());
+            let body = part_of(&problem.body, team);
+            first(&Problem { body, ..problem })
+        });
+        for (row, of_frame) in ranks.unwrap() {
+            let numbers =
+                |row: &Row| row.numbers[n_fixed..].iter().map(|number| number.value()).collect::<Vec<_>>();
+            assert_near(&numbers(&row), &numbers(&whole), "columns");
+            let place =
+                |extreme: &Extreme| (extreme.member, extreme.is_cell, extreme.point, extreme.field.clone());
+            assert!(row.extremes.iter().map(place).eq(whole.extremes.iter().map(place)));
+            assert_eq!(of_frame.as_ref().map(place), largest.as_ref().map(place));
+        }
+        let list = frame_of(temp.path(), "pvtu");
+        let joined = vtu::joined_frame(&list).unwrap();
+        assert!(joined.points == frame.points && joined.cells == frame.cells);
+        let names: Vec<&str> = frame.fields.iter().map(|(name, _)| name.as_str()).collect();
+        assert!(names.contains(&"cauchy_stress"));
+        let fields = vtu::fields(&file, &bytes, Place::Nodes, &names).unwrap();
+        let of_pieces = vtu::joined_fields(&list, &names).unwrap();
+        for ((own, whole), name) in of_pieces.iter().zip(&fields).zip(names) {
+            assert_near(own, whole, name);
+        }
+        assert_cells_are_equal(&list, size, &file);
+    }
+}
+
+/// Fields in the cells of all pieces, by the numbers of the cells; every cell is in one piece.
+fn assert_cells_are_equal(list: &Path, size: usize, file: &Path) {
+    const NAMES: [&str; 5] =
+        ["cell_cauchy_stress", "cell_volume_ratio", "region", "group:body", "facets:x-max"];
+    let whole = vtu::fields(file, &fs::read(file).unwrap(), Place::Cells, &NAMES).unwrap();
+    let mut joined: Vec<Vec<f64>> = whole.iter().map(|numbers| vec![f64::NAN; numbers.len()]).collect();
+    let mut n_cells = 0;
+    for rank in 0..size {
+        let path = list.with_extension("").join(format!("{rank:04}.vtu"));
+        let bytes = fs::read(&path).unwrap();
+        let of_piece = |name| vtu::fields(&path, &bytes, Place::Cells, &[name]).unwrap().concat();
+        let cells = of_piece("cell");
+        assert_eq!(of_piece("rank"), vec![rank as f64; cells.len()]);
+        n_cells += cells.len();
+        for (name, joined) in NAMES.into_iter().zip(&mut joined) {
+            let numbers = of_piece(name);
+            let n = numbers.len() / cells.len();
+            for (numbers, cell) in numbers.chunks_exact(n).zip(&cells) {
+                joined[n * *cell as usize..][..n].copy_from_slice(numbers);
+            }
+        }
+    }
+    assert_eq!(n_cells, 16);
+    for ((own, whole), name) in joined.iter().zip(&whole).zip(NAMES) {
+        assert_near(own, whole, name);
+    }
+}
+
+const FORM: (Format, Precision) = (Format::Vtu, Precision::Double);
+
+/// Writes the displacement as the frames of some steps.
+fn write(frames: &mut FrameWriter, body: &Body, steps: std::ops::Range<usize>) -> io::Result<()> {
+    let state = bent(body);
+    let fields: Vec<FieldValues> =
+        Fields::new(body).at(&state.displacement, &state.velocity, &[FieldName::Displacement]);
+    steps.into_iter().try_for_each(|step| frames.write(step, step as f64, &fields))
+}
+
+fn times(steps: std::ops::Range<usize>) -> Vec<FrameTime> {
+    steps.map(|step| FrameTime { step, time: step as f64 }).collect()
+}
+
+#[test]
+fn frames_are_resumed_by_other_numbers_of_ranks_and_alone() {
+    let temp = tempfile::tempdir().unwrap();
+    let whole = problem(temp.path()).body;
+    let directory = temp.path().join("out");
+    let there = |path: &str| {
+        let mut names = names(&directory.join(path)).unwrap();
+        names.sort();
+        names
+    };
+    Threads::run(3, |team| {
+        let body = part_of(&whole, team);
+        let mut frames = FrameWriter::create(FORM, &directory, &body).unwrap();
+        write(&mut frames, &body, 0..4).unwrap();
+        frames.finish().unwrap();
+    })
+    .unwrap();
+    assert_eq!(there("frames").len(), 8);
+    assert_eq!(there("frames/out_000003"), ["0000.vtu", "0001.vtu", "0002.vtu"]);
+    // A killed run left pieces without a list.
+    fs::remove_file(directory.join("frames/out_000003.pvtu")).unwrap();
+    fs::write(directory.join("frames/out_000003/mine.txt"), "").unwrap();
+    fs::remove_file(directory.join("frames/out_000001.pvtu")).unwrap();
+    Threads::run(2, |team| {
+        let body = part_of(&whole, team);
+        let (mut frames, missing) = FrameWriter::resume(FORM, &directory, &body, (&times(0..2), 1)).unwrap();
+        assert_eq!(missing, times(1..2));
+        assert_eq!(frames.last_step(), Some(0));
+        write(&mut frames, &body, 2..3).unwrap();
+    })
+    .unwrap();
+    assert_eq!(
+        there("frames"),
+        ["out_000000", "out_000000.pvtu", "out_000002", "out_000002.pvtu", "out_000003"]
+    );
+    assert_eq!(
+        (there("frames/out_000002").len(), there("frames/out_000003")),
+        (2, vec!["mine.txt".to_string()])
+    );
+    let kept = [times(0..1), times(2..3)].concat();
+    let (mut frames, missing) = FrameWriter::resume(FORM, &directory, &whole, (&kept, 2)).unwrap();
+    assert!(missing.is_empty());
+    write(&mut frames, &whole, 3..5).unwrap();
+    Threads::run(4, |team| {
+        let body = part_of(&whole, team);
+        let kept = [kept.clone(), times(3..4)].concat();
+        let (mut frames, missing) = FrameWriter::resume(FORM, &directory, &body, (&kept, 3)).unwrap();
+        assert!(missing.is_empty());
+        write(&mut frames, &body, 4..5).unwrap();
+    })
+    .unwrap();
+    let collection = fs::read_to_string(directory.join("out.pvd")).unwrap();
+    let listed: Vec<&str> =
+        collection.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert_eq!(
+        listed,
+        [
+            "frames/out_000000.pvtu",
+            "frames/out_000002.pvtu",
+            "frames/out_000003.vtu",
+            "frames/out_000004.pvtu"
+        ]
+    );
+    assert!(!directory.join("frames/out_000004.vtu").exists());
+    // The frames of the next run replace them all.
+    crate::directory::remove_frames(&directory).unwrap();
+    assert_eq!(there("frames"), ["out_000003"]);
+}
+
+#[test]
+fn an_error_of_one_rank_is_an_error_of_all_and_lists_nothing() {
+    let temp = tempfile::tempdir().unwrap();
+    let whole = problem(temp.path()).body;
+    let directory = temp.path().join("out");
+    // A folder in the place of a piece.
+    fs::create_dir_all(directory.join("frames/out_000000/0001.vtu")).unwrap();
+    let errors = Threads::run(3, |team| {
+        let body = part_of(&whole, team);
+        let mut frames = FrameWriter::create(FORM, &directory, &body).unwrap();
+        write(&mut frames, &body, 0..1).unwrap_err().to_string()
+    })
+    .unwrap();
+    assert!(errors[0].contains("0001.vtu") && errors.iter().all(|error| *error == errors[0]), "{errors:?}");
+    assert!(!directory.join("frames/out_000000.pvtu").exists());
+    let collection = fs::read_to_string(directory.join("out.pvd")).unwrap();
+    assert!(!collection.contains("DataSet"));
+}
+
+#[test]
+fn one_file_of_all_frames_is_rejected() {
+    let temp = tempfile::tempdir().unwrap();
+    let whole = problem(temp.path()).body;
+    Threads::run(2, |team| {
+        let body = part_of(&whole, team);
+        let form = (Format::Vtkhdf, Precision::Double);
+        let error = FrameWriter::create(form, temp.path(), &body).unwrap_err().to_string();
+        assert_eq!(error, "one file of all frames (use `output.format = \"vtu\"`) is not possible on a team");
+    })
+    .unwrap();
+}
+
+/// More ranks than have cells that count: they write no piece.
+#[test]
+fn ranks_without_cells_write_nothing() {
+    let temp = tempfile::tempdir().unwrap();
+    let mesh = block([3.0, 1.0, 1.0], [3, 1, 1]).unwrap();
+    // The last rank owns nodes of a cell that counts on another rank.
+    let owners: Vec<u32> =
+        mesh.points().iter().map(|x| if x[0] > 2.5 { 2 } else { u32::from(x[0] > 0.5) }).collect();
+    let directory = temp.path().join("out");
+    Threads::run(3, |team| {
+        let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
+        let body =
+            Body::shared(Share::new(&mesh, &owners, team.rank()), team).region(rubber).build().unwrap();
+        let mut frames = FrameWriter::create(FORM, &directory, &body).unwrap();
+        write(&mut frames, &body, 0..1).unwrap();
+    })
+    .unwrap();
+    assert_eq!(names(&directory.join("frames/out_000000")).unwrap().len(), 2);
+    let joined = vtu::joined_frame(&directory.join("frames/out_000000.pvtu")).unwrap();
+    assert_eq!(joined.points, mesh.points());
+    assert!(
+        joined
+            .cells
+            .iter()
+            .map(|(kind, nodes)| (*kind, &nodes[..]))
+            .eq(mesh.cells().map(|cell| (cell.kind, cell.nodes)))
+    );
+}
