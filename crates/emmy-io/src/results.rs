@@ -167,10 +167,11 @@ impl Results {
         let directory = &problem.output.directory;
         let state = &checkpoint.snapshot.state;
         let path = directory.join("history.csv");
+        let is_continuable = Recording::check(problem);
         let files = lock.map(|lock| -> Result<Files, ResumeError> {
             // The first file is the input in the directory, which is replaced by itself.
             directory::check_sources(directory, &problem.files[1..])?;
-            Recording::check(problem)?;
+            is_continuable?;
             let columns = HistoryColumns::of(problem);
             let history =
                 HistoryFile::resume(&path, &columns, state.step, state.time, checkpoint.history_checksum)?;

@@ -8,7 +8,7 @@ use std::{fs, io};
 
 use emmy::body::FieldValues;
 use emmy::mesh::Mesh;
-use emmy::team::Subdomain;
+use emmy::team::{self, Subdomain};
 
 use super::frame::Frame;
 use super::frame_names::{self, Layout, remove_frames_where, stem};
@@ -81,7 +81,7 @@ impl FrameFiles {
         let subdomain = pieces.as_ref().map(|pieces| &*pieces.subdomain);
         on_first_rank(subdomain, || fs::create_dir_all(directory.join(FRAMES)))?;
         let name = name_of(directory);
-        let name = subdomain.map_or(name.clone(), |subdomain| subdomain.text_of(0, &name));
+        let name = subdomain.map_or(name.clone(), |subdomain| team::text_of(&**subdomain.team(), 0, &name));
         let directory = directory.to_path_buf();
         let mut frames = FrameFiles { directory, name, frame, pieces, written: Vec::new(), listed: 0 };
         frames.write_collection()?;
