@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::motion::Motion;
-use emmy_io::checkpoint::{self, Checkpoint, Identity};
+use emmy::team::Alone;
+use emmy_io::checkpoint::{self, Checkpoint, CheckpointError, Identity};
 use emmy_io::directory::Lock;
 use emmy_io::input::{self, Overrides, Problem};
 use emmy_io::results::Results;
@@ -50,8 +51,7 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         ));
     }
     let lock = Lock::take(&arguments.directory)?;
-    let (mut checkpoint, note) = checkpoint::newest(&arguments.directory)
-        .map_err(|error| unusable(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
+    let (mut checkpoint, note) = checkpoint::newest(&arguments.directory, &Alone).map_err(unreadable)?;
     note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
     let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
@@ -60,7 +60,7 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     same.map_err(|mismatch| Failure::Files { message: mismatch.to_string(), help: None })?;
     check_end(&problem, &checkpoint)?;
     settle(&problem, &mut checkpoint, &identity);
-    let snapshot = checkpoint.snapshot.clone();
+    let snapshot = checkpoint.snapshot(&problem.body).map_err(unreadable)?;
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
     let results = Results::resume(&problem, lock, &checkpoint);
@@ -70,6 +70,10 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
         message!(host, "resuming after step {}, t = {}", state.step, number(state.time));
     }
     march((&problem, &arguments.options, host), &mut motion, results, Motion::march_on)
+}
+
+fn unreadable(error: CheckpointError) -> Failure {
+    unusable(error.to_string(), "`emmy run` with its input.toml starts it again")
 }
 
 fn unusable(message: String, help: &str) -> Failure {

@@ -82,6 +82,56 @@ impl Team for Alone {
     fn exchange(&self, _: &'static str, _: &mut [Parcel]) {}
 }
 
+/// The same outcome on all ranks: the error of the lowest rank that has one. `other` turns its message into an error of the
+/// ranks that have none.
+///
+/// ```
+/// use emmy::team::{Team, Threads, agree};
+/// let outcomes = Threads::run(2, |team| {
+///     let own: Result<(), String> = if team.rank() == 1 { Err("no space left".into()) } else { Ok(()) };
+///     agree(&*team, own, |message| message)
+/// });
+/// assert_eq!(outcomes.unwrap()[0], Err("rank 1: no space left".into()));
+/// ```
+///
+/// # Errors
+/// That error.
+pub fn agree<T, E: fmt::Display>(
+    team: &dyn Team,
+    own: Result<T, E>,
+    other: impl FnOnce(String) -> E,
+) -> Result<T, E> {
+    let mut lowest = [own.as_ref().err().map_or(f64::NEG_INFINITY, |_| -(team.rank() as f64))];
+    team.largest("outcome", &mut lowest);
+    if lowest[0] == f64::NEG_INFINITY {
+        return own;
+    }
+    let rank = -lowest[0] as usize;
+    let text = own.as_ref().err().map(E::to_string).unwrap_or_default();
+    let message = text_of(team, rank, &text);
+    own.and_then(|_| Err(other(format!("rank {rank}: {message}"))))
+}
+
+/// The text of one rank on all ranks.
+///
+/// ```
+/// use emmy::team::{Team, Threads, text_of};
+/// let texts = Threads::run(2, |team| text_of(&*team, 1, &format!("of rank {}", team.rank())));
+/// assert_eq!(texts.unwrap(), ["of rank 1"; 2]);
+/// ```
+pub fn text_of(team: &dyn Team, rank: usize, own: &str) -> String {
+    let is_own = team.rank() == rank;
+    let mut length = [if is_own { own.len() as f64 } else { 0.0 }];
+    team.sum("length of a text", &mut length);
+    let mut letters = vec![0.0; length[0] as usize];
+    if is_own {
+        letters.iter_mut().zip(own.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
+    }
+    team.sum("text", &mut letters);
+    let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
 /// The larger of two numbers; NaN exceeds every number.
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Neighbour, Parcel, Team};
+use super::{Neighbour, Parcel, Team, text_of};
 use crate::error::{Error, Result};
 
 /// The part of a body that a rank computes: its numbers in the whole mesh, and calls of all ranks. Own nodes come first, then
@@ -92,6 +92,11 @@ impl Subdomain {
         &self.counts
     }
 
+    /// The ranks with which nodes are exchanged.
+    pub fn neighbours(&self) -> impl Iterator<Item = usize> {
+        self.neighbours.iter().map(|neighbour| neighbour.rank)
+    }
+
     /// Number of this rank.
     pub fn rank(&self) -> usize {
         self.team.rank()
@@ -159,21 +164,6 @@ impl Subdomain {
         }
     }
 
-    /// The text of one rank on all ranks.
-    pub fn text_of(&self, rank: usize, own: &str) -> String {
-        let mut length = [own.len() as f64];
-        self.take_from(rank, "length of a text", &mut length);
-        self.text_from(rank, length[0] as usize, own)
-    }
-
-    fn text_from(&self, rank: usize, length: usize, own: &str) -> String {
-        let mut letters = vec![0.0; length];
-        letters.iter_mut().zip(own.bytes()).for_each(|(letter, byte)| *letter = f64::from(byte));
-        self.take_from(rank, "text", &mut letters);
-        let bytes: Vec<u8> = letters.into_iter().map(|letter| letter as u8).collect();
-        String::from_utf8_lossy(&bytes).into_owned()
-    }
-
     /// Checks that the parts of all ranks are those of one partition of one mesh.
     ///
     /// # Errors
@@ -201,13 +191,13 @@ impl Subdomain {
             Some(Error::NotFiniteAt { what, time, value }) => (NOT_FINITE, [*time, *value], what.clone()),
             error => (0.0, [0.0; 2], error.as_ref().map(Error::to_string).unwrap_or_default()),
         };
-        let mut head = [text.len() as f64, kind, numbers[0], numbers[1]];
+        let mut head = [kind, numbers[0], numbers[1]];
         self.take_from(rank, "error", &mut head);
-        let [length, kind, first, second] = head;
+        let [kind, first, second] = head;
         if kind == INVERTED {
             return Err(Error::Inverted { cell: first as usize, det: second });
         }
-        let message = self.text_from(rank, length as usize, &text);
+        let message = text_of(&*self.team, rank, &text);
         if kind == NOT_FINITE {
             return Err(Error::NotFiniteAt { what: message, time: first, value: second });
         }
