@@ -64,14 +64,8 @@ impl Work {
 
     /// Everything that determines the rest of the motion.
     pub(crate) fn checkpoint(&mut self) -> Checkpoint {
-        Checkpoint {
-            identity: self.identity(),
-            snapshot: self.running.motion().snapshot(),
-            frames: Vec::new(),
-            history_checksum: 0,
-            wall_seconds: 0.0,
-            extremes: Vec::new(),
-        }
+        let identity = self.identity();
+        Checkpoint::of(identity, self.running.motion())
     }
 
     /// Warnings about the steps since the last call.

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use emmy_io::checkpoint;
 use fastrand::Rng;
 
 use crate::attack::{Attack, Cases, Trial};
@@ -32,7 +33,7 @@ fn trial(trial: &mut Trial<'_>) -> Result<(), String> {
     match trial.rng.usize(..8) {
         0..=1 => input(trial),
         2..=5 => mesh(trial),
-        6 => checkpoint(trial),
+        6 => damaged_checkpoint(trial),
         _ => run(trial),
     }
 }
@@ -136,8 +137,8 @@ fn input_with_mesh(extension: &str) -> String {
     )
 }
 
-/// A damaged checkpoint with a valid checksum, so that its content is read.
-fn checkpoint(trial: &mut Trial<'_>) -> Result<(), String> {
+/// A damaged checkpoint with valid checksums, so that its content is read.
+fn damaged_checkpoint(trial: &mut Trial<'_>) -> Result<(), String> {
     let (emmy, rng) = (trial.emmy, &mut trial.rng);
     let format = FORMATS[rng.usize(..2)];
     let own = trial.place.path("run");
@@ -145,10 +146,7 @@ fn checkpoint(trial: &mut Trial<'_>) -> Result<(), String> {
     for name in ["a", "b"] {
         let path = own.join(format!("checkpoint/{name}.checkpoint"));
         let bytes = fs::read(&path).unwrap_or_default();
-        let (content, _) = bytes.split_at(bytes.len().saturating_sub(4));
-        let mut new = damaged(content, rng);
-        new.extend(crc32fast::hash(&new).to_le_bytes());
-        trial.place.write(&path, new);
+        trial.place.write(&path, checkpoint::sealed(damaged(&bytes, rng)));
     }
     let call = emmy.call(trial.place.path(""), ["resume", "run", "--quiet", "--until", "0.7"]);
     let outcome = call.killed_after(MAX_RUN).run();

@@ -19,7 +19,7 @@ const COUNTS: usize = 2;
 const LOGGED_STEP: f64 = 6.0 * 33.0 + 117.0;
 
 /// Bytes of a number in a checkpoint.
-const CHECKPOINT_NUMBER: f64 = 9.0;
+const CHECKPOINT_NUMBER: f64 = 8.0;
 
 /// Bytes of the files of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -27,33 +27,32 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// # Errors
 /// Errors of the system, with the path.
 pub(crate) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
-    replace_by(path, content, |_| Ok(())).map_err(named(path))
+    let part = with_ending(path, PART);
+    let written = File::create(&part).and_then(|mut file| file.write_all(content));
+    if let Err(error) = written {
+        // The disk may be full. If the removal fails too, the first error says more.
+        let _ = fs::remove_file(&part);
+        return Err(named(path)(error));
+    }
+    put(path, false)
 }
 
-/// As [`replace`], and also after a power failure: the content reaches the disk before the name does.
+/// Gives a complete file its name, which it has without [`PART`]; with `is_safe` the name reaches the disk.
 ///
 /// # Errors
 /// Errors of the system, with the path.
-pub(crate) fn replace_durably(path: &Path, content: &[u8]) -> io::Result<()> {
-    replace_by(path, content, File::sync_all).map_err(named(path))?;
+pub(crate) fn put(path: &Path, is_safe: bool) -> io::Result<()> {
+    fs::rename(with_ending(path, PART), path).map_err(named(path))?;
+    if is_safe { sync_folder(path) } else { Ok(()) }
+}
+
+/// Waits until the name of a file is on the disk.
+fn sync_folder(path: &Path) -> io::Result<()> {
     // Only Unix lets a program sync a directory.
     match path.parent().filter(|_| cfg!(unix)) {
         Some(folder) => File::open(folder).and_then(|folder| folder.sync_all()).map_err(named(folder)),
         None => Ok(()),
     }
-}
-
-fn replace_by(path: &Path, content: &[u8], finish: impl Fn(&File) -> io::Result<()>) -> io::Result<()> {
-    let part = with_ending(path, PART);
-    let mut file = File::create(&part)?;
-    let written = file.write_all(content).and_then(|()| finish(&file));
-    drop(file);
-    if let Err(error) = written {
-        // The disk may be full. If the removal fails too, the first error says more.
-        let _ = fs::remove_file(&part);
-        return Err(error);
-    }
-    fs::rename(&part, path)
 }
 
 /// Removes a file if it exists.

@@ -8,6 +8,7 @@ pub mod average {
 
 /// Assembly, and the table of models.
 pub mod body {
+    pub use crate::body::entries::Entries;
     pub use crate::body::invariants::sum;
     pub use crate::body::models::{MODELS, RegionModel};
     pub use crate::body::step::{StepDamping, StepInput};

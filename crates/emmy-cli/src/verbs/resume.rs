@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use emmy::motion::Motion;
-use emmy_io::checkpoint::{self, Checkpoint, Identity};
+use emmy::team::{Alone, Team};
+use emmy_io::checkpoint::{self, Checkpoint, CheckpointError, Identity};
 use emmy_io::directory::Lock;
 use emmy_io::input::{Overrides, Problem};
 use emmy_io::results::Results;
@@ -43,11 +44,14 @@ pub(super) fn run(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure>
 
 /// Resumes the run in the calling thread.
 fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
-    let (lock, mut checkpoint) = agreed(host, open(arguments, host))?;
+    let lock = agreed(host, lock(arguments, host))?;
+    let team = host.team().map_or(&Alone as &dyn Team, |team| &**team);
+    let (mut checkpoint, note) = checkpoint::newest(&arguments.directory, team).map_err(unreadable)?;
+    note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
     let problem = problem(arguments, &checkpoint, host)?;
     run::check(&problem, &arguments.options)?;
     agreed(host, fit(&problem, &mut checkpoint))?;
-    let snapshot = checkpoint.snapshot.clone();
+    let snapshot = checkpoint.snapshot(&problem.body).map_err(unreadable)?;
     let mut motion = Motion::resumed(&problem.body, problem.scheme, problem.newton, snapshot)?;
     motion.allow_cuts(problem.smallest_step);
     let results = Results::resume(&problem, lock, &checkpoint);
@@ -59,19 +63,18 @@ fn run_here(arguments: &Arguments, host: &dyn Host) -> Result<(), Failure> {
     march((&problem, &arguments.options, host), &mut motion, results, Motion::march_on)
 }
 
-/// The newest checkpoint of the run, and on rank 0 the lock of its directory.
-fn open(arguments: &Arguments, host: &dyn Host) -> Result<(Option<Lock>, Checkpoint), Failure> {
+/// The lock of the directory of a run, on rank 0.
+fn lock(arguments: &Arguments, host: &dyn Host) -> Result<Option<Lock>, Failure> {
+    if !is_first(host) {
+        return Ok(None);
+    }
     if !arguments.directory.join("input.toml").is_file() {
         return Err(unusable(
             format!("{} holds no run of Emmy: there is no input.toml", arguments.directory.display()),
             "name the output directory of a run",
         ));
     }
-    let lock = is_first(host).then(|| Lock::take(&arguments.directory)).transpose()?;
-    let (checkpoint, note) = checkpoint::newest(&arguments.directory)
-        .map_err(|error| unusable(error.to_string(), "`emmy run` with its input.toml starts it again"))?;
-    note.into_iter().for_each(|note| message!(host, "note: {note}; the other checkpoint is used"));
-    Ok((lock, checkpoint))
+    Ok(Some(Lock::take(&arguments.directory)?))
 }
 
 /// Checks that a checkpoint is one of the problem, and fits it to its plan.
@@ -82,6 +85,10 @@ fn fit(problem: &Problem, checkpoint: &mut Checkpoint) -> Result<(), Failure> {
     check_end(problem, checkpoint)?;
     settle(problem, checkpoint, &identity);
     Ok(())
+}
+
+fn unreadable(error: CheckpointError) -> Failure {
+    unusable(error.to_string(), "`emmy run` with its input.toml starts it again")
 }
 
 fn unusable(message: String, help: &str) -> Failure {

@@ -22,7 +22,7 @@ fn checkpoints_of_another_format_are_rejected_with_both_versions() {
         let before = place.read("out/history.csv");
         let outcome = place.emmy(&["resume", "out", "--until", "0.5"]);
         assert_eq!(outcome.code, 2);
-        for part in [words, &format!("Emmy {} reads format 3 only", env!("CARGO_PKG_VERSION"))] {
+        for part in [words, &format!("Emmy {} reads format 4 only", env!("CARGO_PKG_VERSION"))] {
             assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
         }
         assert_eq!(place.read("out/history.csv"), before);

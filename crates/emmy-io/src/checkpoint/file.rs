@@ -2,24 +2,37 @@
 //!
 //! | part | content |
 //! |---|---|
-//! | header | `emmy checkpoint 3, Emmy 0.1.0` and a line feed: the format, and the version of Emmy that wrote the file |
-//! | content | a [`Checkpoint`] as MessagePack, every field with its name |
-//! | checksum | CRC-32 of header and content, 4 bytes, the lowest first |
+//! | header | `emmy checkpoint 4, Emmy 0.1.0` and a line feed: the format, and the version of Emmy that wrote the file |
+//! | length of the head | 8 bytes |
+//! | head | a [`Checkpoint`] without the numbers of nodes and cells, and the table of the blocks, as MessagePack, every field with its name |
+//! | checksum | CRC-32 of all bytes before |
+//! | blocks | the numbers of nodes and cells: [`super::blocks`] |
+//!
+//! Integers have the lowest byte first.
 
-use std::io;
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::Path;
 
 use emmy::motion::State;
+use emmy::team::{self, Team};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::Checkpoint;
+use super::blocks::{Part, Table};
 use crate::stored;
+use crate::whole_file::{PART, named, put, with_ending};
 
 /// Number of the format; a file of any other format is rejected.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 
 const MARK: &str = "emmy checkpoint ";
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 const DAMAGED: &str = "is damaged";
+
+/// Longest header.
+const MAX_HEADER: u64 = 200;
 
 /// Larger counts are not plausible.
 const LARGEST_COUNT: u64 = 1 << 40;
@@ -27,35 +40,139 @@ const LARGEST_COUNT: u64 = 1 << 40;
 /// Steps are not halved more often: the number of parts would overflow.
 const MAX_HALVINGS: u32 = 60;
 
-/// The bytes of the file.
-///
-/// # Errors
-/// None in practice: every checkpoint can be written.
-pub(super) fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
-    let n_numbers = 4 * checkpoint.snapshot.state.displacement.len();
-    let mut bytes = Vec::with_capacity(18 * n_numbers + 65_536);
-    bytes.extend(format!("{MARK}{FORMAT}, Emmy {VERSION}\n").as_bytes());
-    stored::append(&mut bytes, 0, checkpoint)?;
+/// A checkpoint without the numbers of nodes and cells, and the table of its blocks.
+#[derive(Serialize, Deserialize)]
+struct Head<C> {
+    checkpoint: C,
+    table: Table,
+}
+
+/// The bytes before the blocks.
+fn head(checkpoint: &Checkpoint, table: Table) -> io::Result<Vec<u8>> {
+    let content = rmp_serde::to_vec_named(&Head { checkpoint, table }).map_err(io::Error::other)?;
+    let mut bytes = format!("{MARK}{FORMAT}, Emmy {VERSION}\n").into_bytes();
+    bytes.extend((content.len() as u64).to_le_bytes());
+    bytes.extend(content);
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     Ok(bytes)
 }
 
-/// Reads the bytes of a file.
+/// The bytes of the file with the lists of one rank that has all of them.
+///
+/// # Errors
+/// None in practice: every checkpoint can be written.
+pub(super) fn bytes(checkpoint: &Checkpoint, mut part: Part) -> io::Result<Vec<u8>> {
+    let mut bytes = head(checkpoint, part.table(&team::Alone))?;
+    part.write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Writes the file with the lists of all ranks, each its own, and syncs it if `is_safe`; a call of all ranks.
+///
+/// # Errors
+/// Errors of the system on any rank, with the path; the file before is then still there.
+pub(super) fn write(
+    path: &Path,
+    checkpoint: &Checkpoint,
+    mut part: Part,
+    team: &dyn Team,
+    is_safe: bool,
+) -> io::Result<()> {
+    let unfinished = with_ending(path, PART);
+    let is_first = team.rank() == 0;
+    let mut table = part.table(team);
+    let create = || {
+        let head = head(checkpoint, table.clone())?;
+        let mut file = File::create(&unfinished)?;
+        file.write_all(&head)?;
+        Ok((file, head.len()))
+    };
+    let created = agree(team, is_first.then(create).transpose());
+    let written = created.and_then(|created| {
+        let mut start = [created.as_ref().map_or(0.0, |(_, length)| *length as f64)];
+        team.sum("length of the head", &mut start);
+        table.start = start[0] as u64;
+        let write = || {
+            let mut file = match created {
+                Some((file, _)) => file,
+                None => OpenOptions::new().write(true).open(&unfinished)?,
+            };
+            let place = table.offset(team.rank()).ok_or_else(|| io::Error::from(ErrorKind::FileTooLarge))?;
+            file.seek(SeekFrom::Start(place))?;
+            part.write(&mut file)?;
+            if is_safe { file.sync_all() } else { Ok(()) }
+        };
+        agree(team, write())
+    });
+    if is_first && written.is_err() {
+        // The disk may be full. If the removal fails too, the first error says more.
+        let _ = std::fs::remove_file(&unfinished);
+    }
+    written.map_err(named(path))?;
+    agree(team, if is_first { put(path, is_safe) } else { Ok(()) })
+}
+
+/// The same outcome on all ranks.
+pub(super) fn agree<T>(team: &dyn Team, own: io::Result<T>) -> io::Result<T> {
+    team::agree(team, own, io::Error::other)
+}
+
+/// A checkpoint from its file, without the numbers of nodes and cells, and the table of its blocks.
 ///
 /// # Errors
 /// Why the file cannot be used, as the predicate of a sentence about it.
-pub(super) fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
-    let content = content(bytes)?;
-    let checkpoint = rmp_serde::from_slice(content)
-        .map_err(|error| format!("does not have the content of checkpoint format {FORMAT} ({error})"))?;
-    check(&checkpoint)?;
-    Ok(checkpoint)
-}
-
-/// The part between header and checksum.
-fn content(bytes: &[u8]) -> Result<&[u8], String> {
+pub(super) fn read(input: &mut (impl Read + Seek)) -> Result<(Checkpoint, Table), String> {
+    let bytes = start(input).map_err(|error| error.to_string())?;
     let rest = bytes.strip_prefix(MARK.as_bytes()).ok_or("is not a checkpoint")?;
     let end = rest.iter().position(|&byte| byte == b'\n').ok_or(DAMAGED)?;
-    let header = str::from_utf8(&rest[..end]).map_err(|_| DAMAGED)?;
+    check_format(&rest[..end])?;
+    let before_sum = stored::verified(&bytes).ok_or(DAMAGED)?;
+    let content = before_sum.get(MARK.len() + end + 1 + 8..).ok_or(DAMAGED)?;
+    let Head { checkpoint, mut table } = rmp_serde::from_slice(content)
+        .map_err(|error| format!("does not have the content of checkpoint format {FORMAT} ({error})"))?;
+    table.start = bytes.len() as u64;
+    let length = input.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
+    if !table.fits(length) {
+        return Err(DAMAGED.to_string());
+    }
+    check(&checkpoint)?;
+    Ok((checkpoint, table))
+}
+
+/// The bytes before the blocks, as far as they are there.
+fn start(input: &mut (impl Read + Seek)) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    input.seek(SeekFrom::Start(0))?;
+    input.by_ref().take(MAX_HEADER).read_to_end(&mut bytes)?;
+    let length = head_length(&bytes).unwrap_or(bytes.len());
+    input.seek(SeekFrom::Start(0))?;
+    bytes.clear();
+    input.by_ref().take(length as u64).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Number of bytes before the blocks, from the first of them.
+fn head_length(bytes: &[u8]) -> Option<usize> {
+    let place = bytes.iter().position(|&byte| byte == b'\n')? + 1;
+    let length = u64::from_le_bytes(*bytes.get(place..)?.first_chunk()?);
+    (place + 8 + 4).checked_add(usize::try_from(length).ok()?)
+}
+
+/// The bytes of a file of one block with right checksums, whatever else is damaged: for tests of the content.
+pub(super) fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let (start, end) = (head_length(&bytes).unwrap_or(0), bytes.len());
+    for (from, end) in [(0, start), (start, end)] {
+        if end <= bytes.len() && from + 4 <= end {
+            let sum = crc32fast::hash(&bytes[from..end - 4]);
+            bytes[end - 4..end].copy_from_slice(&sum.to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// Rejects a header of another format.
+fn check_format(header: &[u8]) -> Result<(), String> {
+    let header = str::from_utf8(header).map_err(|_| DAMAGED)?;
     let (format, writer) =
         header.split_once(", ").unwrap_or((header, "a development version before Emmy 0.1.0"));
     if format.parse() != Ok(FORMAT) && is_header(format, writer) {
@@ -63,8 +180,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], String> {
             "has checkpoint format {format}, which {writer} reads; Emmy {VERSION} reads format {FORMAT} only"
         ));
     }
-    let before_sum = stored::verified(bytes).ok_or(DAMAGED)?;
-    before_sum.get(MARK.len() + end + 1..).ok_or_else(|| DAMAGED.into())
+    Ok(())
 }
 
 /// Whether a header can be quoted.
@@ -116,19 +232,35 @@ fn largest_count(value: &Value) -> u64 {
 mod tests {
     use emmy::internals::time::Memory;
     use emmy::motion::{Extreme, Snapshot};
+    use emmy::prelude::*;
 
     use super::*;
-    use crate::checkpoint::Identity;
+    use crate::checkpoint::{self, Identity};
     use crate::vtk::FrameTime;
 
-    /// A checkpoint with one field in x, and numbers that text formats lose.
+    fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
+        checkpoint::bytes(checkpoint)
+    }
+
+    fn read(bytes: &[u8]) -> Result<Checkpoint, String> {
+        checkpoint::parse(bytes)
+    }
+
+    /// A checkpoint of a cell with a displacement x of a node, and numbers that text formats lose.
     fn checkpoint(x: f64) -> Checkpoint {
+        let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0);
+        let body = Body::builder(mesh::block([1.0; 3], [1; 3]).unwrap()).region(rubber).build().unwrap();
+        let motion = Motion::new(&body, TimeElement::discrete_gradient(1).unwrap()).unwrap();
+        let identity =
+            Identity { input: "title = \"ä\"\n".into(), mesh: String::new(), tables: String::new() };
+        let whole = Checkpoint::of(identity, &motion);
+        let nodal = |first: [f64; 3]| [&first[..], &[0.25; 21]].concat();
         let state = State {
-            displacement: vec![0.0, x, -0.0],
-            velocity: vec![1e-300],
-            displacement_low: vec![-1e-17],
+            displacement: nodal([0.0, x, -0.0]),
+            velocity: nodal([1e-300, 0.0, 1.0]),
+            displacement_low: nodal([-1e-17, 0.0, 0.0]),
             momentum_error: [1e-20, -0.0, 5e-324],
-            ..Default::default()
+            ..motion.state().clone()
         };
         let mut snapshot = Snapshot { state, ..Default::default() };
         snapshot.record.smallest_determinant = f64::INFINITY;
@@ -136,19 +268,11 @@ mod tests {
         snapshot.statistics.worst_energy_residual = Extreme { value: f64::NAN, step: 7 };
         let mut memory = Memory::default();
         memory.keep_word("solver", "direct");
+        memory.keep_number("step", 0.1);
+        memory.keep_nodal("rates", &[0.5; 48]);
         snapshot.memory = Some(memory);
-        Checkpoint {
-            identity: Identity {
-                input: "title = \"ä\"\n".into(),
-                mesh: String::new(),
-                tables: String::new(),
-            },
-            snapshot,
-            frames: vec![FrameTime { step: 3, time: 0.5 }],
-            history_checksum: 0xdead_beef,
-            wall_seconds: 1.0,
-            extremes: Vec::new(),
-        }
+        let frames = vec![FrameTime { step: 3, time: 0.5 }];
+        Checkpoint { snapshot, frames, history_checksum: 0xdead_beef, wall_seconds: 1.0, ..whole }
     }
 
     #[test]
@@ -181,11 +305,11 @@ mod tests {
         assert_eq!(
             error,
             format!(
-                "has checkpoint format 2, which a development version before Emmy 0.1.0 reads; Emmy {VERSION} reads format 3 only"
+                "has checkpoint format 2, which a development version before Emmy 0.1.0 reads; Emmy {VERSION} reads format 4 only"
             )
         );
-        let error = read(b"emmy checkpoint 4, Emmy 0.2.0\n").unwrap_err();
-        assert!(error.contains("format 4, which Emmy 0.2.0 reads"), "{error}");
+        let error = read(b"emmy checkpoint 5, Emmy 0.2.0\n").unwrap_err();
+        assert!(error.contains("format 5, which Emmy 0.2.0 reads"), "{error}");
         assert_eq!(read(b"emmy reference 1\n").unwrap_err(), "is not a checkpoint");
     }
 
@@ -212,6 +336,7 @@ mod tests {
             (|snapshot| snapshot.state.step = usize::MAX) as fn(&mut Snapshot),
             |snapshot| snapshot.statistics.cuts = usize::MAX,
             |snapshot| snapshot.subdivision.substep = u64::MAX,
+            |snapshot| snapshot.releases = usize::MAX,
         ] {
             assert!(rejected(change).contains("no run reaches"));
         }

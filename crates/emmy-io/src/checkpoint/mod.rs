@@ -3,21 +3,29 @@
 //! There are two files, `checkpoint/a.checkpoint` and `checkpoint/b.checkpoint`. One of them has been synced to the
 //! disk; the next checkpoint replaces the other. Syncing takes as long as a hundred steps of a small body, so it is
 //! done at most once a second; then the files change roles. [`newest`] takes the later one that is complete.
+//!
+//! A checkpoint has the same format from any number of ranks, and any number of ranks can read it. Each rank writes and reads
+//! the numbers of its own part of the body, so none holds the state of the whole body.
 
+mod blocks;
 mod file;
 pub(crate) mod identity;
 
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, BufReader, Cursor, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use emmy::motion::{Motion, Snapshot};
+use emmy::body::Body;
+use emmy::motion::{Motion, Snapshot, State};
+use emmy::team::{self, Alone, Team};
 use serde::{Deserialize, Serialize};
 
 use crate::history::Extreme;
 use crate::input::Problem;
 use crate::vtk::FrameTime;
-use crate::whole_file::{PART, named, names, remove, replace, replace_durably};
+use crate::whole_file::{PART, named, names, remove};
+use blocks::{Part, Runs, Table};
 pub(crate) use identity::digest;
 pub use identity::{Identity, Mismatch};
 
@@ -35,7 +43,8 @@ const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 pub struct Checkpoint {
     /// The run that it belongs to.
     pub identity: Identity,
-    /// The motion.
+    /// The motion. Of a checkpoint from [`newest`] without the numbers of nodes and cells, which [`Checkpoint::snapshot`]
+    /// reads.
     pub snapshot: Snapshot,
     /// Frames written so far.
     pub frames: Vec<FrameTime>,
@@ -46,6 +55,101 @@ pub struct Checkpoint {
     /// Largest values of fields so far.
     #[serde(default)]
     pub extremes: Vec<Extreme>,
+    #[serde(skip)]
+    lists: Lists,
+}
+
+/// Where the numbers of nodes and cells are.
+#[derive(Debug, Clone, PartialEq)]
+enum Lists {
+    /// In the snapshot, with these entries of the whole body.
+    Here(Runs),
+    /// In a file.
+    In(PathBuf, Table),
+}
+
+impl Default for Lists {
+    fn default() -> Self {
+        Lists::Here(Runs::default())
+    }
+}
+
+impl Checkpoint {
+    /// A checkpoint of a motion without files, on one rank.
+    pub fn of(identity: Identity, motion: &Motion<'_>) -> Self {
+        Checkpoint {
+            identity,
+            snapshot: motion.snapshot(),
+            frames: Vec::new(),
+            history_checksum: 0,
+            wall_seconds: 0.0,
+            extremes: Vec::new(),
+            lists: Lists::Here(Runs::counted(motion.body())),
+        }
+    }
+
+    /// The snapshot with the numbers of the nodes and cells of a body; on a team, of this rank's part. A call of all ranks.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Damaged`], on all ranks; also if the checkpoint is of another body.
+    pub fn snapshot(&self, body: &Body) -> Result<Snapshot, CheckpointError> {
+        self.read_for(body, &Runs::needed(body), self.snapshot.clone())
+    }
+
+    /// The state at the nodes of a body, as [`Checkpoint::snapshot`]; at those of its mesh alone if the checkpoint has other
+    /// incompatible modes.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Damaged`], on all ranks; also if the checkpoint is of another mesh.
+    pub fn state(&self, body: &Body) -> Result<State, CheckpointError> {
+        let start = || Snapshot { memory: None, control: None, ..self.snapshot.clone() };
+        let read = self
+            .read_for(body, &Runs::needed_of_nodes(body), start())
+            .or_else(|_| self.read_for(body, &Runs::needed_of_mesh(body), start()));
+        read.map(|snapshot| snapshot.state)
+    }
+
+    /// Reads the lists of a snapshot for a body.
+    fn read_for(
+        &self,
+        body: &Body,
+        needed: &Runs,
+        mut snapshot: Snapshot,
+    ) -> Result<Snapshot, CheckpointError> {
+        let own = match &self.lists {
+            Lists::Here(_) => Ok(()),
+            Lists::In(path, table) => {
+                read(path, |input| table.fill_for(body, needed.clone(), input, &mut snapshot))
+            }
+        };
+        let agreed = team::agree(team_of(body), own, |reason| reason);
+        agreed.map(|()| snapshot).map_err(|reasons| CheckpointError::Damaged { reasons })
+    }
+
+    /// The checkpoint with the numbers of all nodes and cells of the whole body.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Damaged`].
+    pub fn complete(&self) -> Result<Checkpoint, CheckpointError> {
+        let mut whole = self.clone();
+        if let Lists::In(path, table) = &self.lists {
+            let runs = read(path, |input| table.fill_whole(input, &mut whole.snapshot));
+            whole.lists = Lists::Here(runs.map_err(|reasons| CheckpointError::Damaged { reasons })?);
+        }
+        Ok(whole)
+    }
+}
+
+/// Reads from a file; errors begin with its path.
+fn read<T>(path: &Path, work: impl FnOnce(&mut BufReader<File>) -> Result<T, String>) -> Result<T, String> {
+    let opened = File::open(path).map_err(|error| error.to_string());
+    let done = opened.and_then(|file| work(&mut BufReader::new(file)));
+    done.map_err(|reason| format!("{} {reason}", path.display()))
+}
+
+/// The team of a body.
+fn team_of(body: &Body) -> &dyn Team {
+    body.subdomain().map_or(&Alone, |part| &**part.team())
 }
 
 /// Why there is no checkpoint to resume from.
@@ -67,20 +171,22 @@ pub enum CheckpointError {
     },
 }
 
-/// The newest usable checkpoint of a run, and why the other one cannot be used, if so.
+/// The newest usable checkpoint of a run, and why the other one cannot be used, if so: a call of all ranks of a team, which
+/// check the files together.
 ///
 /// # Errors
-/// [`CheckpointError`] if none can be used.
-pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), CheckpointError> {
+/// [`CheckpointError`] if none can be used, on all ranks.
+pub fn newest(directory: &Path, team: &dyn Team) -> Result<(Checkpoint, Option<String>), CheckpointError> {
     let folder = directory.join(DIRECTORY);
     let (mut whole, mut reasons): (Vec<Checkpoint>, Vec<String>) = (Vec::new(), Vec::new());
     for path in FILES.map(|name| folder.join(name)) {
-        let bytes = match std::fs::read(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-            Err(error) => Err(error.to_string()),
-            Ok(bytes) => Ok(bytes),
-        };
-        match bytes.and_then(|bytes| file::read(&bytes)) {
+        let is_absent = matches!(fs::metadata(&path), Err(error) if error.kind() == ErrorKind::NotFound);
+        let mut is_there = [f64::from(u8::from(team.rank() == 0 && !is_absent))];
+        team.sum("presence of a checkpoint", &mut is_there);
+        if is_there == [0.0] {
+            continue;
+        }
+        match open(&path, team) {
             Ok(checkpoint) => whole.push(checkpoint),
             Err(reason) => reasons.push(format!("{} {reason}", path.display())),
         }
@@ -93,20 +199,55 @@ pub fn newest(directory: &Path) -> Result<(Checkpoint, Option<String>), Checkpoi
     }
 }
 
-/// A checkpoint from the bytes of its file.
+/// The checkpoint of a file, of which each rank of a team checks some blocks.
+///
+/// # Errors
+/// The predicate of a sentence about the file, on all ranks.
+fn open(path: &Path, team: &dyn Team) -> Result<Checkpoint, String> {
+    let own = || {
+        let mut input = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
+        let (checkpoint, table) = file::read(&mut input)?;
+        table.verify(&mut input, team)?;
+        Ok(Checkpoint { lists: Lists::In(path.to_path_buf(), table), ..checkpoint })
+    };
+    let checkpoint: Checkpoint = team::agree(team, own(), |reason| reason)?;
+    // A rank may still see a file that another program has replaced.
+    let step = checkpoint.snapshot.state.step as f64;
+    let mut bounds = [step, -step];
+    team.largest("step of a checkpoint", &mut bounds);
+    match bounds == [step, -step] {
+        true => Ok(checkpoint),
+        false => Err("is another file on another rank".to_string()),
+    }
+}
+
+/// A checkpoint from the bytes of its file, with all numbers.
 ///
 /// # Errors
 /// Why they cannot be used, as the predicate of a sentence about the file.
 pub fn parse(bytes: &[u8]) -> Result<Checkpoint, String> {
-    file::read(bytes)
+    let mut input = Cursor::new(bytes);
+    let (mut checkpoint, table) = file::read(&mut input)?;
+    table.verify(&mut input, &Alone)?;
+    let runs = table.fill_whole(&mut input, &mut checkpoint.snapshot)?;
+    Ok(Checkpoint { lists: Lists::Here(runs), ..checkpoint })
 }
 
-/// The bytes of a checkpoint, as in its file.
+/// The bytes of a checkpoint of one rank, as in its file; of one from [`newest`] those of [`Checkpoint::complete`].
 ///
 /// # Errors
-/// None in practice: every checkpoint can be written.
+/// Errors of the system, if numbers are to be read from a file.
 pub fn bytes(checkpoint: &Checkpoint) -> io::Result<Vec<u8>> {
-    file::bytes(checkpoint)
+    let mut whole = checkpoint.complete().map_err(io::Error::other)?;
+    let Lists::Here(runs) = std::mem::take(&mut whole.lists) else { unreachable!("a complete checkpoint") };
+    let part = Part::take_whole(&mut whole.snapshot, &runs);
+    file::bytes(&whole, part)
+}
+
+/// The bytes of a file of one rank with right checksums, whatever else is damaged: for tests of the content.
+#[doc(hidden)]
+pub fn sealed(bytes: Vec<u8>) -> Vec<u8> {
+    file::sealed(bytes)
 }
 
 /// Removes the checkpoints in a folder, and the folder if it is then empty.
@@ -118,7 +259,7 @@ pub(crate) fn remove_all(folder: &Path) -> io::Result<()> {
         remove(&folder.join(name))?;
         remove(&folder.join(format!("{name}{PART}")))?;
     }
-    if names(folder)?.is_empty() { std::fs::remove_dir(folder) } else { Ok(()) }
+    if names(folder)?.is_empty() { fs::remove_dir(folder) } else { Ok(()) }
 }
 
 /// State of the files of a run.
@@ -148,28 +289,27 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Checkpoints of a problem in its directory; `after`: the checkpoint that it resumes from.
+    /// Checkpoints of a problem in its directory; `after`: the checkpoint that it resumes from. On a team a call of all ranks.
     ///
     /// # Errors
-    /// Errors of the system.
+    /// Errors of the system, on all ranks.
     pub fn new(problem: &Problem, after: Option<&Checkpoint>) -> io::Result<Self> {
         let folder = problem.output.directory.join(DIRECTORY);
-        std::fs::create_dir_all(&folder).map_err(named(&folder))?;
-        for name in FILES {
-            // A killed run may have left an unfinished checkpoint.
-            remove(&folder.join(format!("{name}{PART}"))).map_err(named(&folder))?;
-        }
-        let last_step = after.map(|checkpoint| checkpoint.snapshot.state.step);
-        let is_kept = |name: &&str| {
-            let step = std::fs::read(folder.join(name)).ok().and_then(|bytes| file::read(&bytes).ok());
-            step.map(|checkpoint| checkpoint.snapshot.state.step) == last_step
-        };
+        let team = team_of(&problem.body);
+        let own = if team.rank() == 0 { prepare(&folder) } else { Ok(()) };
+        file::agree(team, own)?;
         // The checkpoint that the run resumes from stays until the other one is complete.
-        let safe = match last_step {
-            Some(_) => FILES.iter().position(is_kept).unwrap_or(1),
-            None => 1,
+        let is_kept = |name: &&str| match after.map(|checkpoint| &checkpoint.lists) {
+            Some(Lists::In(path, _)) => path.file_name().is_some_and(|kept| kept == *name),
+            _ => false,
         };
-        Ok(Checkpoints { identity: Identity::new(problem), folder, safe, synced: None, last_step })
+        Ok(Checkpoints {
+            identity: Identity::new(problem),
+            safe: FILES.iter().position(is_kept).unwrap_or(1),
+            folder,
+            synced: None,
+            last_step: after.map(|checkpoint| checkpoint.snapshot.state.step),
+        })
     }
 
     /// Whether the next checkpoint should be synced. The history must be synced before it.
@@ -178,33 +318,45 @@ impl Checkpoints {
     }
 
     /// Writes a checkpoint of a motion, once a step, and synced if `is_safe`. A state that is not finite is not
-    /// written, since nothing could resume from it.
+    /// written, since nothing could resume from it. On a team a call of all ranks with the same `is_safe`; `progress` is that
+    /// of rank 0.
     ///
     /// # Errors
-    /// Errors of the system; the checkpoint before is then still there.
+    /// Errors of the system, on all ranks; the checkpoint before is then still there.
     pub fn write(&mut self, motion: &Motion<'_>, progress: Progress<'_>, is_safe: bool) -> io::Result<()> {
         let step = motion.state().step;
-        if self.last_step == Some(step) || !file::is_finite(motion.state()) {
+        let team = team_of(motion.body());
+        if self.last_step == Some(step) {
             return Ok(());
         }
+        let mut is_broken = [f64::from(u8::from(!file::is_finite(motion.state())))];
+        team.largest("state that is not finite", &mut is_broken);
+        if is_broken != [0.0] {
+            return Ok(());
+        }
+        let mut snapshot = motion.snapshot();
+        let part = Part::take(&mut snapshot, motion.body());
         let checkpoint = Checkpoint {
             identity: self.identity.clone(),
-            snapshot: motion.snapshot(),
+            snapshot,
             frames: progress.frames.to_vec(),
             history_checksum: progress.history_checksum,
             wall_seconds: progress.wall_seconds,
             extremes: progress.extremes.to_vec(),
+            lists: Lists::default(),
         };
         let other = 1 - self.safe;
-        let path = self.folder.join(FILES[other]);
-        let bytes = file::bytes(&checkpoint)?;
+        file::write(&self.folder.join(FILES[other]), &checkpoint, part, team, is_safe)?;
         if is_safe {
-            replace_durably(&path, &bytes)?;
             (self.safe, self.synced) = (other, Some(Instant::now()));
-        } else {
-            replace(&path, &bytes)?;
         }
         self.last_step = Some(step);
         Ok(())
     }
+}
+
+/// Creates the folder. A killed run may have left an unfinished checkpoint.
+fn prepare(folder: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder).map_err(named(folder))?;
+    FILES.iter().try_for_each(|name| remove(&folder.join(format!("{name}{PART}"))).map_err(named(folder)))
 }

@@ -6,12 +6,13 @@ use emmy::equilibrium::Equilibrium;
 use emmy::internals::number::{short, short_below};
 use emmy::internals::time::CentralDifferences;
 use emmy::motion::{MarchError, Motion, Observer, State};
+use emmy::team::{Alone, Team};
 use emmy::time::Scheme;
 
 use super::Problem;
 use super::fault::{Fault, InputError, Place};
 use super::table::Table;
-use crate::checkpoint;
+use crate::checkpoint::{self, CheckpointError};
 
 /// The state from which a motion starts.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,8 +164,9 @@ impl Problem {
             let reason = "it is the output directory of this run, which would replace it; give another `output.directory`";
             return Err(StartError::Run(reason.to_string()));
         }
-        let (checkpoint, damaged) =
-            checkpoint::newest(directory).map_err(|error| StartError::Run(error.to_string()))?;
+        let unusable = |error: CheckpointError| StartError::Run(error.to_string());
+        let team: &dyn Team = self.body.subdomain().map_or(&Alone, |part| &**part.team());
+        let (checkpoint, damaged) = checkpoint::newest(directory, team).map_err(unusable)?;
         // The other checkpoint may be older.
         if let Some(reasons) = damaged {
             return Err(StartError::Run(format!("the last state is not certain: {reasons}")));
@@ -176,7 +178,7 @@ impl Problem {
                 directory.display()
             )));
         }
-        Ok(checkpoint.snapshot.state.transferred(&self.body, self.plan.start())?)
+        Ok(checkpoint.state(&self.body).map_err(unusable)?.transferred(&self.body, self.plan.start())?)
     }
 }
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use emmy::motion::{Motion, State};
+use emmy_io::checkpoint;
 use emmy_io::input::{self, Overrides};
 use emmy_io::results::Results;
 use emmy_io::summary::Status;
@@ -40,11 +41,10 @@ fn checkpoints() {
         write_seeds();
     }
     for file in corpus("checkpoint") {
-        // The corpus has no checksums: the fuzz target adds them.
-        let mut bytes = fs::read(&file).unwrap();
-        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        // The fuzz target sets the checksums of the corpus.
+        let bytes = checkpoint::sealed(fs::read(&file).unwrap());
         let is_seed = SEEDS.iter().any(|(name, _)| file.ends_with(name));
-        match emmy_io::checkpoint::parse(&bytes) {
+        match checkpoint::parse(&bytes) {
             Ok(checkpoint) => {
                 assert_eq!(checkpoint.snapshot.state.displacement.len(), 24, "{}", file.display())
             }
@@ -69,12 +69,12 @@ fn write_seeds() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/checkpoint");
     fs::create_dir_all(&folder).unwrap();
     for (name, tables) in SEEDS {
-        fs::write(folder.join(name), checkpoint(tables)).unwrap();
+        fs::write(folder.join(name), seed(tables)).unwrap();
     }
 }
 
-/// The last checkpoint of a run, without its checksum.
-fn checkpoint(tables: &str) -> Vec<u8> {
+/// The last checkpoint of a run.
+fn seed(tables: &str) -> Vec<u8> {
     // A relative path, because the checkpoint contains the directory.
     let folder = Path::new("seed-of-a-checkpoint");
     fs::create_dir_all(folder).unwrap();
@@ -91,11 +91,10 @@ fn checkpoint(tables: &str) -> Vec<u8> {
     motion.march(&problem.plan, &mut [&mut results]).unwrap();
     assert!(results.finish(&motion, Status::Done, None).error.is_none());
     let checkpoints = folder.join("cell/checkpoint");
-    let mut bytes = fs::read(checkpoints.join("b.checkpoint"))
+    let bytes = fs::read(checkpoints.join("b.checkpoint"))
         .or_else(|_| fs::read(checkpoints.join("a.checkpoint")))
         .unwrap();
     fs::remove_dir_all(folder).unwrap();
-    bytes.truncate(bytes.len() - 4);
     bytes
 }
 

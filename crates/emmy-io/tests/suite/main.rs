@@ -2,6 +2,7 @@
 //! them.
 
 mod body_force;
+mod checkpoints;
 mod flights;
 mod frames;
 mod fuzz_corpus;

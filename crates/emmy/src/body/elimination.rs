@@ -42,7 +42,7 @@ impl Body {
         self.pressure_cells().map(|cells| cells.n_pressures()).sum()
     }
 
-    fn pressure_cells(&self) -> impl Iterator<Item = PressureCells<'_>> {
+    pub(super) fn pressure_cells(&self) -> impl Iterator<Item = PressureCells<'_>> {
         self.terms.iter().filter_map(|term| term.pressure_cells())
     }
 
@@ -66,7 +66,7 @@ impl Body {
         k: usize,
     ) -> impl Iterator<Item = Function<'a>> {
         self.pressure_cells().flat_map(move |cells| {
-            let PressureCells { nodes, n_nodes, numbers } = cells;
+            let PressureCells { nodes, n_nodes, numbers, .. } = cells;
             let size = 3 * n_nodes * n;
             let results = assembly.pressure_results(numbers.term).zip(&numbers.kept);
             results.flat_map(move |(results, kept)| {

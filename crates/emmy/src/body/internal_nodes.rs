@@ -48,6 +48,11 @@ impl InternalNodes {
         self.first + self.cells.len()
     }
 
+    /// Cell of each internal node, ascending.
+    pub(super) fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
     /// Their degrees of freedom.
     pub(crate) fn dofs(&self) -> Range<usize> {
         3 * self.first..3 * self.n_all()

@@ -7,6 +7,7 @@ mod builder;
 mod drive;
 mod driven;
 mod elimination;
+pub(crate) mod entries;
 mod facets;
 mod field;
 mod field_load;
@@ -45,6 +46,7 @@ mod viscosity;
 
 pub use crate::element::{Formulation, PressureSpace};
 pub use builder::BodyBuilder;
+pub(crate) use entries::Entries;
 pub use field::Field;
 pub(crate) use field_load::LoadMemory;
 pub use fields::{FieldName, FieldValues, Fields, Place, Selection};

@@ -18,6 +18,8 @@ pub(crate) struct PressureNumbers {
 /// Nodes and pressures of the cells of a term.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PressureCells<'a> {
+    /// Indices of the cells in the mesh.
+    pub cells: &'a [u32],
     /// Nodes, `[cell][n_nodes]`.
     pub nodes: &'a [u32],
     /// Number of nodes of a cell.

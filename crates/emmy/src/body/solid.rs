@@ -339,8 +339,8 @@ impl Term for SolidTerm {
 
     fn pressure_cells(&self) -> Option<PressureCells<'_>> {
         self.projection.as_ref()?;
-        let CellBatches { nodes, n_nodes, .. } = &self.cells;
-        Some(PressureCells { nodes, n_nodes: *n_nodes, numbers: &self.pressures })
+        let CellBatches { cells, nodes, n_nodes, .. } = &self.cells;
+        Some(PressureCells { cells, nodes, n_nodes: *n_nodes, numbers: &self.pressures })
     }
 
     fn number_pressures(&mut self, term: usize, first: usize, parts: &[Range<usize>]) {

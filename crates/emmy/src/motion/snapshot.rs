@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Record, RunStatistics, Subdivision};
+use crate::body::Entries;
 use crate::time::{Memory, State};
 
 /// The complete state of a motion between two steps. [`super::Motion::resumed`] continues from it, bit-identical to the
@@ -40,4 +41,26 @@ pub struct Snapshot {
     /// Memory of the stepper. With `None`, the stepper starts from the state alone, as it must with another scheme or
     /// degree.
     pub memory: Option<Memory>,
+}
+
+impl Snapshot {
+    /// The lists over nodes and cells, by their names. On a team they are those of a rank; all else is the same on all ranks.
+    #[doc(hidden)]
+    pub fn lists_mut<'a>(&'a mut self) -> impl Iterator<Item = (String, Entries, &'a mut Vec<f64>)> {
+        let State { time: _, step: _, displacement, momentum, velocity, displacement_low, momentum_error: _ } =
+            &mut self.state;
+        let of_state = [
+            ("displacement", displacement),
+            ("momentum", momentum),
+            ("velocity", velocity),
+            ("displacement_low", displacement_low),
+        ];
+        let of_state = of_state.map(|(name, list)| (format!("state.{name}"), Entries::Nodes, list));
+        let of_memory = |name: &'static str, memory: &'a mut Option<Memory>| {
+            let lists = memory.iter_mut().flat_map(Memory::lists_mut);
+            lists.map(move |(list, entries, numbers)| (format!("{name}.{list}"), entries, numbers))
+        };
+        let of_steps = of_memory("control", &mut self.control).chain(of_memory("memory", &mut self.memory));
+        of_state.into_iter().chain(of_steps)
+    }
 }

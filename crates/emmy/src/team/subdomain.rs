@@ -97,9 +97,9 @@ impl Subdomain {
         &self.counts
     }
 
-    /// Number of ranks with which this one exchanges values.
-    pub fn n_neighbours(&self) -> usize {
-        self.neighbours.len()
+    /// The ranks with which nodes are exchanged.
+    pub fn neighbours(&self) -> impl Iterator<Item = usize> {
+        self.neighbours.iter().map(|neighbour| neighbour.rank)
     }
 
     /// Number of this rank.

@@ -88,7 +88,7 @@ impl Iteration {
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
         self.prediction.keep(memory);
-        memory.keep("pressures", &self.pressures);
+        memory.keep_pressures("pressures", &self.pressures);
         let NewtonMemory { fresh, excess, forcing } = self.newton.memory();
         memory.keep_option("newton.fresh", fresh.map(|corrections| corrections as f64));
         memory.keep_number("newton.excess", excess as f64);

@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::body::Entries;
 use crate::error::{Error, Result};
 
 /// State of a stepper between two steps: everything that the next steps depend on besides the [`super::State`] itself.
-/// Derived data, such as a factorisation, is not kept.
+/// Derived data, such as a factorisation, is not kept. On a team a rank keeps the numbers of its nodes and cells; all else is
+/// the same on all ranks.
 ///
 /// ```
 /// let mut memory = emmy::internals::time::Memory::default();
-/// memory.keep("acceleration", &[0.5, -0.5]);
+/// memory.keep_nodal("acceleration", &[0.5, -0.5, 0.0]);
 /// memory.keep_number("step_size", 0.1);
 /// memory.keep_word("solver", "direct");
-/// assert_eq!(memory.list("acceleration")?, [0.5, -0.5]);
+/// assert_eq!(memory.list("acceleration")?, [0.5, -0.5, 0.0]);
 /// assert_eq!((memory.number("step_size")?, memory.word("solver")?), (0.1, "direct"));
 /// assert!(memory.list("velocity").is_err());
 /// # Ok::<(), emmy::Error>(())
@@ -23,12 +25,32 @@ use crate::error::{Error, Result};
 pub struct Memory {
     lists: BTreeMap<String, Vec<f64>>,
     words: BTreeMap<String, String>,
+    /// What the numbers of the lists over nodes and cells belong to.
+    entries: BTreeMap<String, Entries>,
 }
 
 impl Memory {
-    /// Keeps a list.
+    /// Keeps a list that is the same on all ranks.
     pub fn keep(&mut self, name: &str, list: &[f64]) {
         self.lists.insert(name.to_string(), list.to_vec());
+    }
+
+    /// Keeps nodal vectors, `[k][n_nodes][3]`.
+    pub fn keep_nodal(&mut self, name: &str, vectors: &[f64]) {
+        self.keep(name, vectors);
+        self.entries.insert(name.to_string(), Entries::Nodes);
+    }
+
+    /// Keeps pressures, `[function][n]`.
+    pub fn keep_pressures(&mut self, name: &str, pressures: &[f64]) {
+        self.keep(name, pressures);
+        self.entries.insert(name.to_string(), Entries::Pressures);
+    }
+
+    /// The lists over nodes and cells, by their names.
+    pub(crate) fn lists_mut(&mut self) -> impl Iterator<Item = (&str, Entries, &mut Vec<f64>)> {
+        let entries = &self.entries;
+        self.lists.iter_mut().filter_map(|(name, list)| Some((name.as_str(), *entries.get(name)?, list)))
     }
 
     /// Keeps a number.

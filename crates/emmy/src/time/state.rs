@@ -159,8 +159,9 @@ impl State {
     /// Adds the change of the momentum since `before`, less an impulse, to the error of the momentum.
     pub(super) fn note_momentum_error(&mut self, body: &Body, before: &[f64], impulse: [f64; 3]) {
         let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
-        // The momentum of guests is zero before and after: `Motion::starting` clears it, and M v leaves it so.
-        for (p, before) in self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0) {
+        // A resumed motion begins with momenta of guests, which M v does not give.
+        let nodes = self.momentum.as_chunks::<3>().0.iter().zip(before.as_chunks::<3>().0);
+        for (p, before) in nodes.take(body.own_nodes().end) {
             for d in 0..3 {
                 let (change, error) = two_sum(p[d], -before[d]);
                 let (sum, rounding) = two_sum(high[d], change);

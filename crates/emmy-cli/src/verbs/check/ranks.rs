@@ -17,7 +17,7 @@ pub(super) fn report(problem: &Problem) -> String {
     let Some(part) = problem.body.subdomain() else { return String::new() };
     let n_guests = part.nodes().len() - part.n_own();
     let (own, guests) = (range(part, part.n_own()), range(part, n_guests));
-    let neighbours = range(part, part.n_neighbours());
+    let neighbours = range(part, part.neighbours().count());
     let mut cells =
         [part.cells().len() as f64, part.counts().iter().filter(|counts| **counts).count() as f64];
     part.sum("cells", &mut cells);

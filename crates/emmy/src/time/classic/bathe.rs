@@ -167,7 +167,7 @@ impl Stepper for BatheStepper<'_> {
         for (point, weight) in self.points.iter().zip(WEIGHTS) {
             point.add_to(&mut impulses, self.forces.body, weight, step_size, &self.increment);
         }
-        sum_reactions(self.forces.body, self.points.iter().zip(WEIGHTS), &mut self.reactions);
+        sum_reactions(self.points.iter().zip(WEIGHTS), &mut self.reactions);
         self.points.swap(0, 2);
         let newton = Outcome {
             iterations: first.iterations + second.iterations,
@@ -195,8 +195,8 @@ impl Stepper for BatheStepper<'_> {
         let mut memory = Memory::default();
         self.iteration.keep(&mut memory);
         self.system.keep(&mut memory);
-        memory.keep("acceleration", &self.acceleration);
-        memory.keep("inertia", &self.inertia);
+        memory.keep_nodal("acceleration", &self.acceleration);
+        memory.keep_nodal("inertia", &self.inertia);
         self.points[0].keep(&mut memory);
         memory
     }

@@ -113,7 +113,7 @@ impl Stepper for CentralDifferences<'_> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 0.5, h, &self.increment);
         self.end.add_to(&mut impulses, body, 0.5, h, &self.increment);
-        sum_reactions(body, [(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
+        sum_reactions([(&self.start, 0.5), (&self.end, 0.5)], &mut self.reactions);
         std::mem::swap(&mut self.start, &mut self.end);
         let newton = Outcome { converged: true, ..Outcome::default() };
         let strain_state = self.forces.body.strain_state(&state.displacement);
@@ -130,9 +130,9 @@ impl Stepper for CentralDifferences<'_> {
 
     fn memory(&self) -> Memory {
         let mut memory = Memory::default();
-        memory.keep("inertia", &self.inertia);
+        memory.keep_nodal("inertia", &self.inertia);
         self.start.keep(&mut memory);
-        memory.keep("stability.mode", &self.limit.mode);
+        memory.keep_nodal("stability.mode", &self.limit.mode);
         memory.keep_number("stability.critical_step", self.limit.critical_step);
         memory.keep_number("stability.n_steps", self.limit.n_steps as f64);
         memory

@@ -203,16 +203,16 @@ impl TimePoint {
         }
     }
 
-    /// Reactions at the point, once they are set.
+    /// Reactions at the point on all ranks, once they are set.
     pub(crate) fn reactions(&self) -> &[Reaction] {
         &self.reactions
     }
 
     /// Keeps the forces of the point for the start of the next step.
     pub(crate) fn keep(&self, memory: &mut Memory) {
-        memory.keep("start.displacement", &self.displacement);
-        memory.keep("start.external", &self.external);
-        memory.keep("start.force", &self.force);
+        memory.keep_nodal("start.displacement", &self.displacement);
+        memory.keep_nodal("start.external", &self.external);
+        memory.keep_nodal("start.force", &self.force);
         let reactions = self.reactions.iter().flat_map(|own| [own.force, own.moment]);
         memory.keep("start.reactions", &reactions.flatten().collect::<Vec<f64>>());
     }
@@ -263,6 +263,7 @@ impl TimePoint {
             let reaction = if fixed { inertia[dof] - self.force[dof] } else { 0.0 };
             self.force[dof] = self.external[dof] + reaction - self.ground[dof];
         }
+        body.sum_reactions(&mut self.reactions);
     }
 
     /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
@@ -293,7 +294,6 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
 
 /// Sets the reactions of a step to the weighted sum over its points.
 pub(crate) fn sum_reactions<'p>(
-    body: &Body,
     points: impl IntoIterator<Item = (&'p TimePoint, f64)>,
     reactions: &mut [Reaction],
 ) {
@@ -301,7 +301,6 @@ pub(crate) fn sum_reactions<'p>(
     for (point, weight) in points {
         reactions.iter_mut().zip(&point.reactions).for_each(|(sum, own)| sum.add(weight, own));
     }
-    body.sum_reactions(reactions);
 }
 
 /// Acceleration and forces at a state, `M a = F(t) - f(u)` on the free degrees of freedom, and the product M a on all.

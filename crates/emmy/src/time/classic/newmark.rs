@@ -240,7 +240,7 @@ impl<'a> NewmarkStepper<'a> {
         let mut impulses = Impulses::default();
         self.start.add_to(&mut impulses, body, 1.0 - gamma, h, x);
         self.end.add_to(&mut impulses, body, gamma, h, x);
-        sum_reactions(body, [(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
+        sum_reactions([(&self.start, 1.0 - gamma), (&self.end, gamma)], &mut self.reactions);
         impulses
     }
 }
@@ -270,8 +270,8 @@ impl Stepper for NewmarkStepper<'_> {
         let mut memory = Memory::default();
         self.iteration.keep(&mut memory);
         self.system.keep(&mut memory);
-        memory.keep("acceleration", &self.acceleration);
-        memory.keep("inertia", &self.inertia);
+        memory.keep_nodal("acceleration", &self.acceleration);
+        memory.keep_nodal("inertia", &self.inertia);
         self.start.keep(&mut memory);
         memory
     }

@@ -244,9 +244,9 @@ impl<'a> LocalError<'a> {
         match &self.kind {
             Kind::Difference(difference) => {
                 let mut memory = Memory::default();
-                memory.keep("acceleration", &difference.acceleration);
+                memory.keep_nodal("acceleration", &difference.acceleration);
                 memory.keep_number("before", difference.before);
-                memory.keep("third", &difference.third);
+                memory.keep_nodal("third", &difference.third);
                 memory.keep_option("third_before", difference.third_before);
                 memory
             }

@@ -132,9 +132,9 @@ impl ApproximateTangent {
 
     /// Keeps the data that the next steps depend on. The stiffness itself follows from displacement and rates.
     pub(crate) fn keep(&self, memory: &mut Memory) {
-        memory.keep("tangent.displacement", &self.displacement);
-        memory.keep("tangent.rates", &self.rates);
-        memory.keep("tangent.pressures", &self.pressures);
+        memory.keep_nodal("tangent.displacement", &self.displacement);
+        memory.keep_nodal("tangent.rates", &self.rates);
+        memory.keep_pressures("tangent.pressures", &self.pressures);
         memory.keep_number("tangent.viscous_rate", self.viscous_rate);
         memory.keep("tangent.orientation", self.orientation.as_flattened());
         memory.keep("tangent.rotation", &self.rotation);

@@ -107,7 +107,7 @@ impl Prediction {
 
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
-        memory.keep("prediction.deviation", &self.deviation);
+        memory.keep_nodal("prediction.deviation", &self.deviation);
         memory.keep_option("prediction.last_size", self.last_size);
     }
 
