@@ -82,7 +82,7 @@ impl Subdomain {
         &self.nodes
     }
 
-    /// Number in the whole mesh of each cell.
+    /// Number in the whole mesh of each cell; ascending among those that count here, which come first, and among the others.
     pub fn cells(&self) -> &[u32] {
         &self.cells
     }

@@ -1,10 +1,10 @@
 //! Bodies that a team of ranks computes, against the whole body on one.
 
+mod bodies;
+
 use std::sync::Arc;
 
-use emmy::body::{
-    Body, BodyBuilder, Field, Formulation, InitialVelocity, Load, LoadKind, PointMass, PointTerms,
-};
+use emmy::body::{Body, BodyBuilder, Field, InitialVelocity, Load, LoadKind, PointMass, PointTerms};
 use emmy::body::{
     GroundAttraction, GroundSpring, Reaction, Region, Rotation, Support, TimeFunction, Viscosity,
 };
@@ -707,12 +707,6 @@ fn asked(
 
 #[test]
 fn what_a_team_does_not_compute_is_rejected() {
-    let of_body = |parts: fn(BodyBuilder) -> BodyBuilder| asked(parts, |_| Ok(()));
-    let modes = |b: BodyBuilder| b.region(rubber().with_formulation(Formulation::IncompatibleModes));
-    assert_eq!(of_body(modes), "a cell with incompatible modes");
-    let projected = |b: BodyBuilder| b.region(rubber().with_formulation(Formulation::ProjectedVolume(None)));
-    assert_eq!(of_body(projected), "a projected volume");
-
     let region = |b: BodyBuilder| b.region(rubber());
     let with = |scheme: Scheme, solver: Solver| {
         let settings = NewtonSettings { solver, ..Default::default() };

@@ -284,7 +284,7 @@ impl Scheme {
         if body.is_viscous() || body.drag() > 0.0 {
             self.check_feature(BodyFeature::Damping)?;
         }
-        if !body.internal_dofs().is_empty() {
+        if body.has_internal_nodes() {
             self.check_feature(BodyFeature::IncompatibleModes)?;
         }
         Ok(())

@@ -139,9 +139,9 @@ impl System for StageSystem<'_> {
     /// last K contracted too little. With pressures the exact tangent differs from K by directions that the bulk modulus
     /// makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
-        match (self.body.n_pressures(), self.body.n_dofs_of_ranks()) {
-            (0, SMALL..) if slow_corrections == 0 => 0.4,
-            (0, _) => 0.0,
+        match (self.body.has_pressures(), self.body.n_dofs_of_ranks()) {
+            (false, SMALL..) if slow_corrections == 0 => 0.4,
+            (false, _) => 0.0,
             _ => 0.9,
         }
     }
