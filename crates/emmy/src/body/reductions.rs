@@ -69,6 +69,14 @@ impl Body {
         &self.inactive
     }
 
+    /// Sets the entries of the degrees of freedom without an equation to zero, `[k][n_nodes][3]`.
+    pub(crate) fn clear_inactive(&self, vectors: &mut [f64]) {
+        for stage in vectors.chunks_exact_mut(self.n_dofs()) {
+            let entries = stage.iter_mut().zip(&self.inactive);
+            entries.filter(|(_, inactive)| **inactive).for_each(|(value, _)| *value = 0.0);
+        }
+    }
+
     /// Axes along which some node is fixed.
     pub(crate) fn held_axes(&self) -> [bool; 3] {
         self.held_axes

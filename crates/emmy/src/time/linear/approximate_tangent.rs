@@ -273,6 +273,8 @@ impl ApproximateTangent {
         z.fill(0.0);
         if let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) {
             body.add_kept_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.turned);
+            // Supports do not move under a change of pressures.
+            body.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         // The derivative by a rate is half of that by the middle of the step, see `assemble`.

@@ -4,7 +4,7 @@ use super::StageSystem;
 use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
-use crate::time::linear::{LinearisedStages, clear_inactive};
+use crate::time::linear::LinearisedStages;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -26,7 +26,7 @@ impl StageSystem<'_> {
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(self.body, &mut self.negative);
-            clear_inactive(self.body, &mut self.negative);
+            self.body.clear_inactive(&mut self.negative);
         }
         let parts = correction.split_at_mut(self.negative.len());
         let system = (self.body, &self.coefficients.rule);
@@ -42,7 +42,7 @@ impl StageSystem<'_> {
         let rule = &self.coefficients.rule;
         let s = self.time_scale;
         self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
-        clear_inactive(self.body, &mut self.negative);
+        self.body.clear_inactive(&mut self.negative);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
@@ -72,7 +72,7 @@ impl StageSystem<'_> {
         self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
-        clear_inactive(self.body, &mut self.condensed);
+        self.body.clear_inactive(&mut self.condensed);
         self.body.norm(&self.condensed)
     }
 
@@ -93,7 +93,7 @@ impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let parts = self.full_residual(x, residual)?;
         let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
-        clear_inactive(self.body, of_rates);
+        self.body.clear_inactive(of_rates);
         Ok(Sizes {
             residual: self.condensed_norm(of_rates, of_pressures),
             scale: parts.into_iter().fold(0.0, f64::max),

@@ -7,7 +7,6 @@ use crate::newton::{Sizes, System, Tangent};
 use crate::sparse::reduce::norm;
 use crate::sparse::{BlockCholesky, Gmres, LinearSystem, SparseLu, StageMatrix};
 use crate::time::classic::forces::Forces;
-use crate::time::linear::clear_inactive;
 
 /// Iterations of GMRES before the stiffness is factorised with its follower loads.
 const MAX_LINEAR_ITERATIONS: usize = 60;
@@ -113,7 +112,7 @@ impl<'a> StaticSystem<'a> {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
             self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
-            clear_inactive(self.forces.body, &mut self.right);
+            self.forces.body.clear_inactive(&mut self.right);
         }
     }
 
@@ -122,7 +121,7 @@ impl<'a> StaticSystem<'a> {
         let body = self.forces.body;
         let mut residual = self.rest.clone();
         self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
-        clear_inactive(body, &mut residual);
+        body.clear_inactive(&mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
@@ -208,7 +207,7 @@ impl System for StaticSystem<'_> {
         of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
         let scale = norm(&self.external).max(norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
-        clear_inactive(body, residual);
+        body.clear_inactive(residual);
         self.condense(residual, of_pressures);
         Ok(Sizes { residual: norm(&self.right), scale, floor: self.floor })
     }
@@ -251,7 +250,7 @@ struct Linearised<'a> {
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.matrix.multiply(self.body.pattern(), x, y);
-        clear_inactive(self.body, y);
+        self.body.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -262,7 +261,7 @@ impl LinearSystem for Linearised<'_> {
             return;
         }
         y.copy_from_slice(x);
-        clear_inactive(self.body, y);
+        self.body.clear_inactive(y);
         let mut y = y;
         self.factor.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
     }
