@@ -275,9 +275,6 @@ impl Scheme {
     /// # Errors
     /// [`Error::Scheme`].
     pub fn check_body(self, body: &Body) -> Result<()> {
-        if self == Scheme::Static {
-            body.check_whole("an equilibrium")?;
-        }
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;
         }
