@@ -254,12 +254,12 @@ fn a_file_named_stop_ends_a_run_like_a_signal() {
     let place = Place::with(&long_box());
     let run = start(&place, &["run", "box.toml"]);
     wait_for_rows(&place, "out", 30);
-    std::fs::write(place.path("out/stop"), "").unwrap();
+    fs::write(place.path("out/stop"), "").unwrap();
     assert_eq!(run.wait_with_output().unwrap().status.code(), Some(130));
     assert_eq!(place.summary("out")["status"], "interrupted");
     assert!(!place.path("out/stop").exists());
     // One that is there before the run does not end it.
-    std::fs::write(place.path("out/stop"), "").unwrap();
+    fs::write(place.path("out/stop"), "").unwrap();
     place.succeed(&["resume", "out", "--quiet"]);
     assert_eq!(place.summary("out")["status"], "done");
 }

@@ -154,7 +154,7 @@ fn a_motion_moves_to_a_team_and_back() {
 #[test]
 fn a_snapshot_is_that_of_the_motion() {
     let mesh = || mesh::block([1.0; 3], [2, 1, 1]).unwrap();
-    for formulation in [Formulation::IncompatibleModes, Formulation::ProjectedVolume(PressureSpace::Constant)]
+    for formulation in [Formulation::IncompatibleModes, Formulation::ProjectedVolume(Some(PressureSpace::Constant))]
     {
         let rubber = Region::new(NeoHooke::new(1000.0, 500.0).unwrap(), 2.0).with_formulation(formulation);
         let load = Load::traction("x-max", [3.0, 5.0, 40.0]);

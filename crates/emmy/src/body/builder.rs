@@ -106,7 +106,7 @@ impl BodyBuilder {
         let subdomain = subdomain.clone();
         subdomain.check_partition()?;
         let own = match (*rank, subdomain.rank()) {
-            (given, rank) if given == rank => super::team::check(&self.regions),
+            (given, rank) if given == rank => Ok(()),
             (given, rank) => {
                 Err(Error::NotOnTeam { what: format!("the share of rank {given} on rank {rank}") })
             }
@@ -132,8 +132,9 @@ impl Body {
     /// A builder of the part of a body that a rank of a team computes. All ranks build their parts together, from the same
     /// regions, supports and loads; an error of one is an error of all.
     ///
-    /// Teams compute motions with [`Solver::Iterative`], which [`Solver::Auto`] selects on a team. Other solvers, cells
-    /// against locking, equilibria, modes and adjoints are rejected. All ranks must call a method together if it sums over
+    /// Teams compute equilibria, and motions with [`Solver::Iterative`], which [`Solver::Auto`] selects on a team. Other
+    /// solvers, modes and adjoints are rejected, and projected volumes that are so stiff in a step that they need a
+    /// factorisation. All ranks must call a method together if it sums over
     /// the body, such as [`Body::strain_energy`]. Nodal vectors belong to the nodes of the share; at guests only
     /// displacements and velocities are defined.
     ///
@@ -175,8 +176,8 @@ impl Body {
         let point_masses = nodal::point_masses(&mesh, &nodal.masses)?;
         let mut lumped_mass = regions::lumped_mass(&mesh, &density_of_cell);
         lumped_mass.iter_mut().zip(&point_masses).for_each(|(sum, mass)| *sum += mass);
-        let internal = InternalNodes::new(&mesh, &regions, of_cell.indices());
         let counts = |cell: u32| team.as_ref().is_none_or(|team| team.subdomain.counts()[cell as usize]);
+        let internal = InternalNodes::new(&mesh, &regions, of_cell.indices(), counts);
         let mut terms = regions::terms(&mesh, &regions, &of_cell, &internal, counts)?;
         let n_counted_terms = terms.len();
         if team.is_some() {
@@ -192,10 +193,13 @@ impl Body {
         let pattern = Pattern::new(internal.n_all(), couplings).with_inner_from(mesh.n_nodes());
         // One part per thread; fewer if there is too little to share.
         let n_parts = rayon::current_num_threads().min(n_own / 64).max(1);
-        let n_rows = team.as_ref().map_or(internal.n_all(), |_| n_own);
+        // Rows of guests lie between the others of cells with internal nodes, and mean nothing.
+        let has_rows_after_guests = team.is_none() || !internal.dofs().is_empty();
+        let n_rows = if has_rows_after_guests { internal.n_all() } else { n_own };
         let parts = pattern.divided_until(n_rows, n_parts);
         terms.iter_mut().chain(&mut ground).for_each(|term| term.attach(&pattern, &parts));
         elimination::number(&mut terms, &parts);
+        let has_pressures = terms.iter().any(|term| term.pressure_cells().is_some());
         let mut regions_and_masses = regions::summaries(&mesh, &regions, &of_cell, counts);
         for mass in &nodal.masses {
             regions_and_masses.push(nodal::summary(&mesh, mass, n_own)?);
@@ -209,11 +213,10 @@ impl Body {
             followers.extend(Pressure::new(&mesh, &pattern, index, load, &section)?);
         }
         let constraints = Constraints::new(&mesh, &internal, supports.iter().enumerate())?;
-        let inactive = constraints.inactive(3 * n_rows);
+        let inactive = constraints.inactive(n_own..mesh.n_nodes());
         nodal::check_masses(&mesh, &lumped_mass, &inactive)?;
         lumped_mass.resize(internal.n_all(), 0.0);
         let body = Body {
-            internal: Arc::new(internal),
             loads: Arc::new(vectors),
             fields: Arc::new(fields),
             pressures: Arc::new(followers),
@@ -233,10 +236,13 @@ impl Body {
             node_order: Arc::new(OnceLock::new()),
             terms: Arc::new(terms),
             n_counted_terms,
+            has_pressures,
+            n_dofs_of_ranks: internal.dofs().end,
             subdomain: team.map(|team| team.subdomain),
             ground: Arc::new(ground),
             pattern: Arc::new(pattern),
             parts,
+            internal: Arc::new(internal),
             mesh: Arc::new(mesh),
         };
         body.with_releases(&supports, &nodal.springs)
@@ -253,8 +259,7 @@ impl Body {
             let held = supports.iter().enumerate().filter(|(_, support)| holds(support));
             let constraints = Constraints::new(&self.mesh, &self.internal, held)?;
             let supported = supported_groups(&self.mesh, supports, springs.iter(), holds)?;
-            let (inactive, held_axes) =
-                (constraints.inactive(3 * self.own_nodes().end), constraints.held_axes());
+            let (inactive, held_axes) = (constraints.inactive(self.guests()), constraints.held_axes());
             nodal::check_masses(&self.mesh, &self.lumped_mass, &inactive)?;
             let Constraints { fixed, drives } = constraints;
             let body = Body { fixed, inactive, held_axes, drives, supported, release, ..self.clone() };

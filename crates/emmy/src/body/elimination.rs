@@ -37,9 +37,20 @@ pub(crate) fn number(terms: &mut [Box<dyn Term>], parts: &[Range<usize>]) {
 }
 
 impl Body {
-    /// Number of functions of the pressure in all cells.
+    /// Number of functions of the pressure in all cells; on a team, those of cells that count here come first.
     pub(crate) fn n_pressures(&self) -> usize {
         self.pressure_cells().map(|cells| cells.n_pressures()).sum()
+    }
+
+    /// Whether some cell, of any rank, has pressures.
+    pub(crate) fn has_pressures(&self) -> bool {
+        self.has_pressures
+    }
+
+    /// Number of functions of the pressure in the cells that count here.
+    fn n_counted_pressures(&self) -> usize {
+        let cells = self.counted_terms().filter_map(|term| term.pressure_cells());
+        cells.map(|cells| cells.n_pressures()).sum()
     }
 
     pub(super) fn pressure_cells(&self) -> impl Iterator<Item = PressureCells<'_>> {
@@ -137,9 +148,10 @@ impl Body {
         }
     }
 
-    /// Trace of the part of a stiffness that comes through the pressures, `sum g . W`.
+    /// Trace of the part of a stiffness that comes through the pressures of cells that count here, `sum g . W`.
     pub(crate) fn pressure_stiffness(&self, assembly: &Assembly) -> f64 {
-        let functions = self.pressure_functions(assembly, 1, 1);
+        let n = self.n_counted_pressures();
+        let functions = self.pressure_functions(assembly, 1, 1).filter(|function| function.number < n);
         functions.map(|function| dot(function.forces, function.responses)).sum()
     }
 

@@ -25,6 +25,8 @@ use crate::tensor::{Mat3, det};
 pub(crate) struct InternalNodes {
     /// Number of the first internal node: the number of nodes of the mesh.
     first: usize,
+    /// Number of those of the cells that count here; they come first.
+    n_counted: usize,
     /// Cell of each internal node, ascending.
     cells: Vec<u32>,
     /// Middle of the cell of each internal node.
@@ -32,10 +34,17 @@ pub(crate) struct InternalNodes {
 }
 
 impl InternalNodes {
-    pub(super) fn new(mesh: &Mesh, regions: &[Region], region_of_cell: &[u32]) -> Self {
+    /// The internal nodes of a mesh; `counts`: whether a cell counts here, as the first ones do.
+    pub(super) fn new(
+        mesh: &Mesh,
+        regions: &[Region],
+        region_of_cell: &[u32],
+        counts: impl Fn(u32) -> bool,
+    ) -> Self {
         let mut nodes = InternalNodes { first: mesh.n_nodes(), ..InternalNodes::default() };
         for (cell, (own, &region)) in (0..).zip(mesh.cells().zip(region_of_cell)) {
             for _ in 0..regions[region as usize].formulation.n_modes(own.kind) {
+                nodes.n_counted += usize::from(counts(cell));
                 nodes.cells.push(cell);
                 nodes.points.push(middle(own, |node| mesh.points()[node]));
             }
@@ -48,9 +57,14 @@ impl InternalNodes {
         self.first + self.cells.len()
     }
 
-    /// Cell of each internal node, ascending.
+    /// Cell of each internal node, ascending among those that count here, which come first, and among the others.
     pub(super) fn cells(&self) -> &[u32] {
         &self.cells
+    }
+
+    /// Those of the cells that count here.
+    pub(super) fn counted(&self) -> Range<usize> {
+        self.first..self.first + self.n_counted
     }
 
     /// Their degrees of freedom.

@@ -51,10 +51,11 @@ impl Body {
     /// Moment `sum_A q_A x v_A` about the origin of a nodal vector at a displacement, both `[n_nodes][3]`.
     pub fn moment(&self, displacement: &[f64], vector: &[f64]) -> [f64; 3] {
         let mut moment = [0.0; 3];
-        let nodes = self.points().zip(displacement.chunks_exact(3)).zip(vector.chunks_exact(3));
-        for ((X, u), v) in nodes.take(self.own_nodes().end) {
+        let (u, v) = (displacement.as_chunks::<3>().0, vector.as_chunks::<3>().0);
+        for node in self.counted_nodes().take_while(|&node| node < u.len().min(v.len())) {
+            let (X, u) = (self.point(node), u[node]);
             let q = [X[0] + u[0], X[1] + u[1], X[2] + u[2]];
-            let arm_cross_v = cross(q, [v[0], v[1], v[2]]);
+            let arm_cross_v = cross(q, v[node]);
             (0..3).for_each(|i| moment[i] += arm_cross_v[i]);
         }
         self.sum_ranks("moment", &mut moment);

@@ -108,7 +108,8 @@ impl MassIteration {
     fn new(body: &Body) -> Self {
         let n = body.n_dofs();
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0.0, |at| body.mass()[at]);
-        let inverse = |dof: usize| if body.inactive()[dof] { 0.0 } else { 1.0 / diagonal(dof / 3) };
+        let is_given = |dof: usize| body.inactive()[dof] || body.internal_dofs().contains(&dof);
+        let inverse = |dof: usize| if is_given(dof) { 0.0 } else { 1.0 / diagonal(dof / 3) };
         MassIteration {
             inverse_diagonal: (0..n).map(inverse).collect(),
             residual: vec![0.0; n],

@@ -62,12 +62,10 @@ impl Body {
     /// ```
     pub fn is_loaded_at(&self, time: f64) -> bool {
         let loaded = self.in_proportion(time);
-        let is_driven = loaded.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0;
-        let is_here = is_driven
-            || loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()]).unwrap_or(true)
+        let acts = loaded.loads_at(1.0, &mut vec![0.0; self.n_dofs()]).unwrap_or(true)
             || loaded.pressures.iter().any(|pressure| pressure.time_function.value(1.0) != 0.0);
-        let mut is_loaded = [f64::from(u8::from(is_here))];
-        self.largest_of_ranks("whether a load acts", &mut is_loaded);
-        is_loaded[0] > 0.0
+        let mut acts = [f64::from(u8::from(acts))];
+        self.largest_of_ranks("loads that act", &mut acts);
+        acts[0] > 0.0 || loaded.driven_distance(1.0, &vec![0.0; self.n_dofs()]) > 0.0
     }
 }

@@ -22,14 +22,41 @@ impl Body {
         self.subdomain().filter(|part| part.size() > 1)
     }
 
-    /// Degrees of freedom of own nodes, and of internal ones.
-    fn own_dofs(&self) -> Range<usize> {
-        0..self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_own)
-    }
-
     /// Number of degrees of freedom on all ranks of a team; [`Body::n_dofs`] of a body that is whole.
     pub fn n_dofs_of_ranks(&self) -> usize {
-        self.subdomain().map_or(self.n_dofs(), |subdomain| 3 * subdomain.n_nodes_of_ranks)
+        self.n_dofs_of_ranks
+    }
+
+    /// Whether some cell, of any rank, has internal nodes.
+    pub(crate) fn has_internal_nodes(&self) -> bool {
+        let n_nodes = self.subdomain().map_or(self.mesh().n_nodes(), |subdomain| subdomain.n_nodes_of_ranks);
+        self.n_dofs_of_ranks > 3 * n_nodes
+    }
+
+    /// Nodes that other ranks own.
+    pub(super) fn guests(&self) -> Range<usize> {
+        let n = self.mesh().n_nodes();
+        self.subdomain().map_or(n, |subdomain| subdomain.n_own)..n
+    }
+
+    /// Nodes that count in sums, two ranges that ascend: own ones, and internal ones of cells that count here. Each node
+    /// counts on one rank.
+    pub(crate) fn counted_ranges(&self) -> [Range<usize>; 2] {
+        match self.guests().is_empty() {
+            // One sum over all nodes has the bits of the whole body.
+            true => [0..self.n_dofs() / 3, self.n_dofs() / 3..self.n_dofs() / 3],
+            false => [0..self.guests().start, self.internal.counted()],
+        }
+    }
+
+    /// The nodes of [`Body::counted_ranges`].
+    pub(crate) fn counted_nodes(&self) -> impl Iterator<Item = usize> + use<> {
+        self.counted_ranges().into_iter().flatten()
+    }
+
+    /// Their degrees of freedom.
+    pub(crate) fn counted_dofs(&self) -> impl Iterator<Item = usize> + use<> {
+        self.counted_ranges().into_iter().flat_map(|nodes| 3 * nodes.start..3 * nodes.end)
     }
 
     /// Number of a degree of freedom in the whole body.
@@ -37,14 +64,22 @@ impl Body {
         self.subdomain().map_or(dof, |subdomain| 3 * subdomain.nodes[dof / 3] as usize + dof % 3)
     }
 
-    /// Own nodes, and internal ones.
+    /// Own nodes; of the whole body also internal ones.
     pub(crate) fn own_nodes(&self) -> Range<usize> {
-        0..self.own_dofs().end / 3
+        0..self.subdomain().map_or(self.n_dofs() / 3, |subdomain| subdomain.n_own)
     }
 
     /// Which degrees of freedom have no equation here: fixed ones, and those of guests, `[n_nodes][3]`.
     pub(crate) fn inactive(&self) -> &[bool] {
         &self.inactive
+    }
+
+    /// Sets the entries of the degrees of freedom without an equation to zero, `[k][n_nodes][3]`.
+    pub(crate) fn clear_inactive(&self, vectors: &mut [f64]) {
+        for stage in vectors.chunks_exact_mut(self.n_dofs()) {
+            let entries = stage.iter_mut().zip(&self.inactive);
+            entries.filter(|(_, inactive)| **inactive).for_each(|(value, _)| *value = 0.0);
+        }
     }
 
     /// Axes along which some node is fixed.
@@ -89,17 +124,29 @@ impl Body {
 
     /// Part of this rank of a scalar product, for a sum over all ranks.
     pub(crate) fn own_dot(&self, x: &[f64], y: &[f64]) -> f64 {
-        let (own, all) = (self.own_dofs().end, self.n_dofs());
-        if own == all {
+        if self.guests().is_empty() {
             return reduce::dot(x, y);
         }
-        let stages = x.chunks_exact(all).zip(y.chunks_exact(all));
-        stages.map(|(x, y)| reduce::dot(&x[..own], &y[..own])).sum()
+        let n = self.n_dofs();
+        let ranges = self.counted_ranges().map(|nodes| 3 * nodes.start..3 * nodes.end);
+        let of_stage = |x: &[f64], y: &[f64]| -> f64 {
+            ranges.iter().map(|dofs| reduce::dot(&x[dofs.clone()], &y[dofs.clone()])).sum()
+        };
+        x.chunks_exact(n).zip(y.chunks_exact(n)).map(|(x, y)| of_stage(x, y)).sum()
+    }
+
+    /// Norm of nodal vectors, `[k][n_nodes][3]`.
+    pub(crate) fn norm(&self, x: &[f64]) -> f64 {
+        self.dot(x, x).sqrt()
     }
 
     /// Sum of a nodal vector, `[n_nodes][3]`, which may lack internal nodes.
     pub(crate) fn sum(&self, vector: &[f64]) -> [f64; 3] {
-        let mut sum = super::sum(&vector[..self.own_dofs().end.min(vector.len())]);
+        let [own, internal] = self.counted_ranges().map(|nodes| {
+            let [start, end] = [nodes.start, nodes.end].map(|node| (3 * node).min(vector.len()));
+            super::sum(&vector[start..end])
+        });
+        let mut sum = [0, 1, 2].map(|d| own[d] + internal[d]);
         self.sum_ranks("sum of a nodal vector", &mut sum);
         sum
     }
@@ -138,9 +185,8 @@ impl Body {
 
     /// Sets a nodal vector to zero at guests, `[n_nodes][3]`.
     pub(crate) fn clear_guests(&self, vector: &mut [f64]) {
-        if self.subdomain.is_some() {
-            vector[self.own_dofs().end..].fill(0.0);
-        }
+        let guests = self.guests();
+        vector[3 * guests.start..3 * guests.end].fill(0.0);
     }
 
     /// The strain state of all ranks from that of the cells that count here; the cell is one of the whole mesh.

@@ -28,8 +28,8 @@ impl Body {
             });
             self.agree(set.find(Result::is_err).unwrap_or(Ok(())))?;
         }
-        self.set_internal_means(&mut velocity);
         self.update_guests("initial velocity", &mut velocity);
+        self.set_internal_means(&mut velocity);
         let momentum = self.momentum_of(time, &mut velocity)?;
         Ok((momentum, velocity))
     }

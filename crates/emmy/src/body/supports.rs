@@ -1,5 +1,7 @@
 //! Degrees of freedom under supports: free, at rest, or driven.
 
+use std::ops::Range;
+
 use super::drive::Drive;
 use super::internal_nodes::InternalNodes;
 use super::{GroundSpring, Rotation, Support};
@@ -41,10 +43,10 @@ impl Constraints {
         Ok(constraints)
     }
 
-    /// The fixed degrees of freedom, and all from a number on.
-    pub(super) fn inactive(&self, from: usize) -> Vec<bool> {
+    /// The fixed degrees of freedom, and those of guests, which are some nodes.
+    pub(super) fn inactive(&self, guests: Range<usize>) -> Vec<bool> {
         let mut inactive = self.fixed.clone();
-        inactive[from..].fill(true);
+        inactive[3 * guests.start..3 * guests.end].fill(true);
         inactive
     }
 

@@ -40,6 +40,10 @@ pub struct Body {
     pub(super) terms: Arc<Vec<Box<dyn Term>>>,
     /// Number of terms whose cells count here.
     pub(super) n_counted_terms: usize,
+    /// Whether some cell, of any rank, has pressures.
+    pub(super) has_pressures: bool,
+    /// Number of degrees of freedom on all ranks.
+    pub(super) n_dofs_of_ranks: usize,
     /// The part of this rank; `None`: the whole body is here.
     pub(super) subdomain: Option<Arc<Subdomain>>,
     /// Terms of the ground: external in the momentum balances.

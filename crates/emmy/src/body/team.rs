@@ -1,28 +1,12 @@
-//! What a team of ranks computes, and the sums of its bodies.
+//! The sums of the bodies of a team.
 
 use std::sync::Arc;
 
 use super::field_load::{POINTS_OF_SIGNALS, samples};
 use super::term::{time_of, traces};
-use super::{Body, Formulation, Region, RegionSummary};
+use super::{Body, RegionSummary};
 use crate::error::{Error, Result};
 use crate::team::Subdomain;
-
-/// Checks that a team can compute a body of some parts.
-///
-/// # Errors
-/// [`Error::NotOnTeam`] names what it cannot.
-pub(super) fn check(regions: &[Region]) -> Result<()> {
-    let formulation = |region: &Region| match region.formulation {
-        Formulation::Standard => None,
-        Formulation::ProjectedVolume(_) => Some("a projected volume"),
-        Formulation::IncompatibleModes => Some("a cell with incompatible modes"),
-    };
-    regions
-        .iter()
-        .find_map(formulation)
-        .map_or(Ok(()), |what| Err(Error::NotOnTeam { what: what.to_string() }))
-}
 
 /// A region from its parts on all ranks; the centre of a part without mass has no meaning.
 fn of_parts(parts: Vec<RegionSummary>) -> RegionSummary {
@@ -59,6 +43,12 @@ impl Body {
             let parts: Vec<RegionSummary> = of_ranks.chunks_exact(parts.len()).map(part).collect();
             *region = RegionSummary { group: region.group.take(), ..of_parts(parts) };
         }
+        let mut n_internal = [self.internal.counted().len() as f64];
+        subdomain.sum("internal nodes", &mut n_internal);
+        self.n_dofs_of_ranks = 3 * (subdomain.n_nodes_of_ranks + n_internal[0] as usize);
+        let mut has_pressures = [f64::from(u8::from(self.has_pressures))];
+        subdomain.largest("cells with pressures", &mut has_pressures);
+        self.has_pressures = has_pressures[0] > 0.0;
         let mut of_cells = traces(self.counted_terms());
         subdomain.sum("viscosity and stiffness", &mut of_cells);
         self.viscous_time = time_of(of_cells);
@@ -102,8 +92,11 @@ impl Body {
         }
         let (lumped_mass, loads, fields) = (&self.lumped_mass, &self.loads, &self.fields);
         let (regions, viscous_time) = (&self.regions, self.viscous_time);
+        let (has_pressures, n_dofs_of_ranks) = (self.has_pressures, self.n_dofs_of_ranks);
         self.release = self.release.take().map(|(time, body)| {
             let body = Body {
+                has_pressures,
+                n_dofs_of_ranks,
                 lumped_mass: lumped_mass.clone(),
                 loads: loads.clone(),
                 fields: fields.clone(),

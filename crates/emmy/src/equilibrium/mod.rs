@@ -10,7 +10,8 @@ use crate::time::classic::Forces;
 /// The static equilibrium `f(u) = F(u, t)` of a body under the loads, pressures and driven supports of a time t.
 ///
 /// All of them grow in proportion to a load fraction from 0 to 1, in equal increments; an increment that fails is cut by
-/// two, down to 1/1024. The increments are the steps of a [`Motion`] whose time is the load fraction.
+/// two, down to 1/1024. On a team, conjugate gradients solve the linear systems, and a path is not checked for stability
+/// under follower loads. The increments are the steps of a [`Motion`] whose time is the load fraction.
 ///
 /// A bar under its own weight:
 ///
@@ -46,7 +47,6 @@ impl<'a> Equilibrium<'a> {
     /// # Errors
     /// [`crate::Error::Plan`] for no increments.
     pub fn new(body: &'a Body, time: f64, load_steps: usize) -> Result<Self> {
-        body.check_whole("an equilibrium")?;
         Ok(Equilibrium { body, time, loaded: body.in_proportion(time), plan: increments(load_steps)? })
     }
 

@@ -29,7 +29,7 @@ pub fn owners(mesh: &Mesh, size: usize) -> Result<Vec<u32>> {
 }
 
 /// The part of a mesh for one rank: its own nodes, every cell that touches one of them, and the other nodes of those cells,
-/// its guests.
+/// its guests. Cells that count on the rank come first.
 ///
 /// ```
 /// use emmy::mesh::{self, Share};
@@ -51,7 +51,7 @@ pub struct Share {
     /// Numbers of nodes and cells in the whole mesh.
     pub(crate) nodes: Vec<u32>,
     pub(crate) cells: Vec<u32>,
-    /// Whether each cell counts here: on the lowest rank among the owners of its nodes.
+    /// Whether each cell counts here: on the lowest rank among the owners of its nodes. Those that do come first.
     pub(crate) counts: Vec<bool>,
     pub(crate) neighbours: Vec<Neighbour>,
     pub(crate) rank: usize,
@@ -65,9 +65,15 @@ impl Share {
     pub fn new(mesh: &Mesh, owners: &[u32], rank: usize) -> Self {
         assert_eq!(owners.len(), mesh.n_nodes(), "one owner for each node");
         let is_own = |&node: &u32| owners[node as usize] as usize == rank;
-        let cells: Vec<u32> = (0..mesh.n_cells() as u32)
+        let mut cells: Vec<u32> = (0..mesh.n_cells() as u32)
             .filter(|&cell| mesh.cell(cell as usize).nodes.iter().any(is_own))
             .collect();
+        let counts = |&cell: &u32| {
+            let lowest = mesh.cell(cell as usize).nodes.iter().map(|&node| owners[node as usize]).min();
+            lowest == Some(rank as u32)
+        };
+        cells.sort_by_key(|cell| !counts(cell));
+        let counts = cells.iter().map(counts).collect();
         let mut nodes: Vec<u32> = (0..mesh.n_nodes() as u32).filter(is_own).collect();
         let n_own = nodes.len();
         assert!(n_own > 0, "rank {rank} owns no node");
@@ -77,12 +83,8 @@ impl Share {
         guests.sort_unstable();
         guests.dedup();
         nodes.extend(guests);
-        let counts = of_cells().map(|cell| {
-            let lowest = cell.nodes.iter().map(|&node| owners[node as usize]).min();
-            lowest == Some(rank as u32)
-        });
         Share {
-            counts: counts.collect(),
+            counts,
             neighbours: neighbours(mesh, owners, rank, &nodes, &cells),
             mesh: mesh.part(&nodes, &cells),
             n_own,

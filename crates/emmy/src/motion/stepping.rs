@@ -281,7 +281,6 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// [`Error::Inverted`].
     pub fn with_static_reactions(mut self) -> Result<Self> {
-        self.body.check_whole("a start from an equilibrium")?;
         self.reactions = static_reactions(self.body, &self.state)?;
         Ok(self)
     }

@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use std::sync::Arc;
+
 use super::{Pattern, StageMatrix, eliminate};
 use crate::error::{Error, Result};
+use crate::team::Subdomain;
 
 /// Condensation of a symmetric K onto the outer rows of a pattern. Inner rows have no mass, so that the condensed system
 /// is of the same form, with one matrix for every lambda:
@@ -22,6 +25,8 @@ pub(crate) struct Condensation {
     /// M of the outer rows, at the positions of their pattern.
     pub mass: Vec<f64>,
     groups: Vec<Group>,
+    /// The part of a team, whose guests are the last outer rows.
+    subdomain: Option<Arc<Subdomain>>,
     /// C and `K_ii^-1` of each group, by rows `[i][3 n_outer + 3 n_inner]`.
     numbers: Vec<f64>,
     /// `K_ii` and `K_io` of a group, or a vector.
@@ -49,11 +54,8 @@ impl Group {
 }
 
 impl Condensation {
-    /// Memory for the condensation of a pattern; `None` if it has no inner rows. `mass`: of each block.
-    pub(crate) fn new(pattern: &Pattern, mass: &[f64]) -> Option<Self> {
-        if pattern.n_outer() == pattern.n_rows() {
-            return None;
-        }
+    /// Memory for the condensation of a pattern; `mass`: of each block.
+    pub(crate) fn new(pattern: &Pattern, mass: &[f64]) -> Self {
         let outer = pattern.outer();
         let blocks = (0..outer.n_rows()).flat_map(|row| pattern.range(row).take(outer.range(row).len()));
         let mass = blocks.map(|block| mass[block]).collect();
@@ -76,15 +78,21 @@ impl Condensation {
             row = group.inner.end;
             groups.push(group);
         }
-        Some(Condensation {
+        Condensation {
             stiffness: StageMatrix::new(&outer, &outer.divided(1), 1),
             pattern: outer,
             mass,
             groups,
+            subdomain: None,
             numbers: vec![0.0; n_numbers],
             work: [0, 1].map(|which| vec![0.0; largest[which]]),
             found: vec![0.0; 2 * largest[2]],
-        })
+        }
+    }
+
+    /// The same memory for the part of a team. It has the inner rows of all its groups, which depend on the rows of guests.
+    pub(crate) fn on(self, subdomain: Option<Arc<Subdomain>>) -> Self {
+        Condensation { subdomain, ..self }
     }
 
     /// Condenses a stiffness of one stage on the complete pattern; `fixed`: omitted components, `[n_rows][3]`.
@@ -130,7 +138,7 @@ impl Condensation {
     }
 
     /// Reduces right-hand sides, zero at fixed components, in place to the outer rows, which come first; `columns:
-    /// [n_rows][3][n_columns]`.
+    /// [n_rows][3][n_columns]`. They are zero at guests.
     pub(crate) fn reduce<'c>(&mut self, columns: &'c mut [f64], n_columns: usize) -> &'c mut [f64] {
         let n_outer = self.pattern.n_rows();
         let (outer, inner) = columns.split_at_mut(3 * n_columns * n_outer);
@@ -150,13 +158,30 @@ impl Condensation {
                 }
             }
         }
+        if let Some(subdomain) = &self.subdomain {
+            outer[3 * n_columns * subdomain.n_own()..].fill(0.0);
+        }
         outer
+    }
+
+    /// Takes the outer unknowns of guests from their owners.
+    fn update_guests(&self, outer: &mut [f64], n_columns: usize) {
+        let Some(subdomain) = &self.subdomain else { return };
+        let n = 3 * n_columns;
+        let read = |outer: &[f64], node: usize, numbers: &mut [f64]| {
+            numbers.copy_from_slice(&outer[n * node..n * (node + 1)]);
+        };
+        let write = |outer: &mut [f64], node: usize, numbers: &[f64]| {
+            outer[n * node..n * (node + 1)].copy_from_slice(numbers);
+        };
+        subdomain.exchange("unknowns beside condensed ones", n, outer, read, write);
     }
 
     /// Sets the inner unknowns from their right-hand sides and the outer unknowns; `inverse_shift`: 1/lambda.
     pub(crate) fn expand(&mut self, inverse_shift: [f64; 2], columns: &mut [f64], n_columns: usize) {
         let n_outer = self.pattern.n_rows();
         let (outer, inner) = columns.split_at_mut(3 * n_columns * n_outer);
+        self.update_guests(outer, n_columns);
         let [re, im] = inverse_shift;
         for group in &self.groups {
             let (m, n) = group.size();
@@ -242,7 +267,7 @@ mod tests {
         let fixed: Vec<bool> = (0..15).map(|dof| dof == 4 || dof == 11).collect();
         let mut mass = vec![0.0; pattern.n_blocks()];
         (0..3).for_each(|row| mass[pattern.position(row, row).unwrap()] = 2.0 + row as f64);
-        let mut condensation = Condensation::new(&pattern, &mass).unwrap();
+        let mut condensation = Condensation::new(&pattern, &mass);
         condensation.condense(&pattern, &stiffness, &fixed).unwrap();
         let lambda = 0.7;
         let dense = |pattern: &Pattern, stiffness: &StageMatrix, mass: &[f64], n: usize| {

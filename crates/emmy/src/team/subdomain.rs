@@ -87,7 +87,7 @@ impl Subdomain {
         self.nodes[..self.n_own].binary_search_by(|&node| (node as usize).cmp(&whole)).ok()
     }
 
-    /// Number in the whole mesh of each cell.
+    /// Number in the whole mesh of each cell; ascending among those that count here, which come first, and among the others.
     pub fn cells(&self) -> &[u32] {
         &self.cells
     }

@@ -184,7 +184,7 @@ impl RigidProjection {
         self.tensor = outer(&self.arm, &self.weighted_arm);
         body.sum_ranks("tensor of the arms", self.tensor.as_flattened_mut());
         self.multipliers =
-            self.projected(body.sum(&self.momentum), of_ranks(body, moment(&self.arm, &self.momentum)));
+            self.projected(body.sum(&self.momentum), moment(body, (&self.arm, &self.momentum)));
     }
 
     /// Adds `h weight_i M U lambda` to the residuals of the stages.
@@ -213,8 +213,8 @@ impl RigidProjection {
         let mut change = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[i][j] + second[i][j]));
         body.sum_ranks("change of the tensor of the arms", change.as_flattened_mut());
         let turned = inertia_times(&change, multipliers.turn);
-        let own = of_ranks(body, moment(&self.arm, momentum));
-        let other = of_ranks(body, moment(arm, &self.momentum));
+        let own = moment(body, (&self.arm, momentum));
+        let other = moment(body, (arm, &self.momentum));
         let right = [0, 1, 2].map(|d| own[d] + other[d] - turned[d]);
         let change = self.projected(body.sum(&self.change.momentum), right);
         self.add(change, h, residual);
@@ -233,7 +233,7 @@ impl RigidProjection {
     pub(super) fn correct(&mut self, body: &Body, right: &mut [f64]) {
         combine(&self.dissipation.highest_mode, right, &mut self.change.momentum);
         let momentum = &self.change.momentum;
-        let part = self.projected(body.sum(momentum), of_ranks(body, moment(&self.arm, momentum)));
+        let part = self.projected(body.sum(momentum), moment(body, (&self.arm, momentum)));
         self.add(part, -1.0, right);
     }
 
@@ -329,12 +329,6 @@ fn inertia_times(T: &Mat3<f64>, v: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| trace * v[i] - (0..3).map(|j| T[j][i] * v[j]).sum::<f64>())
 }
 
-/// The sum of a moment over all ranks.
-fn of_ranks(body: &Body, mut moment: [f64; 3]) -> [f64; 3] {
-    body.sum_ranks("moment of a momentum", &mut moment);
-    moment
-}
-
 /// Subtracts a mean from arms and from their products with M.
 fn subtract(mean: [f64; 3], row_sums: &[f64], arm: &mut [f64], weighted: &mut [f64]) {
     let nodes = arm.as_chunks_mut::<3>().0.iter_mut().zip(weighted.as_chunks_mut::<3>().0);
@@ -360,11 +354,19 @@ fn outer(a: &[f64], b: &[f64]) -> Mat3<f64> {
     sum
 }
 
-/// `sum_A a_A x b_A`.
-fn moment(a: &[f64], b: &[f64]) -> [f64; 3] {
+/// `sum_A a_A x b_A` over the nodes of all ranks.
+fn moment(body: &Body, (a, b): (&[f64], &[f64])) -> [f64; 3] {
+    let mut sum = moment_of(body.counted_nodes(), a, b);
+    body.sum_ranks("moment of a momentum", &mut sum);
+    sum
+}
+
+/// `sum_A a_A x b_A` over some nodes.
+fn moment_of(nodes: impl Iterator<Item = usize>, a: &[f64], b: &[f64]) -> [f64; 3] {
+    let (a, b) = (a.as_chunks::<3>().0, b.as_chunks::<3>().0);
     let mut sum = [0.0; 3];
-    for (a, b) in a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0) {
-        let part = cross(*a, *b);
+    for node in nodes {
+        let part = cross(a[node], b[node]);
         (0..3).for_each(|d| sum[d] += part[d]);
     }
     sum
@@ -420,7 +422,7 @@ mod tests {
         let arms = [0.3, -0.2, 0.5, 0.9, 0.1, -0.4, -1.2, 0.1, -0.1];
         let turn = turn_of(&outer(&arms, &arms), [true; 3], [0.3, 0.7, -0.2]);
         let moved: Vec<f64> = arms.as_chunks().0.iter().flat_map(|arm| cross(turn, *arm)).collect();
-        let found = moment(&arms, &moved);
+        let found = moment_of(0..3, &arms, &moved);
         assert!((0..3).all(|d| (found[d] - [0.3, 0.7, -0.2][d]).abs() < 1e-14), "{found:?}");
         let line = [0.6, 0.0, 0.8, -1.2, 0.0, -1.6];
         let turn = turn_of(&outer(&line, &line), [true; 3], [0.0, 5.0, 0.0]);

@@ -78,7 +78,7 @@ impl Iteration {
     /// Sets the pressures to those of the last step, or of the configuration at the start of the step.
     fn set_pressures(&mut self, system: &mut StageSystem<'_>) -> Result<()> {
         let pressures = &mut self.unknowns[self.n_rates..];
-        if self.pressures.is_empty() {
+        if self.prediction.is_first() {
             return system.set_pressures_at_start(pressures);
         }
         pressures.copy_from_slice(&self.pressures);

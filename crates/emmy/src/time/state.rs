@@ -51,11 +51,15 @@ impl State {
         mut displacement: Vec<f64>,
         fields: &[InitialVelocity],
     ) -> Result<Self> {
-        if displacement.len() == body.mesh().n_dofs() {
-            body.fit_without_modes(&mut displacement);
+        let has_modes = displacement.len() != body.mesh().n_dofs();
+        if !has_modes {
+            displacement.resize(body.n_dofs(), 0.0);
         }
         if displacement.len() == body.n_dofs() {
             body.update_guests("displacement", &mut displacement);
+        }
+        if !has_modes {
+            body.set_internal_means(&mut displacement);
         }
         body.check_start(time, &displacement)?;
         let (momentum, velocity) = body.initial_motion(time, fields)?;

@@ -266,6 +266,11 @@ impl TimePoint {
         body.sum_reactions(&mut self.reactions);
     }
 
+    /// Sums the reactions of all ranks.
+    pub(crate) fn sum_reactions(&mut self, body: &Body) {
+        body.sum_reactions(&mut self.reactions);
+    }
+
     /// Adds the impulses of loads and reactions at this point, with a weight, in a step of increment x.
     pub(crate) fn add_to(
         &self,
@@ -289,6 +294,7 @@ pub(crate) fn static_reactions(body: &Body, state: &State) -> Result<Vec<Reactio
     point.displacement.copy_from_slice(&state.displacement);
     point.evaluate(&mut Forces::new(body), state.time)?;
     point.set_reactions(body, &vec![0.0; body.n_dofs()]);
+    point.sum_reactions(body);
     Ok(point.reactions)
 }
 

@@ -95,11 +95,11 @@ impl DefectCorrection {
         let mut part: f64 = 0.0;
         for (which, at_end) in self.at_end.chunks_exact_mut(n).enumerate() {
             let (mut change, mut all) = (0.0, 0.0);
-            for (dof, at_end) in at_end.iter_mut().enumerate().take(3 * body.own_nodes().end) {
+            for dof in body.counted_dofs() {
                 let terms = self.correction[dof..k * n].iter().step_by(n).zip(&weights);
                 let own: f64 = terms.map(|(dx, weights)| weights[which] * dx).sum();
-                *at_end += own;
-                (change, all) = (change + own * own, all + *at_end * *at_end);
+                at_end[dof] += own;
+                (change, all) = (change + own * own, all + at_end[dof] * at_end[dof]);
             }
             let mut squares = [change, all];
             body.sum_ranks("squares of the change at the end", &mut squares);

@@ -232,14 +232,16 @@ impl ApproximateTangent {
     }
 
     fn set_soft_part(&mut self, body: &Body, time_scale: f64) {
-        if self.pressures.is_empty() {
+        if !body.has_pressures() {
             return;
         }
         let diagonal = |node: usize| body.pattern().position(node, node).map_or(0, |position| position);
         let of_node = |node: usize| [0, 4, 8].map(|at| self.assembly.matrix.block(diagonal(node))[at]);
-        let stiffness: f64 = (0..self.row_sums.len() / 3).flat_map(of_node).sum();
+        let stiffness: f64 = body.counted_nodes().flat_map(of_node).sum();
         let mass = 3.0 * body.total_lumped_mass();
-        let volumes = 2.0 * body.pressure_stiffness(&self.assembly);
+        let mut traces = [stiffness, 2.0 * body.pressure_stiffness(&self.assembly)];
+        body.sum_ranks("traces of stiffnesses", &mut traces);
+        let [stiffness, volumes] = traces;
         let square = time_scale * time_scale * self.response_size;
         self.soft_part = (mass + square * (stiffness - volumes).max(0.0)) / (mass + square * stiffness);
     }
@@ -271,6 +273,8 @@ impl ApproximateTangent {
         z.fill(0.0);
         if let Some(s) = self.made_for.filter(|_| !pressures.is_empty()) {
             body.add_kept_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.turned);
+            // Supports do not move under a change of pressures.
+            body.clear_inactive(&mut self.turned);
         }
         let iterations = self.solvers.solve(&self.turned, z, tolerance);
         // The derivative by a rate is half of that by the middle of the step, see `assemble`.
@@ -334,8 +338,7 @@ impl ApproximateTangent {
 
     fn sum_rows(&mut self, body: &Body) {
         let matrix = &self.assembly.matrix;
-        let own = 3 * body.own_nodes().end;
-        self.row_sums[..own].as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
+        self.row_sums.as_chunks_mut::<3>().0.par_iter_mut().enumerate().for_each(|(row, sums)| {
             *sums = [0.0; 3];
             for position in body.pattern().range(row) {
                 let block = matrix.block(position);
@@ -353,20 +356,19 @@ impl ApproximateTangent {
         rates: &[f64],
         time_scale: f64,
     ) -> f64 {
-        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates)).zip(body.inactive());
-        let square = |((sum, (u, x)), inactive): ((&f64, (&f64, &f64)), &bool)| {
-            if *inactive { 0.0 } else { (sum * (u.abs() + x.abs())).powi(2) }
+        let square = |dof: usize| match body.inactive()[dof] {
+            true => 0.0,
+            false => (self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs())).powi(2),
         };
-        let mut sum = [terms.map(square).sum::<f64>()];
+        let mut sum = [body.counted_dofs().map(square).sum::<f64>()];
         body.sum_ranks("squares of the rounding", &mut sum);
         time_scale * time_scale * sum[0].sqrt()
     }
 
     /// Strain energy of displacements with rounding errors, `(eps/2)^2 |u| . |K| |u| / 2` \[energy\].
     pub(crate) fn rounding_energy(&self, body: &Body, displacement: &[f64], rates: &[f64]) -> f64 {
-        // The row sums of guests are zero.
-        let terms = self.row_sums.iter().zip(displacement.iter().zip(rates));
-        let mut sum = [terms.map(|(sum, (u, x))| sum * (u.abs() + x.abs()).powi(2)).sum::<f64>()];
+        let term = |dof: usize| self.row_sums[dof] * (displacement[dof].abs() + rates[dof].abs()).powi(2);
+        let mut sum = [body.counted_dofs().map(term).sum::<f64>()];
         body.sum_ranks("energy of the rounding", &mut sum);
         0.125 * f64::EPSILON * f64::EPSILON * sum[0]
     }

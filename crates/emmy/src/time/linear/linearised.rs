@@ -22,7 +22,7 @@ impl LinearSystem for LinearisedStages<'_> {
         if let Some(projection) = &mut self.projection {
             projection.add_derivative(self.body, self.time_scale, x, y);
         }
-        clear_inactive(self.body, y);
+        self.body.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -30,7 +30,7 @@ impl LinearSystem for LinearisedStages<'_> {
             Some(projection) => {
                 self.right.copy_from_slice(x);
                 projection.correct(self.body, self.right);
-                clear_inactive(self.body, self.right);
+                self.body.clear_inactive(self.right);
                 self.approximate_tangent.precondition(self.right, y);
             }
             None => self.approximate_tangent.precondition(x, y),
@@ -49,13 +49,5 @@ impl LinearSystem for LinearisedStages<'_> {
 
     fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
         self.body.dot(x, y)
-    }
-}
-
-/// Sets the entries of the degrees of freedom without an equation to zero in every stage: of fixed ones, and of guests.
-pub(crate) fn clear_inactive(body: &Body, vector: &mut [f64]) {
-    for stage in vector.chunks_exact_mut(body.n_dofs()) {
-        let entries = stage.iter_mut().zip(body.inactive());
-        entries.filter(|(_, inactive)| **inactive).for_each(|(value, _)| *value = 0.0);
     }
 }

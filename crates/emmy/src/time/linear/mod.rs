@@ -11,4 +11,4 @@ mod strain_rates;
 mod multigrid_tests;
 
 pub(crate) use approximate_tangent::ApproximateTangent;
-pub(super) use linearised::{LinearisedStages, clear_inactive};
+pub(super) use linearised::LinearisedStages;

@@ -140,7 +140,7 @@ impl ModeSolvers {
     fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
         let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.inactive());
         if let Some(condensation) = &mut self.condensation {
-            condensation.condense(body.pattern(), stiffness, fixed)?;
+            condensation.condense(body.pattern(), stiffness, body.fixed())?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
@@ -180,6 +180,9 @@ impl ModeSolvers {
         if kind.is_some() && present.is_some() {
             return Ok(());
         }
+        if is_stiff {
+            body.check_whole("a step with projected volumes so stiff that they need a factorisation")?;
+        }
         let choice = match kind {
             Some(kind) => SolverChoice { kind, stiffness: number, limit: None, engine: None },
             None if is_shared => {
@@ -199,7 +202,9 @@ impl ModeSolvers {
     }
 
     fn create(&mut self, body: &Body, choice: SolverChoice) -> Result<()> {
-        self.condensation = Condensation::new(body.pattern(), body.mass());
+        self.condensation = body
+            .has_internal_nodes()
+            .then(|| Condensation::new(body.pattern(), body.mass()).on(body.subdomain().cloned()));
         let pattern = self.condensation.as_ref().map_or(body.pattern(), |condensation| &condensation.pattern);
         let fixed = &body.inactive()[..3 * pattern.n_rows()];
         let order = || -> Result<Vec<usize>> {

@@ -105,6 +105,11 @@ impl Prediction {
         }
     }
 
+    /// Whether there was no step before.
+    pub(super) fn is_first(&self) -> bool {
+        self.last_size.is_none()
+    }
+
     /// Keeps the memory that the next steps depend on.
     pub(super) fn keep(&self, memory: &mut Memory) {
         memory.keep_nodal("prediction.deviation", &self.deviation);
@@ -131,7 +136,7 @@ impl Prediction {
         self.mass = 0.0;
         self.translation.fill([0.0; 3]);
         self.rigid.set_rest();
-        let is_first = self.last_size.is_none();
+        let is_first = self.is_first();
         if is_first {
             self.deviation
                 .chunks_exact_mut(state.velocity.len())
@@ -267,9 +272,9 @@ impl Prediction {
         let n = self.arm.len();
         for (i, residual) in residual.chunks_exact(n).enumerate() {
             (self.sums[i], self.moment[i]) = ([0.0; 3], [0.0; 3]);
-            let own = residual.as_chunks::<3>().0.iter().take(system.body.own_nodes().end);
-            for (node, r) in own.enumerate() {
-                let at = 3 * node;
+            let residual = residual.as_chunks::<3>().0;
+            for node in system.body.counted_nodes() {
+                let (at, r) = (3 * node, residual[node]);
                 let mut q = [0, 1, 2].map(|d| self.arm[at + d]);
                 for j in 0..k {
                     (0..3).for_each(|d| q[d] += a[i * k + j] * rates[j * n + at + d]);

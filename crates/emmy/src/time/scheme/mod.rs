@@ -275,16 +275,13 @@ impl Scheme {
     /// # Errors
     /// [`Error::Scheme`].
     pub fn check_body(self, body: &Body) -> Result<()> {
-        if self == Scheme::Static {
-            body.check_whole("an equilibrium")?;
-        }
         if body.is_driven() {
             self.check_feature(BodyFeature::PrescribedMotion)?;
         }
         if body.is_viscous() || body.drag() > 0.0 {
             self.check_feature(BodyFeature::Damping)?;
         }
-        if !body.internal_dofs().is_empty() {
+        if body.has_internal_nodes() {
             self.check_feature(BodyFeature::IncompatibleModes)?;
         }
         Ok(())

@@ -145,7 +145,7 @@ impl<'a> StageSystem<'a> {
     /// # Errors
     /// [`crate::Error::Inverted`].
     pub(super) fn set_pressures_at_start(&mut self, pressures: &mut [f64]) -> Result<()> {
-        if pressures.is_empty() {
+        if !self.body.has_pressures() {
             return Ok(());
         }
         self.force.fill(0.0);
@@ -172,6 +172,7 @@ impl<'a> StageSystem<'a> {
         let StageSystem { body, force, mass_rates, known, dead_load, followers, squares, .. } = self;
         let dragged_mass = &self.dragged_mass;
         let inactive = body.inactive();
+        let counted = 3 * body.counted_ranges()[1].end;
         let follower = &followers.force;
         for (i, residual) in residual.chunks_exact_mut(n).enumerate() {
             let mass = &dragged_mass[i * k..(i + 1) * k];
@@ -185,7 +186,7 @@ impl<'a> StageSystem<'a> {
                     let internal = s * s * force[at];
                     let external = s * s * (dead_load[at] + follower[at]);
                     *residual = inertia - known[at] + (internal - external);
-                    if !inactive[dof] {
+                    if dof < counted && !inactive[dof] {
                         squares[0] += inertia * inertia;
                         squares[1] += internal * internal;
                         squares[2] += external * external;

@@ -4,7 +4,7 @@ use super::StageSystem;
 use crate::average::Request;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
-use crate::time::linear::{LinearisedStages, clear_inactive};
+use crate::time::linear::LinearisedStages;
 
 /// Iterations of GMRES before giving up.
 const MAX_LINEAR_ITERATIONS: usize = 300;
@@ -26,7 +26,7 @@ impl StageSystem<'_> {
     fn solve_approximately(&mut self, tolerance: f64, correction: &mut [f64]) -> Result<usize> {
         if let Some(projection) = &mut self.projection {
             projection.correct(self.body, &mut self.negative);
-            clear_inactive(self.body, &mut self.negative);
+            self.body.clear_inactive(&mut self.negative);
         }
         let parts = correction.split_at_mut(self.negative.len());
         let system = (self.body, &self.coefficients.rule);
@@ -42,7 +42,7 @@ impl StageSystem<'_> {
         let rule = &self.coefficients.rule;
         let s = self.time_scale;
         self.body.add_pressure_force(rule, &self.assembly, -s * s, pressures, &mut self.negative);
-        clear_inactive(self.body, &mut self.negative);
+        self.body.clear_inactive(&mut self.negative);
         let mut system = LinearisedStages {
             body: self.body,
             assembly: &mut self.assembly,
@@ -72,7 +72,7 @@ impl StageSystem<'_> {
         self.approximate_tangent.add_pressure_force(system, of_pressures, &mut self.condensed);
         let soft_part = self.approximate_tangent.soft_part();
         self.condensed.iter_mut().zip(residual).for_each(|(sum, r)| *sum = r - soft_part * *sum);
-        clear_inactive(self.body, &mut self.condensed);
+        self.body.clear_inactive(&mut self.condensed);
         self.body.own_dot(&self.condensed, &self.condensed)
     }
 
@@ -93,7 +93,7 @@ impl System for StageSystem<'_> {
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) -> Result<Sizes> {
         let [inertia, internal, external] = self.full_residual(x, residual)?;
         let (of_rates, of_pressures) = residual.split_at_mut(self.force.len());
-        clear_inactive(self.body, of_rates);
+        self.body.clear_inactive(of_rates);
         let mut squares = [inertia, internal, external, self.condensed_square(of_rates, of_pressures)];
         self.body.sum_ranks("squares of a residual and its parts", &mut squares);
         let [inertia, internal, external, residual] = squares.map(f64::sqrt);
@@ -142,9 +142,9 @@ impl System for StageSystem<'_> {
     /// last K contracted too little. With pressures the exact tangent differs from K by directions that the bulk modulus
     /// makes stiff, and GMRES may not converge.
     fn largest_contraction(&self, slow_corrections: usize) -> f64 {
-        match (self.body.n_pressures(), self.body.n_dofs_of_ranks()) {
-            (0, SMALL..) if slow_corrections == 0 => 0.4,
-            (0, _) => 0.0,
+        match (self.body.has_pressures(), self.body.n_dofs_of_ranks()) {
+            (false, SMALL..) if slow_corrections == 0 => 0.4,
+            (false, _) => 0.0,
             _ => 0.9,
         }
     }

@@ -221,3 +221,26 @@ fn the_number_of_threads_does_not_change_a_bit() {
     let one = on(1);
     assert!([2, 3, 5].into_iter().all(|threads| on(threads) == one));
 }
+
+/// A clamped block: the forces of changes of the pressures, in corrections with a kept stiffness, do not move the support.
+#[test]
+fn supports_do_not_move() {
+    let mesh = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    for bulk in [10.0 * MU, K] {
+        let material = NeoHookeIsochoric::new(MU, bulk, Volumetric::SimoTaylor).unwrap();
+        let body = Body::builder(mesh.clone())
+            .region(region(material))
+            .support(Support::fixed("x-min"))
+            .load(Load::traction("x-max", [0.5, 1.0, 2.0]))
+            .build()
+            .unwrap();
+        for degree in 1..=2 {
+            let settings = NewtonSettings { tolerance: 1e-12, ..Default::default() };
+            let mut motion = Motion::new(&body, at("DGM".parse().unwrap(), degree)).unwrap();
+            motion = motion.newton(settings).unwrap();
+            (0..2).for_each(|_| _ = motion.step(0.05).unwrap());
+            let held = body.fixed().iter().zip(&motion.state().displacement).filter(|(fixed, _)| **fixed);
+            assert!(held.clone().count() == 27 && held.into_iter().all(|(_, u)| *u == 0.0));
+        }
+    }
+}

@@ -1,12 +1,12 @@
 //! Static equilibrium: the internal force balances the loads at the end of each step.
 
+mod inverse;
 mod system;
 
 use super::forces::TimePoint;
 use crate::body::{Body, Reaction};
 use crate::error::{Error, Result};
 use crate::newton::{Newton, NewtonSettings, Outcome};
-use crate::sparse::reduce::norm;
 use crate::time::{Impulses, Memory, State, StepOutcome, Stepper};
 use system::{StaticSystem, largest_node};
 
@@ -28,7 +28,8 @@ const NO_DISTANCE: f64 = 1e-9;
 /// ```
 ///
 /// Newton's iteration takes the exact tangent with its follower loads, first with full corrections as long as the
-/// stiffness is positive definite, then with a line search. In a record, the work of loads and supports is the change of
+/// stiffness is positive definite, then with a line search. On a team, which does not factorise, it counts as positive
+/// definite until conjugate gradients find a direction in which it is not, and always under follower loads. In a record, the work of loads and supports is the change of
 /// the strain energy, as it is along a path of equilibria, and the residuals of the momentum balances are the resultant
 /// and the moment of loads, reactions and ground.
 #[derive(Debug)]
@@ -89,32 +90,34 @@ impl<'a> StaticStepper<'a> {
     fn check_path(&mut self, state: &State) -> Result<()> {
         let mut moved = self.displacement().to_vec();
         moved.iter_mut().zip(&state.displacement).for_each(|(u, old)| *u -= old);
-        let distance = norm(&moved);
+        let body = self.system.forces.body;
+        let distance = body.norm(&moved);
         if distance <= NO_DISTANCE * self.system.size {
             return Ok(());
         }
         // At a limit of the loads the stiffness is singular.
         let displacement = &self.unknowns[..moved.len()];
-        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| norm(&step));
+        let back = self.system.linear_step(displacement).map_or(f64::INFINITY, |step| body.norm(&step));
         let forth = self.system.predicted.unwrap_or(0.0);
         if distance <= (FARTHEST * forth).min(FARTHEST_BACK * back) {
             return Ok(());
         }
-        let node = largest_node(&moved);
-        let position = state.position(self.system.forces.body, node);
+        let node = largest_node(body, &moved);
+        let position = body.at_node(node, |node| state.position(body, node));
         Err(Error::OtherPath { fraction: self.system.time, node, position })
     }
 
     /// The error of an iteration that did not converge.
     fn failure(&self, state: &State, failed: Outcome) -> Error {
-        let node = largest_node(&self.newton.residual()[..self.end.displacement.len()]);
+        let body = self.system.forces.body;
+        let node = largest_node(body, &self.newton.residual()[..self.end.displacement.len()]);
         Error::NotBalanced {
             fraction: self.system.time,
             iterations: failed.iterations,
             residual: failed.residual,
             target: failed.target,
             node,
-            position: state.position(self.system.forces.body, node),
+            position: body.at_node(node, |node| state.position(body, node)),
         }
     }
 }
@@ -128,6 +131,7 @@ impl Stepper for StaticStepper<'_> {
         let strain_state = body.strain_state(&self.end.displacement);
         // The fixed degrees of freedom have no inertia.
         self.end.set_reactions(body, &self.system.rest);
+        self.end.sum_reactions(body);
         state.displacement.copy_from_slice(&self.end.displacement);
         state.displacement_low.fill(0.0);
         let mut impulses = Impulses { work: strain_state.strain_energy - self.energy, ..Impulses::default() };

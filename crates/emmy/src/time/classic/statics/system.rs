@@ -1,16 +1,18 @@
 //! The equations of equilibrium, and their linear systems.
 
+use super::inverse::{Found, Inverse};
 use crate::average::Request;
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::newton::{Sizes, System, Tangent};
-use crate::sparse::reduce::norm;
-use crate::sparse::{BlockCholesky, Gmres, LinearSystem, SparseLu, StageMatrix};
+use crate::sparse::{Gmres, LinearSystem, SparseLu, StageMatrix};
 use crate::time::classic::forces::Forces;
-use crate::time::linear::clear_inactive;
 
 /// Iterations of GMRES before the stiffness is factorised with its follower loads.
 const MAX_LINEAR_ITERATIONS: usize = 60;
+
+/// The same for the incomplete factors of a team.
+const MAX_ITERATIONS_OF_RANKS: usize = 600;
 
 /// Rounding floor of the residual over `eps || |K| |u| ||`: rounding errors of many terms partly cancel.
 const FLOOR: f64 = 0.25;
@@ -24,7 +26,7 @@ const LARGEST_CORRECTION: f64 = 1e6;
 pub(super) struct StaticSystem<'a> {
     pub(super) forces: Forces<'a>,
     pub(super) time: f64,
-    factor: BlockCholesky,
+    inverse: Inverse,
     gmres: Gmres,
     /// Factorisation with follower loads, where GMRES fails.
     lu: Option<SparseLu>,
@@ -52,7 +54,7 @@ impl<'a> StaticSystem<'a> {
         Ok(StaticSystem {
             forces: Forces::new(body),
             time: 0.0,
-            factor: BlockCholesky::new(body.pattern(), 3, body.fixed(), body.node_order()?)?,
+            inverse: Inverse::new(body)?,
             gmres: Gmres::default(),
             lu: None,
             must_be_definite: true,
@@ -99,7 +101,7 @@ impl<'a> StaticSystem<'a> {
         self.shift.iter_mut().zip(displacement).for_each(|(shift, u)| *shift -= u);
         self.factorize(unknowns)?;
         let step = self.linear_step(displacement)?;
-        self.predicted = Some(norm(&step));
+        self.predicted = Some(body.norm(&step));
         let (u, pressures) = unknowns.split_at_mut(n);
         u.iter_mut().zip(&step).for_each(|(u, step)| *u += step);
         self.forces.add_pressure_response(&step, pressures);
@@ -113,7 +115,7 @@ impl<'a> StaticSystem<'a> {
         self.right.iter_mut().zip(residual).for_each(|(b, r)| *b = -r);
         if self.is_linearised {
             self.forces.add_pressure_force(1.0, of_pressures, &mut self.right);
-            clear_inactive(self.forces.body, &mut self.right);
+            self.forces.body.clear_inactive(&mut self.right);
         }
     }
 
@@ -122,11 +124,12 @@ impl<'a> StaticSystem<'a> {
         let body = self.forces.body;
         let mut residual = self.rest.clone();
         self.forces.assembly.matrix.multiply(body.pattern(), &self.shift, &mut residual);
-        clear_inactive(body, &mut residual);
+        body.clear_inactive(&mut residual);
         residual.iter_mut().zip(&self.first).for_each(|(r, first)| *r += first);
         let mut step = self.rest.clone();
         self.right.iter_mut().zip(&residual).for_each(|(b, r)| *b = -r);
         self.solve(x, PREDICTION, &mut step)?;
+        body.update_guests("linear step", &mut step);
         step.iter_mut().zip(&self.shift).for_each(|(step, shift)| *step += shift);
         Ok(step)
     }
@@ -139,9 +142,8 @@ impl<'a> StaticSystem<'a> {
         let body = self.forces.body;
         self.lu = None;
         let matrix = &self.forces.assembly.matrix;
-        self.factor.factorize(|source| matrix.block(source / 9)[source % 9])?;
-        if self.must_be_definite && !self.factor.factor().is_definite() {
-            return Err(Error::Linear { reason: "the stiffness is not positive definite".into() });
+        if !self.inverse.set(body, matrix)? && self.must_be_definite {
+            return Err(not_definite());
         }
         self.floor = FLOOR * f64::EPSILON * absolute_product(body, matrix, displacement);
         self.forces.add_follower_tangent(displacement, self.time)
@@ -152,29 +154,44 @@ impl<'a> StaticSystem<'a> {
     /// # Errors
     /// [`Error::Singular`], [`Error::Linear`], [`Error::OutOfMemory`].
     fn solve(&mut self, x: &[f64], tolerance: f64, dx: &mut [f64]) -> Result<usize> {
-        let mut iterations = self.iterate(tolerance, dx);
-        if iterations.is_none() && self.lu.is_none() {
-            let body = self.forces.body;
+        let body = self.forces.body;
+        let mut iterations = self.iterate(tolerance, dx)?;
+        if iterations.is_none() && self.lu.is_none() && body.subdomain().is_none() {
             let lu = SparseLu::new(&self.forces.assembly.matrix, body.pattern(), body.fixed());
             self.lu = Some(lu.map_err(|_| self.singular(x, dx))?);
-            iterations = self.iterate(tolerance, dx);
+            iterations = self.iterate(tolerance, dx)?;
         }
-        let size = dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max);
-        let iterations = iterations.filter(|_| size <= LARGEST_CORRECTION * self.size);
+        let mut size = [dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max)];
+        body.largest_of_ranks("largest correction", &mut size);
+        let iterations = iterations.filter(|_| size[0] <= LARGEST_CORRECTION * self.size);
         iterations.ok_or_else(|| self.singular(x, dx))
     }
 
-    /// Solves with GMRES; `None` if it misses the tolerance.
-    fn iterate(&mut self, tolerance: f64, dx: &mut [f64]) -> Option<usize> {
-        let mut system = Linearised {
-            body: self.forces.body,
-            matrix: &mut self.forces.assembly.matrix,
-            factor: &mut self.factor,
-            lu: self.lu.as_ref(),
-        };
-        let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, MAX_LINEAR_ITERATIONS);
-        let is_solved = solution.relative_residual <= tolerance && dx.iter().all(|dx| dx.is_finite());
-        is_solved.then_some(solution.iterations)
+    /// Solves with GMRES, on a team without follower loads with conjugate gradients as long as the stiffness is positive;
+    /// `None` if it misses the tolerance.
+    ///
+    /// # Errors
+    /// [`Error::Linear`] if the stiffness must be positive definite and is not.
+    fn iterate(&mut self, tolerance: f64, dx: &mut [f64]) -> Result<Option<usize>> {
+        let body = self.forces.body;
+        let matrix = &mut self.forces.assembly.matrix;
+        let mut limit = MAX_LINEAR_ITERATIONS;
+        if let Inverse::OfRanks(inverse) = &mut self.inverse {
+            limit = MAX_ITERATIONS_OF_RANKS;
+            if body.n_followers() == 0 {
+                match inverse.solve(body, matrix, &self.right, dx, tolerance) {
+                    Found::Solution(iterations) => return Ok(Some(iterations)),
+                    Found::NotDefinite if self.must_be_definite => return Err(not_definite()),
+                    Found::NotDefinite | Found::Nothing => {}
+                }
+            }
+        }
+        let mut system = Linearised { body, matrix, inverse: &mut self.inverse, lu: self.lu.as_ref() };
+        let solution = self.gmres.solve(&mut system, &self.right, dx, tolerance, limit);
+        let mut faults = [dx.iter().filter(|dx| !dx.is_finite()).count() as f64];
+        body.largest_of_ranks("corrections that are not finite", &mut faults);
+        let is_solved = solution.relative_residual <= tolerance && faults == [0.0];
+        Ok(is_solved.then_some(solution.iterations))
     }
 
     /// The error of a singular stiffness, at a node without any, or else at the one that moves most.
@@ -184,15 +201,18 @@ impl<'a> StaticSystem<'a> {
             let diagonal = body.pattern().position(dof / 3, dof / 3).unwrap_or(0);
             self.forces.assembly.matrix.block(diagonal)[4 * (dof % 3)].abs()
         };
-        let free = || (0..dx.len()).filter(|&dof| !body.fixed()[dof]);
-        let largest = free().map(stiffness).fold(0.0, f64::max);
-        let node = free()
-            .find(|&dof| stiffness(dof) <= f64::EPSILON * largest)
-            .map_or_else(|| largest_node(dx), |dof| dof / 3);
-        let X = body.point(node);
-        let position = [0, 1, 2].map(|d| X[d] + x[3 * node + d]);
-        Error::Singular { fraction: self.time, node, position }
+        let free = || (0..3 * body.own_nodes().end).filter(|&dof| !body.fixed()[dof]);
+        let mut largest = [free().map(stiffness).fold(0.0, f64::max)];
+        body.largest_of_ranks("largest stiffness", &mut largest);
+        let without = free().find(|&dof| stiffness(dof) <= f64::EPSILON * largest[0]).map(|dof| dof / 3);
+        let node = body.lowest_node(without).unwrap_or_else(|| largest_node(body, dx));
+        let position = |node: usize| [0, 1, 2].map(|d| body.point(node)[d] + x[3 * node + d]);
+        Error::Singular { fraction: self.time, node, position: body.at_node(node, position) }
     }
+}
+
+fn not_definite() -> Error {
+    Error::Linear { reason: "the stiffness is not positive definite".into() }
 }
 
 /// Relative tolerance of the linear system of a prediction.
@@ -206,11 +226,11 @@ impl System for StaticSystem<'_> {
         let body = self.forces.body;
         body.copy_pressures(&self.forces.assembly, of_pressures);
         of_pressures.iter_mut().zip(pressures).for_each(|(r, pressure)| *r = pressure - *r);
-        let scale = norm(&self.external).max(norm(self.forces.internal()));
+        let scale = body.norm(&self.external).max(body.norm(self.forces.internal()));
         residual.iter_mut().for_each(|r| *r = -*r);
-        clear_inactive(body, residual);
+        body.clear_inactive(residual);
         self.condense(residual, of_pressures);
-        Ok(Sizes { residual: norm(&self.right), scale, floor: self.floor })
+        Ok(Sizes { residual: self.forces.body.norm(&self.right), scale, floor: self.floor })
     }
 
     fn correction(
@@ -228,14 +248,16 @@ impl System for StaticSystem<'_> {
         self.condense(of_displacement, of_pressures);
         let (dx, change) = dx.split_at_mut(of_displacement.len());
         let iterations = self.solve(x, tolerance, dx)?;
+        self.forces.body.update_guests("correction", dx);
         change.iter_mut().zip(of_pressures).for_each(|(change, r)| *change = -r);
         self.forces.add_pressure_response(dx, change);
-        self.predicted.get_or_insert_with(|| norm(dx));
+        let body = self.forces.body;
+        self.predicted.get_or_insert_with(|| body.norm(dx));
         Ok(iterations)
     }
 
     fn refactorization_cost(&self) -> f64 {
-        self.factor.cost_over_solution()
+        self.inverse.cost()
     }
 }
 
@@ -244,14 +266,14 @@ impl System for StaticSystem<'_> {
 struct Linearised<'a> {
     body: &'a Body,
     matrix: &'a mut StageMatrix,
-    factor: &'a mut BlockCholesky,
+    inverse: &'a mut Inverse,
     lu: Option<&'a SparseLu>,
 }
 
 impl LinearSystem for Linearised<'_> {
     fn product(&mut self, x: &[f64], y: &mut [f64]) {
         self.matrix.multiply(self.body.pattern(), x, y);
-        clear_inactive(self.body, y);
+        self.body.clear_inactive(y);
     }
 
     fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
@@ -262,9 +284,12 @@ impl LinearSystem for Linearised<'_> {
             return;
         }
         y.copy_from_slice(x);
-        clear_inactive(self.body, y);
-        let mut y = y;
-        self.factor.solve(1, &mut y, |y, _, row| y[row], |y, _, row, value| y[row] = value);
+        self.body.clear_inactive(y);
+        self.inverse.apply(self.body, y);
+    }
+
+    fn dot(&self, x: &[f64], y: &[f64]) -> f64 {
+        self.body.dot(x, y)
     }
 }
 
@@ -272,7 +297,7 @@ impl LinearSystem for Linearised<'_> {
 fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> f64 {
     let pattern = body.pattern();
     let mut square = 0.0;
-    for node in 0..pattern.n_rows() {
+    for node in body.counted_nodes() {
         let mut sum = [0.0; 3];
         for (position, &column) in pattern.range(node).zip(pattern.row(node)) {
             let u = &displacement[3 * column as usize..][..3];
@@ -283,12 +308,17 @@ fn absolute_product(body: &Body, matrix: &StageMatrix, displacement: &[f64]) -> 
         let free = (0..3).filter(|i| !body.fixed()[3 * node + i]);
         square += free.map(|i| sum[i] * sum[i]).sum::<f64>();
     }
-    square.sqrt()
+    let mut square = [square];
+    body.sum_ranks("squares of the rounding", &mut square);
+    square[0].sqrt()
 }
 
 /// Node with the largest vector, `[n_nodes][3]`; NaN exceeds every number.
-pub(super) fn largest_node(vectors: &[f64]) -> usize {
+pub(super) fn largest_node(body: &Body, vectors: &[f64]) -> usize {
     let squares = vectors.chunks_exact(3).map(|v| v.iter().map(|v| v * v).sum::<f64>().abs());
-    let largest = squares.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    largest.map_or(0, |(node, _)| node)
+    let own = squares.take(body.own_nodes().end).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    let (node, size) = own.unwrap_or_default();
+    let mut most = [size];
+    body.largest_of_ranks("largest vector", &mut most);
+    body.lowest_node((size == most[0] || size.is_nan()).then_some(node)).unwrap_or(0)
 }
