@@ -172,10 +172,13 @@ int emmy_petsc_set(Engine **own, int is_multigrid, size_t n_own, size_t first, c
         }
     PetscCall(MatAssemblyBegin(engine->matrix, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(engine->matrix, MAT_FINAL_ASSEMBLY));
-    if (is_new)
-        PetscCall(create_inverse(engine, is_multigrid));
     if (is_multigrid)
         PetscCall(set_rigid_modes(engine, positions));
+    if (is_new || is_multigrid) {
+        /* GAMG keeps the near-null space of its first matrix, even after PCReset. */
+        PetscCall(PCDestroy(&engine->inverse));
+        PetscCall(create_inverse(engine, is_multigrid));
+    }
     PetscCall(PCSetUp(engine->inverse));
     PetscCall(PCGetFailedReason(engine->inverse, &reason));
     if (reason) {

@@ -206,7 +206,7 @@ impl Body {
 
     /// Reactions of all ranks from those at own nodes.
     pub(crate) fn sum_reactions(&self, reactions: &mut [Reaction]) {
-        if let Some(subdomain) = self.subdomain() {
+        if let Some(subdomain) = self.subdomain().filter(|_| !reactions.is_empty()) {
             let parts = |reaction: &Reaction| [reaction.force, reaction.moment].concat();
             let mut sums: Vec<f64> = reactions.iter().flat_map(parts).collect();
             subdomain.sum("reactions", &mut sums);

@@ -76,11 +76,8 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
         self.solution.fill([[T::default(); C]; 4]);
         // After an overflow the previous solution is not finite, and zero times it would not be zero.
         self.direction.fill([[T::default(); C]; 4]);
-        let mut norm = self.residual_square();
-        if let Some(ranks) = &self.ranks {
-            [norm] = ranks.sum([norm]);
-        }
-        norm = norm.sqrt();
+        // On a team, the first products have it.
+        let mut norm = if self.ranks.is_none() { self.residual_square().sqrt() } else { 1.0 };
         let mut outcome = Solution { iterations: 0, relative_residual: if norm == 0.0 { 0.0 } else { 1.0 } };
         if norm == 0.0 || !norm.is_finite() {
             return outcome;
@@ -94,6 +91,13 @@ impl<T: Real, const C: usize> ConjugateGradients<T, C> {
             self.preconditioned.copy_from_slice(&self.rhs);
             inverse.solve(sweep, &mut self.preconditioned);
             let (new, square) = self.rhs_products();
+            if self.ranks.is_some() && outcome.iterations == 0 {
+                norm = square.sqrt();
+                if norm == 0.0 {
+                    outcome.relative_residual = 0.0;
+                    break;
+                }
+            }
             let beta = if outcome.iterations == 0 { [0.0; 2] } else { divided(new, rho) };
             rho = new;
             self.turn(beta);

@@ -16,8 +16,15 @@ use crate::shared::schemes::{DGM, at};
 #[derive(Debug)]
 struct WithEngines {
     team: Arc<dyn Team>,
-    /// A kind that fails.
-    fails: Option<EngineKind>,
+    /// A kind that fails, and where.
+    fails: Option<(EngineKind, Place)>,
+}
+
+/// A method of an engine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Set,
+    Apply,
 }
 
 impl Team for WithEngines {
@@ -42,7 +49,7 @@ impl Team for WithEngines {
     }
 
     fn engine(&self, kind: EngineKind) -> Option<Box<dyn Engine>> {
-        let fails = self.fails == Some(kind);
+        let fails = self.fails.filter(|(own, _)| *own == kind).map(|(_, place)| place);
         Some(Box::new(Dense { team: self.team.clone(), kind, fails, first: 0, inverse: Vec::new() }))
     }
 }
@@ -52,7 +59,7 @@ impl Team for WithEngines {
 struct Dense {
     team: Arc<dyn Team>,
     kind: EngineKind,
-    fails: bool,
+    fails: Option<Place>,
     first: usize,
     inverse: Vec<f64>,
 }
@@ -66,7 +73,7 @@ impl Engine for Dense {
     }
 
     fn set(&mut self, rows: &OwnRows<'_>) -> std::result::Result<(), String> {
-        if self.fails {
+        if self.fails == Some(Place::Set) {
             return Err("no inverse".to_string());
         }
         let n = 3 * rows.n_of_ranks;
@@ -99,6 +106,9 @@ impl Engine for Dense {
         self.team.sum("vector", &mut whole);
         for (x, row) in x.iter_mut().zip(self.inverse.chunks_exact(n).skip(3 * self.first)) {
             *x = row.iter().zip(&whole).map(|(a, x)| a * x).sum();
+        }
+        if self.fails == Some(Place::Apply) {
+            x.fill(f64::NAN);
         }
     }
 }
@@ -135,7 +145,7 @@ impl Rod {
     }
 
     /// The records of all ranks.
-    fn on_ranks(&self, size: usize, engines: bool, fails: Option<EngineKind>) -> Vec<Record> {
+    fn on_ranks(&self, size: usize, engines: bool, fails: Option<(EngineKind, Place)>) -> Vec<Record> {
         let mesh = Rod::mesh();
         let owners = mesh::owners(&mesh, size).unwrap();
         let ranks = Threads::run(size, |team| {
@@ -148,7 +158,7 @@ impl Rod {
     }
 
     /// Compares the energies with those of the whole body; returns the records.
-    fn assert_equal(&self, size: usize, engines: bool, fails: Option<EngineKind>) -> Vec<Record> {
+    fn assert_equal(&self, size: usize, engines: bool, fails: Option<(EngineKind, Place)>) -> Vec<Record> {
         let whole = Rod { solver: Solver::Direct, ..*self }.march(Body::builder(Rod::mesh())).unwrap();
         let energy = whole.iter().map(|record| record.total_energy).fold(0.0, f64::max);
         let records = self.on_ranks(size, engines, fails);
@@ -196,9 +206,11 @@ fn the_choice_of_a_team_falls_back() {
     assert!(name(&auto.assert_equal(2, true, None)).contains("incomplete Cholesky factors (stiff"));
     let stiff = Rod { stiff: true, ..auto };
     assert!(name(&stiff.assert_equal(2, true, None)).contains("factorisation by an inverse"));
-    let records = stiff.assert_equal(2, true, Some(EngineKind::Factorization));
-    assert!(name(&records).contains("multigrid by inverse blocks"));
-    let records = stiff.assert_equal(2, true, Some(EngineKind::Multigrid));
+    for place in [Place::Set, Place::Apply] {
+        let records = stiff.assert_equal(2, true, Some((EngineKind::Factorization, place)));
+        assert!(name(&records).contains("multigrid by inverse blocks"));
+    }
+    let records = stiff.assert_equal(2, true, Some((EngineKind::Multigrid, Place::Set)));
     assert!(name(&records).contains("factorisation by an inverse"));
     assert!(name(&stiff.on_ranks(2, false, None)).contains("incomplete Cholesky factors (stiff"));
 }
@@ -210,7 +222,7 @@ fn an_engine_that_fails_is_named() {
     let owners = mesh::owners(&mesh, 2).unwrap();
     let errors = Threads::run(2, |team| {
         let share = Share::new(&mesh, &owners, team.rank());
-        let team = Arc::new(WithEngines { team, fails: Some(EngineKind::Factorization) });
+        let team = Arc::new(WithEngines { team, fails: Some((EngineKind::Factorization, Place::Set)) });
         let error = rod.march(Body::shared(share, team)).unwrap_err();
         std::error::Error::source(&error).unwrap().to_string()
     });
