@@ -159,7 +159,14 @@ fn listed(directory: &Path, text: &str) -> Option<Vec<Listed>> {
 
 #[cfg(test)]
 mod tests {
+    use emmy::body::{Body, FieldValues, Region};
+    use emmy::material::NeoHooke;
+    use emmy::mesh::{Mesh, Share, block, owners};
+    use emmy::team::Threads;
+
+    use super::super::surface::Surface;
     use super::*;
+    use crate::vtk::{Format, FrameWriter, Precision};
 
     #[test]
     fn frames_come_in_their_order_with_times_and_steps() {
@@ -168,16 +175,50 @@ mod tests {
             format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"frames/a_{step:06}.vtu\"/>")
         };
         let text = format!(
-            "{COLLECTION_MARK}<VTKFile><Collection>{}{}</Collection></VTKFile>",
+            "{COLLECTION_MARK}<VTKFile><Collection>{}{}{}</Collection></VTKFile>",
             set("0.0", 0),
-            set("1e-3", 1_000_020)
+            set("1e-3", 1_000_020),
+            set("2e-3", 1_000_040).replace(".vtu", ".pvtu")
         );
         fs::write(temp.path().join("a.pvd"), text).unwrap();
         fs::write(temp.path().join("b.pvd"), "<VTKFile/>").unwrap();
         let (name, frames) = collection(temp.path()).unwrap();
-        assert_eq!((name.as_str(), frames.len()), ("a.pvd", 2));
+        assert_eq!((name.as_str(), frames.len()), ("a.pvd", 3));
         assert_eq!((frames[1].time, frames[1].step), (1e-3, 1_000_020));
+        assert_eq!((frames[2].time, frames[2].step), (2e-3, 1_000_040));
         assert!(frames[0].path.ends_with("frames/a_000000.vtu"));
         assert_eq!(collection(&temp.path().join("nothing")), None);
+    }
+
+    /// A team writes frames in pieces, whose nodes on the borders coincide.
+    #[test]
+    fn frames_in_pieces_have_the_surface_of_the_whole_mesh() {
+        let temp = tempfile::tempdir().unwrap();
+        let mesh = block([3.0, 2.0, 2.0], [3, 2, 2]).unwrap();
+        let owners = owners(&mesh, 3).unwrap();
+        let moved = |mesh: &Mesh| -> Vec<f64> { mesh.points().iter().flatten().map(|x| 0.1 * x).collect() };
+        Threads::run(3, |team| {
+            let rubber = Region::new(NeoHooke::new(10.0, 5.0).unwrap(), 2.0);
+            let share = Share::new(&mesh, &owners, team.rank());
+            let body = Body::shared(share, team).region(rubber).build().unwrap();
+            let form = (Format::Vtu, Precision::Double);
+            let mut frames = FrameWriter::create(form, temp.path(), &body).unwrap();
+            let displacement = FieldValues { name: FieldName::Displacement, numbers: moved(body.mesh()) };
+            frames.write(7, 0.5, &[displacement]).unwrap();
+        })
+        .unwrap();
+        let (_, frames) = FrameSource::find(temp.path()).unwrap();
+        assert_eq!((frames.len(), frames.at(0)), (1, (7, 0.5)));
+        let first = frames.first().unwrap();
+        let cells: Vec<_> = mesh.cells().map(|cell| (cell.kind, cell.nodes.to_vec())).collect();
+        assert_eq!(first.points, mesh.points());
+        assert_eq!(Surface::new(&first.cells), Surface::new(&cells));
+        assert_eq!(frames.values(0, &["displacement", "velocity"]).unwrap(), [moved(&mesh), Vec::new()]);
+        let piece = fs::read_dir(temp.path().join("frames"))
+            .unwrap()
+            .find(|entry| entry.as_ref().unwrap().path().is_dir());
+        fs::remove_file(piece.unwrap().unwrap().path().join("0001.vtu")).unwrap();
+        let error = frames.values(0, &["displacement"]).unwrap_err().to_string();
+        assert!(error.contains("0001.vtu"), "{error}");
     }
 }
