@@ -11,6 +11,7 @@
 //! | [`report`] | `report.html` |
 //! | [`vtk`] | frames (`.vtu`) and their collection (`.pvd`), or all frames in one file (`.vtkhdf`) |
 //! | [`checkpoint`] | `checkpoint/`: everything that a run needs to resume |
+//! | [`mod@shares`] | shares of a mesh for the ranks of a team |
 //! | [`events`] | `events.csv` |
 //! | [`log`] | `run.log` |
 //! | [`summary`] | `summary.json` |
@@ -51,6 +52,7 @@ mod recording;
 pub mod report;
 pub mod results;
 mod rows;
+pub mod shares;
 mod side_by_side;
 pub mod sizes;
 mod stored;

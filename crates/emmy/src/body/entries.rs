@@ -85,7 +85,7 @@ mod tests {
         // Two cells with three modes each.
         assert!(numbers.iter().copied().eq(0..12 + 6));
         assert_eq!(body.entries(Entries::Pressures).count(), 0);
-        let body = formulated(crate::body::Formulation::ProjectedVolume(PressureSpace::Constant));
+        let body = formulated(crate::body::Formulation::ProjectedVolume(Some(PressureSpace::Constant)));
         let mut numbers: Vec<(u64, bool)> = body.entries(Entries::Pressures).collect();
         numbers.sort_unstable();
         assert_eq!(numbers, [(0, true), (4, true)]);

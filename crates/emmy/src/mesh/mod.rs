@@ -12,7 +12,7 @@ pub use builder::MeshBuilder;
 pub use groups::{Facet, Groups};
 pub use quality::{Quality, Worst, check, quality};
 pub use shapes::{block, l_block, rectangle};
-pub use share::{Share, owners};
+pub use share::{Share, Shares, owners};
 
 pub use crate::element::{CellKind, FacetKind};
 

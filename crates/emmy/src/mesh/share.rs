@@ -1,8 +1,13 @@
 //! The part of a mesh that a rank of a team computes.
 
-use std::collections::BTreeMap;
+mod shares;
+mod stored;
 
-use super::{Bounds, Facet, Groups, Mesh};
+pub use shares::Shares;
+
+use serde::{Deserialize, Serialize};
+
+use super::Mesh;
 use crate::error::{Error, Result};
 use crate::sparse::{Pattern, partition};
 use crate::team::Neighbour;
@@ -42,7 +47,8 @@ pub fn owners(mesh: &Mesh, size: usize) -> Result<Vec<u32>> {
 /// assert_eq!(share.n_counted_cells(), 0); // it counts on rank 0
 /// # Ok::<(), emmy::Error>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "stored::Stored", try_from = "stored::Stored")]
 pub struct Share {
     pub(crate) mesh: Mesh,
     pub(crate) n_own: usize,
@@ -58,41 +64,17 @@ pub struct Share {
 }
 
 impl Share {
-    /// The share of a rank; `owners`: rank of each node, as from [`owners`].
+    /// The share of a rank; `owners`: rank of each node, as from [`owners`]. [`Shares`] makes those of all ranks.
     ///
     /// # Panics
     /// If there is not one owner for each node, or if the rank owns none.
     pub fn new(mesh: &Mesh, owners: &[u32], rank: usize) -> Self {
-        assert_eq!(owners.len(), mesh.n_nodes(), "one owner for each node");
-        let is_own = |&node: &u32| owners[node as usize] as usize == rank;
-        let mut cells: Vec<u32> = (0..mesh.n_cells() as u32)
-            .filter(|&cell| mesh.cell(cell as usize).nodes.iter().any(is_own))
-            .collect();
-        let counts = |&cell: &u32| {
-            let lowest = mesh.cell(cell as usize).nodes.iter().map(|&node| owners[node as usize]).min();
-            lowest == Some(rank as u32)
-        };
-        cells.sort_by_key(|cell| !counts(cell));
-        let counts = cells.iter().map(counts).collect();
-        let mut nodes: Vec<u32> = (0..mesh.n_nodes() as u32).filter(is_own).collect();
-        let n_own = nodes.len();
-        assert!(n_own > 0, "rank {rank} owns no node");
-        let of_cells = || cells.iter().map(|&cell| mesh.cell(cell as usize));
-        let mut guests: Vec<u32> =
-            of_cells().flat_map(|cell| cell.nodes).copied().filter(|node| !is_own(node)).collect();
-        guests.sort_unstable();
-        guests.dedup();
-        nodes.extend(guests);
-        Share {
-            counts,
-            neighbours: neighbours(mesh, owners, rank, &nodes, &cells),
-            mesh: mesh.part(&nodes, &cells),
-            n_own,
-            n_nodes_of_ranks: mesh.n_nodes(),
-            nodes,
-            cells,
-            rank,
-        }
+        Shares::new(mesh, owners).share(rank)
+    }
+
+    /// Number of the rank.
+    pub fn rank(&self) -> usize {
+        self.rank
     }
 
     /// The mesh of the share: own nodes first, then guests. Its groups have the names of the whole mesh, and may be empty.
@@ -103,6 +85,11 @@ impl Share {
     /// Number of own nodes.
     pub fn n_own(&self) -> usize {
         self.n_own
+    }
+
+    /// Number of nodes of the whole mesh.
+    pub fn n_nodes_of_ranks(&self) -> usize {
+        self.n_nodes_of_ranks
     }
 
     /// Number of each node of the share in the whole mesh.
@@ -119,96 +106,6 @@ impl Share {
     /// Number of cells that count on this rank; the others of the mesh are computed here and on another rank.
     pub fn n_counted_cells(&self) -> usize {
         self.counts.iter().filter(|counts| **counts).count()
-    }
-}
-
-/// Own nodes that are guests of each neighbour, and guests that it owns, both in the order of the whole mesh: a node of a cell
-/// is a guest of every rank that owns another node of it.
-fn neighbours(mesh: &Mesh, owners: &[u32], rank: usize, nodes: &[u32], cells: &[u32]) -> Vec<Neighbour> {
-    let mut shared: BTreeMap<u32, [Vec<u32>; 2]> = BTreeMap::new();
-    for &cell in cells {
-        let of_cell = mesh.cell(cell as usize).nodes;
-        for &node in of_cell {
-            let owner = owners[node as usize];
-            if owner as usize != rank {
-                shared.entry(owner).or_default()[1].push(node);
-                continue;
-            }
-            for &other in of_cell {
-                let other = owners[other as usize];
-                if other as usize != rank {
-                    shared.entry(other).or_default()[0].push(node);
-                }
-            }
-        }
-    }
-    let own_numbers: BTreeMap<u32, u32> = nodes.iter().copied().zip(0..).collect();
-    let local = |mut nodes: Vec<u32>| -> Vec<u32> {
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes.iter().map(|node| own_numbers[node]).collect()
-    };
-    let neighbour = |(rank, [outgoing, incoming]): (u32, [Vec<u32>; 2])| Neighbour {
-        rank: rank as usize,
-        outgoing: local(outgoing),
-        incoming: local(incoming),
-    };
-    shared.into_iter().map(neighbour).collect()
-}
-
-impl Mesh {
-    fn all_bounds(&self) -> Bounds {
-        let of_group = |name: &String| Some((name.clone(), self.facet_bounds(name).ok()?));
-        Bounds {
-            mesh: self.bounds(),
-            is_plane: self.is_plane(),
-            facet_groups: self.groups.facets.keys().filter_map(of_group).collect(),
-        }
-    }
-
-    /// Some nodes and cells as a mesh of their own, with the nodes of all groups.
-    #[doc(hidden)]
-    pub fn part(&self, nodes: &[u32], cells: &[u32]) -> Mesh {
-        let absent = u32::MAX;
-        let numbers = |chosen: &[u32], n: usize| {
-            let mut numbers = vec![absent; n];
-            chosen.iter().zip(0..).for_each(|(&whole, own)| numbers[whole as usize] = own);
-            numbers
-        };
-        let node_numbers = numbers(nodes, self.n_nodes());
-        let cell_numbers = numbers(cells, self.n_cells());
-        let mut part = Mesh {
-            points: nodes.iter().map(|&node| self.points[node as usize]).collect(),
-            kinds: cells.iter().map(|&cell| self.kinds[cell as usize]).collect(),
-            offsets: vec![0],
-            connectivity: Vec::new(),
-            groups: Groups::default(),
-            whole: Some(self.all_bounds()),
-        };
-        for &cell in cells {
-            let of_cell = self.cell(cell as usize).nodes.iter();
-            part.connectivity.extend(of_cell.map(|&node| node_numbers[node as usize]));
-            part.offsets.push(part.connectivity.len() as u32);
-        }
-        let of_cells = |whole: &[u32]| -> Vec<u32> {
-            whole.iter().map(|&cell| cell_numbers[cell as usize]).filter(|&cell| cell != absent).collect()
-        };
-        for (name, whole) in &self.groups.cells {
-            part.groups.cells.insert(name.clone(), of_cells(whole));
-        }
-        for (name, whole) in &self.groups.facets {
-            let own = whole.iter().map(|facet| Facet { cell: cell_numbers[facet.cell as usize], ..*facet });
-            part.groups.facets.insert(name.clone(), own.filter(|facet| facet.cell != absent).collect());
-        }
-        // A guest may belong to a group by a cell that is not here.
-        for name in self.groups.names() {
-            let whole = self.group_nodes(name).unwrap_or_default();
-            let mut own: Vec<u32> = whole.iter().map(|&node| node_numbers[node as usize]).collect();
-            own.retain(|&node| node != absent);
-            own.sort_unstable();
-            part.groups.nodes.insert(name.to_string(), own);
-        }
-        part
     }
 }
 
@@ -265,6 +162,25 @@ mod tests {
                 n_guests += neighbour.incoming.len();
             }
             assert_eq!(n_guests, share.nodes.len() - share.n_own);
+        }
+    }
+
+    /// Time in proportion to the mesh, whatever the number of ranks.
+    #[test]
+    #[ignore = "a measurement: `cargo test --release -p emmy --lib many_shares -- --ignored --nocapture`"]
+    fn many_shares_of_a_large_mesh() {
+        let mesh = crate::mesh::block([1.0; 3], [99; 3]).unwrap();
+        for n in [4, 8, 16] {
+            // Cubes of nodes: n x n x 4 ranks.
+            let part = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+            let owner = |X: &[f64; 3]| ((part(X[0], n) * n + part(X[1], n)) * 4 + part(X[2], 4)) as u32;
+            let owners: Vec<u32> = mesh.points().iter().map(owner).collect();
+            let begin = std::time::Instant::now();
+            let shares = Shares::new(&mesh, &owners);
+            let lists = begin.elapsed();
+            let n_own: usize = (0..shares.size()).map(|rank| shares.share(rank).n_own()).sum();
+            assert_eq!(n_own, mesh.n_nodes());
+            println!("{} shares: {lists:?} for lists, {:?} in all", shares.size(), begin.elapsed());
         }
     }
 
