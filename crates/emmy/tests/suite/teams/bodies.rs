@@ -89,21 +89,19 @@ fn dissipative_and_classic_schemes_are_those_of_the_whole_body() {
 #[test]
 fn cut_steps_of_incompatible_modes_are_those_of_the_whole_body() {
     let corner = |builder: BodyBuilder| {
-        let load = Load::nodal_force("corner", [-100.0, 0.0, 0.0]);
+        let load = Load::nodal_force("corner", [-60.0, 0.0, 0.0]);
         builder
             .region(rubber().with_formulation(Formulation::IncompatibleModes))
             .support(Support::fixed("x-min"))
-            .load(load.over([(0.0, 1.0), (0.1, 0.0)]).unwrap())
+            .load(load.over([(0.0, 1.0), (0.04, 0.0)]).unwrap())
     };
-    for degree in 1..=2 {
-        let case = Case {
-            mesh: mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap().with_node_group("corner", [44]).unwrap(),
-            plan: plan(0.04, 0.02),
-            ..pushed(corner, fe(degree).with_degree(degree).unwrap())
-        };
-        assert!(case.whole().unwrap().events.contains(&EventKind::Cut));
-        case.assert_equal([2, 3], 1e-9);
-    }
+    let case = Case {
+        mesh: mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap().with_node_group("corner", [44]).unwrap(),
+        plan: plan(0.04, 0.02),
+        ..pushed(corner, DGM)
+    };
+    assert!(case.whole().unwrap().events.contains(&EventKind::Cut));
+    case.assert_equal([2, 3], 1e-9);
 }
 
 /// Adaptive steps: the decisions of the whole body.
