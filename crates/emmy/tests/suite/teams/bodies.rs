@@ -6,7 +6,11 @@ use super::*;
 
 /// Bricks along x in the cell groups `left` and `right`, with the node groups `clamp` and `tip`.
 fn bricks() -> Mesh {
-    let block = mesh::block([2.0, 1.0, 1.0], [4, 2, 2]).unwrap();
+    bricks_of([4, 2, 2])
+}
+
+fn bricks_of(cells: [usize; 3]) -> Mesh {
+    let block = mesh::block([2.0, 1.0, 1.0], cells).unwrap();
     let mut builder = MeshBuilder::new();
     block.points().iter().for_each(|&point| _ = builder.point(point));
     let x = |node: u32| block.points()[node as usize][0];
@@ -83,6 +87,13 @@ fn dissipative_and_classic_schemes_are_those_of_the_whole_body() {
     for scheme in ["Newmark(0.25, 0.5)", "Bathe"] {
         pushed(both, scheme.parse().unwrap()).assert_equal([3], 1e-11);
     }
+}
+
+/// Ranks with enough nodes for several threads each.
+#[test]
+fn threads_of_ranks_compute_cells_against_locking() {
+    let case = Case { mesh: bricks_of([6, 5, 5]), plan: plan(0.04, 0.02), ..pushed(both, DGM) };
+    case.assert_equal([2], 1e-12);
 }
 
 /// A corner is pushed through its cell, so that a step is cut on all ranks.
