@@ -140,7 +140,7 @@ impl ModeSolvers {
     fn factorize(&mut self, body: &Body, stiffness: &StageMatrix, positions: &[f64]) -> Result<()> {
         let (mut stiffness, mut mass, mut fixed) = (stiffness, body.mass(), body.inactive());
         if let Some(condensation) = &mut self.condensation {
-            condensation.condense(body.pattern(), stiffness, body.fixed())?;
+            body.agree(condensation.condense(body.pattern(), stiffness, body.fixed()))?;
             (stiffness, mass) = (&condensation.stiffness, &condensation.mass);
             fixed = &fixed[..3 * condensation.pattern.n_rows()];
         }
