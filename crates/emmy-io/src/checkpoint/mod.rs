@@ -188,7 +188,7 @@ pub fn newest(directory: &Path, team: &dyn Team) -> Result<(Checkpoint, Option<S
         }
         match open(&path, team) {
             Ok(checkpoint) => whole.push(checkpoint),
-            Err(reason) => reasons.push(format!("{} {reason}", path.display())),
+            Err(reason) => reasons.push(reason),
         }
     }
     let reasons = (!reasons.is_empty()).then(|| reasons.join("; "));
@@ -202,22 +202,21 @@ pub fn newest(directory: &Path, team: &dyn Team) -> Result<(Checkpoint, Option<S
 /// The checkpoint of a file, of which each rank of a team checks some blocks.
 ///
 /// # Errors
-/// The predicate of a sentence about the file, on all ranks.
+/// Why it cannot be used, on all ranks.
 fn open(path: &Path, team: &dyn Team) -> Result<Checkpoint, String> {
-    let own = || {
-        let mut input = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
-        let (checkpoint, table) = file::read(&mut input)?;
-        table.verify(&mut input, team)?;
+    let own = read(path, |input| {
+        let (checkpoint, table) = file::read(input)?;
+        table.verify(input, team)?;
         Ok(Checkpoint { lists: Lists::In(path.to_path_buf(), table), ..checkpoint })
-    };
-    let checkpoint: Checkpoint = team::agree(team, own(), |reason| reason)?;
+    });
+    let checkpoint = team::agree(team, own, |reason| reason)?;
     // A rank may still see a file that another program has replaced.
     let step = checkpoint.snapshot.state.step as f64;
     let mut bounds = [step, -step];
     team.largest("step of a checkpoint", &mut bounds);
     match bounds == [step, -step] {
         true => Ok(checkpoint),
-        false => Err("is another file on another rank".to_string()),
+        false => Err(format!("{} is another file on another rank", path.display())),
     }
 }
 

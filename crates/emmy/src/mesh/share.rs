@@ -173,7 +173,7 @@ mod tests {
         for n in [4, 8, 16] {
             // Cubes of nodes: n x n x 4 ranks.
             let part = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
-            let owner = |X: &[f64; 3]| ((part(X[0], n) * n + part(X[1], n)) * 4 + part(X[2], 4)) as u32;
+            let owner = |&[x, y, z]: &[f64; 3]| ((part(x, n) * n + part(y, n)) * 4 + part(z, 4)) as u32;
             let owners: Vec<u32> = mesh.points().iter().map(owner).collect();
             let begin = std::time::Instant::now();
             let shares = Shares::new(&mesh, &owners);
