@@ -229,7 +229,7 @@ mod petsc {
         Case { body: "quasi-rigid", degree: 2, solver: Solver::Direct },
         Case { body: "quasi-rigid", degree: 1, solver: Solver::Multigrid },
         Case { body: "quasi-rigid", degree: 2, solver: Solver::Multigrid },
-        // Turns of 25 degrees: GAMG needs the rigid modes of each stiffness.
+        // The body turns and bends: GAMG needs the rigid modes of each stiffness.
         Case { body: "quasi-rigid, long steps", degree: 2, solver: Solver::Multigrid },
         Case { body: "quasi-rigid, long steps", degree: 2, solver: Solver::Auto },
     ];
