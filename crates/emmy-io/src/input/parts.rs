@@ -140,7 +140,12 @@ impl Parts {
     /// The problem, once the mesh is made.
     pub(super) fn problem(mut self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
         let (mesh, digest) = source.mesh(|| self.checked_mesh())?;
-        let CheckedMesh { file: MeshFile { mesh, mut notes, files }, formulations } = mesh;
+        let (mesh, mut notes, files, formulations) = match mesh {
+            Some(CheckedMesh { file, formulations }) => {
+                (Some(file.mesh), file.notes, file.files, formulations)
+            }
+            None => Default::default(),
+        };
         self.nodal.check_damping(&self.regions, &self.time)?;
         let places = derived::Places::new(&self.regions, &self.loads, &self.initial, &self.nodal);
         let is_moved = derived::is_moved(&self.regions, &self.loads, &self.supports, &self.initial);

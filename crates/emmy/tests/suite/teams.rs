@@ -771,7 +771,7 @@ fn what_a_team_does_not_compute_is_rejected() {
             .support(Support::fixed("x-min"))
             .load(Load::acceleration([0.0, 0.0, 1.0]))
     };
-    let stiff = "a step with projected volumes so stiff that they need a factorisation";
+    let stiff = "a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)";
     let step = |body: &Body| match Motion::new(body, DGM)?.step(0.1) {
         Err(Error::StepFailed { cause, .. }) => Err(*cause),
         outcome => outcome.map(|_| ()),

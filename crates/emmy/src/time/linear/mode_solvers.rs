@@ -180,8 +180,8 @@ impl ModeSolvers {
         if kind.is_some() && present.is_some() {
             return Ok(());
         }
-        if is_stiff {
-            body.check_whole("a step with projected volumes so stiff that they need a factorisation")?;
+        if is_stiff && is_shared && !self.engines.contains(&SolverKind::Direct) {
+            body.check_whole("a step with projected volumes so stiff that they need a factorisation (MUMPS, by the feature `petsc` of emmy-mpi)")?;
         }
         let choice = match kind {
             Some(kind) => SolverChoice { kind, stiffness: number, limit: None, engine: None },
@@ -215,7 +215,7 @@ impl ModeSolvers {
         let needs_sweep = has_pairs || choice.kind != SolverKind::Direct || part.is_some();
         let sweep = needs_sweep.then(|| Arc::new(SweepOrder::new(pattern)));
         let ranks = || part.cloned().zip(sweep.as_ref()).map(|(own, sweep)| Ranks::new(own, sweep));
-        let is_mixed = body.n_pressures() > 0;
+        let is_mixed = body.has_pressures();
         for mode in &self.modes {
             if let (Some(sweep), Some(ranks), Some(engine)) = (&sweep, ranks(), engine(body, choice.kind)) {
                 self.choice = Some(SolverChoice { engine: Some(engine.name()), ..choice });
@@ -337,6 +337,9 @@ impl ModeSolvers {
         }
         self.solvers.clear();
         let is_ready = memory.flag("solver.is_ready")?;
+        // The run may come from another number of ranks, which had other solvers: the next stiffness has one of its own.
+        let is_missing = body.shared_part().is_some() && !self.engines.contains(&SolverKind::Direct);
+        self.choice = self.choice.filter(|choice| choice.kind != SolverKind::Direct || !is_missing);
         self.choice.filter(|_| is_ready).map_or(Ok(()), |choice| self.create(body, choice))
     }
 }
