@@ -1,5 +1,6 @@
 //! The environment of a verb: where its text goes, and whether it should stop.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::{fmt, io};
 
@@ -60,6 +61,11 @@ pub trait Host: Sync {
     /// The team of which this process is a rank, for the verbs `run`, `resume` and `check`; `None`: it works alone. All ranks
     /// run the same verb; only the host of rank 0 should show text.
     fn team(&self) -> Option<&Arc<dyn Team>> {
+        None
+    }
+
+    /// The folder from which the ranks of the team read their parts of the mesh; `None`: rank 0 reads the mesh.
+    fn parts(&self) -> Option<&Path> {
         None
     }
 

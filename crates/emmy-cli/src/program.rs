@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write, stderr};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -17,6 +18,7 @@ use crate::{Arguments, TeamArguments, signals};
 #[derive(Debug)]
 struct Program {
     team: Option<Arc<dyn Team>>,
+    parts: Option<PathBuf>,
 }
 
 impl Program {
@@ -54,6 +56,10 @@ impl Host for Program {
         self.team.as_ref()
     }
 
+    fn parts(&self) -> Option<&Path> {
+        self.parts.as_deref()
+    }
+
     fn draws_bars(&self) -> bool {
         self.is_shown() && stderr().is_terminal()
     }
@@ -82,7 +88,7 @@ pub fn main<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -
 /// [`main`] with the exit code as a number.
 pub fn exit_code<A: Into<OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     install_panic_hook();
-    let program = Program { team: None };
+    let program = Program { team: None, parts: None };
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => program.ended(arguments.verb.run(&program)),
         Err(text) => not_parsed(&text),
@@ -98,9 +104,13 @@ pub fn exit_code_on_team<A: Into<OsString> + Clone>(
     team: Arc<dyn Team>,
 ) -> u8 {
     install_panic_hook();
-    let program = Program { team: Some(team.clone()) };
+    let mut program = Program { team: Some(team.clone()), parts: None };
     let code = match TeamArguments::try_parse_from(arguments) {
-        Ok(arguments) => program.ended(arguments.verb.verb().run(&program)),
+        Ok(arguments) => {
+            let (verb, parts) = arguments.verb.verb();
+            program.parts = parts;
+            program.ended(verb.run(&program))
+        }
         Err(text) if program.is_shown() => not_parsed(&text),
         Err(text) => text.exit_code() as u8,
     };
@@ -135,5 +145,5 @@ fn not_parsed(text: &clap::Error) -> u8 {
         return text.exit_code() as u8;
     }
     let printed = text.print().or_else(without_reader).map_err(Failure::from_stdout);
-    Program { team: None }.ended(printed)
+    Program { team: None, parts: None }.ended(printed)
 }

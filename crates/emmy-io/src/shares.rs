@@ -16,7 +16,7 @@ use crate::stored;
 use crate::whole_file::{self, named, remove, replace};
 
 /// Name of the index.
-const INDEX: &str = "index.json";
+pub const INDEX: &str = "index.json";
 
 /// First line of the file of a share; its number is that of the format.
 const HEADER: &str = "emmy share 1\n";
@@ -28,6 +28,8 @@ pub struct Index {
     pub parts: usize,
     /// Digest of the whole mesh.
     pub digest: String,
+    /// The section `[mesh]` of the input, without the name of a file.
+    pub source: String,
     /// Number of nodes of the whole mesh.
     pub nodes: usize,
     /// Number of cells of the whole mesh.
@@ -102,7 +104,8 @@ fn share(words: &[f64]) -> Share {
     rmp_serde::from_slice(&bytes[..words[0] as usize]).expect("the bytes are those that rank 0 has sent")
 }
 
-/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node. Shares of another mesh in the folder are
+/// Splits a mesh into the shares of all ranks, a file each; `owners`: rank of each node; `source`: the section `[mesh]` that
+/// describes it. Shares of another mesh in the folder are
 /// replaced.
 ///
 /// # Errors
@@ -110,7 +113,7 @@ fn share(words: &[f64]) -> Share {
 ///
 /// # Panics
 /// If there is not one owner for each node, or if a rank owns none.
-pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32]) -> io::Result<Index> {
+pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32], source: &str) -> io::Result<Index> {
     std::fs::create_dir_all(directory).map_err(named(directory))?;
     // Without an index, the files cannot be used before all are there.
     remove(&directory.join(INDEX)).map_err(named(directory))?;
@@ -123,6 +126,7 @@ pub fn write(directory: &Path, mesh: &Mesh, owners: &[u32]) -> io::Result<Index>
     let index = Index {
         parts: shares.size(),
         digest: crate::checkpoint::digest(mesh),
+        source: source.to_string(),
         nodes: mesh.n_nodes(),
         cells: mesh.n_cells(),
     };
@@ -205,7 +209,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let mesh = l_block(1.0).unwrap();
         let of_ranks = owners(&mesh, 3).unwrap();
-        let index = write(place.path(), &mesh, &of_ranks).unwrap();
+        let index = write(place.path(), &mesh, &of_ranks, "box").unwrap();
         assert_eq!((index.parts, index.nodes, index.cells), (3, 224, 117));
         for rank in 0..3 {
             let expected = Share::new(&mesh, &of_ranks, rank);

@@ -13,6 +13,7 @@ mod resume;
 mod run;
 mod schema;
 mod sizes;
+mod split;
 mod sweep;
 
 use std::path::{Path, PathBuf};
@@ -68,6 +69,10 @@ pub(crate) enum Verb {
     /// Runs go side by side, each on one thread; `sweep.csv` has a row for each. A run that fails is a row with its
     /// message. Rows are written when their runs end, and --resume continues an interrupted sweep.
     Sweep(sweep::Arguments),
+    /// Split the mesh of an input into parts for `emmy-mpi run --parts`
+    ///
+    /// Each rank then reads its part alone, so no process needs memory for the whole mesh.
+    Split(split::Arguments),
     /// List schemes, materials, elements, meshes, ...
     List(list::Arguments),
     /// Print the JSON schema of the input, for completion and checks in an editor
@@ -83,20 +88,38 @@ pub(crate) enum Verb {
 #[derive(Debug, Subcommand)]
 pub(crate) enum TeamVerb {
     /// Compute the motion on all ranks and write the results, as `emmy run` does
-    Run(run::Arguments),
+    Run {
+        #[command(flatten)]
+        arguments: run::Arguments,
+        #[command(flatten)]
+        parts: Parts,
+    },
     /// Resume a run of any number of ranks from its newest checkpoint
-    Resume(resume::Arguments),
+    Resume {
+        #[command(flatten)]
+        arguments: resume::Arguments,
+        #[command(flatten)]
+        parts: Parts,
+    },
     /// Report on an input and on its division among the ranks; run nothing
     Check(check::Arguments),
 }
 
+/// The folder of a mesh in parts.
+#[derive(Debug, Args)]
+pub(crate) struct Parts {
+    /// Directory of `emmy split` with as many parts as there are ranks: each rank reads its own, and none the whole mesh
+    #[arg(long, value_name = "DIR")]
+    parts: Option<PathBuf>,
+}
+
 impl TeamVerb {
-    /// The verb that the ranks run together.
-    pub(crate) fn verb(self) -> Verb {
+    /// The verb that the ranks run together, and the folder of their parts of the mesh.
+    pub(crate) fn verb(self) -> (Verb, Option<PathBuf>) {
         match self {
-            TeamVerb::Run(arguments) => Verb::Run(arguments),
-            TeamVerb::Resume(arguments) => Verb::Resume(arguments),
-            TeamVerb::Check(arguments) => Verb::Check(arguments),
+            TeamVerb::Run { arguments, parts } => (Verb::Run(arguments), parts.parts),
+            TeamVerb::Resume { arguments, parts } => (Verb::Resume(arguments), parts.parts),
+            TeamVerb::Check(arguments) => (Verb::Check(arguments), None),
         }
     }
 }
@@ -114,6 +137,7 @@ impl Verb {
             Verb::Compare(arguments) => compare::run(&arguments, host),
             Verb::Converge(arguments) => converge::run(&arguments, host),
             Verb::Sweep(arguments) => sweep::run(&arguments, host),
+            Verb::Split(arguments) => split::run(&arguments, host),
             Verb::List(arguments) => list::run(&arguments, host),
             Verb::Schema => schema::run(host),
             Verb::Completions(arguments) => completions::run(&arguments, host),
@@ -165,7 +189,10 @@ impl Input {
 /// The problem of an input, on the team of the host if it has one.
 fn read(file: &Path, overrides: &Overrides, host: &dyn Host) -> Result<Problem, Failure> {
     Ok(match host.team() {
-        Some(team) => emmy_io::input::read_on_team(file, overrides, team)?,
+        Some(team) => {
+            let overrides = Overrides { parts: host.parts().map(Path::to_path_buf), ..overrides.clone() };
+            emmy_io::input::read_on_team(file, &overrides, team)?
+        }
         None => emmy_io::input::read(file, overrides)?,
     })
 }

@@ -53,7 +53,7 @@ pub use formulation::{Formulations, elements};
 pub use material::materials;
 pub(crate) use measured::resolved;
 pub use memory::{Tree, build, check, material_region};
-pub use problem::{Overrides, Problem, read, read_on_team};
+pub use problem::{Overrides, Problem, read, read_mesh, read_on_team};
 pub use quantities::{GroupValue, Measure, Probe, ProbeQuantity, Quantities};
 pub use schema::schema;
 pub(crate) use set::alternatives;

@@ -137,9 +137,14 @@ impl Parts {
         Ok(CheckedMesh { file, formulations })
     }
 
+    /// The mesh alone, with remarks on it.
+    pub(super) fn mesh(mut self) -> Result<MeshFile, InputError> {
+        Ok(self.checked_mesh()?.file)
+    }
+
     /// The problem, once the mesh is made.
     pub(super) fn problem(mut self, resolved: String, source: Source<'_>) -> Result<Problem, InputError> {
-        let (mesh, digest) = source.mesh(|| self.checked_mesh())?;
+        let (mesh, digest) = source.mesh(&resolved, || self.checked_mesh())?;
         let (mesh, mut notes, files, formulations) = match mesh {
             Some(CheckedMesh { file, formulations }) => {
                 (Some(file.mesh), file.notes, file.files, formulations)

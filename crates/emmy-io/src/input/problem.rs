@@ -15,12 +15,13 @@ use super::formulation::Formulations;
 use super::parts::Parts;
 use super::quantities::Quantities;
 use super::settings::{Limits, Output};
-use super::source::Source;
+use super::source::{self, Source};
 use super::tree::{self, Node};
 use super::{
     Start, complete, equilibrium, initial, load, nodal, region, set, settings, shape, support, time, units,
     write,
 };
+use crate::mesh::MeshFile;
 use crate::units::Units;
 
 /// The whole input.
@@ -67,6 +68,8 @@ pub struct Overrides {
     pub until: Option<f64>,
     /// `--output DIR`.
     pub output: Option<PathBuf>,
+    /// `--parts DIR` of a team: the folder of [`crate::shares`] from which each rank reads its part of the mesh.
+    pub parts: Option<PathBuf>,
     /// `--step H` of a resumed run: a time, and the size of the later steps.
     pub step: Option<(f64, f64)>,
 }
@@ -142,12 +145,22 @@ pub fn read(path: &Path, overrides: &Overrides) -> Result<Problem, InputError> {
     Ok(problem)
 }
 
+/// Reads the mesh of an input, and the section `[mesh]` that describes it, as the shares of a team keep it. No body is built.
+///
+/// # Errors
+/// [`InputError`] with every fault and its place.
+pub fn read_mesh(path: &Path, overrides: &Overrides) -> Result<(MeshFile, String), InputError> {
+    let Prepared { parts, resolved, .. } = Prepared::new(tree::read(path)?, path, overrides)?;
+    Ok((parts.mesh()?, source::mesh_section(&resolved)))
+}
+
 /// Reads an input file on all ranks of a team: each has its part of the body. Nothing is written.
 ///
 /// # Errors
 /// [`InputError`] on all ranks. Rank 0 has every fault and its place, if it has found them.
 pub fn read_on_team(path: &Path, overrides: &Overrides, team: &Arc<dyn Team>) -> Result<Problem, InputError> {
-    let mut problem = of_tree(tree::read(path), path, overrides, Source::Team(team))?;
+    let source = overrides.parts.as_deref().map_or(Source::Team(team), |folder| Source::Parts(team, folder));
+    let mut problem = of_tree(tree::read(path), path, overrides, source)?;
     problem.files.insert(0, path.to_path_buf());
     Ok(problem)
 }

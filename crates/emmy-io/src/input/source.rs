@@ -1,5 +1,6 @@
 //! Where the body of a problem comes from.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use emmy::body::{Body, BodyBuilder};
@@ -19,6 +20,8 @@ pub(super) enum Source<'a> {
     Alone(Option<&'a Problem>),
     /// A team, of which this process is a rank.
     Team(&'a Arc<dyn Team>),
+    /// A team whose ranks read their shares from a folder.
+    Parts(&'a Arc<dyn Team>, &'a Path),
 }
 
 impl<'a> Source<'a> {
@@ -26,7 +29,7 @@ impl<'a> Source<'a> {
     pub(super) fn known(self) -> Option<&'a Problem> {
         match self {
             Source::Alone(known) => known,
-            Source::Team(_) => None,
+            Source::Team(_) | Source::Parts(..) => None,
         }
     }
 
@@ -34,16 +37,26 @@ impl<'a> Source<'a> {
     pub(super) fn agree<T>(self, own: Result<T, InputError>) -> Result<T, InputError> {
         match self {
             Source::Alone(_) => own,
-            Source::Team(team) => team::agree(&**team, own, |message| Fault::new(message).into()),
+            Source::Team(team) | Source::Parts(team, _) => {
+                team::agree(&**team, own, |message| Fault::new(message).into())
+            }
         }
     }
 
-    /// The mesh, on a team of rank 0 alone, and there also its digest.
+    /// The mesh, on a team of rank 0 alone, and its digest. Shares in a folder must be those of the mesh of the input, whose
+    /// text is `resolved`.
     pub(super) fn mesh(
         self,
+        resolved: &str,
         read: impl FnOnce() -> Result<CheckedMesh, InputError>,
     ) -> Result<(Option<CheckedMesh>, Option<String>), InputError> {
-        let Source::Team(team) = self else { return Ok((Some(read()?), None)) };
+        let team = match self {
+            Source::Alone(_) => return Ok((Some(read()?), None)),
+            Source::Parts(_, folder) => {
+                return self.agree(digest_of_parts(folder, resolved)).map(|digest| (None, Some(digest)));
+            }
+            Source::Team(team) => team,
+        };
         let mesh = self.agree((team.rank() == 0).then(read).transpose())?;
         let own = mesh.as_ref().map(|mesh| digest(&mesh.file.mesh)).unwrap_or_default();
         Ok((mesh, Some(team::text_of(&**team, 0, &own))))
@@ -52,10 +65,37 @@ impl<'a> Source<'a> {
     /// The builder of a body of a mesh; each rank of a team has its share from rank 0.
     pub(super) fn builder(self, mesh: Option<Mesh>) -> Result<BodyBuilder, InputError> {
         let no_mesh = || InputError::from(Fault::new("no mesh"));
-        let Source::Team(team) = self else { return Ok(Body::builder(mesh.ok_or_else(no_mesh)?)) };
+        let team = match self {
+            Source::Alone(_) => return Ok(Body::builder(mesh.ok_or_else(no_mesh)?)),
+            Source::Parts(team, folder) => {
+                let share = shares::read(folder, team.rank(), team.size());
+                let share = self.agree(share.map_err(|error| Fault::new(error.to_string()).into()));
+                return Ok(Body::shared(share?.0, team.clone()));
+            }
+            Source::Team(team) => team,
+        };
         let owners = mesh.as_ref().map(|mesh| owners(mesh, team.size())).transpose();
         let owners = self.agree(owners.map_err(|error| Fault::new(error.to_string()).into()))?;
         let whole = mesh.as_ref().zip(owners.as_deref());
         Ok(Body::shared(shares::distribute(&**team, whole), team.clone()))
     }
+}
+
+/// The digest of the whole mesh of a folder of shares, if they are those of an input.
+fn digest_of_parts(folder: &Path, resolved: &str) -> Result<String, InputError> {
+    let index = shares::read_index(folder).map_err(|error| Fault::new(error.to_string()))?;
+    if index.source != mesh_section(resolved) {
+        let message =
+            format!("the shares in {} are of another `[mesh]` than that of the input", folder.display());
+        return Err(Fault::new(message).help("`emmy split` writes them again").into());
+    }
+    Ok(index.digest)
+}
+
+/// The section `[mesh]` of a resolved input, without the name of a file, which may move.
+pub(super) fn mesh_section(resolved: &str) -> String {
+    let table = resolved.parse::<toml::Table>().unwrap_or_default();
+    let Some(toml::Value::Table(mut mesh)) = table.get("mesh").cloned() else { return String::new() };
+    mesh.remove("file");
+    mesh.to_string()
 }
