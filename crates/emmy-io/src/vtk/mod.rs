@@ -114,7 +114,7 @@ pub struct FrameTime {
 #[derive(Debug)]
 pub enum FrameWriter {
     /// A file for each frame.
-    Vtu(FrameFiles),
+    Vtu(Box<FrameFiles>),
     /// One file.
     Vtkhdf(Box<Series>),
 }
@@ -206,12 +206,13 @@ impl FrameWriter {
 }
 
 /// A file for each frame of a body, or a piece for each rank.
-fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<FrameFiles> {
+fn files(precision: Precision, directory: &Path, body: &Body) -> io::Result<Box<FrameFiles>> {
     let (mesh, regions) = (body.mesh(), body.region_of_cell());
-    match body.subdomain() {
+    let files = match body.subdomain() {
         None => FrameFiles::create(directory, precision, mesh, regions),
         Some(subdomain) => FrameFiles::shared(directory, precision, mesh, regions, subdomain),
-    }
+    };
+    files.map(Box::new)
 }
 
 /// Array of a group of cells (cell data) or nodes (point data), 1 for its members: `group:NAME`.
