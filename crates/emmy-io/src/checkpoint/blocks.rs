@@ -179,9 +179,9 @@ struct BlockShape {
 pub(super) struct Table {
     lists: Vec<ListShape>,
     blocks: Vec<BlockShape>,
-    /// Place of the first block in the file.
+    /// Places of the blocks in the file, and of its end.
     #[serde(skip)]
-    pub start: u64,
+    places: Vec<u64>,
 }
 
 impl Table {
@@ -194,15 +194,22 @@ impl Table {
         })
     }
 
-    /// Place of a block in the file.
-    pub(super) fn offset(&self, block: usize) -> Option<u64> {
-        self.blocks[..block].iter().try_fold(self.start, |sum, block| sum.checked_add(self.size(block)?))
+    /// Sets the place of the first block in the file, and returns that of its end; `None`: no file is like this.
+    pub(super) fn begin_at(&mut self, start: u64) -> Option<u64> {
+        self.lists.iter().all(ListShape::is_plausible).then_some(())?;
+        let mut places = vec![start];
+        let mut end = start;
+        for block in &self.blocks {
+            end = end.checked_add(self.size(block)?)?;
+            places.push(end);
+        }
+        self.places = places;
+        Some(end)
     }
 
-    /// Whether a file of some length has exactly these blocks.
-    pub(super) fn fits(&self, length: u64) -> bool {
-        let is_plausible = self.lists.iter().all(ListShape::is_plausible);
-        is_plausible && self.offset(self.blocks.len()) == Some(length)
+    /// Place of a block in the file.
+    pub(super) fn place(&self, block: usize) -> u64 {
+        self.places[block]
     }
 
     fn damaged(&self, block: usize) -> String {
@@ -331,8 +338,7 @@ struct Block<'a, R> {
 impl<'a, R: Read + Seek> Block<'a, R> {
     /// The block, and its runs with their places in it.
     fn open(table: &'a Table, input: &'a mut R, index: usize) -> Result<(Self, Runs), String> {
-        let offset = table.offset(index).ok_or_else(|| table.damaged(index))?;
-        input.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
+        input.seek(SeekFrom::Start(table.place(index))).map_err(|error| error.to_string())?;
         let mut block = Block { table, index, input, sum: Hasher::new(), bytes: Vec::new() };
         let mut runs = Runs::default();
         for (kind, runs) in runs.0.iter_mut().enumerate() {
@@ -454,7 +460,7 @@ impl Part {
         Table {
             lists: self.lists.iter().map(|(shape, _)| shape.clone()).collect(),
             blocks: blocks.into_iter().map(block).collect(),
-            start: 0,
+            places: Vec::new(),
         }
     }
 
@@ -532,14 +538,12 @@ mod tests {
     #[test]
     fn sizes_that_no_file_has_are_rejected() {
         let list = |parts, width| ListShape { name: "u".to_string(), entries: Entries::Nodes, parts, width };
-        let table = |list, entries| Table {
-            lists: vec![list],
-            blocks: vec![BlockShape { runs: [1, 0], entries: [entries, 0] }],
-            start: 10,
+        let end = |list, entries| {
+            let blocks = vec![BlockShape { runs: [1, 0], entries: [entries, 0] }];
+            Table { lists: vec![list], blocks, places: Vec::new() }.begin_at(10)
         };
-        assert!(table(list(2, 3), 5).fits(10 + 16 + 2 * 3 * 5 * 8 + 4));
-        assert!(!table(list(2, 3), 5).fits(10 + 16 + 2 * 3 * 5 * 8 + 5));
-        assert_eq!(table(list(2, 3), u64::MAX / 8).offset(1), None);
-        assert!(!table(list(0, LARGEST_SHAPE + 1), 5).fits(10 + 16 + 4));
+        assert_eq!(end(list(2, 3), 5), Some(10 + 16 + 2 * 3 * 5 * 8 + 4));
+        assert_eq!(end(list(2, 3), u64::MAX / 8), None);
+        assert_eq!(end(list(0, LARGEST_SHAPE + 1), 5), None);
     }
 }

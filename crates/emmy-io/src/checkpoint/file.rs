@@ -91,14 +91,13 @@ pub(super) fn write(
     let written = created.and_then(|created| {
         let mut start = [created.as_ref().map_or(0.0, |(_, length)| *length as f64)];
         team.sum("length of the head", &mut start);
-        table.start = start[0] as u64;
         let write = || {
+            table.begin_at(start[0] as u64).ok_or_else(|| io::Error::from(ErrorKind::FileTooLarge))?;
             let mut file = match created {
                 Some((file, _)) => file,
                 None => OpenOptions::new().write(true).open(&unfinished)?,
             };
-            let place = table.offset(team.rank()).ok_or_else(|| io::Error::from(ErrorKind::FileTooLarge))?;
-            file.seek(SeekFrom::Start(place))?;
+            file.seek(SeekFrom::Start(table.place(team.rank())))?;
             part.write(&mut file)?;
             if is_safe { file.sync_all() } else { Ok(()) }
         };
@@ -130,9 +129,8 @@ pub(super) fn read(input: &mut (impl Read + Seek)) -> Result<(Checkpoint, Table)
     let content = before_sum.get(MARK.len() + end + 1 + 8..).ok_or(DAMAGED)?;
     let Head { checkpoint, mut table } = rmp_serde::from_slice(content)
         .map_err(|error| format!("does not have the content of checkpoint format {FORMAT} ({error})"))?;
-    table.start = bytes.len() as u64;
     let length = input.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
-    if !table.fits(length) {
+    if table.begin_at(bytes.len() as u64) != Some(length) {
         return Err(DAMAGED.to_string());
     }
     check(&checkpoint)?;
