@@ -13,6 +13,12 @@ pub enum EngineKind {
 
 impl EngineKind {
     /// Its name, in messages.
+    ///
+    /// ```
+    /// use emmy::team::{Alone, EngineKind, Team};
+    /// assert_eq!(EngineKind::Factorization.name(), "factorisation");
+    /// assert!(Alone.engine(EngineKind::Factorization).is_none());
+    /// ```
     pub const fn name(self) -> &'static str {
         match self {
             EngineKind::Factorization => "factorisation",
